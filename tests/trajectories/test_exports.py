@@ -175,6 +175,7 @@ def test_a_full_disk_leaves_the_former_export_and_no_half_one(
     recorded: Recorded, tmp_path: Path, kind: str, size: int
 ) -> None:
     folder, out = recorded(400 if kind == "numbers" else 60).parent, tmp_path / "out" / "bowl"
+    (folder / "samples.csv").write_text("step,time [s],contacts\n" + "1,0.5,3.0\n" * 1_000)
     out.parent.mkdir()
     out.write_text("former")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)

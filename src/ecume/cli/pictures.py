@@ -51,8 +51,24 @@ class Format(StrEnum):
     NPZ = "npz"
     HEIGHTS = "heights"
     HEIGHTS_VTK = "heights-vtk"
+    RO_CRATE = "ro-crate"
 
 
+Authors = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--author",
+        metavar="NAME",
+        help="Author of the run, with an ORCID if any, for ro-crate. Can be repeated.",
+        show_default=False,
+    ),
+]
+License = Annotated[
+    str | None,
+    typer.Option(
+        "--license", metavar="ID", help="License of the run for ro-crate, such as CC-BY-4.0.", show_default=False
+    ),
+]
 ENDINGS = {
     Format.CSV: ".csv",
     Format.NUMBERS: "-numbers.csv",
@@ -251,22 +267,31 @@ def export(
             "--to",
             help="csv, xyz: text; numbers: CSV of energies, gauges ...; samples: those sampled between frames; "
             "vtk: ParaView (pvd: before 5.12); npz: NumPy; "
-            "heights, heights-vtk: the surface around floats on a grid, for NumPy (.npz, or -o FILE.npy) and ParaView.",
+            "heights, heights-vtk: the surface around floats on a grid, for NumPy (.npz, or -o FILE.npy) and ParaView; "
+            "ro-crate: metadata of the run in its directory.",
             show_default=False,
         ),
     ],
     out: Out = None,
+    authors: Authors = None,
+    license_name: License = None,
     quiet: Quiet = False,
 ) -> None:
     """Write the frames of a run in another format. OVITO and HOOMD read the GSD files in DIR/traj directly.
 
     Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf` ·
-    `ecume export runs/bowl --to numbers -o - | head` (text formats only)
+    `ecume export runs/bowl --to numbers -o - | head` (text formats only) ·
+    `ecume export runs/bowl --to ro-crate --author "Ada Lovelace (0000-0002-1825-0097)" --license CC-BY-4.0`
     """
     from ecume.run.directory import existing
     from ecume.trajectories.exports import export as write
 
     existing(directory)
+    if to is Format.RO_CRATE:
+        wrote(_crate(directory, out, authors or [], license_name or ""), quiet=quiet)
+        return
+    if authors or license_name:
+        raise BadInput("--author and --license are metadata of a run; use them with --to ro-crate")
     if out == Path("-"):
         to_stdout(directory, to.value)
         return
@@ -279,6 +304,15 @@ def export(
         wrote(export_heights(directory, path), quiet=quiet)
         return
     wrote(write(directory, to.value, path), quiet=quiet)
+
+
+def _crate(directory: Path, out: Path | None, authors: list[str], license_name: str) -> Path:
+    """Describe a run in its directory, the only place where the names of its files are right."""
+    from ecume.run.crate import Attribution, write_crate
+
+    if out is not None:
+        raise BadInput("-o: the metadata of a run are in its directory; omit -o, and copy or archive the directory")
+    return write_crate(directory, Attribution(authors, license_name))
 
 
 def wrote(path: Path, *, quiet: bool) -> None:

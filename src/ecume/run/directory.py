@@ -70,6 +70,11 @@ class RunDirectory:
         return self.path / samples.FILE
 
     @property
+    def crate(self) -> Path:
+        """The metadata of the run as a research object; only if they were exported."""
+        return self.path / "ro-crate-metadata.json"
+
+    @property
     def log(self) -> Path:
         """The log: a line for each event."""
         return self.path / "log.jsonl"
@@ -97,7 +102,7 @@ class RunDirectory:
     def parts(self) -> list[Path]:
         """All files of a run but the lock, in the order in which they are removed: the manifest last."""
         contents = [self.trajectory, self.checkpoints, self.scalars, self.samples, self.log, self.status, self.watch]
-        return [*contents, self.done, self.failed, self.scene, self.resolved, self.constants, self.manifest]
+        return [*contents, self.crate, self.done, self.failed, self.scene, self.resolved, self.constants, self.manifest]
 
 
 def existing(path: str | os.PathLike[str]) -> RunDirectory:
