@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pint
 import pytest
+from tests import oracles
+from tests.oracles import dam_breaks, liquids, soft_contacts, swirls
 
 import ecume.laws
 from ecume import _jit
@@ -50,7 +52,11 @@ from ecume.laws import (  # fmt: skip
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
-MODULES = sorted(module.name for module in pkgutil.walk_packages(ecume.laws.__path__, "ecume.laws."))
+MODULES = sorted(
+    module.name
+    for package in (ecume.laws, oracles)
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+)
 COMPILED = (
     special,
     brownian,
@@ -80,6 +86,7 @@ RESCALED = (
     states, column, viscous, diffusion, tension, time_step_limits, wall_repulsion, waves, sloshing, flows,
     lubrication, elasticity,
     long_range, soft_pair, quadrupoles, bubbles, interfaces, friction, ellipsoids, dish_motion,
+    dam_breaks, liquids, soft_contacts, swirls,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -176,7 +183,7 @@ UNSCALED = {
     states.absolute_pressure,
     states.hydrostatic_fault,
     waves.viscous_decay,
-    waves.stoker_bore,
+    dam_breaks.stoker_bore,
 }
 """Defaults in SI, words, or results of several units: they cannot be asked in other units."""
 LAWS = [law for module in RESCALED for law in public(module).values() if law not in UNSCALED]

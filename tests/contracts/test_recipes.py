@@ -1,8 +1,9 @@
-"""CONTRIBUTING's recipes for an integrator, a measured quantity and a figure, followed to the letter in a copy."""
+"""CONTRIBUTING's recipes for a many-body method, an integrator, a measured quantity and a figure, run in a copy."""
 
 import json
 import re
 
+import numpy as np
 import pytest
 from tests.contracts.recipes import Copy, block
 
@@ -10,6 +11,11 @@ from tests.contracts.recipes import Copy, block
 pytestmark = pytest.mark.compiled
 
 EDITS = {
+    "many-body method": [
+        ("models/floating/forces/interactions.py", "before", "import numpy", block("embedded-imports")),
+        ("models/floating/forces/interactions.py", "before", "INTERACTIONS = {", block("embedded") + "\n\n"),
+        ("models/floating/forces/interactions.py", "after", "INTERACTIONS = {", block("embedded-row")),
+    ],
     "integrator": [
         ("models/sph/integration/time_stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),
         ("models/sph/integration/time_stepping.py", "end", "", block("semi-implicit-row")),
@@ -31,6 +37,7 @@ import numpy as np
 from pathlib import Path
 import ecume
 from ecume.models.floating import FLOATING
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.sph.record import SPH
 from ecume.show.figures import figures_of
 from ecume.trajectories.frame import Frame
@@ -54,9 +61,43 @@ scene = ecume.from_plain({
     "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[-3e-3, 0.0], [3e-3, 0.0]]}],
 })
 frames = list(ecume.simulate(scene))
+
+def set_up(count, **tables):
+    places = [[0.0, 0.0], [3.1e-3, 0.4e-3], [-0.5e-3, 3.2e-3], [4.2e-3, 3.9e-3]]
+    scene = ecume.from_plain({
+        "model": "floating", "duration": 0.2, "frame_every": 0.02,
+        "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": places[:count]}],
+        "interaction": {"method": "embedded"}, "hydrodynamics": {"drag": "none"}, **tables,
+    })
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    return scene, parameters, state, FLOATING.workspace(parameters, state, 1.0)
+
+def forces_of(count):
+    _, parameters, state, workspace = set_up(count)
+    return forces_at(parameters, state.position, workspace).copy()
+
+def potential(shift):
+    _, parameters, state, workspace = set_up(4)
+    forces_at(parameters, state.position, workspace)
+    moved = state._replace(position=state.position + shift)
+    return FLOATING.observe(parameters, moved, workspace).numbers["pair_energy"]
+
+slope = np.zeros((4, 2))
+for i, axis in np.ndindex(4, 2):
+    shift = np.zeros((4, 2))
+    shift[i, axis] = 1e-7
+    slope[i, axis] = (potential(-shift) - potential(shift)) / 2e-7
+embedded = {"forces": forces_of(4).tolist(), "slope": slope.tolist(), "two": forces_of(2).tolist(),
+            "three": forces_of(3).tolist()}
+for name, tables in {"smooth": {}, "rough": {"contacts": {"friction": 0.3}}}.items():
+    rows = [frame.numbers for frame in ecume.simulate(set_up(4, **tables)[0])]
+    embedded[name] = [[row["total_energy"], row["kinetic_energy"]] for row in rows]
+
 axes = figures_of(scene)["fastest"](frames, scene).axes[0]
 print(json.dumps({
     "errors": errors,
+    "embedded": embedded,
     "gyration": [frame.numbers["radius_of_gyration"] for frame in frames],
     "unit": frames[0].units["radius_of_gyration"],
     "label": axes.get_ylabel(),
@@ -82,6 +123,23 @@ def made(tmp_path_factory):
 @pytest.mark.parametrize("recipe", EDITS)
 def test_a_recipe_changes_one_file(made, recipe):
     assert len(made[0][recipe]) == 1
+
+
+def test_a_new_method_has_forces_that_are_minus_the_slope_of_an_energy_of_many_bodies(made):
+    found = {name: np.array(values) for name, values in made[1]["embedded"].items()}
+    largest = np.abs(found["forces"]).max()
+    assert found["forces"] == pytest.approx(found["slope"], abs=1e-5 * largest)
+    assert np.abs(found["forces"].sum(axis=0)).max() < 1e-12 * largest
+    third = found["three"][:2] - found["two"]
+    assert abs(third[1] @ np.array([3.6, -2.8])) < 0.95 * np.hypot(*third[1]) * np.hypot(3.6, -2.8), "a sum over pairs"
+    assert found["two"][0] @ (3.1, 0.4) < 0.0 < found["two"][1] @ (3.1, 0.4)
+
+
+@pytest.mark.parametrize("contacts", ["smooth", "rough"])
+def test_a_new_method_keeps_the_energy_with_any_contacts(made, contacts):
+    total, kinetic = np.array(made[1]["embedded"][contacts]).T
+    assert kinetic[-1] > 0.1 * total[0]
+    assert total == pytest.approx(total[0], rel=1e-3)
 
 
 def test_a_new_integrator_moves_a_tank_with_the_order_it_has(made):

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from scipy.integrate import quad, solve_ivp
+from tests.oracles.soft_contacts import deflection_under_force, gap_speed, relaxation_passage
 
 from ecume.errors import BadInput
 from ecume.laws.elasticity import (
@@ -21,11 +22,8 @@ from ecume.laws.lubrication import shear_friction, squeeze_friction
 from ecume.laws.soft_pair import (
     SoftPair,
     crossover_gap,
-    deflection_under_force,
-    gap_speed,
     optimal_force,
     passage_time,
-    relaxation_passage,
     size_under_force,
     viscous_time,
 )

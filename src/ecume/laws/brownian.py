@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from ecume.units import Force, Friction, Length, Mass, Number, Speed, Unit
+from ecume.units import Force, Friction, Length, Number, Unit
 
 BOLTZMANN = 1.380649e-23
 """J/K, exact by definition."""
@@ -36,15 +36,6 @@ def diffusivity(thermal: Energy, friction: Friction) -> Diffusivity:
     2.0
     """
     return thermal / friction
-
-
-def thermal_speed(thermal: Energy, mass: Mass) -> Speed:
-    """The r.m.s. velocity along one axis, sqrt(kT / m); m with the liquid that goes along. [uhlenbeck1930].
-
-    >>> thermal_speed(8.0, 2.0)
-    2.0
-    """
-    return math.sqrt(thermal / mass)
 
 
 def sedimentation_length(thermal: Energy, weight: Force) -> Length:

@@ -20,20 +20,6 @@ Diffusivity = Annotated[float, Unit("m^2/s")]
 DensityFlow = Annotated[float, Unit("kg/(m^6*s)")]
 
 
-def density_flow(
-    excess: Density, delta: Number, smoothing_length: Length, sound_speed: Speed, slope: PerVolumeSquared
-) -> DensityFlow:
-    """What flows to i from a neighbor of unit volume, -2 delta h c_0 excess F; positive from denser neighbors.
-
-    delta: 0.1; h: smoothing_length; c_0: sound_speed; F: slope, (1/r) dW/dr, never positive. It is the published
-    psi_ij . grad W written out: psi is along x_j - x_i and grad W along x_i - x_j. [antuono2010].
-
-    >>> density_flow(1.0, 0.1, 0.5, 10.0, -1.0)
-    1.0
-    """
-    return strength(delta, smoothing_length, sound_speed) * flow(excess, slope)
-
-
 def strength(delta: Number, smoothing_length: Length, sound_speed: Speed) -> Diffusivity:
     """2 delta h c_0: what all flows of a liquid share. [antuono2010].
 

@@ -68,37 +68,6 @@ def tait_density(
     return reference_density * root
 
 
-def tait_sound_speed(
-    density: Densities[Value], reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT
-) -> Speeds[Value]:
-    """Sound speed at a density, c = c_0 (rho/rho_0)^((gamma-1)/2), from c^2 = dp/drho. [monaghan1994].
-
-    >>> tait_sound_speed(1000.0, 1000.0, 10.0)
-    10.0
-    """
-    return sound_speed * power(density / reference_density, 0.5 * (exponent - 1.0))
-
-
-def linear_pressure(density: Densities[Value], reference_density: Density, sound_speed: Speed) -> Pressures[Value]:
-    """Gauge pressure p = c_0^2 (rho - rho_0): Tait with the exponent 1, preferred at low Reynolds numbers.
-
-    [morris1997].
-
-    >>> linear_pressure(1010.0, 1000.0, 10.0)
-    1000.0
-    """
-    return sound_speed * sound_speed * (density - reference_density)
-
-
-def linear_density(pressure: Pressures[Value], reference_density: Density, sound_speed: Speed) -> Densities[Value]:
-    """The density rho_0 + p/c_0^2 that has a gauge pressure under the linear law. [morris1997].
-
-    >>> linear_density(1000.0, 1000.0, 10.0)
-    1010.0
-    """
-    return reference_density + pressure / (sound_speed * sound_speed)
-
-
 def stiffness(reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT) -> Pressure:
     """Tait's b = rho_0 c_0^2 / gamma. [monaghan1994].
 

@@ -105,18 +105,6 @@ def surface_weight_slope(color: Number) -> Number:
     return 12.0 * (1.0 - color) * (1.0 - 3.0 * color) if 0.0 < color < 1.0 else 0.0
 
 
-def surface_share(color: Number) -> Number:
-    """Psi(c) = int_0^c psi = 6c^2 - 8c^3 + 3c^4: the energy, in sigmas, of a plane between the colors 0 and c.
-
-    A solid of the color c_s has Psi(c_s) against the gas and 1 - Psi(c_s) against the liquid; so a surface meets it at
-    the angle with cos(theta) = 2 Psi(c_s) - 1 (Young's law). [brackbill1992, young1805].
-
-    >>> surface_share(0.0), surface_share(1.0)
-    (0.0, 1.0)
-    """
-    return color * color * (6.0 + color * (-8.0 + 3.0 * color))
-
-
 def steepness(gradient: Curvature, least: Curvature) -> Curvature:
     """phi(g): the length g of the color's gradient, and (g^2/g_0 + g_0)/2 below g_0, where its direction is noise.
 

@@ -148,14 +148,5 @@ def subparticle_stress(
     return shear - 2.0 / 3.0 * YOSHIZAWA * squeezed * squeezed * diagonal
 
 
-def inertial_range_coefficient(kolmogorov: Number = 1.5) -> Number:
-    """Lilly's C_s = (1/pi) (2 / (3 C_K))^(3/4) from a spectrum C_K eps^(2/3) k^(-5/3). [lilly1967].
-
-    >>> round(inertial_range_coefficient(), 3)
-    0.173
-    """
-    return math.pow(2.0 / (3.0 * kolmogorov), 0.75) / math.pi
-
-
 LAMINAR = {"morris": morris_friction, "adami": adami_friction}
 """Frictions of a pair by name."""

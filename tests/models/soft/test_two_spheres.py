@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput, SceneError
-from ecume.laws.soft_pair import SoftPair, deflection_under_force, passage_time, relaxation_passage
+from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.model import DONE
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import CLOCK
@@ -14,6 +14,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.scenes.templates import copy_template
 from ecume.simulation import simulate
+from tests.oracles.soft_contacts import deflection_under_force, relaxation_passage
 
 from .clusters import marched, pull_apart
 

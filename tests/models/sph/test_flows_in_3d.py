@@ -9,6 +9,7 @@ import ecume
 from ecume.laws import flows
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import PERIODIC
+from tests.oracles.swirls import beltrami_pressure, beltrami_velocity
 
 pytestmark = pytest.mark.compiled
 
@@ -27,7 +28,7 @@ def swirl(place, speed=1.0):
     """The flow of Arnold, Beltrami and Childress in a unit cube, (N, 3)."""
     x, y, z = TURN * place.T
     parts = ((y, z), (z, x), (x, y))
-    return np.stack([flows.beltrami_velocity(*phases, speed) for phases in parts], axis=-1)
+    return np.stack([beltrami_velocity(*phases, speed) for phases in parts], axis=-1)
 
 
 def swirls(side, precision):
@@ -36,7 +37,7 @@ def swirls(side, precision):
     place = np.stack(np.meshgrid(along, along, along, indexing="ij"), axis=-1).reshape(-1, 3)
     place = (place + np.random.default_rng(1).uniform(-0.1, 0.1, place.shape) / side) % 1.0
     velocity = swirl(place, 1.0 / math.sqrt(3.0))
-    pressure = flows.beltrami_pressure((velocity**2).sum(axis=1), 1.0 / math.sqrt(3.0), 1.0)
+    pressure = beltrami_pressure((velocity**2).sum(axis=1), 1.0 / math.sqrt(3.0), 1.0)
     density = 1.0 + pressure / SOUND**2
     particles = {"positions": place, "velocities": velocity, "densities": density, "masses": density / side**3}
     return from_plain(

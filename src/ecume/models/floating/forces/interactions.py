@@ -93,6 +93,8 @@ class Interaction(Option):
     """energy(part, scratch, parameters, state, workspace): among floats and at walls (J); forces are minus its
     gradient
     """
+    adds_to_pairs: bool = False
+    """whether a method's forces are added to those of the pair law; if not, they replace them"""
     compiled: bool = True
     """whether compiled code can call `add_forces`; if not, Python runs the time steps"""
     scratch: Callable[[Any, Parameters, State, Workspace], Any] = no_scratch
@@ -157,7 +159,8 @@ INTERACTIONS = {
     ),
     "pair-corrected": Interaction(
         path="interaction.method", name="'pair-corrected'", constants=PairTables, make=corrections_of,
-        add_forces=correction_forces, energy=correction_energy, gives=ROUND | {"pair sum"}, laws=(multipole.solve,),
+        add_forces=correction_forces, energy=correction_energy, adds_to_pairs=True, gives=ROUND | {"pair sum"},
+        laws=(multipole.solve,),
         needs={"menisci": "tables hold what two menisci do beyond their sum"},
     ),
     "dipoles": Interaction(
@@ -184,6 +187,9 @@ INTERACTIONS = {
     ),
 }  # fmt: skip
 """By the name of the choice."""
+
+METHODS = tuple(name for name, row in INTERACTIONS.items() if row.path == "interaction.method")
+"""Choices of `interaction.method`."""
 
 BY_CONSTANTS: dict[type, Interaction] = {row.constants: row for row in INTERACTIONS.values()}
 

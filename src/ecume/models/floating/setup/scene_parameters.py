@@ -22,6 +22,7 @@ from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     INTERACTIONS,
+    METHODS,
     RESISTANCES,
     RESISTANCES_BY_CONSTANTS,
     Interaction,
@@ -153,7 +154,7 @@ def _check_names(scene: FloatingScene) -> None:
         ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
         ("interaction.law", str(scene.interaction.law), NAMES),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
-        ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
+        ("interaction.method", scene.interaction.method, METHODS),
         ("interaction.summation", scene.interaction.summation, ("auto", "cells", "grid")),
         ("interaction.precision", scene.interaction.precision, ("double", "single")),
     ]
@@ -206,7 +207,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     """The rows that a scene chooses."""
     integrator, method = INTEGRATORS[scene.integration.integrator], scene.interaction.method
     names = ["shapes"] if scene.shaped else []
-    names += ["superposition"] if method == "pair-corrected" and not scene.shaped else []
+    names += ["superposition"] if INTERACTIONS[method].adds_to_pairs and not scene.shaped else []
     names += [] if method == "superposition" and scene.shaped else [method]
     names += ["grid"] if scene.interaction.summation == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
