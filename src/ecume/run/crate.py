@@ -18,10 +18,11 @@ from typing import NamedTuple, cast
 from urllib.parse import quote
 
 from ecume.errors import BadInput
-from ecume.run.directory import RunDirectory, existing, json_of, write_json
+from ecume.run.directory import RunDirectory, existing, manifest_of
 from ecume.run.lock import held
 from ecume.run.manifest import PROGRAMS
-from ecume.trajectories.durable_files import storing
+from ecume.trajectories.durable_files import storing, write_whole
+from ecume.trajectories.records import as_json, scene_at
 
 CONTEXT = ["https://w3id.org/ro/crate/1.1/context", {"sha256": "https://schema.org/sha256"}]
 PROFILE = "https://w3id.org/ro/crate/1.1"
@@ -72,7 +73,7 @@ def write_crate(directory: str | os.PathLike[str], attribution: Attribution = UN
     """
     home = existing(directory)
     with held(home):
-        write_json(home.crate, metadata(home, attribution))
+        write_whole(home.crate, as_json(metadata(home, attribution)), home.path)
     return home.crate
 
 
@@ -100,7 +101,8 @@ def crate_files(home: RunDirectory) -> list[Path]:
 
 
 def _root(home: RunDirectory, parts: Sequence[object], attribution: Attribution, people: Sequence[Entity]) -> Entity:
-    scene, manifest = json_of(home.resolved), json_of(home.manifest)
+    manifest = manifest_of(home)
+    scene = scene_at(home.path, manifest)
     title = str(scene.get("title") or home.path.resolve().name)
     model, version = manifest.get("model", ""), manifest.get("ecume", "")
     described = f"Simulation of {scene.get('duration'):g} s with the model {model} of ecume {version}"
@@ -140,7 +142,7 @@ def _file(home: RunDirectory, path: Path) -> Entity:
 
 def _action(home: RunDirectory, files: Sequence[Entity]) -> Entity:
     """The computation: by which program, of which scene, when, and how it ended."""
-    sessions = json_of(home.manifest).get("sessions", [])
+    sessions = manifest_of(home).get("sessions", [])
     state = "Completed" if home.done.exists() else "Failed" if home.failed.exists() else "Active"
     inputs = ("scene.toml", "resolved.json")
     action: Entity = {
@@ -161,7 +163,7 @@ def _action(home: RunDirectory, files: Sequence[Entity]) -> Entity:
 
 def _programs(home: RunDirectory) -> list[Entity]:
     """The version of ecume that began the run, and those of its libraries."""
-    manifest = json_of(home.manifest)
+    manifest = manifest_of(home)
     names = [name for name in ("python", *PROGRAMS) if manifest.get(name)]
     libraries = [_program(f"#{name}", name, manifest[name]) for name in names]
     needs = [_reference(library["@id"]) for library in libraries]
