@@ -12,12 +12,17 @@ from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
 
 
+def _as_it_is(frame: Frame) -> Frame:
+    return frame
+
+
 class ExportedFrames:
     """A view of a trajectory."""
 
     def __init__(self, trajectory: Trajectory) -> None:
         self._trajectory = trajectory
-        self._completed = derived_arrays(trajectory.scene)
+        known = (trajectory.directory / "resolved.json").is_file()  # a bare folder of frames has no scene
+        self._completed = derived_arrays(trajectory.scene) if known else _as_it_is
 
     @property
     def times(self) -> NDArray[np.float64]:
