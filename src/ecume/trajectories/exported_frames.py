@@ -13,15 +13,17 @@ from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.samples import Samples
 
 
+def _as_it_is(frame: Frame) -> Frame:
+    return frame
+
+
 class ExportedFrames:
     """A view of a trajectory."""
 
     def __init__(self, trajectory: Trajectory) -> None:
         self._trajectory = trajectory
         described = (trajectory.directory / "resolved.json").exists()  # a folder of frames may have no scene
-        self._completed: Callable[[Frame], Frame] = (
-            derived_arrays(trajectory.scene) if described else lambda frame: frame
-        )
+        self._completed: Callable[[Frame], Frame] = derived_arrays(trajectory.scene) if described else _as_it_is
 
     @property
     def times(self) -> NDArray[np.float64]:

@@ -58,7 +58,7 @@ def coefficients_of(scene: TracersScene) -> Coefficients:
 
 
 def own_or(given: WallSpec | ObstacleSpec, usual: tuple[float, float]) -> tuple[float, float]:
-    """The coefficients of a wall or an obstacle, and the usual ones where it has none of its own."""
+    """The coefficients of a wall or an obstacle; by default the usual ones."""
     own = given.restitution, given.tangential_restitution
     normal, tangential = (other if one is None else one for one, other in zip(own, usual, strict=True))
     return normal, tangential

@@ -17,11 +17,11 @@ Turning = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 
 
 THINNEST = 1e-9
-"""Of the area of the square around a polygon: less is none."""
+"""The smallest area of a polygon, relative to the square around it."""
 
 
 def above_fault(low: Sequence[float] | None, high: Sequence[float] | None) -> str:
-    """The fault of a corner that is not above `low` in each direction; empty where there is none."""
+    """The fault of a corner that is not above `low` in each direction, or an empty text."""
     for axis, (a, b) in zip("xyz", zip(low or (), high or (), strict=False), strict=False):
         if not a < b:
             return f"got {b:g} m along {axis}; expected more than {a:g} m, that of low"
