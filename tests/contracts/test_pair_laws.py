@@ -20,6 +20,7 @@ from ecume.models.floating.mpi import require_spreadable
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
 from ecume.models.floating.report.frames import observe
 from ecume.models.floating.time_integration.integrators import SCHEMES
+from ecume.models.user_laws import bind
 from ecume.simulation import simulate
 
 FLOATING = MODELS["floating"]
@@ -245,16 +246,17 @@ NO_SUMS = {"multipole": "sum of the pair law", "shapes": "sum of the pair law", 
 
 @pytest.mark.parametrize(("name", "option"), WITH_MINE)
 def test_a_users_own_law_is_added_to_every_law_and_option(name, option):
-    model = FLOATING.extended([my_own])
-    parameters, state, workspace = begun(name, option)
+    scene = scene_with(name, option)
+    model = FLOATING.extended(bind(scene, [my_own]))
     if not PAIR_LAWS[name].reciprocal:
-        assert refused_by(name, lambda: model.advance(parameters, state, workspace, 1), BadInput)
-        return
-    if option in NO_SUMS:
-        with pytest.raises(BadInput, match=NO_SUMS[option]):
-            model.advance(parameters, state, workspace, 1)
+        assert refused_by(name, lambda: model.parameters(scene))
         return
     alone = first_forces(FLOATING, *begun(name, option))
+    if option in NO_SUMS:
+        with pytest.raises(SceneError, match=NO_SUMS[option]):
+            model.parameters(scene)
+        return
+    parameters, state, workspace = begun(name, option, model)
     mine = sum_of_own_forces(parameters, state.position.copy(), my_own)
     found = first_forces(model, parameters, state, workspace)
     assert np.abs(mine).max() > 1e-9

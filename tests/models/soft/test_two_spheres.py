@@ -135,7 +135,7 @@ def test_what_cannot_be_simulated_is_refused_in_one_line(change, path, says):
 
 
 def test_a_users_own_law_is_refused():
-    with pytest.raises(BadInput, match="takes none; the floating model does"):
+    with pytest.raises(BadInput, match="this model has no user-defined laws"):
         SOFT.extended([lambda distance, pair: 0.0])
 
 
