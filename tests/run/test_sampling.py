@@ -200,3 +200,13 @@ def test_a_checkpoint_without_its_samples_is_not_used(
     assert len(list(home.checkpoints.glob("*.damaged"))) == 1
     assert home.samples.read_bytes() == RunDirectory(tmp_path / "whole").samples.read_bytes()
     assert checkpoints.newest_first(home)
+
+
+def test_rows_after_the_checkpoint_are_cut(tmp_path: Path, scene: Scenes) -> None:
+    run(scene(output={"samples": {"every": 0.01}}), tmp_path / "run")
+    home = RunDirectory(tmp_path / "run")
+    whole = home.samples.read_bytes()
+    home.done.unlink()
+    home.samples.write_bytes(whole + b"600,0.6,1.0,2.0\n7")
+    resume(home.path)
+    assert home.samples.read_bytes() == whole
