@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ecume._jit import use_threads
 from ecume.errors import EcumeError
 from ecume.models import MODELS
 from ecume.scenes.salvage import load_and_examine
@@ -37,6 +38,7 @@ def mutated_values(scale: float, folder: Path) -> Outcome:
         path.stem: tomllib.loads(path.read_text(encoding="utf-8"))
         for path in sorted(Path(str(templates())).glob("*.toml"))
     }
+    use_threads(1)  # a process that is forked has no other threads
     for plain in known.values():
         stepped(plain)  # what is compiled is compiled once, and forked
     for _ in range(tried):

@@ -96,7 +96,7 @@ class _Requests(BaseHTTPRequestHandler):
         self._answer(self.site.post(asked.path, self.rfile.read(size)))
 
     def _asked(self) -> SplitResult | None:
-        """The address that is asked for; None, after an answer, where it is none."""
+        """The requested address; None, after an answer, where it is malformed."""
         try:
             return urlsplit(self.path)
         except ValueError:
@@ -141,7 +141,7 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Connections that break are no news; a defect of ours is."""
+        """Report exceptions, except those of broken connections."""
         if not isinstance(sys.exception(), OSError):
             super().handle_error(request, client_address)
 

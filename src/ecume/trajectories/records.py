@@ -187,7 +187,7 @@ def write_json(path: Path, plain: Any) -> None:
 
 
 def json_of(path: Path, root: Path | None = None) -> dict[str, Any]:
-    """The plain data of a file. Raises StorageError where it is none. Below `root` no link is followed."""
+    """The plain data of a file. Raises StorageError for anything else. Below `root` no link is followed."""
     with storing(path):
         content = content_of(path, MOST_BYTES, root)
     return _table_of(content, path)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import mmap
 import os
+import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -60,6 +62,33 @@ class Segment:
         if chunks[CHECKSUM][:, 0].tolist() != expected:
             raise StorageError(self.damage(frame))
         return chunks
+
+    def unproven(self) -> Iterator[int]:
+        """The frames whose checksums do not fit their bytes, as `chunks` finds them, without an array for each chunk:
+        the bytes are read where they are.
+        """
+        with mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ) as mapped, memoryview(mapped) as data:
+            first: dict[int, tuple[bytes, int, int]] = {}
+            entries = self.index.entries
+            fields = (entries[name].tolist() for name in ("name", "rows", "columns", "location"))
+            rows = list(zip(*fields, entries["type"].tolist(), gsd_layout.sizes(entries).tolist(), strict=True))
+            names = self.index.names
+            order = sorted((name, number) for number, name in enumerate(names) if name != CHECKSUM)
+            numbers = [names.index(name) for name in gsd_schema.number_names(self.header) if name in names]
+            seal = names.index(CHECKSUM)
+            crowded = gsd_layout.size_of(entries) > len(data)
+            for frame in range(self.frames):
+                found = dict(first)
+                if crowded and gsd_layout.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
+                    yield frame
+                    continue
+                for name, count, wide, start, kind, size in rows[self._starts[frame] : self._starts[frame + 1]]:
+                    head = f"{names[name]} {TYPES[kind].str} {(count, wide)}".encode()
+                    found[name] = (head, start, start + size)
+                if not frame:
+                    first = found
+                if not _fits(data, found, [number for _, number in order], numbers, seal):
+                    yield frame
 
     def frame(self, number: int) -> Frame:
         """A frame. Raises StorageError where it is damaged."""
@@ -125,6 +154,25 @@ class Segment:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+def _fits(
+    data: memoryview,
+    found: Mapping[int, tuple[bytes, int, int]],
+    order: Sequence[int],
+    numbers: Sequence[int],
+    seal: int,
+) -> bool:
+    """Whether the checksums of a frame fit its chunks: of each its description, and where it begins and ends."""
+    crc = 0
+    for name in order:
+        if name in found:
+            head, start, end = found[name]
+            crc = zlib.crc32(data[start:end], zlib.crc32(head, crc))
+    if seal not in found or any(name not in found for name in numbers):
+        return False
+    own = zlib.crc32(b"".join(data[found[name][1] : found[name][2]] for name in numbers))
+    return bytes(data[found[seal][1] : found[seal][2]]) == struct.pack("<2I", crc, own)
 
 
 class GrowingSegment:

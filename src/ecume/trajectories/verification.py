@@ -72,7 +72,7 @@ def good_frames(folder: Path) -> int:
 
 def damages(segment: Segment) -> Iterator[tuple[int, str]]:
     """The damaged frames of a segment: their numbers in it, and a line each."""
-    for frame in range(segment.frames):
+    for frame in segment.unproven():
         try:
             segment.chunks(frame)
         except StorageError as error:
