@@ -84,7 +84,7 @@ def test_multipoles_refuse_bodies_that_sink_or_overlap():
     with pytest.raises(FloaterSinks):
         solve([[0.0, 0.0], [5e-3, 0.0]], [STEEL, STEEL], WATER)
     wetted = flotation.Sphere(1e-3, 900.0, 0.3)  # its contact line is far inside
-    with pytest.raises(BadInput, match=r"bodies 0 and 1 overlap by 0\.0002 m"):
+    with pytest.raises(BadInput, match=r"bodies 0 and 1 overlap by 200 µm"):
         solve([[0.0, 0.0], [1.8e-3, 0.0]], [wetted, wetted], WATER)
     assert np.isfinite(solve([[0.0, 0.0], [2e-3, 0.0]], [wetted, wetted], WATER).forces).all()
 

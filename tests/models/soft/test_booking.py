@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.elasticity import PREFACTORS, surface_energy
-from ecume.laws.soft_pair import SoftPair, deflection_under_force
+from ecume.laws.soft_pair import SoftPair
 from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
@@ -16,6 +16,7 @@ from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, 
 from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate
+from tests.oracles.soft_contacts import deflection_under_force
 
 from .clusters import marched, pull_apart
 from .test_packings import packing

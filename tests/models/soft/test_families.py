@@ -10,13 +10,14 @@ from scipy.integrate import solve_ivp
 from ecume.errors import SceneError
 from ecume.laws.elasticity import contact_size, pair_modulus, reduced_radius
 from ecume.laws.interfaces import INTERFACES
-from ecume.laws.soft_pair import SoftPair, deflection_under_force, passage_time
+from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import ACCEPTED, FAILED
 from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import FilmSpec
 from ecume.simulation import simulate
+from tests.oracles.soft_contacts import deflection_under_force
 
 from .clusters import marched
 
