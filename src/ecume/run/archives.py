@@ -60,10 +60,17 @@ def _array(content: bytes) -> NDArray[Any]:
         raise ValueError(f"its arrays are of version {version}")
     shape, columns_first, kind = readers[version](stream)
     data = memoryview(content)[stream.tell() :]
-    if kind.kind not in KINDS or math.prod(shape) * kind.itemsize != len(data):
+    if not _is_numeric(kind) or math.prod(shape) * kind.itemsize != len(data):
         raise ValueError("the header of an array does not fit its data")
     order: Any = "F" if columns_first else "C"
     return np.frombuffer(data, kind).reshape(shape, order=order).copy(order=order)
+
+
+def _is_numeric(kind: np.dtype[Any]) -> bool:
+    """Whether items are numbers, or records of numbers."""
+    if kind.fields is None:
+        return kind.kind in KINDS
+    return all(_is_numeric(kind[name]) for name in kind.fields)
 
 
 class _Lent(io.RawIOBase):

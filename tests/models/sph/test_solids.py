@@ -296,11 +296,11 @@ def test_a_body_comes_to_rest_on_the_floor_without_sinking_into_it():
                 "obstacles": [{"low": [0.2, 0.2], "high": [0.4, 0.4]}],
                 "bodies": [{"center": [0.45, 0.3], "radius": 0.1, "density": 1.0}],
             },
-            "bodies[0]: starts 0.05 m inside obstacles[0]",
+            "bodies[0]: starts 50 mm inside obstacles[0]",
         ),
         (
             {"bodies": [{"center": [0.5, 0.5], "radius": radius, "density": 1.0} for radius in (0.1, 0.3)]},
-            "bodies[1]: starts 0.2 m inside bodies[0]",
+            "bodies[1]: starts 200 mm inside bodies[0]",
         ),
         ({"obstacles": [{"vertices": [[0, 0], [1, 0], [0.2, 0.2], [0, 1]]}]}, "obstacles[0].vertices"),
         ({"obstacles": [{"center": [0.5, 0.5, 0.5], "radius": 0.2}]}, "obstacles[0].center"),

@@ -78,7 +78,7 @@ def test_a_table_that_gives_densities_is_believed(tmp_path):
         ("x,y,radius\n1,1,1\n", r"fluid\[0\].particles_from: drop.csv, line 1, column 'radius': no such column"),
         ("x,y\n1,one\n", "line 2, column y: got 'one'"),
         ("x,y,z\n1,1,1\n", "got 3 numbers; the tank has 2 dimensions"),
-        (None, "'drop.csv' is not there"),
+        (None, "'drop.csv' does not exist"),
     ],
 )
 def test_a_table_of_no_use_is_refused_at_its_line(tmp_path, table, says):
