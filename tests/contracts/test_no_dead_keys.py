@@ -12,10 +12,23 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from tests.contracts.effects import EXPORT, PICTURE, REFUSED, RUN, STOPS, floating, merged, soft, sph, tracers
+from tests.contracts.effects import (
+    EXPORT,
+    FILES,
+    LAWS,
+    PICTURE,
+    REFUSED,
+    RUN,
+    STOPS,
+    floating,
+    merged,
+    soft,
+    sph,
+    tracers,
+)
 
 from ecume.analysis.pressures import with_pressures
-from ecume.errors import Diverged, SceneError
+from ecume.errors import Diverged, EcumeError
 from ecume.models import MODELS
 from ecume.models.invariants import Invariant
 from ecume.run import run
@@ -75,7 +88,9 @@ def both(model, path):
 @cache
 def ran(text):
     """The frames of a scene."""
-    return list(simulate(from_plain(eval(text))))  # the text is that of a tuple of ours
+    scene = from_plain(eval(text))  # the text is that of a tuple of ours
+    named = {one.law for one in scene.user_laws}
+    return list(simulate(scene, extra_laws=[law for law in LAWS if law.__name__ in named]))
 
 
 def frames_of(plain):
@@ -109,7 +124,7 @@ def refusal(plain):
     """Why a scene is refused; empty if it runs."""
     try:
         frames_of(plain)
-    except SceneError as fault:
+    except EcumeError as fault:
         return str(fault)
     return ""
 
@@ -133,12 +148,26 @@ def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
         assert stops(changed, monkeypatch, tmp_path / "changed")
         assert not stops(scene, monkeypatch, tmp_path / "scene")
         return
+    if shows == FILES:
+        assert files(scene, tmp_path / "scene") != files(changed, tmp_path / "changed")
+        return
     if shows == REFUSED:
         assert refusal(scene) != refusal(changed)
         return
     assert (refusal(scene), refusal(changed)) == ("", "")
     of = {RUN: recorded, PICTURE: pictured, EXPORT: exported}[shows]
     assert of(scene) != of(changed)
+
+
+def files(plain, folder):
+    """The frames and samples of a run, as bytes, or why it is refused."""
+    try:
+        run(from_plain(plain), folder)
+    except EcumeError as fault:
+        return str(fault)
+    return [
+        path.read_bytes() for path in (*sorted((folder / "traj").glob("*")), folder / "samples.csv") if path.exists()
+    ]
 
 
 def stops(plain, monkeypatch, folder):

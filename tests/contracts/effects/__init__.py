@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-RUN, PICTURE, EXPORT, REFUSED, STOPS = "run", "picture", "export", "refused", "stops"
+RUN, PICTURE, EXPORT, FILES, REFUSED, STOPS = "run", "picture", "export", "files", "refused", "stops"
 
 
 class Effect(NamedTuple):
@@ -19,13 +19,48 @@ class Effect(NamedTuple):
     beside: dict[str, Any]
     """changes to the base scene, before"""
     shows: str
-    """`run`: in the recorded frames; `picture`: in titles, colors and legends; `export`: in exported files; `refused`:
-    the scene is refused with or without the change; `stops`: the run ends earlier"""
+    """`run`: in the recorded frames; `picture`: in titles, colors and legends; `export`: in exported files; `files`:
+    in the files of a run; `refused`: the scene is refused with or without the change; `stops`: the run ends earlier"""
 
 
 def of(value: Any, shows: str = RUN, **beside: Any) -> Effect:
     """An effect, with tables of the scene beside it."""
     return Effect(value, beside, shows)
+
+
+def push(distance: float, parameters: Any) -> float:
+    """A pair law (N)."""
+    strength: float = parameters.constants[0]
+    return strength / distance
+
+
+def hold(distance: float, parameters: Any) -> float:
+    """Another one."""
+    strength: float = parameters.constants[0]
+    return -strength * distance
+
+
+def drift(position: Any, velocity: Any, time: float, parameters: Any) -> tuple[float, float]:
+    """An external law (m/s^2)."""
+    return parameters.constants[0], 0.0
+
+
+def lift(position: Any, velocity: Any, time: float, parameters: Any) -> tuple[float, float]:
+    """Another one."""
+    return 0.0, parameters.constants[0]
+
+
+LAWS = (push, hold, drift, lift)
+"""User laws of scenes that name them."""
+SAMPLES = {"output": {"samples": {"every_steps": 2, "block": 2, "numbers": ["kinetic_energy"]}}}
+OUTPUT = {
+    "output.quantities": of(["position"], FILES),
+    "output.precision": of("single", FILES),
+    "output.samples.every_steps": of(3, FILES, **SAMPLES),
+    "output.samples.block": of(1, FILES, **SAMPLES),
+    "output.samples.numbers": of(["kinetic_energy", "total_energy"], FILES, **SAMPLES),
+}
+"""Of any model with time steps of one length, but for `output.samples.every`."""
 
 
 def merged(one: Any, other: Any) -> Any:

@@ -1,6 +1,6 @@
 """Effects of the keys of floats."""
 
-from . import PICTURE, REFUSED, STOPS, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
 
 BASE = {
     "model": "floating", "duration": 5e-4, "frame_every": 5e-4,
@@ -45,7 +45,21 @@ SPRINGS = {"contacts": {"law": "spring-dashpot", "stiffness": 1.0}, "integration
 RING = {"particles": [{"positions": None, "count": 3, "placement": "ring", "ring_radius": 5e-3}]}
 LATTICE = {"particles": [{"positions": None, "count": 3, "placement": "lattice", "spacing": 3e-3}]}
 
+CELL = {"cell": {"size": [0.08, 0.08]}, "particles": [{"velocity": [-1.0, 0.0]}]}
+EVERY = {"output": {"samples": {"every": 1e-4}}}
+TWO = {"particles": [{"name": "a"}, {"name": "b", "radius": 1e-3, "density": 600.0, "contact_angle": 1.2,
+                                     "positions": [[8e-3, 0.0]]}]}  # fmt: skip
+PUSH = {"user_laws": [{"law": "push", "constants": [1e-9]}], **TWO}
+
 EFFECTS = {
+    **OUTPUT,
+    "output.samples.every": of(2e-4, FILES, **EVERY),
+    "user_laws.law": of("hold", **PUSH),
+    "user_laws.species": of(["a", "b"], **PUSH),
+    "user_laws.constants": of([2e-9], **PUSH),
+    "cell.size": of([0.09, 0.08], **CELL),
+    "cell.area_fraction": of(1e-3, **CELL),
+    "liquid.color": of("orange", PICTURE),
     "model": of("tracers", REFUSED),
     "title": of("another", PICTURE),
     "duration": of(1e-3),

@@ -1,6 +1,6 @@
 """Effects of the keys of soft spheres."""
 
-from . import PICTURE, REFUSED, STOPS, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
 
 BASE = {
     "model": "soft", "duration": 1e-3, "frame_every": 1e-3,
@@ -29,7 +29,17 @@ WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}]}
 LOOSE = {"positions": None, "force": None, "count": 4}
 SCATTERED = {"particles": [LOOSE, LOOSE], "cell": {"size": [6.5, 6.5]}, **SHEAR}
 
+SAMPLES = {"output": {"samples": {"every": 2e-4, "block": 2, "numbers": ["elastic_energy"]}}}
+
 EFFECTS = {
+    **OUTPUT,
+    "output.samples.every": of(1e-3, FILES, **SAMPLES),
+    "output.samples.every_steps": of(3, FILES),
+    "output.samples.block": of(1, FILES, **SAMPLES),
+    "output.samples.numbers": of([], FILES, **SAMPLES),
+    "user_laws.law": of("push", REFUSED),
+    "user_laws.species": of(["a"], REFUSED),
+    "user_laws.constants": of([1.0], REFUSED),
     "model": of("tracers", REFUSED),
     "title": of("another", PICTURE),
     "duration": of(2e-3),

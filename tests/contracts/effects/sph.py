@@ -1,6 +1,6 @@
 """Effects of the keys of tanks."""
 
-from . import EXPORT, PICTURE, REFUSED, STOPS, of
+from . import EXPORT, FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
 
 BASE = {
     "model": "sph", "duration": 0.05, "frame_every": 0.05, "spacing": 0.25, "gravity": [0.0, -1.0],
@@ -45,7 +45,16 @@ TRANSPORT = {"method": {"pressure_force": "transport"}, **FULL}
 LID = {"tank": {"bottom": {"velocity": [0.2, 0.0]}}, **VISCOUS}
 SIDES = ("left", "right", "bottom", "top", "front", "back")
 
+REGIONS = {"fluid": [{"high": [0.5, 0.5]}, {"low": [0.5, 0.0], "high": [1.0, 0.5]}]}
+PUSH = {"user_laws": [{"law": "push", "constants": [1e-3]}], **REGIONS}
+EVERY = {"output": {"samples": {"every": 0.01}}}
+
 EFFECTS = {
+    **OUTPUT,
+    "output.samples.every": of(0.02, FILES, **EVERY),
+    "user_laws.law": of("hold", **PUSH),
+    "user_laws.species": of(["fluid-1", "fluid-1"], **PUSH),
+    "user_laws.constants": of([2e-3], **PUSH),
     "model": of("tracers", REFUSED),
     "title": of("another", PICTURE),
     "duration": of(0.1),

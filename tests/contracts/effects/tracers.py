@@ -1,6 +1,6 @@
 """Effects of the keys of tracers."""
 
-from . import PICTURE, REFUSED, STOPS, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
 
 BASE = {
     "model": "tracers", "duration": 0.02, "frame_every": 0.02, "gravity": 9.81,
@@ -17,7 +17,19 @@ COMING = {"openings": [{**OPENING["openings"][0], "rate": 500.0, "velocity": [0.
 CARRIED = {"openings": [{**OPENING["openings"][0], "concentration": 1e6}], "flow": {"velocity": [0.05, 0.0]}}
 WATER = {"liquid": {"name": "water"}}
 
+DRIFT = {
+    "user_laws": [{"law": "drift", "constants": [0.1]}],
+    "particles": [{"name": "a"}, {"name": "b", "radius": 2e-4, "density": 2500.0, "count": 1}],
+}
+EVERY = {"output": {"samples": {"every": 4e-3}}}
+
 EFFECTS = {
+    **OUTPUT,
+    "output.samples.every": of(8e-3, FILES, **EVERY),
+    "user_laws.law": of("lift", **DRIFT),
+    "user_laws.species": of(["b"], **DRIFT),
+    "user_laws.constants": of([0.2], **DRIFT),
+    "particles.velocities": of([[0.01, 0.0], [0.0, 0.02]], **PLACED),
     "model": of("sph", REFUSED),
     "title": of("another", PICTURE),
     "duration": of(0.04),

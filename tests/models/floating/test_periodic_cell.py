@@ -155,8 +155,8 @@ def test_arrangements_are_around_the_center_of_the_cell(placement, extra):
 REFUSED = {
     "an attraction that reaches farther than half a side": (
         "[cell]\nsize = [0.05, 0.06]\n",
-        r"cell.size: got 50 mm as the shorter side; expected at least 55.71 mm: the attraction reaches 27.85 mm, .*"
-        r"interaction.accuracy = 0.00028 would accept",
+        r"cell.size: got 50 mm as the shorter side; expected at least 58.72 mm: the attraction reaches 29.36 mm, .*"
+        r"interaction.accuracy = 0.00047 would accept",
     ),
     "a dish": (f"{CELL}[dish]\nradius = 0.1\n", r"cell: is periodic along both axes"),
     "multipoles": (f'{CELL}[interaction]\nmethod = "multipole"\n', r"'multipole' needs a dish or an infinite surface"),
@@ -182,7 +182,7 @@ def test_a_cell_is_refused_with(case):
 
 
 def test_the_advised_accuracy_accepts_the_cell():
-    rest = "[cell]\nsize = [0.05, 0.06]\n[interaction]\naccuracy = 0.00028\n"
+    rest = "[cell]\nsize = [0.05, 0.06]\n[interaction]\naccuracy = 0.00047\n"
     parameters = FLOATING.parameters(scene_of(f"{WATER}[[particles]]\n{HEAVY}count = 2\n{rest}"))
     assert 0.024 < parameters.cutoff <= 0.025
 

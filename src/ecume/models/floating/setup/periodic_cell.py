@@ -79,7 +79,8 @@ def _pair_range(parameters: Parameters, half: float) -> list[Range]:
     """The range of the pair law; the hint says which part of the attraction a cutoff at half a side would omit."""
     if not row_of(parameters).has_force:
         return []
-    omitted = capillarity.neglected_fraction(half / float(parameters.pair[CAPILLARY_LENGTH]))
+    length, contact = float(parameters.pair[CAPILLARY_LENGTH]), 2.0 * float(parameters.floats.radius.max())
+    omitted = capillarity.neglected_fraction(half / length, contact / length)
     hint = (
         f" (interaction.accuracy = {_rounded_up(omitted, 2):g} would accept this cell: that fraction of the attraction "
         "at a raft's edge would be omitted)"
