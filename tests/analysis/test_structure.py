@@ -5,6 +5,7 @@ import pytest
 from matplotlib.path import Path
 
 from ecume.analysis.clusters import touching_clusters
+from ecume.analysis.series import tracks
 from ecume.analysis.structure import (
     Region,
     approach,
@@ -129,3 +130,38 @@ def test_a_polygon_shares_with_itself_moved_what_points_strewn_in_it_say(shape):
         moved = points + shift * np.column_stack([np.cos(angle), np.sin(angle)])
         share = path.contains_points(moved).mean()
         assert region.overlap(np.array([shift]))[0] == pytest.approx(share * region.area, abs=0.01 * region.area)
+
+
+CELL = {"box_width": 1.0, "box_height": 0.8}
+
+
+def in_cell(position, radius=0.05):
+    """A frame of a periodic cell."""
+    position = np.asarray(position, dtype=float)
+    return Frame(0.0, {"position": position, "radius": np.full(len(position), radius)}, CELL, {})
+
+
+def test_points_strewn_in_a_periodic_cell_have_no_order():
+    chance, edges = np.random.default_rng(3), np.linspace(0.0, 0.4, 9)
+    frames = [in_cell(chance.random((400, 2)) * [1.0, 0.8]) for _ in range(6)]
+    found = pair_distribution(frames, edges, Region(size=(1.0, 0.8), periodic=True))
+    assert found == pytest.approx(1.0, abs=0.03)
+    with pytest.raises(BadInput, match=r"at most 0\.4 m"):
+        pair_distribution(frames, np.array([0.0, 0.5]), Region(size=(1.0, 0.8), periodic=True))
+
+
+def test_order_and_shapes_do_not_depend_on_where_a_raft_lies_in_a_periodic_cell():
+    raft = place_on_lattice(7, 0.1, (0.5, 0.4))
+    across = np.mod(raft + np.array([0.5, 0.42]), [1.0, 0.8])
+    inside, outside = in_cell(raft), in_cell(across)
+    assert np.abs(hexatic_order(outside)) == pytest.approx(np.abs(hexatic_order(inside)))
+    assert np.array_equal(neighbor_pairs(outside), neighbor_pairs(inside))
+    one, other = (shapes_of(frame, touching_clusters(frame)) for frame in (inside, outside))
+    assert touching_clusters(outside).sizes.tolist() == [7]
+    assert other.gyration_radius == pytest.approx(one.gyration_radius)
+
+
+def test_paths_do_not_jump_at_the_borders_of_a_periodic_cell():
+    path = np.array([[0.9, 0.1]]) + np.linspace(0.0, 1.7, 12)[:, None] * [1.0, -0.5]
+    found = tracks([in_cell(np.mod(place, [1.0, 0.8])[None]) for place in path])
+    assert found[:, 0] == pytest.approx(path)

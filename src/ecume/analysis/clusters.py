@@ -11,6 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ecume.analysis.boxes import box_of
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -63,13 +64,15 @@ def touching_pairs(
 
 
 def touching_clusters(frame: Frame, *, tolerance: float = TOLERANCE, period: Sequence[float] | None = None) -> Clusters:
-    """The clusters of one instant.
+    """The clusters of one instant; `period` is by default that of the frame's box, unless it is sheared.
 
     >>> arrays = {"position": np.array([[0.0, 0.0], [2.0, 0.0], [9.0, 0.0]]), "radius": np.ones(3)}
     >>> touching_clusters(Frame(0.0, arrays, {}, {})).sizes.tolist()
     [2, 1]
     """
     position, radius = frame.arrays["position"], frame.arrays["radius"]
+    if period is None and (box := box_of(frame)) is not None and box.strain == 0.0:
+        period = box.sides.tolist()
     pairs = touching_pairs(position, radius, tolerance=tolerance, period=period)
     return _components(pairs, len(position))
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume.analysis.boxes import box_of, nearest
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -40,8 +41,18 @@ def number(name: str) -> Callable[[Frame], float]:
 
 
 def tracks(frames: Iterable[Frame]) -> Array:
-    """The positions of floats over time: shape (frames, floats, 2), in m."""
-    return np.stack([frame.arrays["position"] for frame in frames])
+    """The positions of floats over time: shape (frames, floats, 2), in m.
+
+    In a periodic box each float goes on from the image nearest to its place in the previous frame, so that paths do not
+    jump at borders. Frames must be so close in time that no float moves by half a side between them.
+    """
+    found: list[Array] = []
+    for frame in frames:
+        position, box = frame.arrays["position"], box_of(frame)
+        if found and box is not None:
+            position = found[-1] + nearest(position - found[-1], box)
+        found.append(position)
+    return np.stack(found)
 
 
 class Mean(NamedTuple):

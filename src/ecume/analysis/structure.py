@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
+from ecume.analysis.boxes import Box, box_of, copies, nearest
 from ecume.analysis.clusters import Clusters, Integers
 from ecume.engine.walls import Walls
 from ecume.engine.walls.enclosures import outline
@@ -28,9 +30,14 @@ def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     if len(position) < 2:
         return np.empty((0, 2), dtype=np.int64)
-    pairs = cKDTree(position).query_pairs(2.0 * reach * float(radius.max()), output_type="ndarray")
+    box, farthest = box_of(frame), 2.0 * reach * float(radius.max())
+    around = copies(position, box, farthest)
+    found = cKDTree(around.position).query_pairs(farthest, output_type="ndarray")
+    # Originals come first: pairs of two images repeat others.
+    pairs = np.sort(around.owner[found[found.min(axis=1) < len(position)]], axis=1)
+    pairs = np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
     i, j = pairs.T
-    near = np.linalg.norm(position[j] - position[i], axis=1) < reach * (radius[i] + radius[j])
+    near = np.linalg.norm(nearest(position[j] - position[i], box), axis=1) < reach * (radius[i] + radius[j])
     return np.asarray(pairs[near], dtype=np.int64)
 
 
@@ -43,7 +50,7 @@ def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
     position = frame.arrays["position"]
     pairs = neighbor_pairs(frame, reach)
     both = np.concatenate([pairs, pairs[:, ::-1]])
-    apart = position[both[:, 1]] - position[both[:, 0]]
+    apart = nearest(position[both[:, 1]] - position[both[:, 0]], box_of(frame))
     turned = np.exp(6j * np.arctan2(apart[:, 1], apart[:, 0]))
     count = np.bincount(both[:, 0], minlength=len(position))
     total = np.zeros(len(position), np.complex128)
@@ -53,12 +60,13 @@ def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
 
 class Region(NamedTuple):
     """The part of the plane in which floats are: a disc around the origin, a rectangle of that size around it, or a
-    convex polygon with these corners, counterclockwise.
+    convex polygon with these corners, counterclockwise; or a periodic cell of that size.
     """
 
     radius: Length = 0.0
     size: tuple[Length, Length] = (0.0, 0.0)
     corners: tuple[tuple[Length, Length], ...] = ()
+    periodic: bool = False
 
     @property
     def area(self) -> float:
@@ -71,6 +79,8 @@ class Region(NamedTuple):
     @property
     def widest(self) -> float:
         """The largest shift (m) for which `overlap` holds."""
+        if self.periodic:
+            return 0.5 * min(self.size)
         if self.radius > 0.0:
             return 2.0 * self.radius
         start, side = self._sides()
@@ -87,6 +97,8 @@ class Region(NamedTuple):
         Of a disc the lens of two circles; of a polygon A - P r/pi + r^2/(4 pi) sum_k (1 + (pi - t_k) cot t_k) with the
         perimeter P and the angles t_k, for r up to `widest`: of a rectangle a b - 2 (a + b) r/pi + r^2/pi.
         """
+        if self.periodic:
+            return np.full_like(shift, self.area)
         if self.radius > 0.0:
             half = np.minimum(shift / (2.0 * self.radius), 1.0)
             lens = 2.0 * self.radius**2 * (np.arccos(half) - half * np.sqrt(1.0 - half**2))
@@ -120,7 +132,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     """g(r) between the edges (m), the mean over the frames: the number of pairs over that of as many random points.
 
     The random points are inside the region, whose border keeps far pairs rare: for random points g is 1 up to its
-    width.
+    width. In a periodic region distances are those of nearest images, up to half of its shorter side.
     """
     widest = region.widest
     if not (region.area > 0.0 and np.all(np.diff(edges) > 0.0) and edges[0] >= 0.0 and edges[-1] <= widest):
@@ -133,7 +145,8 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     pairs = 0.0
     for frame in frames:
         position = frame.arrays["position"]
-        tree, count = cKDTree(position), len(position)
+        count, size = len(position), np.array(region.size)
+        tree = cKDTree(np.mod(np.mod(position, size), size), boxsize=size) if region.periodic else cKDTree(position)
         # Each particle is at distance 0 of itself, at the first edge already, and cancels in the difference.
         counts += np.diff(tree.count_neighbors(tree, np.asarray(edges)))
         pairs += count * (count - 1.0)
@@ -154,8 +167,8 @@ class Shapes(NamedTuple):
 
 
 def shapes_of(frame: Frame, clusters: Clusters) -> Shapes:
-    """The shapes of a frame's clusters."""
-    position, labels, sizes = frame.arrays["position"], clusters.labels, np.maximum(clusters.sizes, 1)
+    """The shapes of a frame's clusters; in a periodic box each one in a piece."""
+    position, labels, sizes = whole(frame, clusters), clusters.labels, np.maximum(clusters.sizes, 1)
     center = np.stack([np.bincount(labels, axis, len(sizes)) for axis in position.T], axis=1) / sizes[:, None]
     x, y = (position - center[labels]).T
     xx, xy, yy = (np.bincount(labels, product, len(sizes)) / sizes for product in (x * x, x * y, y * y))
@@ -163,6 +176,26 @@ def shapes_of(frame: Frame, clusters: Clusters) -> Shapes:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(mean > 0.0, (mean + apart) / np.maximum(mean - apart, 0.0), 1.0)
     return Shapes(center, np.sqrt(2.0 * mean), np.sqrt(ratio), 0.5 * np.arctan2(2.0 * xy, xx - yy))
+
+
+def whole(frame: Frame, clusters: Clusters) -> Array:
+    """Positions (m) at which each cluster is in one piece, also across the borders of a periodic box.
+
+    Each float is at the image nearest to a neighbor that is already placed, from the cluster's first float on.
+    """
+    position, box = frame.arrays["position"].copy(), box_of(frame)
+    if box is None:
+        return position
+    for label in np.flatnonzero(clusters.sizes > 1):
+        members = np.flatnonzero(clusters.labels == label)
+        apart = nearest((position[members] - position[members][:, None]).reshape(-1, 2), box)
+        distance = np.linalg.norm(apart, axis=1).reshape(len(members), -1)
+        tree = minimum_spanning_tree(distance)
+        order, before = breadth_first_order(tree, 0, directed=False)
+        for member in order[1:]:
+            one, other = members[before[member]], members[member]
+            position[other] = position[one] + nearest((position[other] - position[one])[None], box)[0]
+    return position
 
 
 def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
@@ -176,7 +209,7 @@ def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
     return np.array([np.mean(np.sum(each**2, axis=-1)) for each in gone])
 
 
-def approach(tracks: Array, radius: Array, pair: tuple[int, int]) -> Array:
-    """(frames,) m: the gap between two floats over time."""
+def approach(tracks: Array, radius: Array, pair: tuple[int, int], box: Box | None = None) -> Array:
+    """(frames,) m: the gap between two floats over time, of nearest images in a periodic box."""
     i, j = pair
-    return np.asarray(np.linalg.norm(tracks[:, j] - tracks[:, i], axis=1) - radius[i] - radius[j])
+    return np.asarray(np.linalg.norm(nearest(tracks[:, j] - tracks[:, i], box), axis=1) - radius[i] - radius[j])

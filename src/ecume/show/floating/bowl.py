@@ -9,16 +9,17 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
-from matplotlib.colors import AsinhNorm
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import AsinhNorm, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Polygon
 
 from ecume.engine.walls import enclosures
 from ecume.models.floating.walls.shapes import outline_of, walls_of
+from ecume.scenes.floating import sides_of
 from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
-from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus
+from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus, with_images
 from ecume.show.picture import (
     DPI,
     USUAL,
@@ -44,12 +45,24 @@ LINE = 0.8
 """Length of the line that shows how a float is turned, over its diameter."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
+BESIDE = 0.03
+"""How far around a periodic cell its images are shown, over its longer side."""
+PALE = 0.4
+"""How opaque images are."""
+CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for wave in (np.cos, np.sin)], axis=1)
+"""A disc as a polygon."""
 BELOW = 0.07
 """Room for the scale bar below a dish that is not round, in parts of its width."""
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
-    """The whole dish, or on an endless surface all that the floats of these frames ever reach."""
+    """The whole dish; the cell and some of its images; or on an endless surface all that the floats of these frames
+    ever reach.
+    """
+    if scene.cell is not None:
+        width, height = sides_of(scene)
+        margin = 2.0 * BESIDE * max(width, height)
+        return view_around(0.5 * width, 0.5 * height, width + margin, height + margin)
     if scene.dish is not None:
         (left, bottom), (right, top) = enclosures.bounds(walls_of(scene.dish))
         middle = 0.5 * (left + right), 0.5 * (bottom + top)
@@ -89,11 +102,15 @@ class Bowl(Picture):
             self.floats: Any = (
                 discs(axes, sample[0], kinds) if self.shapes is None else polygons(axes, sample[0], self.shapes, kinds)
             )
+            self.images = PolyCollection([], edgecolors=to_rgba(INK, PALE), linewidths=0.6, zorder=2)
+            self.pale = [to_rgba(kind.color, PALE) for kind in kinds]
+            axes.add_collection(self.images, autolim=False)
             self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
             axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
             # The floats stand above the rim: half of its line would hide where they touch it.
-            moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats, self.rises]
+            border = [*_dish(axes, scene.dish, self.height), *_cell(axes, scene)]
+            moving: list[Artist] = [self.height, *border, self.images, self.floats, self.rises]
             self.bars = scale_bar(axes, self.view)
             moving += [*self.bars, self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
@@ -109,9 +126,18 @@ class Bowl(Picture):
         if self.shapes is None:
             self.floats.set_offsets(frame.arrays["position"])
             self.rises.set_segments(list(rises(frame)))
+            self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
         self.time.set_text(f"{frame.time:.2f} s")
+
+    def _show_images(self, frame: Frame) -> None:
+        """The images of floats around a periodic cell, paler."""
+        count, radius = len(frame.arrays["position"]), float(frame.arrays["radius"].max())
+        arrays = with_images(frame, BESIDE * self.view.width + radius).arrays
+        place, sizes = arrays["position"][count:], arrays["radius"][count:]
+        self.images.set_verts(list(place[:, None] + sizes[:, None, None] * CIRCLE))
+        self.images.set_facecolor([self.pale[kind] for kind in arrays["species"][count:]])
 
     def _painted(self, height: Heights) -> Pixels:
         """Heights as colors, before they are spread over the picture's many more pixels."""
@@ -148,6 +174,15 @@ def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
     rim = axes.add_patch(dish_outline(dish))
     height.set_clip_path(rim)
     return [rim]
+
+
+def _cell(axes: Axes, scene: Any) -> list[Artist]:
+    """The outline of a periodic cell."""
+    if scene.cell is None:
+        return []
+    corners = np.array(sides_of(scene)) * [(0, 0), (1, 0), (1, 1), (0, 1)]
+    look: dict[str, Any] = {"facecolor": "none", "edgecolor": INK, "linewidth": 1.2, "linestyle": "--"}
+    return [axes.add_patch(Polygon(corners, closed=True, **look))]
 
 
 def dish_outline(dish: Any, scale: float = 1.0) -> Patch:

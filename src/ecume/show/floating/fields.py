@@ -21,7 +21,7 @@ from ecume.errors import BadInput
 from ecume.models.floating.walls.shapes import field_of
 from ecume.models.liquids import liquid_of
 from ecume.show.floating.shapes import charges_in, shapes_of
-from ecume.show.floating.surface import INSIDE, multipoles_in, near, solved_heights
+from ecume.show.floating.surface import INSIDE, multipoles_in, near, solved_heights, with_images
 from ecume.show.picture import View
 from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
@@ -76,7 +76,8 @@ def _menisci(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
     multipoles = multipoles_in(scene)
     if multipoles is not None:
         return solved_heights(multipoles, frame, x, y)
-    length, arrays, shapes = liquid_of(scene).capillary_length, frame.arrays, shapes_of(scene)
+    length, shapes = liquid_of(scene).capillary_length, shapes_of(scene)
+    arrays = with_images(frame, REACH * length).arrays
     places, closest, charges = arrays["position"], arrays["radius"], arrays["charge"]
     if shapes is not None:
         places, charges = charges_in(frame, shapes), shapes.charge

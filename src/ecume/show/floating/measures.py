@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
+from ecume.analysis.boxes import box_of
 from ecume.analysis.clusters import touching_clusters, touching_pairs
 from ecume.analysis.series import times, tracks
 from ecume.analysis.structure import (
@@ -24,6 +25,7 @@ from ecume.engine.walls.enclosures import shrunk
 from ecume.errors import BadInput
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import sides_of
 from ecume.show.curves import Frames, evolution, over_time, scaling, thinned, titled
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -84,6 +86,8 @@ def distribution(frames: Frames, scene: Any) -> Figure:
 def region_of(frame: Frame, scene: Any) -> Region:
     """The dish as far as centers can reach; on an endless surface the rectangle around all floats."""
     radius = float(frame.arrays["radius"].min())
+    if scene.cell is not None:
+        return Region(size=sides_of(scene), periodic=True)
     if scene.dish is not None:
         return region_in(shrunk(walls_of(scene.dish), radius))
     across, along = np.ptp(frame.arrays["position"], axis=0) + 2.0 * radius
@@ -118,7 +122,9 @@ def approaches(frames: Frames, scene: Any) -> Figure:
     """The gaps of pairs that touch in the end, over time, down to where they meet."""
     shown = evolution(frames)
     last = shown[-1].arrays
-    pairs = touching_pairs(last["position"], last["radius"])[:MOST_PAIRS]
+    box = box_of(shown[-1])
+    period = None if box is None else box.sides.tolist()
+    pairs = touching_pairs(last["position"], last["radius"], period=period)[:MOST_PAIRS]
     if not len(pairs):
         raise BadInput("no two floats touch in the last frame: there is no approach to draw")
     length, paths = liquid_of(scene).capillary_length, tracks(shown)
@@ -127,7 +133,7 @@ def approaches(frames: Frames, scene: Any) -> Figure:
         axes = over_time(drawn, scene, "Gaps of floats that touch in the end")
         gaps = []
         for (i, j), color in zip(pairs, itertools.cycle(PALETTE), strict=False):
-            gap = approach(paths, last["radius"], (int(i), int(j))) / length
+            gap = approach(paths, last["radius"], (int(i), int(j)), box) / length
             gaps.append(np.where(gap > 1e-4, gap, np.nan))
             axes.plot(times(shown), gaps[-1], color=color, linewidth=1.0, label=f"floats {i} and {j}")
         axes.set(yscale=scaling(gaps), ylabel="gap, in capillary lengths")

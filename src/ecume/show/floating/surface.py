@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume.analysis.boxes import box_of, copies
 from ecume.laws.special import bessel_k0
 from ecume.models.floating.walls.shapes import field_of
 from ecume.models.liquids import liquid_of
@@ -91,7 +92,7 @@ def surface(frame: Frame, on: Sheet) -> Heights:
     if on.multipoles is not None:
         return _solved_surface(frame, on)
     height = on.still.copy()
-    arrays = frame.arrays
+    arrays = with_images(frame, on.reach).arrays
     menisci = zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True)
     if on.shapes is not None:
         closest = np.full(len(on.shapes.charge), on.closest)
@@ -101,6 +102,19 @@ def surface(frame: Frame, on: Sheet) -> Heights:
         r = np.sqrt((on.x[columns] - px) ** 2 + ((on.y[rows] - py) ** 2)[:, None])
         height[rows, columns] += np.float32(charge) * unit_meniscus(on, np.maximum(r, radius))
     return height
+
+
+def with_images(frame: Frame, margin: float) -> Frame:
+    """The frame with the images of all floats less than a margin (m) outside a periodic cell; without a cell as it is.
+
+    The floats themselves come first.
+    """
+    box = box_of(frame)
+    if box is None:
+        return frame
+    around = copies(frame.arrays["position"], box, margin)
+    arrays = {name: array[around.owner] for name, array in frame.arrays.items()}
+    return frame._replace(arrays=arrays | {"position": around.position})
 
 
 def _solved_surface(frame: Frame, on: Sheet) -> Heights:

@@ -11,6 +11,7 @@ import numpy as np
 from ecume.analysis.boxes import box_of
 from ecume.engine.walls import enclosures
 from ecume.models.floating.walls.shapes import walls_of
+from ecume.scenes.floating import sides_of
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.show.camera import edges_of
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
@@ -49,12 +50,21 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     )  # fmt: skip
     return Stage(
         np.array([view.left, view.bottom]), np.array([view.right, view.top]), species(scene),
-        lines=[] if scene.dish is None else [Line(enclosures.outline(walls), closed=True)],
+        lines=_borders(scene),
         heights=lambda frame: np.asarray(np.clip(colors.norm(surface(frame, on) * scale.factor), 0.0, 1.0)),
         surface=drawn, curves=("kinetic_energy", "total_energy"),
         movers=None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)],
         inner=None if shapes is None else np.array([np.hypot(*one.T).min() for one in shapes.outlines]),
     )  # fmt: skip
+
+
+def _borders(scene: Any) -> list[Line]:
+    """The rim of the dish, or the outline of the periodic cell."""
+    if scene.dish is not None:
+        return [Line(enclosures.outline(walls_of(scene.dish)), closed=True)]
+    if scene.cell is None:
+        return []
+    return [Line(rectangle(np.zeros(2), np.array(sides_of(scene))), dashed=True)]
 
 
 def _marks(norm: Any, lowest: float, highest: float) -> tuple[tuple[float, float], list[tuple[float, str]]]:
