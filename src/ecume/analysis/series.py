@@ -43,7 +43,7 @@ def number(name: str) -> Callable[[Frame], float]:
 def tracks(frames: Iterable[Frame]) -> Array:
     """The positions of floats over time: shape (frames, floats, 2), in m.
 
-    In a periodic box each float goes on from the image nearest to its place in the previous frame, so that paths do not
+    In a periodic box each path continues at the image nearest to the previous position, so that paths do not
     jump at borders. Frames must be so close in time that no float moves by half a side between them.
     """
     found: list[Array] = []

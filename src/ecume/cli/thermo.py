@@ -38,7 +38,7 @@ class ThermoTable:
     """Prints the chosen numbers of every N-th frame, with a heading at the first."""
 
     def __init__(self, names: Sequence[str], every: int) -> None:
-        """`names` are the columns; if there are none, those main numbers of the model that its frames have."""
+        """`names` are the columns; by default those main numbers of the model that its frames have."""
         self.names, self._every = tuple(names), every
         self._widths: list[int] = []
         self._columns: list[str] = []

@@ -80,7 +80,7 @@ def replacing(path: Path, root: Path | None = None, *, settled: bool = True) -> 
         if root is None:
             remove_abandoned(place.path)
         try:
-            part.unlink()  # of a process that was killed, or a link of somebody else's
+            part.unlink()  # of a process that was killed, or a link that another user made
             with BufferedRandom(part.open("w+")) as file:
                 yield file
                 file.flush()

@@ -206,7 +206,7 @@ def setting_of(scene: SphScene) -> Setting:
 
 
 def walled(scene: SphScene) -> tuple[Array, Array]:
-    """The corners of a tank in the plane (m), infinite at sides that are no walls or that move."""
+    """The corners of a 2D tank (m), infinite at sides that are no walls or that move."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
     for number, name in enumerate(SIDES[:4]):
         side = getattr(scene.tank, name)
