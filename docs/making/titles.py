@@ -18,7 +18,7 @@ TITLES = {
     "run.reports": "Information about runs",
     "run.runner": "Run control",
     "run.stop_requests": "Signals",
-    "run.user_laws": "User laws of a run",
+    "run.user_code": "User laws and actions",
     "trajectories.frame": "Frames",
     "trajectories.reader": "Trajectories",
     "trajectories.exports": "Exports",
