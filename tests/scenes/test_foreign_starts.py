@@ -247,7 +247,7 @@ def test_a_tank_starts_from_particles_with_masses(folder: Path) -> None:
         ("start.data", LAMMPS.replace("Atoms", "Bonds"), "'start.data' has no section Atoms"),
         ("start.data", LAMMPS.replace("7 0.5", "8 0.5"), "line 25: got '8 0.5 0 0 0 0 0'; expected an atom's id"),
         ("start.gsd", "no GSD file", "'start.gsd' cannot be read: not a GSD file, or its beginning is damaged"),
-        ("start.gsd", None, "'start.gsd' is not there"),
+        ("start.gsd", None, "'start.gsd' does not exist"),
         ("../start.gsd", None, "'../start.gsd' leads out of the scene's folder"),
         ("start.png", "", "'start.png' has an unknown ending; expected one of .gsd, .xyz"),
         ("start.gsd@7", LAMMPS, "'start.gsd@7' has no frame 7; there are 0 to 1, and -1 for the last"),

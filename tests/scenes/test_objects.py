@@ -123,7 +123,7 @@ def test_vectors_and_temperatures_take_quantities() -> None:
             "scene: particles[0].radius: got -1 mm; expected 1e-08 or more",
         ),
         ({"dish": {"radius": math.nan * mm}}, "dish.radius: got nan mm; expected a finite number"),
-        ({"particles": [], "particles_from": "nowhere"}, "scene: particles_from: 'nowhere' is not there"),
+        ({"particles": [], "particles_from": "nowhere"}, "scene: particles_from: 'nowhere' does not exist"),
         ({"dihs": {}}, "scene: dihs: no such key; did you mean dish?"),
     ],
 )

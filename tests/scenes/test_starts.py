@@ -160,7 +160,7 @@ def test_changed_species_that_overlap_are_refused_with_the_overlap(tmp_path: Pat
     arrays |= {"position": np.array([[0.0, 0.0], [5e-3, 0.0]]), "velocity": np.zeros((2, 2))}
     run_of(scene, arrays, {}, tmp_path / "runs" / "bowl")
     larger = read(tmp_path, "", "[[particles]]\nname = 'corks'\nradius = '3 mm'\n")
-    with pytest.raises(SceneError, match=r"rows\[0\]: overlaps rows\[1\] by 0\.001 m"):
+    with pytest.raises(SceneError, match=r"rows\[0\]: overlaps rows\[1\] by 1 mm"):
         next(simulate(larger))  # type: ignore[arg-type]
 
 

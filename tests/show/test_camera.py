@@ -131,7 +131,7 @@ def test_particles_in_space_are_seen_from_where_the_eye_stands():
 
 
 def test_an_eye_in_a_plane_is_refused(tmp_path):
-    with pytest.raises(BadInput, match="in the plane"):
+    with pytest.raises(BadInput, match="for a 2D scene"):
         film(FRAMES, scene(), tmp_path / "a.gif", MovieOptions(eye=Eye(), size=(96, 72)))
 
 

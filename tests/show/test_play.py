@@ -121,7 +121,7 @@ def test_a_change_of_the_liquid_is_one_of_the_scene(bowl):
 @pytest.mark.parametrize(
     ("part", "key", "value", "says"),
     [
-        ("liquid", "surface_tension", -1.0, "surface_tension = -1: .*greater"),
+        ("liquid", "surface_tension", -1.0, "surface_tension = -1: .*or more"),
         ("cereal", "density", 9000.0, "density = 9000: .*sinks"),
         ("cereal", "positions", 1.0, "there is no cereal.positions to change"),
         ("milk", "viscosity", 1.0, "there is no milk.viscosity to change; expected liquid, dish, cereal"),

@@ -113,7 +113,7 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
         ({"particles": [LEFT]}, "particles", "single sphere"),
         ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "particles", "overlap by 95 mm"),
         ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "particles", "sum to 1 mN"),
-        ({"films": {"cutoff": 0.001}}, "particles", "tied to sphere 0 by no film"),
+        ({"films": {"cutoff": 0.001}}, "particles", "no film to sphere 0"),
         ({"films": {"prefactors": "papr"}}, "films.prefactors", "there are paper, physical"),
         ({"long_range_forces": {"law": "magic"}}, "long_range_forces.law", "none, steric, dlvo"),
         ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "expected 1e-12 or more"),

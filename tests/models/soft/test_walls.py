@@ -283,7 +283,7 @@ def test_walls_and_weights_that_cannot_be_are_refused(change, key, says):
 
 
 def test_what_lies_in_a_wall_or_hangs_in_the_middle_of_nowhere_is_refused():
-    for gap, says in ((-0.5, "is in wall 0"), (4.0, "tied to any wall by no film")):
+    for gap, says in ((-0.5, "is in wall 0"), (4.0, "no film to any wall")):
         scene = at_floor(gap=gap)
         with pytest.raises(SceneError, match=says):
             SOFT.start(scene, SOFT.parameters(scene))

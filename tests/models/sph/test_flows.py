@@ -184,7 +184,7 @@ def test_a_periodic_tank_shorter_than_a_support_is_refused():
 
     corners = {"low": [0.0, 0.0], "high": [0.4, 0.4]}
     short = scene(spacing=0.1, tank={**corners, **AROUND}, fluid=[corners])
-    with pytest.raises(SceneError, match=r"periodic; expected 0.48 m"):
+    with pytest.raises(SceneError, match=r"periodic; expected 480 mm"):
         next(iter(ecume.simulate(short)))
 
 

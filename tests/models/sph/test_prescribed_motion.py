@@ -51,10 +51,12 @@ def test_a_shaken_tank_sloshes_as_linear_theory_has_it(tmp_path):
     assert np.abs(wanted).max() > 5e-3
     # Sixteen particles deep it sloshes about one percent too slowly.
     assert np.abs(found - wanted).max() < 0.1 * np.abs(wanted).max()
-    # What the shake does is all the energy that comes, but for what the scheme itself loses and brings.
+    # Excitation and density diffusion do all the work; the rest is lost to artificial viscosity: 8 % without diffusion.
     energy, work = (np.array([one.numbers[key] for one in frames]) for key in ("total_energy", "injected_work"))
     assert work[-1] > 8e-4
-    assert np.abs(energy - energy[0] - work).max() < 0.03 * work[-1]
+    rest = energy - energy[0] - work
+    assert rest.max() < 1e-6 * work[-1]
+    assert -0.085 * work[-1] < rest[-1] < -0.06 * work[-1]
     watch = Watch(RunDirectory(tmp_path), invariants(scene, SPH.parameters(scene)), "stop")
     for number, frame in enumerate(frames):
         watch.take(frame.time, frame.numbers, number)

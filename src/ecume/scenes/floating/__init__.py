@@ -5,7 +5,7 @@ dish, currents, contacts and interactions, and `sources` reads floats from table
 """
 
 from ecume.scenes.floating.floats import DiscSpec, FloatRow, FloatSpec, ShapeSpec, SurfaceEnergies
-from ecume.scenes.floating.scene import FloatingScene, sides_of, species_of
+from ecume.scenes.floating.scene import FloatingScene, species_of
 from ecume.scenes.floating.surroundings import (
     CellSpec,
     ContactSpec,
@@ -38,6 +38,5 @@ __all__ = [
     "NodesSpec",
     "ShapeSpec",
     "SurfaceEnergies",
-    "sides_of",
     "species_of",
 ]

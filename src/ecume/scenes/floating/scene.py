@@ -97,6 +97,18 @@ class FloatingScene(Common):
         return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
 
     @property
+    def sides(self) -> tuple[float, float]:
+        """The sides of the periodic cell (m), as large as its area fraction requires; zero without a cell."""
+        if self.cell is None:
+            return 0.0, 0.0
+        (width, height), asked = self.cell.size, self.cell.area_fraction
+        if asked is None:
+            return width, height
+        covered = math.pi * sum(one.radius**2 * getattr(one, "count", 1) for one in self.given)
+        factor = math.sqrt(covered / asked / (width * height))
+        return factor * width, factor * height
+
+    @property
     def given(self) -> tuple[FloatSpec | FloatRow, ...]:
         """The entries that give floats: tables of species, then rows."""
         return (*self.particles, *self.rows)
@@ -144,18 +156,6 @@ def _population(scene: FloatingScene) -> Complaints:
     if total > MOST_PARTICLES:
         return [(("particles",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
     return []
-
-
-def sides_of(scene: FloatingScene) -> tuple[float, float]:
-    """The sides of the periodic cell (m), as large as its area fraction requires; zero without a cell."""
-    if scene.cell is None:
-        return 0.0, 0.0
-    (width, height), wanted = scene.cell.size, scene.cell.area_fraction
-    if wanted is None:
-        return width, height
-    covered = math.pi * sum(one.radius**2 * getattr(one, "count", 1) for one in scene.given)
-    factor = math.sqrt(covered / wanted / (width * height))
-    return factor * width, factor * height
 
 
 def _boundary(scene: FloatingScene) -> Complaints:

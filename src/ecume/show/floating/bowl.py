@@ -17,7 +17,6 @@ from matplotlib.patches import Patch, Polygon
 
 from ecume.engine.walls import enclosures
 from ecume.models.floating.walls.shapes import outline_of, walls_of
-from ecume.scenes.floating import sides_of
 from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
 from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus, with_images
 from ecume.show.picture import (
@@ -60,7 +59,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     ever reach.
     """
     if scene.cell is not None:
-        width, height = sides_of(scene)
+        width, height = scene.sides
         margin = 2.0 * BESIDE * max(width, height)
         return view_around(0.5 * width, 0.5 * height, width + margin, height + margin)
     if scene.dish is not None:
@@ -180,7 +179,7 @@ def _cell(axes: Axes, scene: Any) -> list[Artist]:
     """The outline of a periodic cell."""
     if scene.cell is None:
         return []
-    corners = np.array(sides_of(scene)) * [(0, 0), (1, 0), (1, 1), (0, 1)]
+    corners = np.array(scene.sides) * [(0, 0), (1, 0), (1, 1), (0, 1)]
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": INK, "linewidth": 1.2, "linestyle": "--"}
     return [axes.add_patch(Polygon(corners, closed=True, **look))]
 

@@ -25,7 +25,6 @@ from ecume.engine.walls.enclosures import shrunk
 from ecume.errors import BadInput
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import sides_of
 from ecume.show.curves import Frames, evolution, over_time, scaling, thinned, titled
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -87,7 +86,7 @@ def region_of(frame: Frame, scene: Any) -> Region:
     """The dish as far as centers can reach; on an endless surface the rectangle around all floats."""
     radius = float(frame.arrays["radius"].min())
     if scene.cell is not None:
-        return Region(size=sides_of(scene), periodic=True)
+        return Region(size=scene.sides, periodic=True)
     if scene.dish is not None:
         return region_in(shrunk(walls_of(scene.dish), radius))
     across, along = np.ptp(frame.arrays["position"], axis=0) + 2.0 * radius

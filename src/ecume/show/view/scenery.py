@@ -11,7 +11,6 @@ import numpy as np
 from ecume.analysis.boxes import box_of
 from ecume.engine.walls import enclosures
 from ecume.models.floating.walls.shapes import walls_of
-from ecume.scenes.floating import sides_of
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.show.camera import edges_of
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
@@ -64,7 +63,7 @@ def _borders(scene: Any) -> list[Line]:
         return [Line(enclosures.outline(walls_of(scene.dish)), closed=True)]
     if scene.cell is None:
         return []
-    return [Line(rectangle(np.zeros(2), np.array(sides_of(scene))), dashed=True)]
+    return [Line(rectangle(np.zeros(2), np.array(scene.sides)), dashed=True)]
 
 
 def _marks(norm: Any, lowest: float, highest: float) -> tuple[tuple[float, float], list[tuple[float, str]]]:

@@ -19,7 +19,6 @@ from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
-from ecume.scenes.floating import sides_of
 from ecume.units import Array
 from ecume.value_texts import with_prefix
 
@@ -105,7 +104,7 @@ def _velocities_of(species: FloatSpec) -> Array:
 
 def middle_of(scene: FloatingScene) -> tuple[float, float]:
     """The center of the cell (m); without a cell the origin, the center of dishes."""
-    width, height = sides_of(scene)
+    width, height = scene.sides
     return 0.5 * width, 0.5 * height
 
 

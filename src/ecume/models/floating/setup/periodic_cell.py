@@ -15,7 +15,6 @@ from ecume.laws import capillarity
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
-from ecume.scenes.floating import sides_of
 from ecume.units import Array
 from ecume.value_texts import with_prefix
 
@@ -43,7 +42,7 @@ def boundary_of(scene: FloatingScene) -> list[Option]:
 
 def periods_in(scene: FloatingScene) -> Array:
     """The periods of the scene's cell; zero without a cell."""
-    return no_periods(2) if scene.cell is None else periods_of(sides_of(scene))
+    return no_periods(2) if scene.cell is None else periods_of(scene.sides)
 
 
 class Range(NamedTuple):
