@@ -202,7 +202,7 @@ def test_interruptions_change_no_bit_of_a_spin():
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(("dimensions", "name", "width"), [(2, "angle", ()), (3, "orientation", (4,))])
-def test_frames_tell_how_spheres_lie(dimensions, name, width):
+def test_frames_contain_the_orientations_of_spheres(dimensions, name, width):
     frames = list(simulate(sheared(dimensions)))
     assert frames[-1].arrays[name].shape == (20, *width)
     assert np.abs(frames[-1].arrays["spin"]).max() > 1e-3

@@ -100,7 +100,7 @@ def test_what_cannot_be_carried_is_refused(spec):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimension):
+def test_looking_into_the_cells_around_finds_what_looking_at_all_does(dimension):
     low, high = [0.0] * dimension, [0.1] * dimension
     sides = {side: {"kind": "periodic"} for side in ("left", "right")}
     scene = from_plain(
