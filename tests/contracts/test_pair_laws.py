@@ -133,13 +133,12 @@ PLACES = [(0.0, 0.0), (3.1e-3, 0.4e-3), (-0.5e-3, 4.2e-3), (5.2e-3, 4.9e-3)]
 KINDS = [(1e-3, 1300.0), (1e-3, 200.0), (1.2e-3, 600.0), (0.9e-3, 1300.0)]
 SLOW = ("capillary", "pair-corrected")
 """Its tables of pairs take minutes as plain Python."""
-OTHER_SCHEMES = {*SCHEMES} - {"velocity-verlet", "overdamped"}
-"""Integrators that take whatever forces there are: compiled with one law, and with every law as plain Python."""
 EVERY = [
     (law, option)
     for law, option in itertools.product(PAIR_LAWS, OPTIONS)
-    if (law, option) != SLOW and (PLAIN or law == "capillary" or option not in OTHER_SCHEMES)
+    if (law, option) != SLOW and (PLAIN or law == "capillary" or option == "friction")
 ]
+"""As plain Python all of them; compiled, which takes long, each option with one law and each law with one option."""
 combined = pytest.mark.parametrize(
     ("name", "option"), [*EVERY, pytest.param(*SLOW, marks=[pytest.mark.compiled, pytest.mark.long])]
 )
