@@ -8,6 +8,7 @@ import typing
 
 import numpy as np
 import pytest
+from tests.contracts.float_options import shorten_tables
 from tests.contracts.test_laws import ROOT, bibliography, cited, rescaled, scale
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -237,14 +238,15 @@ def my_own(distance: float, own: PairParameters) -> float:
     return 1e-3 * own.radius_i * own.radius_j / distance
 
 
-# With the JIT each march is compiled with the user's law by itself, which takes ten seconds: two are enough there.
-WITH_MINE = EVERY if PLAIN else [("capillary", "friction"), SLOW]
+# With the JIT each time step is compiled with the user's law by itself, which takes long: one is enough there.
+WITH_MINE = [*EVERY, SLOW] if PLAIN else [("capillary", "friction")]
 NO_SUMS = {"multipole": "sum of the pair law", "shapes": "sum of the pair law", "single": "expected 'double'"}
 """What takes no laws of a user's own, and why."""
 
 
 @pytest.mark.parametrize(("name", "option"), WITH_MINE)
-def test_a_users_own_law_is_added_to_every_law_and_option(name, option):
+def test_a_users_own_law_is_added_to_every_law_and_option(name, option, monkeypatch):
+    shorten_tables(monkeypatch.setattr)
     scene = scene_with(name, option)
     model = FLOATING.extended(bind(scene, [my_own]))
     if not PAIR_LAWS[name].reciprocal:
