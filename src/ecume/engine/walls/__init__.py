@@ -1,7 +1,7 @@
 """Walls: surfaces that turn particles back within a step (`reflect`), and what encloses a floating raft (`Walls`).
 
-Start in `surfaces`, the one family of shapes, planes and spheres, which all models use. `enclosures` reads a flat one as
-floats need it; soft spheres move its planes (`through`).
+Start in `surfaces`, the one family of shapes, planes and spheres, which all models use. `enclosures` reads a flat one
+as floats need it; soft spheres move its planes (`through`).
 """
 
 from __future__ import annotations
