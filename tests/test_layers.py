@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ ROOT = PACKAGE.parents[1]
 IMPORTERS = ("import_module", "__import__")
 
 
+@cache
 def layers() -> dict[str, int]:
     """The floor of each module that pyproject.toml names, the highest with the lowest number."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]

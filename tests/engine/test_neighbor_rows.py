@@ -21,8 +21,13 @@ def by_tree(position, centers, reach, passive=NOBODY):
     return [{j for j in row if j != i and not (i in walls and j in walls)} for i, row in enumerate(found)]
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("count", [300, FEW + 100])
+MANY = FEW + 100
+
+
+@pytest.mark.parametrize(
+    ("dimension", "count"),
+    [(2, 300), (3, 300), (2, MANY), pytest.param(3, MANY, marks=pytest.mark.compiled)],
+)
 def test_all_particles_within_reach_are_neighbors_and_no_others(dimension, count):
     position = np.random.default_rng(dimension).uniform(-3.0, 7.0, (dimension, count))
     reach = 10.0 * (12.0 / count) ** (1.0 / dimension)

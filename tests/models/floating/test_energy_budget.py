@@ -100,6 +100,7 @@ def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
     )
 
 
+@pytest.mark.compiled
 def test_the_energy_from_noise_is_heat():
     """In a well: the energy changes by the heat, but for the third power of a step."""
     floats = f'[[particles]]\ncount = 20\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
@@ -117,9 +118,12 @@ def test_the_energy_from_noise_is_heat():
     "driven",
     [
         CURRENT + "shear_rate = 5.0\n" + PAIR + '[hydrodynamics]\ndrag = "schiller-naumann"\n',
-        CURRENT + "rotation_rate = 5.0\n" + PAIR + '[integration]\nintegrator = "overdamped"\n',
+        pytest.param(
+            CURRENT + "rotation_rate = 5.0\n" + PAIR + '[integration]\nintegrator = "overdamped"\n',
+            marks=pytest.mark.compiled,
+        ),
         PAIR + '[dish]\nradius = 0.01\n[dish.motion]\namplitude = 2e-3\nfrequency = 3.0\n',
-        PAIR + '[integration]\nintegrator = "overdamped"\n',
+        pytest.param(PAIR + '[integration]\nintegrator = "overdamped"\n', marks=pytest.mark.compiled),
     ],
 )  # fmt: skip
 def test_energy_rises_only_by_the_injected_work(driven):

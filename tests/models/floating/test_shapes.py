@@ -70,7 +70,16 @@ def pulled(parameters, state, workspace):
     return workspace.force.copy(), workspace.scratch.interactions[0].torque.copy()
 
 
-@pytest.mark.parametrize("dish", ["", '[dish]\nradius = "4 mm"\n', '[dish]\nsize = ["7 mm", "6 mm"]\n'])
+@pytest.mark.parametrize(
+    "dish",
+    [
+        "",
+        *(
+            pytest.param(f"[dish]\n{size}\n", marks=pytest.mark.compiled)
+            for size in ('radius = "4 mm"', 'size = ["7 mm", "6 mm"]')
+        ),
+    ],
+)
 def test_forces_and_torques_are_what_the_energy_falls_by(dish):
     opens = opened(everyone(dish))
     state = opens[1]
