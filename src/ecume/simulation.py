@@ -15,6 +15,7 @@ from ecume.models.actions import Action, View, energy_of, perform, place, with_i
 from ecume.models.last_frame import last_step
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.models.sample_clock import BEFORE, sample_clock
+from ecume.models.state_layout import misfit
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:
@@ -95,6 +96,8 @@ def moments(
         parameters = constants(parameters)
     if state is None:
         state = model.start(scene, parameters)
+    elif fault := misfit(state, model.layout(scene, parameters, state)):
+        raise BadInput(f"the state of the checkpoint does not fit the scene: {fault}")
     integration = Integration(model, parameters, state, patience)
     schedule = Schedule(actions, scene, integration)
     per_frame = parameters.steps_per_frame
