@@ -13,6 +13,7 @@ from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
+from ecume.models.state_layout import misfit
 from ecume.models.step_counts import BEFORE, last_step, sample_clock
 from ecume.trajectories.frame import Frame
 
@@ -94,6 +95,8 @@ def moments(
         parameters = constants(parameters)
     if state is None:
         state = model.start(scene, parameters)
+    elif fault := misfit(state, model.layout(scene, parameters, state)):
+        raise BadInput(f"the state of the checkpoint does not fit the scene: {fault}")
     integration = Integration(model, parameters, state, patience)
     schedule = Schedule(actions, scene, integration)
     per_frame = parameters.steps_per_frame

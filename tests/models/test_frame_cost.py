@@ -30,6 +30,7 @@ def test_frames_that_dominate_are_worth_a_remark():
     assert "frame_every" in cost.remark(44.0)
     assert cost.remark(1e5) == ""
     assert FrameCost(11, 0.05, 1e4).remark(0.01) == ""
+    assert "refuses more than 30 days" in cost.remark(31 * 86400.0)
     (frames, disk) = cost.rows()
     assert frames == ("frames", "6000001", "1.2 ms and 1.83 kB each")
     assert disk == ("disk", "11 GB", "roughly, of frames; a larger frame_every takes less")

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import StorageError
-from ecume.models.check_report import Row
+from ecume.models.check_report import LONGEST_RUN, Row
 from ecume.scenes.common import Common
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import Recorder
@@ -86,7 +86,9 @@ class FrameCost(NamedTuple):
         return [frames, *samples, ("disk", size_text(self.bytes + self.sampling.bytes), f"roughly, of {of}{large}")]
 
     def remark(self, stepping: float) -> str:
-        """What to do where frames take longer than time steps do, and long; otherwise empty."""
+        """What to do where the run takes too long, or frames take longer than time steps do; otherwise empty."""
+        if stepping + self.seconds > LONGEST_RUN:
+            return f"; `ecume run` refuses more than {duration_text(LONGEST_RUN)} without --max-days"
         if self.sampling.seconds > max(stepping, self.writing, MANY):
             return "; samples take most of it: a larger output.samples.every takes less"
         dominate = self.writing > max(stepping, MANY)

@@ -9,6 +9,7 @@ from typing import Any
 from ecume.errors import BadInput
 from ecume.models.actions import Access
 from ecume.models.invariants import Invariant, nothing
+from ecume.models.state_layout import Layout
 from ecume.trajectories.frame import Frame
 
 DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
@@ -31,6 +32,11 @@ def _no_extra_laws(laws: Any) -> Model:
 def no_summary(scene: Any) -> list[tuple[str, str, str]]:
     """A model that derives nothing of interest."""
     return []
+
+
+def _as_it_is(scene: Any, parameters: Any, state: Any) -> Layout:
+    """A model without arrays whose sizes or values could do harm."""
+    return Layout(state)
 
 
 def _same(parameters: Any, state: Any) -> Any:
@@ -74,6 +80,10 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): particle, time, cause and cure, for a state that is returned DIVERGED."""
+    layout: Callable[[Any, Any, Any], Layout] = field(kw_only=True, default=_as_it_is)
+    """layout(scene, parameters, state): what a state with as many particles and as much room looks like. A state from a
+    file is compared with it, since compiled loops trust sizes and indices.
+    """
     steps_taken: Callable[[Any], int] = field(kw_only=True, default=clock_of)
     """steps_taken(state): the time steps since time 0. Where steps adapt, `step` only counts fractions of frames."""
     adaptive: bool = field(kw_only=True, default=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import hashlib
 import importlib.metadata
 import os
@@ -117,6 +118,8 @@ def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -
 
 def digests(home: RunDirectory) -> dict[str, str]:
     """The SHA-256 of each file that will not change any more."""
+    from concurrent.futures import ThreadPoolExecutor  # takes time to import, and `ecume info` needs none of it
+
     folders = (home.trajectory, home.checkpoints)
     files = [
         home.scene,
@@ -126,7 +129,10 @@ def digests(home: RunDirectory) -> dict[str, str]:
         home.samples,
         *(path for folder in folders for path in folder.glob("*")),
     ]
-    return {path.relative_to(home.path).as_posix(): digest(home, path) for path in sorted(files) if path.is_file()}
+    files = [path for path in sorted(files) if path.is_file()]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:  # a disk is faster than one processor computes digests
+        found = pool.map(functools.partial(digest, home), files)
+        return {path.relative_to(home.path).as_posix(): one for path, one in zip(files, found, strict=True)}
 
 
 def digest(home: RunDirectory, path: Path) -> str:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
+from ecume.models.check_report import LONGEST_RUN
 from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
@@ -45,8 +46,6 @@ if TYPE_CHECKING:
 CHANGED_BY_ACTIONS = ("momentum",)
 """Invariants that do not hold where actions change velocities: their work is in the energy budget, their impulse is in
 none."""
-LONGEST = 30.0 * 86400.0
-"""Seconds of wall time: 30 days."""
 OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
 """How a run is said to have ended that is not done; whatever else happened interrupted it."""
 
@@ -91,7 +90,7 @@ class RunOptions:
     """Is called with the name of the model, each frame that is computed, and its number of time steps."""
     numbers: Sequence[str] = ()
     """Numbers of frames that `on_frame` needs: unknown ones are refused before the run begins or continues."""
-    longest: float = LONGEST
+    longest: float = LONGEST_RUN
     """Seconds of wall time: a run that is expected to take longer, by the speed of its first steps, is refused."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another

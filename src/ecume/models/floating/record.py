@@ -16,7 +16,7 @@ from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.report.check_report import summary
 from ecume.models.floating.report.frames import observe
 from ecume.models.floating.report.invariants import OVERLAP, invariants
-from ecume.models.floating.setup.initial_state import position_faults, start
+from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.state import DEEPEST, WORK, State, Workspace, make_workspace
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
@@ -125,6 +125,7 @@ FLOATING = Model(
     state=State,
     parameters=checked_parameters,
     start=start,
+    layout=layout,
     workspace=workspace,
     advance=advance,
     observe=observe,

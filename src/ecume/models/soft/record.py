@@ -22,7 +22,8 @@ from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.check_report import advice, bytes_of
 from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
 from ecume.models.soft.setup.building import parameters_of, start
-from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State, workspace
+from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BOOKS, State, make_state, workspace
+from ecume.models.state_layout import Layout
 from ecume.scenes.soft import SoftScene
 from ecume.value_texts import with_prefix
 
@@ -34,6 +35,16 @@ def checked_parameters(scene: SoftScene) -> Parameters:
     contacts = count * (count - 1) / 2 if everyone else 20.0 * count
     require_memory("particles", f"{count} spheres", bytes_of(contacts), "use fewer spheres, or set films.cutoff")
     return parameters_of(scene)
+
+
+def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
+    """What a state of this scene looks like; contacts name spheres."""
+    count, room = len(parameters.radius), state.pair.size // 2
+    blank = make_state(parameters, np.zeros((count, parameters.dimensions)), room)
+    if not state.books.size:
+        blank = blank._replace(books=NO_BOOKS)
+    indices = {"contacts": (0, room), "pair": (0, count - 1), "touching": (0, 1)}
+    return Layout(blank, indices, {"order": count})
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
@@ -149,6 +160,7 @@ SOFT = Model(
     state=State,
     parameters=checked_parameters,
     start=start,
+    layout=layout,
     workspace=workspace,
     advance=advance,
     access=Access(refusal="positions of soft spheres follow from the balance of forces; use [[protocol]] and walls"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.prescribed_motion import at_reference
 from ecume.models.sph.fields import FIELDS, RATES
 from ecume.models.sph.integration.time_stepping import advance
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.models.sph.report.check_report import advice
 from ecume.models.sph.report.invariants import invariants
 from ecume.models.sph.report.observation import observe
@@ -26,7 +27,8 @@ from ecume.models.sph.setup.building import parameters_of
 from ecume.models.sph.setup.choices import kernel_of, laws_of, require_right_split, smoothing_of
 from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.models.sph.setup.shapes import part_of
-from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
+from ecume.models.sph.state import MOST_SKIN, State, Workspace, likely_neighbors, make_state, workspace_at
+from ecume.models.state_layout import Layout
 from ecume.scenes.sph import SphScene
 from ecume.value_texts import with_prefix
 
@@ -37,6 +39,21 @@ if TYPE_CHECKING:
 def start(scene: SphScene, parameters: Parameters) -> State:
     """The liquid at time 0."""
     return with_buffers(parameters, make_state(parameters, liquid_of(scene, parameters.material)))
+
+
+def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
+    """What a state with as many particles looks like: openings change their number."""
+    vectors, rows = np.zeros((parameters.dimension, state.mass.size)), np.zeros(state.mass.size)
+    liquid = Liquid(vectors, vectors, rows, rows, np.zeros(state.mass.size, np.int64))
+    return Layout(
+        make_state(parameters, liquid),
+        {
+            "identity": (0, math.inf),
+            "region": (0, len(scene.fluid) - 1),
+            "zone": (0, len(parameters.gates)),
+            "skin": (0.0, MOST_SKIN * parameters.support),
+        },
+    )
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
@@ -126,6 +143,7 @@ SPH = Model(
     state=State,
     parameters=checked_parameters,
     start=start,
+    layout=layout,
     workspace=workspace,
     advance=advance,
     observe=observe,

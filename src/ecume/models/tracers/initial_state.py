@@ -6,6 +6,7 @@ import numpy as np
 
 from ecume.engine.walls import Surfaces, clearance, described
 from ecume.errors import Fault, SceneError
+from ecume.models.state_layout import Layout
 from ecume.models.tracers.parameters import Parameters
 from ecume.models.tracers.state import State, make_state
 from ecume.models.tracers.tank import surfaces_of
@@ -34,6 +35,18 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
         raise SceneError(faults)
     velocity = np.concatenate([velocities(species, scene.dimensions) for species in scene.particles])
     return make_state(np.concatenate(places), velocity.astype(np.float64), len(surfaces.kind))
+
+
+def layout(scene: TracersScene, parameters: Parameters, state: State) -> Layout:
+    """What a state with as many particles looks like: they enter through openings."""
+    count = min(max(state.left.size, _at_first(scene)), len(parameters.bodies.radius))
+    zeros = np.zeros((count, scene.dimensions))
+    blank = make_state(zeros, zeros, len(surfaces_of(scene).kind))
+    return Layout(blank, {"left": (-1, len(scene.openings) - 1)})
+
+
+def _at_first(scene: TracersScene) -> int:
+    return sum(species.count for species in scene.particles)
 
 
 def velocities(species: ParticleSpec, dimensions: int) -> Array:

@@ -17,7 +17,7 @@ from ecume.models.model import Model, Source
 from ecume.models.step_counts import last_step
 from ecume.models.tracers.access import TRACERS as ACCESS
 from ecume.models.tracers.energy_budget import brings, exchange, lent
-from ecume.models.tracers.initial_state import start
+from ecume.models.tracers.initial_state import layout, start
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import DRAGS, Parameters, parameters_of
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
@@ -211,6 +211,7 @@ TRACERS = Model(
     state=State,
     parameters=checked_parameters,
     start=start,
+    layout=layout,
     workspace=workspace,
     advance=advance,
     observe=observe,

@@ -19,6 +19,7 @@ from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
+from ecume.models.state_layout import Layout
 from ecume.units import Array
 from ecume.value_texts import with_prefix
 
@@ -62,10 +63,22 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
             raise SceneError([Fault("particles", str(error))]) from None
-    state = make_state(places.position, places.velocity)
+    return with_angles(_with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
+
+
+def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:
+    """What a state of this scene looks like; stored contacts name floats and walls."""
+    zeros = np.zeros((len(parameters.floats.radius), 2))
+    blank = with_angles(_with_parts(make_state(zeros, zeros), parameters), scene, parameters)
+    bodies = len(parameters.kick.mobility)
+    return Layout(blank, {"touches": (0, len(blank.touching)), "touching": (0, bodies - 1)})
+
+
+def _with_parts(state: State, parameters: Parameters) -> State:
+    """Return the state with the arrays of all parts."""
     for part, row in interactions_of(parameters):
         state = row.state(part, state)
-    return with_angles(contacts_of(parameters).state(state), scene, parameters)
+    return contacts_of(parameters).state(state)
 
 
 def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> State:
