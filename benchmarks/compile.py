@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 
-from marching import machine
+from timed_runs import machine
 
 FIRST_STEP = """
 import time

@@ -3,7 +3,7 @@
     python benchmarks/contacts.py [most contacts]
 
 A raft on a triangular lattice, closed up to a millionth of a radius, is pressed by its own menisci. The solver makes
-everyone stop from nothing, as in a raft's first step, and then from its last solution, after every pull has
+all stop from nothing, as in a raft's first step, and then from its last solution, after every pull has
 changed by up to a hundredth, as in each step that follows. One thread: a sweep goes from contact to contact.
 """
 
@@ -13,7 +13,7 @@ import sys
 import time
 
 import numpy as np
-from marching import March, heavy_spheres, machine
+from timed_runs import TimedRun, heavy_spheres, machine
 
 from ecume._jit import use_threads
 from ecume.engine.contact import contacts as touching
@@ -28,22 +28,22 @@ SIZES = (1_000, 10_000, 100_000)
 CHANGE = 0.01
 
 
-def raft(contacts: int) -> March:
+def raft(contacts: int) -> TimedRun:
     """A raft with about so many contacts."""
     count = round(contacts / CONTACTS_PER_FLOAT)
-    return March(heavy_spheres(f'count = {count}\nplacement = "lattice"\nspacing = {SPACING}\n'))
+    return TimedRun(heavy_spheres(f'count = {count}\nplacement = "lattice"\nspacing = {SPACING}\n'))
 
 
-def pressed(march: March) -> np.ndarray:
+def pressed(run: TimedRun) -> np.ndarray:
     """The velocities that menisci give in one kick."""
-    parameters, state, work = march.parameters, march.state, march.workspace
+    parameters, state, work = run.parameters, run.state, run.workspace
     forces_at(parameters, state.position, work)
     return parameters.kick.gain[:, None] * work.force
 
 
-def solved(march: March, velocity: np.ndarray) -> tuple[int, float, float]:
+def solved(run: TimedRun, velocity: np.ndarray) -> tuple[int, float, float]:
     """Sweeps, residual over the fastest approach, and processor time, from the impulses that stand in the contacts."""
-    parameters, contacts = march.parameters, march.workspace.contacts
+    parameters, contacts = run.parameters, run.workspace.contacts
     mobility = parameters.kick.mobility
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     rows = contacts.total[0]
@@ -58,14 +58,14 @@ def solved(march: March, velocity: np.ndarray) -> tuple[int, float, float]:
 
 def measured(size: int) -> None:
     """One raft: from nothing, and from the last solution."""
-    march = raft(size)
-    work, kick = march.workspace, pressed(march)
-    touching.gather(work.contacts, work.candidates, march.state.position, contact_bodies(march.parameters), 1e-6)
-    touching.set_effective_masses(work.contacts, march.parameters.kick.mobility)
+    run = raft(size)
+    work, kick = run.workspace, pressed(run)
+    touching.gather(work.contacts, work.candidates, run.state.position, contact_bodies(run.parameters), 1e-6)
+    touching.set_effective_masses(work.contacts, run.parameters.kick.mobility)
     work.contacts.impulse[:] = 0.0
     chance = np.random.default_rng(1).uniform(1.0 - CHANGE, 1.0 + CHANGE, (len(kick), 1))
     for start, velocity in (("nothing", kick.copy()), ("the last solution", kick * chance)):
-        sweeps, left, spent = solved(march, velocity)
+        sweeps, left, spent = solved(run, velocity)
         each = 1e9 * spent / (sweeps * work.contacts.total[0])
         print(
             f"{work.contacts.total[0]:8d} contacts from {start:18s} {sweeps:6d} sweeps, {left:8.1e} left, "

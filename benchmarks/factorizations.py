@@ -25,10 +25,10 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from marching import machine
 from scipy.sparse import bsr_array, csc_array, csr_matrix
 from scipy.sparse.linalg import splu
 from soft_solvers import fill, system
+from timed_runs import machine
 
 from ecume.engine.linear_solvers import solvers
 from ecume.engine.linear_solvers.block_matrix import Matrix

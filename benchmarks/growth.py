@@ -2,8 +2,8 @@
 
     python benchmarks/growth.py [--edges 22 46 126] [--steps 40] [--rounds 3] [--precision double]
 
-One thread, processor time, all sizes in turns in one process, over the same steps of the march. A cube with free faces
-is measured beside one that is periodic, where everyone has as many neighbors whatever the size: particles of a larger
+One thread, processor time, all sizes in turns in one process, over the same steps. A cube with free faces
+is measured beside one that is periodic, where all have as many neighbors whatever the size: particles of a larger
 free cube have more, since fewer are at its faces.
 """
 
@@ -17,31 +17,31 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from marching import March, machine
+from timed_runs import TimedRun, machine
 
 from ecume._jit import use_threads
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 from cube import REACH, SPACING
-from in_ecume import WARM_UP, bytes_of, march_of
+from in_ecume import WARM_UP, bytes_of, run_of
 
 SAMPLE = 20_000
 """Particles whose neighbors are counted."""
 
 
-class Crowd(NamedTuple):
-    """A cube on its way."""
+class Cube(NamedTuple):
+    """A cube in progress."""
 
     sides: str
     count: int
-    march: March
+    run: TimedRun
     seconds: list[float]
     """Of each round, per particle and step"""
 
 
-def neighbors_inside(march: March) -> float:
+def neighbors_inside(run: TimedRun) -> float:
     """Of a particle inside the support: the lists look a little farther."""
-    lists, fields, support = march.workspace.lists, march.workspace.fields, REACH * SPACING
+    lists, fields, support = run.workspace.lists, run.workspace.fields, REACH * SPACING
     count = len(lists.counts)
     chosen = np.random.default_rng(1).choice(count, min(count, SAMPLE), replace=False)
     place = fields.position[:3].astype(float)
@@ -52,28 +52,28 @@ def neighbors_inside(march: March) -> float:
     return found / len(chosen)
 
 
-def time_rounds(crowds: list[Crowd], steps: int, rounds: int) -> None:
-    """All of them go on, in turns."""
-    for crowd in crowds:
-        crowd.march.go(WARM_UP)
+def time_rounds(cubes: list[Cube], steps: int, rounds: int) -> None:
+    """Integrate all of them, in turns."""
+    for cube in cubes:
+        cube.run.go(WARM_UP)
     for _ in range(rounds):
-        for crowd in crowds:
+        for cube in cubes:
             began = time.process_time()
-            crowd.march.go(steps)
-            crowd.seconds.append((time.process_time() - began) / (steps * crowd.count))
+            cube.run.go(steps)
+            cube.seconds.append((time.process_time() - began) / (steps * cube.count))
 
 
-def show(crowds: list[Crowd], precision: str) -> None:
+def show(cubes: list[Cube], precision: str) -> None:
     """A row a cube: the best of the rounds, over that of the smallest with such faces."""
-    for sides in dict.fromkeys(crowd.sides for crowd in crowds):
+    for sides in dict.fromkeys(cube.sides for cube in cubes):
         first = None
-        for crowd in (one for one in crowds if one.sides == sides):
-            spent, around = 1e9 * min(crowd.seconds), neighbors_inside(crowd.march)
+        for cube in (one for one in cubes if one.sides == sides):
+            spent, around = 1e9 * min(cube.seconds), neighbors_inside(cube.run)
             first = first or (spent, around)
             print(
-                f"| {precision}, {sides} | {crowd.count:,} | {spent:.0f} | {spent / first[0]:.2f} | {around:.1f} "
+                f"| {precision}, {sides} | {cube.count:,} | {spent:.0f} | {spent / first[0]:.2f} | {around:.1f} "
                 f"| {around / first[1]:.2f} | {spent / around:.2f} | {spent * first[1] / (around * first[0]):.2f} "
-                f"| {bytes_of(crowd.march) / crowd.count:.0f} |"
+                f"| {bytes_of(cube.run) / cube.count:.0f} |"
             )
 
 
@@ -90,13 +90,13 @@ def main() -> None:
     print("| sums, faces | particles | ns a step | growth | neighbors | growth | ns a pair | growth | bytes |")
     print("|---|---|---|---|---|---|---|---|---|")
     for precision in asked.precision:
-        crowds = [
-            Crowd(sides, edge**3, march_of(edge, precision, sides=sides), [])
+        cubes = [
+            Cube(sides, edge**3, run_of(edge, precision, sides=sides), [])
             for sides in ("open", "periodic")
             for edge in asked.edges
         ]
-        time_rounds(crowds, asked.steps, asked.rounds)
-        show(crowds, precision)
+        time_rounds(cubes, asked.steps, asked.rounds)
+        show(cubes, precision)
     if hasattr(os, "getloadavg"):
         print(f"\nload {os.getloadavg()[0]:.1f} at the end")
 

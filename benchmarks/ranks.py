@@ -1,4 +1,4 @@
-"""A crowd of heavy spheres, or a tank, on ranks with one thread each: steps alone and together, in turns.
+"""Many heavy spheres, or a tank, on ranks with one thread each: steps alone and together, in turns.
 
     python benchmarks/ranks.py --particles 100000 --ranks 2
     python benchmarks/ranks.py --model sph
@@ -19,7 +19,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from marching import heavy_spheres, machine
+from timed_runs import heavy_spheres, machine
 
 ROUNDS, WARM_UP = 5, 2
 
@@ -82,12 +82,12 @@ def scene_of(asked: argparse.Namespace) -> Any:
     return heavy_spheres(f"count = {asked.particles}\n{lattice}")
 
 
-def marches(asked: argparse.Namespace, everyone: Any, clock: Clock) -> tuple[Callable[[int], Any], ...]:
-    """The first rank's march alone, that of all together, and whether both came to the same bits."""
+def runs_of(asked: argparse.Namespace, communicator: Any, clock: Clock) -> tuple[Callable[[int], Any], ...]:
+    """The integration by the first rank alone, that by all together, and whether both have the same bits."""
     from ecume.models import MODELS
     from ecume.run.ranks import share_of, spread_of
 
-    model, spread, share = MODELS[asked.model], spread_of(asked.model), share_of(everyone)
+    model, spread, share = MODELS[asked.model], spread_of(asked.model), share_of(communicator)
     share = share._replace(gather=clock.around(share.gather))
     scene = scene_of(asked)
     parameters = model.parameters(scene)
@@ -96,7 +96,7 @@ def marches(asked: argparse.Namespace, everyone: Any, clock: Clock) -> tuple[Cal
     whole, own = model.workspace(parameters, one, 1.0), spread.workspace_shared(share, parameters, many, 1.0)
 
     def alone(steps: int) -> None:
-        if everyone.rank == 0:
+        if communicator.rank == 0:
             model.advance(parameters, one, whole, steps)
 
     def together(steps: int) -> None:
@@ -112,27 +112,27 @@ def measure(asked: argparse.Namespace) -> None:
     """All ranks together; the first prints."""
     from ecume.run.ranks import world
 
-    everyone, clock = world(), Clock()
-    alone, together, same = marches(asked, everyone, clock)
+    communicator, clock = world(), Clock()
+    alone, together, same = runs_of(asked, communicator, clock)
 
-    def cost(march: Callable[[int], Any]) -> Any:
-        wait(everyone)
+    def cost(run: Callable[[int], Any]) -> Any:
+        wait(communicator)
         began, clock.messages[:] = clock.now(), 0.0
-        march(asked.steps)
+        run(asked.steps)
         spent = (clock.now() - began) / asked.steps * 1e3
         return np.append(spent, spent[1] - clock.messages[1] / asked.steps * 1e3)
 
-    for march in (alone, together):
-        march(WARM_UP)
-    told = []
+    for run in (alone, together):
+        run(WARM_UP)
+    costs = []
     for number in range(ROUNDS):
         one, many = cost(alone), cost(together)
-        told.append((one, np.max(everyone.gather(many) or [many], axis=0)))
-        if everyone.rank == 0:
-            print(f"round {number}: {in_words(everyone.size, *told[-1])}", flush=True)
-    if everyone.rank == 0:
+        costs.append((one, np.max(communicator.gather(many) or [many], axis=0)))
+        if communicator.rank == 0:
+            print(f"round {number}: {in_words(communicator.size, *costs[-1])}", flush=True)
+    if communicator.rank == 0:
         print(f"{machine()}\nabout {asked.particles} particles of the model {asked.model}, the same bits: {same(0)}")
-        wall, work = (np.median([one[k] / many[m] for one, many in told]) for k, m in ((0, 0), (1, 2)))
+        wall, work = (np.median([one[k] / many[m] for one, many in costs]) for k, m in ((0, 0), (1, 2)))
         print(f"median of {ROUNDS}: {wall:.2f} times as fast by the wall, {work:.2f} times by the processor's time")
 
 
@@ -144,9 +144,9 @@ def in_words(ranks: int, one: Any, many: Any) -> str:
     )
 
 
-def wait(everyone: Any) -> None:
+def wait(communicator: Any) -> None:
     """For the others, without keeping a core busy."""
-    there = everyone.Ibarrier()
+    there = communicator.Ibarrier()
     while not there.Test():
         time.sleep(1e-3)
 

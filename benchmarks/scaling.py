@@ -5,13 +5,13 @@ python benchmarks/scaling.py
 
 from __future__ import annotations
 
-from marching import March, heavy_spheres, machine, seconds
+from timed_runs import TimedRun, heavy_spheres, machine, seconds
 
 from ecume._jit import use_threads
 
 COUNTS = (1, 10, 100, 1_000, 10_000)
 WARM_UP = 100
-"""Steps before the clock starts: afterwards everyone moves and the neighbor lists are renewed now and then."""
+"""Steps before the clock starts: afterwards all move and the neighbor lists are renewed now and then."""
 LEAST_WORK = 300_000
 """Floats times steps that one figure is taken from; at least 100 steps."""
 TRIES = 3
@@ -21,10 +21,10 @@ WANTED = 1.5
 def nanoseconds(count: int, threads: int) -> float:
     """Per float and step: the best of three goes."""
     use_threads(threads)
-    march = March(heavy_spheres(f"count = {count}\n"))
-    march.go(WARM_UP)
+    run = TimedRun(heavy_spheres(f"count = {count}\n"))
+    run.go(WARM_UP)
     steps = max(100, LEAST_WORK // count)
-    return min(seconds(lambda: march.go(steps)) for _ in range(TRIES)) / (steps * count) * 1e9
+    return min(seconds(lambda: run.go(steps)) for _ in range(TRIES)) / (steps * count) * 1e9
 
 
 def main() -> None:

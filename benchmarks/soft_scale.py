@@ -2,8 +2,8 @@
 
     python benchmarks/soft_scale.py [--layers 1000 10000] [--spaces 1000 10000] [--steps 12] [--threads 1 2]
 
-Each packing is marched in a process of its own, after compilation and after the first quick steps; the placement is not
-counted. Processor time is that of all threads; wall time says what a second thread gains, and needs a quiet machine.
+Each packing is integrated in a process of its own, after compilation and after the first quick steps, without the
+placement. Processor time is that of all threads; wall time says what a second thread gains, and needs a quiet machine.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from concurrent.futures import ProcessPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
-from marching import machine
+from timed_runs import machine
 
 from ecume.engine.linear_solvers import solvers
 from ecume.models.soft import SOFT
@@ -34,7 +34,7 @@ BEGIN = 14
 
 
 class Asked(NamedTuple):
-    """What to march."""
+    """The packing to integrate."""
 
     count: int
     dimensions: int
@@ -92,7 +92,7 @@ def watched() -> dict[str, int]:
 
 
 def measure(asked: Asked) -> Row:
-    """March one packing."""
+    """Integrate one packing."""
     scene, systems = packing(asked.count, asked.dimensions, asked.solver), watched()
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
@@ -132,7 +132,7 @@ def grown(rows: list[Row], what: str) -> float:
     return float(np.polyfit(np.log(counts), np.log(values), 1)[0])
 
 
-def told(dimensions: int, threads: int, row: Row) -> str:
+def row_of(dimensions: int, threads: int, row: Row) -> str:
     """A line of the table."""
     kind = "layer" if dimensions == 2 else "space"
     times = f"{row.step:.3g} | {row.wall:.3g} | {row.strain:.3g}"
@@ -159,7 +159,7 @@ def main() -> None:
             rows = []
             for count in sorted(counts):
                 rows.append(alone(Asked(count, dimensions, asked.steps, asked.solver, threads)))
-                print(told(dimensions, threads, rows[-1]), flush=True)
+                print(row_of(dimensions, threads, rows[-1]), flush=True)
             if len(rows) > 1:
                 step, memory = grown(rows, "step"), grown(rows, "memory")
                 print(f"a step grows with the power {step:.2f} of their number, memory with {memory:.2f}", flush=True)

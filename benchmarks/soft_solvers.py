@@ -13,8 +13,8 @@ import argparse
 import time
 
 import numpy as np
-from marching import machine
 from soft_scale import packing
+from timed_runs import machine
 
 from ecume.engine.linear_solvers import solvers
 from ecume.errors import BadInput

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from marching import machine
+from timed_runs import machine
 
 from ecume.models.soft import T1, t1_process
 

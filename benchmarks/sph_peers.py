@@ -3,7 +3,7 @@
     sh benchmarks/peers/install.sh FOLDER
     python benchmarks/sph_peers.py FOLDER [--edge 46] [--steps 60] [--rounds 3]
 
-All march the same equations: Tait's equation of state, the continuity equation, pressure and artificial viscosity; no
+All integrate the same equations: Tait's equation of state, continuity, pressure and artificial viscosity; no
 walls, no gravity, no diffusion of density. Kernels differ (LAMMPS has only Lucy's), the radius of the support does not,
 except in SPlisHSPlasH, which ties it to the spacing.
 """
@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import llvmlite.binding
-from marching import machine
 from scipy.spatial import cKDTree
+from timed_runs import machine
 
 HERE = Path(__file__).parent / "peers"
 sys.path.insert(0, str(HERE))
@@ -45,7 +45,7 @@ class Peer(NamedTuple):
     ranks: bool
     """Whether its threads are MPI ranks"""
     slowness: int
-    """It marches the fewer steps"""
+    """It integrates the fewer steps"""
     extra: str = ""
     """What its script is told besides"""
 

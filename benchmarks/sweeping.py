@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from marching import machine
+from timed_runs import machine
 
 from ecume.sweep import sweep
 from ecume.sweep.executors import ExecutorOptions

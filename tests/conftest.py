@@ -10,6 +10,8 @@ from hypothesis import settings
 TESTS = Path(__file__).parent
 PLAIN = ("laws", "contracts", "engine", "models")
 """Folders whose tests can run as plain Python, without the compiler."""
+COMPILED_LAWS = "test_multipole.py"
+"""Tests of the only laws that are compiled themselves. All others are plain Python in either pass."""
 
 # A busy machine is no fault.
 settings.register_profile("ecume", deadline=None)
@@ -22,9 +24,12 @@ if MEASURED is not None:
 
 
 def pytest_itemcollected(item):
-    """Mark what the plain pass runs, so that `-m` can choose it or leave it out."""
-    if item.path.relative_to(TESTS).parts[0] in PLAIN and item.get_closest_marker("compiled") is None:
+    """Mark what the plain pass runs, and what it alone need run, so that `-m` can choose them."""
+    folder = item.path.relative_to(TESTS).parts[0]
+    if folder in PLAIN and item.get_closest_marker("compiled") is None:
         item.add_marker(pytest.mark.plain)
+        if folder == "laws" and item.path.name != COMPILED_LAWS:
+            item.add_marker(pytest.mark.uncompiled)
 
 
 @pytest.fixture(autouse=True)

@@ -26,7 +26,7 @@ print(exchanged(4.0), sum(exchanged.stats.cache_hits.values()))
 
 
 @pytest.mark.compiled
-def test_an_edited_law_is_compiled_anew_and_an_edit_elsewhere_compiles_nothing(tmp_path):
+def test_an_edited_law_is_compiled_again_and_an_edit_elsewhere_compiles_nothing(tmp_path):
     copy, script = tmp_path / "src" / "ecume", tmp_path / "collision.py"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     script.write_text(COLLISION)

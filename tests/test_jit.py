@@ -64,7 +64,7 @@ def test_a_second_process_finds_the_whole_on_the_disk_and_needs_no_part(nested):
     assert run().stdout.split() == ["7.0", "1", "0"]
 
 
-def test_a_lost_whole_is_made_anew_from_the_parts_on_the_disk(nested):
+def test_a_lost_whole_is_made_again_from_the_parts_on_the_disk(nested):
     run, folder = nested
     run()
     for path in folder.rglob("nested.outer*"):
@@ -91,7 +91,7 @@ def test_parts_of_the_disk_are_linked_and_never_run_where_they_stand(nested):
 
 
 @pytest.mark.parametrize("suffix", ["nbc", "nbi"])
-def test_truncated_files_are_compiled_anew(nested, suffix):
+def test_truncated_files_are_compiled_again(nested, suffix):
     run, folder = nested
     run()
     damaged = [path for path in folder.rglob(f"*.{suffix}") if "nested." in path.name]

@@ -1,10 +1,12 @@
 """No layer imports a higher one by a string, where import-linter cannot see it."""
 
 import ast
+import re
 import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,7 @@ ROOT = PACKAGE.parents[1]
 IMPORTERS = ("import_module", "__import__")
 
 
+@cache
 def layers() -> dict[str, int]:
     """The floor of each module that pyproject.toml names, the highest with the lowest number."""
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
@@ -75,3 +78,18 @@ def test_a_trajectory_knows_its_scene_and_its_picture_whatever_was_imported():
     script += "import sys\nassert 'ecume.show' not in sys.modules and 'ecume.scenes' not in sys.modules\n"
     script += "assert _hooks.html_of._function and _hooks.scene_of._function\n"
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_laws_but_those_of_multipoles_run_no_compiled_code():
+    """Their tests are not repeated in the compiled pass: see conftest.py."""
+    names = [
+        path.stem for path in (PACKAGE / "laws").glob("*") if path.stem not in ("multipole", "__init__", "__pycache__")
+    ]
+    script = "import importlib, sys\n"
+    script += f"for name in {sorted(names)}:\n    importlib.import_module(f'ecume.laws.{{name}}')\n"
+    script += "assert not {'numba', 'ecume._jit', 'ecume.models'} & set(sys.modules)\n"
+    subprocess.run([sys.executable, "-c", script], check=True)
+    for path in (ROOT / "tests" / "laws").glob("test_*.py"):
+        used = re.findall(r"ecume[.\w]*", path.read_text(encoding="utf-8"))
+        compiles = {name for name in used if name.startswith(("ecume.models", "ecume.engine", "ecume._jit"))}
+        assert path.name == "test_multipole.py" or (not compiles and "ecume.laws.multipole" not in used), path.name

@@ -11,7 +11,7 @@ from pathlib import Path
 import cube
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
-from marching import March
+from timed_runs import TimedRun
 
 from ecume._jit import use_threads
 from ecume.scenes.load import load_scene
@@ -54,7 +54,7 @@ time_step = {time_step}
 """
 
 
-def march_of(edge: int, precision: str, *, sides: str = "open") -> March:
+def run_of(edge: int, precision: str, *, sides: str = "open") -> TimedRun:
     """The cube, at its start: free in space, or one of endlessly many where its sides are periodic."""
     side, water = edge * cube.SPACING, cube.cube(edge)
     low, high = (0.0, side) if sides == "periodic" else (-side, 2.0 * side)
@@ -63,17 +63,17 @@ def march_of(edge: int, precision: str, *, sides: str = "open") -> March:
         high=high, smoothing=0.5 * cube.REACH, alpha=cube.ALPHA, time_step=cube.TIME_STEP, precision=precision,
         sides=sides,
     )  # fmt: skip
-    march = March(load_scene(text))
+    run = TimedRun(load_scene(text))
     for name, start in (("position", water.position), ("reference", water.position), ("velocity", water.velocity)):
-        getattr(march.state, name)[...] = start.T
-    march.workspace = march.model.workspace(march.parameters, march.state, 1.0)
-    return march
+        getattr(run.state, name)[...] = start.T
+    run.workspace = run.model.workspace(run.parameters, run.state, 1.0)
+    return run
 
 
-def bytes_of(march: March) -> int:
+def bytes_of(run: TimedRun) -> int:
     """State, tables and lists; a run has little beside them."""
-    scratch = march.workspace
-    arrays = [*march.state, *scratch.lists, *scratch.images, scratch.fields, scratch.rates]
+    scratch = run.workspace
+    arrays = [*run.state, *scratch.lists, *scratch.images, scratch.fields, scratch.rates]
     return sum(array.nbytes for array in arrays)
 
 
@@ -81,11 +81,11 @@ def main() -> None:
     """Time so many steps."""
     edge, steps, threads = cube.asked()
     use_threads(threads)
-    march = march_of(edge, sys.argv[4])
-    march.go(WARM_UP)
+    run = run_of(edge, sys.argv[4])
+    run.go(WARM_UP)
     watch = cube.Watch()
-    march.go(steps)
-    watch.report(steps, edge**3, bytes=bytes_of(march) / edge**3)
+    run.go(steps)
+    watch.report(steps, edge**3, bytes=bytes_of(run) / edge**3)
 
 
 if __name__ == "__main__":

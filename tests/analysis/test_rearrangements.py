@@ -79,7 +79,7 @@ def test_touching_discs_are_neighbors_however_unequal():
 
 
 @pytest.mark.parametrize("strain", [0.0, 0.3, 0.5, 1.7, -2.2])
-def test_a_periodic_crowd_has_three_neighbors_pairs_a_particle(strain):
+def test_periodic_particles_have_three_neighbor_pairs_each(strain):
     box = Box(np.array([8.0, 6.0]), strain)
     random = np.random.default_rng(5)
     found = radical_neighbors(random.uniform(size=(80, 2)) * box.sides, np.full(80, 0.2), box)
@@ -115,7 +115,7 @@ def test_a_rhombus_that_is_squeezed_swaps_once_at_the_square(turn):
     assert found.unpaired == 0
 
 
-def test_a_square_that_trembles_swaps_nobody():
+def test_a_square_that_trembles_swaps_no_neighbors():
     random = np.random.default_rng(2)
     ratios = [0.7, 0.9, *(1.0 + 0.03 * random.standard_normal(40)), 0.9, 0.7]
     assert not neighbor_swaps(courses(ratios)).events
@@ -172,7 +172,7 @@ def test_crossing_a_sheared_border_is_no_event():
     assert (found.events, found.unpaired) == ((), 0)
 
 
-def test_contacts_tell_when_two_part_and_when_the_others_meet():
+def test_contacts_give_the_times_of_separation_and_of_meeting():
     # The sides keep the length 1.1; horizontal 1.05 -> 1.6, vertical the rest.
     across = np.linspace(1.02, 1.62, 61)
     along = 2.0 * np.sqrt(1.0**2 - (across / 2.0) ** 2)

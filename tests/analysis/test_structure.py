@@ -55,7 +55,7 @@ def test_neighbors_are_the_first_shell_only():
 
 
 @pytest.mark.parametrize("region", [Region(radius=2.0), Region(size=(3.0, 4.0))])
-def test_points_strewn_by_chance_have_a_pair_distribution_of_one_up_to_the_border(region):
+def test_random_points_have_a_pair_distribution_of_one_up_to_the_border(region):
     chance, frames = np.random.default_rng(5), []
     for _ in range(40):
         points = chance.uniform(-2.0, 2.0, (2500, 2))
@@ -97,7 +97,7 @@ def test_a_row_is_long_a_hexagon_is_round_and_both_have_their_radius_of_gyration
     assert (shapes.gyration_radius[lone], shapes.elongation[lone]) == (0.0, 1.0)
 
 
-def test_chance_steps_add_up_as_squares_and_straight_ways_as_lengths():
+def test_random_steps_add_up_as_squares_and_straight_ways_as_lengths():
     chance = np.random.default_rng(1)
     tracks = np.cumsum(chance.normal(0.0, 0.5, (400, 300, 2)), axis=0)
     lags = [0, 1, 4, 16]

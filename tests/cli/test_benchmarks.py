@@ -30,7 +30,7 @@ def scripts(tmp_path, monkeypatch):
 
 
 def test_every_benchmark_has_its_script_and_every_script_its_benchmark():
-    shared = {"marching.py", "versions.py"}  # the latter needs two checkouts
+    shared = {"timed_runs.py", "versions.py"}  # the latter needs two checkouts
     assert {one.script for one in BENCHES.values()} == {path.name for path in benchmarks.folder().glob("*.py")} - shared
 
 
@@ -69,7 +69,7 @@ def test_a_benchmark_that_fails_ends_with_one_and_is_not_kept(scripts):
 
 
 @pytest.mark.parametrize(("given", "said"), [(["goood"], "did you mean good?"), (["good", "--all"], "either names")])
-def test_what_it_cannot_do_is_told(scripts, given, said):
+def test_what_it_cannot_do_is_reported(scripts, given, said):
     done = cli.invoke(app, ["bench", *given])
     assert done.exit_code == 2
     assert said in done.stderr

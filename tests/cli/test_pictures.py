@@ -35,7 +35,7 @@ def _a_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "bowl" / "manifest.json").write_text('{"ecume": "0"}')
 
 
-def test_export_writes_among_the_results_or_where_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_export_writes_among_the_results_or_to_the_given_place(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         ecume.trajectories.exports, "export", lambda directory, kind, out: f"{directory} {kind} {out.as_posix()}"
     )
@@ -122,7 +122,7 @@ def test_the_options_of_a_movie_reach_it(cuts: list[Any]) -> None:
         (["--from", "3 s", "--to", "2 s"], "there is no time"),
     ],
 )
-def test_an_option_of_a_movie_that_cannot_be_is_told_in_words(words: list[str], says: str, cuts: list[Any]) -> None:
+def test_an_impossible_option_of_a_movie_is_reported(words: list[str], says: str, cuts: list[Any]) -> None:
     done = cli.invoke(app, ["movie", "bowl", *words])
     assert (done.exit_code, cuts) == (2, [])
     assert says in " ".join(done.stderr.replace("│", " ").split())
@@ -205,7 +205,7 @@ def test_plot_of_a_run_with_one_frame_reports_it_once(drawn: list[str], monkeypa
     assert done.stderr == "ecume: the run has a single frame, figures over time are omitted\n"
 
 
-def test_plot_draws_what_it_is_told_or_says_why_not(drawn: list[str]) -> None:
+def test_plot_draws_the_named_figure_or_reports_why_not(drawn: list[str]) -> None:
     assert cli.invoke(app, ["plot", "bowl", "--what", "paths", "-o", "a.pdf"]).stdout == "wrote a.pdf\n"
     assert cli.invoke(app, ["plot", "bowl", "--what", "force-law"]).exit_code == 2
     two = cli.invoke(app, ["plot", "bowl", "--what", "paths", "--what", "energies", "-o", "a.pdf"])

@@ -54,7 +54,7 @@ def test_new_makes_the_folder_it_writes_into_unless_a_file_is_there() -> None:
     assert (done.exit_code, done.stderr.startswith("ecume: some/where.toml")) == (4, True)
 
 
-def test_whoever_leaves_out_the_ending_or_means_a_template_is_told_so() -> None:
+def test_a_name_without_its_ending_and_that_of_a_template_are_recognized() -> None:
     absent = cli.invoke(app, ["check", "two-spheres.toml"]).stderr
     assert absent.endswith("No such file or directory; `ecume new two-spheres` writes it\n")
     cli.invoke(app, ["new", "two-spheres"])
@@ -64,7 +64,7 @@ def test_whoever_leaves_out_the_ending_or_means_a_template_is_told_so() -> None:
     assert "the scene of that run is run" in cli.invoke(app, ["check", "run"]).stderr
 
 
-def test_check_tells_all_faults_and_ends_with_two() -> None:
+def test_check_reports_all_faults_and_ends_with_two() -> None:
     Path("bad.toml").write_text('model = "floating"\nduration = 1\nframe_every = -1\n[liqid]\n')
     done = cli.invoke(app, ["check", "bad.toml", "--set", "seed=x"])
     assert done.exit_code == 2
@@ -91,7 +91,7 @@ def test_check_derives_the_numbers_of_each_template(name: str) -> None:
     assert "Warning" not in done.stderr
 
 
-def test_what_a_model_refuses_is_told_with_its_line() -> None:
+def test_what_a_model_refuses_is_reported_with_its_line() -> None:
     cli.invoke(app, ["new", "two-spheres"])
     text = Path("two-spheres.toml").read_text().replace("1300.0", "70000.0")
     Path("two-spheres.toml").write_text(text)
@@ -108,7 +108,7 @@ def test_what_a_model_refuses_is_told_with_its_line() -> None:
         ("count=5000", "particles: only "),
     ],
 )
-def test_check_tells_what_would_keep_a_run_from_starting(change: str, says: str) -> None:
+def test_check_reports_what_would_keep_a_run_from_starting(change: str, says: str) -> None:
     Path("dish.toml").write_text(
         'model = "floating"\nduration = 1\nframe_every = 0.1\n[dish]\nradius = "2 cm"\n'
         '[[particles]]\nradius = "1 mm"\ndensity = 600\ncontact_angle = "70 deg"\n'
@@ -118,7 +118,7 @@ def test_check_tells_what_would_keep_a_run_from_starting(change: str, says: str)
     assert says in done.stderr
 
 
-def test_what_a_model_refuses_of_a_table_is_told_with_the_tables_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_model_refuses_of_a_table_is_reported_with_the_tables_line(monkeypatch: pytest.MonkeyPatch) -> None:
     from ecume.cli.scenes import placed
 
     cli.invoke(app, ["new", "raft-from-table"])

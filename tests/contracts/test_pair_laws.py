@@ -8,6 +8,7 @@ import typing
 
 import numpy as np
 import pytest
+from tests.contracts.float_options import shorten_tables
 from tests.contracts.test_laws import ROOT, bibliography, cited, rescaled, scale
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -133,13 +134,12 @@ PLACES = [(0.0, 0.0), (3.1e-3, 0.4e-3), (-0.5e-3, 4.2e-3), (5.2e-3, 4.9e-3)]
 KINDS = [(1e-3, 1300.0), (1e-3, 200.0), (1.2e-3, 600.0), (0.9e-3, 1300.0)]
 SLOW = ("capillary", "pair-corrected")
 """Its tables of pairs take minutes as plain Python."""
-OTHER_SCHEMES = {*SCHEMES} - {"velocity-verlet", "overdamped"}
-"""Integrators that take whatever forces there are: compiled with one law, and with every law as plain Python."""
 EVERY = [
     (law, option)
     for law, option in itertools.product(PAIR_LAWS, OPTIONS)
-    if (law, option) != SLOW and (PLAIN or law == "capillary" or option not in OTHER_SCHEMES)
+    if (law, option) != SLOW and (PLAIN or law == "capillary" or option == "friction")
 ]
+"""As plain Python all of them; compiled, which takes long, each option with one law and each law with one option."""
 combined = pytest.mark.parametrize(
     ("name", "option"), [*EVERY, pytest.param(*SLOW, marks=[pytest.mark.compiled, pytest.mark.long])]
 )
@@ -238,14 +238,15 @@ def my_own(distance: float, own: PairParameters) -> float:
     return 1e-3 * own.radius_i * own.radius_j / distance
 
 
-# With the JIT each march is compiled with the user's law by itself, which takes ten seconds: two are enough there.
-WITH_MINE = EVERY if PLAIN else [("capillary", "friction"), SLOW]
+# With the JIT each time step is compiled with the user's law by itself, which takes long: one is enough there.
+WITH_MINE = [*EVERY, SLOW] if PLAIN else [("capillary", "friction")]
 NO_SUMS = {"multipole": "sum of the pair law", "shapes": "sum of the pair law", "single": "expected 'double'"}
 """What takes no laws of a user's own, and why."""
 
 
 @pytest.mark.parametrize(("name", "option"), WITH_MINE)
-def test_a_users_own_law_is_added_to_every_law_and_option(name, option):
+def test_a_users_own_law_is_added_to_every_law_and_option(name, option, monkeypatch):
+    shorten_tables(monkeypatch.setattr)
     scene = scene_with(name, option)
     model = FLOATING.extended(bind(scene, [my_own]))
     if not PAIR_LAWS[name].reciprocal:

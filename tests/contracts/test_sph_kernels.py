@@ -186,10 +186,11 @@ print(json.dumps({
 """
 
 
-@pytest.fixture
-def changed(tmp_path):
-    """The only file of a copy of the package that the recipe edits."""
-    copy = tmp_path / "src" / "ecume"
+@pytest.fixture(scope="module")
+def recipe(tmp_path_factory):
+    """The only file of a copy of the package that the recipe edits, the folder of the copy, and a tank's first use."""
+    folder = tmp_path_factory.mktemp("kernel")
+    copy = folder / "src" / "ecume"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     file = re.search(r"`src/ecume/([\w/]+\.py)`", RECIPE)[1]
     table = (copy / file).read_text(encoding="utf-8")
@@ -197,30 +198,30 @@ def changed(tmp_path):
     table = table.replace("\n\nclass Form(", f"\n\n{FORMULAS}\n\nclass Form(")
     head, tail = table.split("})  # fmt: skip\n")
     (copy / file).write_text(f"{head}{ROW}}})  # fmt: skip\n{tail}", encoding="utf-8")
-    return copy / file
+    return copy / file, folder, used(folder)
 
 
 @pytest.mark.compiled
-def test_the_recipe_for_a_kernel_works_as_it_is_written_and_edits_one_file(changed, tmp_path):
-    first = used(tmp_path)
+def test_the_recipe_for_a_kernel_works_as_it_is_written_and_edits_one_file(recipe):
+    _, _, first = recipe
     assert first["name"] not in KERNELS
+    assert first["compiled"] == 2
     assert first["off"] < 1e-9
     assert first["acceleration"] > 1.0
 
 
 @pytest.mark.long
 @pytest.mark.compiled
-def test_a_new_kernel_is_compiled_once_and_again_when_it_is_edited(changed, tmp_path):
-    first, second = used(tmp_path), used(tmp_path)
-    assert (first["compiled"], second["compiled"]) == (2, 0)
-    law = "return -6.0 * (left * left)"
-    text = changed.read_text(encoding="utf-8")
+def test_a_new_kernel_is_compiled_once_and_again_when_it_is_edited(recipe):
+    file, folder, first = recipe
+    assert used(folder)["compiled"] == 0
+    text, law = file.read_text(encoding="utf-8"), "return -6.0 * (left * left)"
     assert text.count(law) == 1
-    changed.write_text(text.replace(law, "return -3.0 * (left * left)"), encoding="utf-8")
-    third = used(tmp_path)
-    assert third["compiled"] == 2
-    assert third["off"] < 1e-9
-    assert third["acceleration"] == pytest.approx(0.5 * first["acceleration"], rel=1e-9)
+    file.write_text(text.replace(law, "return -3.0 * (left * left)"), encoding="utf-8")
+    edited = used(folder)
+    assert edited["compiled"] == 2
+    assert edited["off"] < 1e-9
+    assert edited["acceleration"] == pytest.approx(0.5 * first["acceleration"], rel=1e-9)
 
 
 def used(folder):

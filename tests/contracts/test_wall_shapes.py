@@ -65,7 +65,7 @@ def test_the_normal_is_the_gradient_of_the_distance(name):
 
 
 @each_shape
-def test_floats_start_inside_and_none_is_told_to_start_in_a_wall(name):
+def test_floats_start_inside_and_a_start_in_a_wall_is_refused(name):
     scene = scene_in(name, "count = 40")
     walls = walls_of(scene.dish)
     for place in next(simulate(scene)).arrays["position"]:

@@ -19,7 +19,7 @@ def test_every_particle_stands_in_its_own_cell_once_and_in_ascending_order(dimen
         assert np.all(np.diff(members) > 0)
 
 
-def test_a_sparse_crowd_gets_larger_cells_rather_than_more_of_them():
+def test_sparse_particles_get_larger_cells_rather_than_more_of_them():
     position = np.array([[0.0, 0.0], [1e6, 1e6]])
     cells = make_cells(2, 2)
     sort_into_cells(cells, position, 1e-3)

@@ -39,7 +39,7 @@ def a_raft(count=37, seed=0):
     return position, velocity
 
 
-def test_solved_contacts_let_nobody_through_and_pull_nobody():
+def test_solved_contacts_neither_overlap_nor_pull():
     position, velocity = a_raft()
     mobility = np.random.default_rng(1).uniform(0.5, 2.0, len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)

@@ -21,9 +21,14 @@ def by_tree(position, centers, reach, passive=NOBODY):
     return [{j for j in row if j != i and not (i in walls and j in walls)} for i, row in enumerate(found)]
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("count", [300, FEW + 100])
-def test_everybody_within_reach_is_a_neighbor_and_nobody_else(dimension, count):
+MANY = FEW + 100
+
+
+@pytest.mark.parametrize(
+    ("dimension", "count"),
+    [(2, 300), (3, 300), (2, MANY), pytest.param(3, MANY, marks=pytest.mark.compiled)],
+)
+def test_all_particles_within_reach_are_neighbors_and_no_others(dimension, count):
     position = np.random.default_rng(dimension).uniform(-3.0, 7.0, (dimension, count))
     reach = 10.0 * (12.0 / count) ** (1.0 / dimension)
     lists = neighbor_lists(position, NOBODY, reach, room_for(count, 4))
@@ -65,7 +70,7 @@ def test_some_far_away_do_not_make_the_cells_of_the_others_large():
     assert 18 in rows(lists)[17]
 
 
-def test_a_sparse_crowd_has_few_cells():
+def test_sparse_particles_have_few_cells():
     position = np.random.default_rng(8).uniform(0.0, 1e4, (3, 100))
     assert np.prod(grid_around(position, 1.0).shape) < 2000
     assert rows(neighbor_lists(position, NOBODY, 2e3, room_for(100, 1))) == by_tree(position, 100, 2e3)
@@ -73,7 +78,7 @@ def test_a_sparse_crowd_has_few_cells():
 
 @pytest.mark.filterwarnings("ignore:invalid value")  # where loops are plain Python
 @pytest.mark.parametrize("broken", [np.nan, np.inf, -np.inf])
-def test_what_is_not_a_number_is_nobodys_neighbor(broken):
+def test_what_is_not_a_number_is_no_neighbor(broken):
     position = np.random.default_rng(9).uniform(0.0, 1.0, (2, 100))
     whole = rows(neighbor_lists(position[:, 1:], NOBODY, 0.2, room_for(99, 30)))
     position[1, 0] = broken
@@ -82,7 +87,7 @@ def test_what_is_not_a_number_is_nobodys_neighbor(broken):
     assert [{j - 1 for j in row} for row in found[1:]] == whole
 
 
-def test_nobody_has_no_neighbors():
+def test_no_particles_have_no_neighbors():
     assert len(neighbor_lists(np.ones((2, 0)), NOBODY, 1.0, room_for(0, 1)).counts) == 0
     lists = neighbor_lists(np.ones((2, 1)), NOBODY, 1.0, room_for(1, 1))
     assert lists.counts.tolist() == [0]
@@ -104,7 +109,7 @@ def test_a_list_is_the_same_for_any_number_of_threads_and_lies_where_the_last_on
     assert np.array_equal(kept[used], two.neighbor[used])
 
 
-def test_a_sorted_crowd_keeps_the_order_inside_a_cell():
+def test_sorted_particles_keep_their_order_inside_a_cell():
     position = np.random.default_rng(11).uniform(0.0, 1.0, (2, 1000))
     crowd = sorted_crowd(position, grid_around(position, 0.3))
     assert np.array_equal(crowd.position, position[:, crowd.order])

@@ -104,7 +104,7 @@ def test_nearest_points_lie_a_gap_apart_along_the_normal(one, other):
             assert between == pytest.approx(np.array([gap * nx, gap * ny]), abs=1e-12)
 
 
-def test_ellipses_that_overlap_a_little_are_told_so():
+def test_ellipses_that_overlap_a_little_are_reported():
     shapes = outlines((2.0, 1.0), (2.0, 1.0))
     assert near(shapes, [(0, 0), (3.999, 0)], (0.0, 0.0))[0, 0] == pytest.approx(-1e-3, abs=1e-12)
     assert near(shapes, [(0, 0), (0, 1.999)], (0.0, 0.0))[0, 0] == pytest.approx(-1e-3, abs=1e-12)

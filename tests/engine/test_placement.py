@@ -51,7 +51,7 @@ def advice_on(radius, region=BOWL, taken=NONE):
 
 
 @pytest.mark.compiled
-def test_a_crowd_that_jams_is_told_how_much_it_covers():
+def test_a_placement_that_jams_reports_the_covered_fraction():
     told = advice_on(np.full(90, 0.095))
     assert "together they would cover 81% of the surface" in told
 
@@ -73,7 +73,7 @@ def test_what_is_said_to_fit_at_random_fits(radius):
     )
 
 
-def test_a_float_larger_than_the_dish_is_told_in_the_same_words():
+def test_a_float_larger_than_the_dish_is_reported_in_the_same_words():
     assert advice_on(np.array([1.1])).endswith("cover 121% of the surface; a larger dish would do")
 
 

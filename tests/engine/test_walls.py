@@ -30,6 +30,13 @@ def test_in_space_too_and_particles_do_not_disturb_one_another():
     assert np.abs(position - folded(start + 80.0 * speed, np.array([1.0, 0.7, 0.4]))).max() < 1e-10
 
 
+def test_planes_go_through_other_points_with_the_same_normals():
+    slanted = walls.planes([(0.0, 0.0), (0.0, 4.0)], [(0.0, 2.0), (1.0, -1.0)])
+    assert walls.nearest_points(slanted) == pytest.approx(np.array([[0.0, 0.0, 0.0], [-2.0, 2.0, 0.0]]))
+    shifted = walls.through(slanted, np.array([[7.0, 1.0, 0.0], [1.0, 4.0, 0.0]]))
+    assert walls.gaps(np.array([[3.0, 2.0]]), shifted) == pytest.approx(np.array([[1.0, 4.0 / math.sqrt(2.0)]]))
+
+
 def test_the_second_surface_of_a_corner_is_met_within_the_same_step():
     traced = walls.trace([(0.9, 0.6)], [(1.0, 2.0)], 0.5, walls.box((0.0, 0.0), (1.0, 1.0)))
     assert traced.surface.tolist() == [2, 3]
@@ -77,7 +84,7 @@ def test_each_hit_takes_the_energy_that_the_coefficients_say():
     assert np.abs(velocity[0]) == pytest.approx((1.2 * 0.95**sideways, 0.9 * 0.95**upright), rel=1e-12)
 
 
-def test_flown_backwards_everyone_returns_where_there_is_no_loss():
+def test_flown_backwards_all_return_where_there_is_no_loss():
     rng = np.random.default_rng(5)
     heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
     start, speed = rng.uniform(-0.5, 0.5, (40, 2)), rng.normal(size=(40, 2))
@@ -133,7 +140,7 @@ def test_a_ball_touches_before_its_center_does():
     assert position[0] == pytest.approx((0.6, 0.0))
 
 
-def test_nobody_flies_through_a_thin_obstacle():
+def test_no_particle_flies_through_a_thin_obstacle():
     room = walls.together(walls.box((-1.0, -1.0), (1.0, 1.0)), walls.outside(walls.box((-1e-3, -0.5), (1e-3, 0.5))))
     traced = walls.trace([(-0.5, 0.0), (-0.5, 0.7)], [(1.0, 0.0), (1.0, 0.0)], 1.0, room)
     assert traced.position == pytest.approx(np.array([[-0.502, 0.0], [0.5, 0.7]]))
@@ -166,7 +173,7 @@ def test_who_meets_an_opening_has_left_and_is_not_turned_back():
 
 
 @pytest.mark.compiled
-def test_nobody_is_ever_outside_however_often_corners_are_met():
+def test_no_particle_is_ever_outside_however_often_corners_are_met():
     rng = np.random.default_rng(8)
     spheres = walls.outside(walls.disc((-1.0, -1.0), 0.5))
     triangle = walls.outside(walls.polygon([(0.0, 0.0), (1.0, 0.2), (0.3, 0.9)]))

@@ -128,7 +128,7 @@ def test_particles_of_each_model_start_where_they_were_seen():
         (settling(more="[hydrodynamics]\nbrownian = true"), "scene", "the scene has Brownian motion"),
     ],
 )
-def test_what_cannot_be_fitted_along_is_told(scene, start, why):
+def test_what_cannot_be_fitted_along_is_reported(scene, start, why):
     tracks = Tracks(("a", "b"), np.arange(4.0), np.zeros((4, 2, 2)))
     with pytest.raises(BadInput, match=why):
         ecume.fit(tracks, scene, ["viscosity"], start=start)
@@ -182,7 +182,7 @@ def test_objects_are_picked_by_name():
         picked(tracks, ["c"])
 
 
-def test_tracks_that_were_lost_and_found_again_are_told_of(tmp_path):
+def test_tracks_that_were_lost_and_found_again_are_reported(tmp_path):
     (tmp_path / "tr.toml").write_text(SETTLING.format(viscosity=1.0, duration="0.1 s", more=""))
     seen = [(t / 100, x, name) for t in range(4) for x, name in ((0.01, "a"), (0.02, "b"), (0.9, "c"))]
     rows = "\n".join(f"{t},{x},0.05,{name}" for t, x, name in seen)

@@ -221,7 +221,7 @@ def test_angle_viscosity_and_charge_are_found_again_within_their_intervals(track
 
 
 @pytest.mark.compiled
-def test_angle_and_density_are_not_told_apart_and_what_is_known_is_said(tracks):
+def test_angle_and_density_are_not_distinguished_and_the_known_combination_is_reported(tracks):
     found = ecume.fit(tracks, beads(), ["contact_angle", "density", "viscosity"])
     assert not any(one.determined for one in found.estimates)
     known = {one.name: one.determined for one in found.derived}

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput, FloaterSinks
-from ecume.laws import flotation, multipole
+from ecume.laws import flotation
 from ecume.laws.arguments import CHECKS
-from ecume.laws.multipole import solve
 
 WATER = flotation.Liquid(1000.0, 0.0728, 1e-3)
 BALL = flotation.Sphere(1e-3, 1300.0, 1.4)
@@ -78,36 +77,3 @@ def test_lying_cylinders_attract_by_their_own_law_only():
     for law in (flotation.pair_force, flotation.pair_energy):
         with pytest.raises(BadInput, match="lying_pair_force"):
             law(rod, rod, 5e-3, WATER)
-
-
-def test_multipoles_refuse_bodies_that_sink_or_overlap():
-    with pytest.raises(FloaterSinks):
-        solve([[0.0, 0.0], [5e-3, 0.0]], [STEEL, STEEL], WATER)
-    wetted = flotation.Sphere(1e-3, 900.0, 0.3)  # its contact line is far inside
-    with pytest.raises(BadInput, match=r"bodies 0 and 1 overlap by 200 µm"):
-        solve([[0.0, 0.0], [1.8e-3, 0.0]], [wetted, wetted], WATER)
-    assert np.isfinite(solve([[0.0, 0.0], [2e-3, 0.0]], [wetted, wetted], WATER).forces).all()
-
-
-def test_multipoles_take_numpy_integers_and_refuse_what_is_no_place():
-    apart = [[0.0, 0.0], [3e-3, 0.0]]
-    one, other = (solve(apart, [BALL, BALL], WATER, order).forces for order in (6, np.int64(6)))
-    assert (one == other).all()
-    for order in (6.0, "6", None, 0):
-        with pytest.raises(BadInput, match="the order is"):
-            solve(apart, [BALL, BALL], WATER, order)
-    for places in ("here", [[0.0, 0.0], None], [[0.0, math.nan], [1.0, 0.0]]):
-        with pytest.raises(BadInput, match="positions"):
-            solve(places, [BALL, BALL], WATER)
-
-
-@pytest.mark.parametrize("degrees", [10.0, 60.0, 100.0, 150.0])
-def test_the_multipoles_of_a_cylinder_have_its_charge(degrees):
-    """Far away the force is that of two charges, for a thin cylinder at any slope of the surface."""
-    radius, length = 1e-6, WATER.capillary_length
-    rod = flotation.VerticalCylinder(radius, 5e-3, 990.0, math.radians(degrees))
-    charge = -radius * math.cos(math.radians(degrees))  # 2 pi gamma R sin(psi) over 2 pi gamma
-    found = solve([[0.0, 0.0], [length, 0.0]], [rod, rod], WATER).forces[0, 0]
-    expected = 2.0 * math.pi * WATER.surface_tension * charge**2 / length * 0.601907230197  # K1(1)
-    assert found == pytest.approx(expected, rel=1e-4)
-    assert multipole.closures.cylinder_closure(rod, WATER, 2).source[0].real != 0.0

@@ -33,7 +33,7 @@ def test_an_array_gives_what_its_numbers_give_one_by_one(law, given):
     assert isinstance(law(float(given.flat[0])), float)
 
 
-def test_two_arrays_are_broadcast_and_a_bad_number_is_told():
+def test_two_arrays_are_broadcast_and_a_bad_number_is_reported():
     bonds, angles = np.array([[0.1], [0.2]]), np.array([0.8, 1.2, 2.0])
     found = flotation.sinking_density_ratio(bonds, angles)
     assert found.shape == (2, 3)

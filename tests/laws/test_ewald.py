@@ -59,7 +59,7 @@ def test_the_own_energy_is_the_smooth_part_at_zero():
     assert ewald.smooth_self_energy(0.02) == pytest.approx(wanted, rel=1e-9)
 
 
-def test_the_scale_of_a_random_crowd_is_the_integral_of_k1_squared():
+def test_the_scale_of_random_charges_is_the_integral_of_k1_squared():
     wanted = 2 * np.pi * quad(lambda x: k1(x) ** 2 * x, 0.05, 40.0)[0]
     assert ewald.random_charge_force(0.05) ** 2 == pytest.approx(wanted, rel=1e-8)
 

@@ -93,7 +93,7 @@ def test_no_force_deflects_bubbles_by_more_than_their_size():
 
 
 @pytest.mark.parametrize("name", INTERFACES)
-def test_frictions_change_by_the_powers_that_they_tell(name):
+def test_frictions_change_by_their_stated_powers(name):
     given = (0.7, 0.3, (4.0, 3.0))
     film = INTERFACES[name](0.3, 0.02, *given)
     for kind in ("squeeze", "shear"):
@@ -151,7 +151,7 @@ def test_contact_friction_never_drives_and_holds_up_to_its_limit(limit):
 
 
 @pytest.mark.parametrize("pull", [0.5, 1.001, 1.01, 1.019, 1.2, 3.0])
-def test_the_sliding_force_has_the_slopes_that_it_tells(pull):
+def test_the_sliding_force_has_its_stated_slopes(pull):
     assert sliding_slope(pull, 1.0) == pytest.approx(slope(lambda t: sliding_force(t, 1.0), pull), rel=1e-6)
     assert limit_slope(pull, 1.0) == pytest.approx(slope(lambda x: sliding_force(pull, x), 1.0), rel=1e-6)
 

@@ -326,7 +326,7 @@ def test_an_impossible_body_is_refused_by_name(make, what):
         flotation.Ellipsoid((1e-2, 1e-2, 1e-2), 1.0, 0.1),
     ],
 )
-def test_what_is_too_light_is_told_so(body):
+def test_what_is_too_light_is_reported(body):
     """Under oil: a body lighter than what lies above would rather be there."""
     water_under_oil = flotation.Liquid(density=1000.0, surface_tension=0.03, viscosity=1e-3, gas_density=900.0)
     with pytest.raises(FloaterSinks, match=r"leaves the liquid|lets go"):

@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from scipy.special import k0, k1
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, FloaterSinks
 from ecume.laws import flotation, multipole, quadrupoles
 from ecume.laws.multipole.graf import make_rims
 from ecume.laws.multipole.walls import images
 
 # Capillary length 1 m, surface tension 1 N/m.
 LIQUID = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
+WATER = flotation.Liquid(1000.0, 0.0728, 1e-3)
+BALL = flotation.Sphere(1e-3, 1300.0, 1.4)
+STEEL = flotation.Sphere(2e-3, 7800.0, 1.4)
 DISC = flotation.Disc(0.5, 0.1)
 CROWD = [
     DISC,
@@ -74,7 +77,7 @@ def test_leaning_is_towards_the_neighbor_and_weighs_in_the_energy():
         None,
         pytest.param(multipole.Basin(24.0, 23.0, 0.8), marks=pytest.mark.compiled),
         pytest.param(multipole.Dish(3.0, 0.8), marks=pytest.mark.compiled),
-        multipole.Dish(3.0, pinned=True),
+        pytest.param(multipole.Dish(3.0, pinned=True), marks=pytest.mark.compiled),
     ],
 )
 def test_forces_are_what_the_energy_falls_by(walls):
@@ -114,7 +117,7 @@ def test_errors_fall_exponentially_with_the_order():
         assert abs(pair(DISC, 1.2, order).forces[0, 0] / exact - 1.0) < most
 
 
-def test_turning_and_relabeling_a_crowd_turns_and_relabels_what_comes_out():
+def test_turning_and_relabeling_bodies_turns_and_relabels_their_forces():
     found = multipole.solve(PLACES, [*CROWD[:3], DISC], LIQUID, 10)
     c, s = math.cos(0.7), math.sin(0.7)
     turn = np.array([[c, s], [-s, c]])
@@ -163,7 +166,14 @@ def test_a_point_near_a_round_wall_feels_its_published_image(brim, inwards, fixe
         assert found.forces[0] @ [0.6, 0.8] / charge(disc) ** 2 == pytest.approx(expected, rel=3e-6)
 
 
-@pytest.mark.parametrize("walls", [multipole.Basin(6.0, 24.0), multipole.Dish(3.0), multipole.Dish(3.0, pinned=True)])
+@pytest.mark.parametrize(
+    "walls",
+    [
+        pytest.param(multipole.Basin(6.0, 24.0), marks=pytest.mark.compiled),
+        multipole.Dish(3.0),
+        pytest.param(multipole.Dish(3.0, pinned=True), marks=pytest.mark.compiled),
+    ],
+)
 def test_the_surface_meets_walls_and_rims_as_it_should(walls):
     found = multipole.solve(PLACES, CROWD, LIQUID, 16, walls=walls)
     angle = np.linspace(0.0, 2.0 * math.pi, 9)
@@ -251,3 +261,36 @@ def test_polarization_weakens_touching_quadrupoles_by_the_documented_share(angle
         law = -12.0 * math.pi * height**2 * radius**4 / distance**4
         shares += [(near.energy - far.energy) / law, near.forces[0, 0] * distance / (-4.0 * law)]
     assert shares == pytest.approx([0.85, 0.61, 1.03, 1.036], abs=0.005)
+
+
+def test_multipoles_refuse_bodies_that_sink_or_overlap():
+    with pytest.raises(FloaterSinks):
+        multipole.solve([[0.0, 0.0], [5e-3, 0.0]], [STEEL, STEEL], WATER)
+    wetted = flotation.Sphere(1e-3, 900.0, 0.3)  # its contact line is far inside
+    with pytest.raises(BadInput, match=r"bodies 0 and 1 overlap by 200 µm"):
+        multipole.solve([[0.0, 0.0], [1.8e-3, 0.0]], [wetted, wetted], WATER)
+    assert np.isfinite(multipole.solve([[0.0, 0.0], [2e-3, 0.0]], [wetted, wetted], WATER).forces).all()
+
+
+def test_multipoles_take_numpy_integers_and_refuse_what_is_no_place():
+    apart = [[0.0, 0.0], [3e-3, 0.0]]
+    one, other = (multipole.solve(apart, [BALL, BALL], WATER, order).forces for order in (6, np.int64(6)))
+    assert (one == other).all()
+    for order in (6.0, "6", None, 0):
+        with pytest.raises(BadInput, match="the order is"):
+            multipole.solve(apart, [BALL, BALL], WATER, order)
+    for places in ("here", [[0.0, 0.0], None], [[0.0, math.nan], [1.0, 0.0]]):
+        with pytest.raises(BadInput, match="positions"):
+            multipole.solve(places, [BALL, BALL], WATER)
+
+
+@pytest.mark.parametrize("degrees", [10.0, 60.0, 100.0, 150.0])
+def test_the_multipoles_of_a_cylinder_have_its_charge(degrees):
+    """Far away the force is that of two charges, for a thin cylinder at any slope of the surface."""
+    radius, length = 1e-6, WATER.capillary_length
+    rod = flotation.VerticalCylinder(radius, 5e-3, 990.0, math.radians(degrees))
+    charge = -radius * math.cos(math.radians(degrees))  # 2 pi gamma R sin(psi) over 2 pi gamma
+    found = multipole.solve([[0.0, 0.0], [length, 0.0]], [rod, rod], WATER).forces[0, 0]
+    expected = 2.0 * math.pi * WATER.surface_tension * charge**2 / length * 0.601907230197  # K1(1)
+    assert found == pytest.approx(expected, rel=1e-4)
+    assert multipole.closures.cylinder_closure(rod, WATER, 2).source[0].real != 0.0

@@ -75,7 +75,7 @@ def test_the_hydrostatic_part_falls_by_the_weight_and_ends_at_the_surface():
         (True, True, True, True, "waves would feel no gravity"),
     ],
 )
-def test_a_hydrostatic_part_in_the_wrong_place_is_told_why(added, gravity_acts, in_forces, free_surface, reason):
+def test_a_hydrostatic_part_in_the_wrong_place_is_reported_why(added, gravity_acts, in_forces, free_surface, reason):
     found = states.hydrostatic_fault(
         added=added, gravity_acts=gravity_acts, in_forces=in_forces, free_surface=free_surface
     )

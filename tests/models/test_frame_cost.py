@@ -36,7 +36,9 @@ def test_frames_that_dominate_are_worth_a_remark():
     assert disk == ("disk", "11 GB", "roughly, of frames; a larger frame_every takes less")
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.compiled] if name == "sph" else []) for name in SCENES]
+)
 def test_the_announced_size_is_that_of_the_run(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     scene = load_scene(SCENES[name].format(duration="1.8 s"))

@@ -67,7 +67,7 @@ def test_dissipation_is_known_where_nothing_is_injected() -> None:
     assert budget(first, now, closed=False)["dissipated"] is None
 
 
-def test_work_that_is_booked_may_raise_the_energy_and_is_not_dissipated(tmp_path: Path) -> None:
+def test_injected_work_may_raise_the_energy_and_is_not_dissipated(tmp_path: Path) -> None:
     watch = watched(tmp_path, energy_never_rises(0.1))
     for step, (total, work) in enumerate(((5.0, 0.0), (7.0, 2.5), (4.5, 2.5))):
         watch.take(0.1 * step, {**QUIET, "total_energy": total, "injected_work": work}, step)
@@ -88,7 +88,7 @@ def test_a_law_without_an_energy_has_no_line_of_it() -> None:
         assert ("energy" in [one.name for one in model.invariants(scene, model.parameters(scene))]) == judged
 
 
-def test_the_line_tells_what_was_injected_and_dissipated(tmp_path: Path) -> None:
+def test_the_line_contains_injected_and_dissipated_energy(tmp_path: Path) -> None:
     watch = watched(tmp_path, energy_never_rises(0.1))
     for step, (total, work) in enumerate(((5.0, 0.0), (4.5, 2.5))):
         watch.take(0.1 * step, {**QUIET, "total_energy": total, "injected_work": work}, step)
@@ -124,7 +124,7 @@ def test_a_run_that_breaks_an_invariant_says_so_and_goes_on(tmp_path: Path, scen
 
 
 @pytest.mark.usefixtures("hot")
-def test_a_run_that_is_to_stop_stops_there_with_code_3_and_goes_on_when_told(tmp_path: Path, scene: Scenes) -> None:
+def test_a_run_that_is_to_stop_stops_there_with_code_3_and_can_be_resumed(tmp_path: Path, scene: Scenes) -> None:
     with pytest.raises(Diverged, match=r"heat: the kinetic energy, is .*, more than 0.02, at t = "):
         run(scene(), tmp_path / "run", options=RunOptions(on_violation="stop"))
     assert info(tmp_path / "run").state == "failed"

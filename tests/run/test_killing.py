@@ -100,7 +100,7 @@ def test_a_signal_leaves_a_checkpoint_and_says_how_to_go_on(
 
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGUSR1"])
-def test_a_signal_before_the_march_has_begun_is_not_lost(
+def test_a_signal_before_the_integration_has_begun_is_not_lost(
     tmp_path: Path, scene: Scenes, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     def slow_start(*given: Any) -> Any:
@@ -222,7 +222,7 @@ def test_numbers_that_were_lost_are_taken_from_the_frames(tmp_path: Path, scene:
     assert results(home.path) == before
 
 
-def test_a_frame_damaged_after_the_checkpoint_is_written_anew(tmp_path: Path, scene: Scenes, results: Results) -> None:
+def test_a_frame_damaged_after_the_checkpoint_is_written_again(tmp_path: Path, scene: Scenes, results: Results) -> None:
     home = RunDirectory(tmp_path / "run")
     run(scene(), home.path)
     before = results(home.path)

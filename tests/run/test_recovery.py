@@ -35,7 +35,7 @@ def other_seed(path: Path) -> None:
 
 
 @pytest.mark.parametrize("spoil", [cut, other_seed, Path.unlink])
-def test_another_scene_than_the_first_is_not_gone_on_with_and_the_first_is_made_anew(half, spoil, results):
+def test_another_scene_than_the_first_is_not_gone_on_with_and_the_first_is_made_again(half, spoil, results):
     one, whole = half
     spoil(one.resolved)
     with pytest.raises(StorageError, match=r"resolved\.json"):
@@ -46,7 +46,7 @@ def test_another_scene_than_the_first_is_not_gone_on_with_and_the_first_is_made_
     assert results(one.path) == results(whole.path)
 
 
-def test_a_scene_that_nothing_tells_again_is_left_as_it_is(half):
+def test_a_scene_that_cannot_be_recovered_is_left_as_it_is(half):
     one, _ = half
     cut(one.resolved)
     one.scene.write_text(one.scene.read_text().replace("seed = 7", "seed = 8"))
@@ -57,7 +57,7 @@ def test_a_scene_that_nothing_tells_again_is_left_as_it_is(half):
 
 
 @pytest.mark.parametrize("name", ["status.json", "watch.json", "DONE.json"])
-def test_what_a_run_says_again_is_told_of_and_set_aside(half, name, results):
+def test_what_a_run_writes_again_is_reported_and_set_aside(half, name, results):
     one, whole = half
     (one.path / name).write_text("[1]")
     if name != "DONE.json":

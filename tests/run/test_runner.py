@@ -66,7 +66,7 @@ def test_resuming_a_finished_run_changes_nothing(tmp_path: Path, scene: Scenes, 
     assert results(tmp_path / "run") == before
 
 
-def test_a_run_tells_how_far_it_is(tmp_path: Path, scene: Scenes) -> None:
+def test_a_run_reports_its_progress(tmp_path: Path, scene: Scenes) -> None:
     told: list[Progress] = []
     run(scene(), tmp_path / "run", options=RunOptions(progress=told.append))
     assert told[0].step == 0

@@ -50,7 +50,7 @@ def test_nodes_may_stand_in_any_order_and_unit(tmp_path: Path) -> None:
         ("x,y,vx,vy\n0,0,1,fast\n", "line 2, column vy"),
     ],
 )
-def test_what_is_wrong_with_a_table_is_told_once(tmp_path: Path, table: str, said: str) -> None:
+def test_what_is_wrong_with_a_table_is_reported_once(tmp_path: Path, table: str, said: str) -> None:
     with pytest.raises(SceneError) as caught:
         read(tmp_path, table)
     (fault,) = caught.value.faults
@@ -58,7 +58,7 @@ def test_what_is_wrong_with_a_table_is_told_once(tmp_path: Path, table: str, sai
     assert "flow.velocity_from" in str(fault)
 
 
-def test_a_table_that_is_not_there_and_one_that_is_no_name_are_told(tmp_path: Path) -> None:
+def test_a_table_that_is_not_there_and_one_that_is_no_name_are_reported(tmp_path: Path) -> None:
     for name in ('"flaw.csv"', "3"):
         with pytest.raises(SceneError, match=r"flow\.velocity_from"):
             read(tmp_path, "", SCENE.replace('"flow.csv"', name))

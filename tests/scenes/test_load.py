@@ -49,7 +49,7 @@ def test_a_scene_is_read_in_si_with_its_defaults() -> None:
     assert scene.liquid.surface_tension == 0.0728
 
 
-def test_all_faults_are_told_at_once_with_their_places() -> None:
+def test_all_faults_are_reported_at_once_with_their_places() -> None:
     broken = BOWL.replace("1030.0", "-1").replace('"1.5 mm"', '"1.5 kg"').replace("[dish]\nradius", "[dish]\nradios")
     told = [(fault.path, fault.line, fault.column) for fault in faults_of(broken)]
     assert told == [("liquid.density", 6, 1), ("particles[0].radius", 10, 1), ("dish.radios", 15, 1)]
@@ -64,7 +64,7 @@ def test_all_faults_are_told_at_once_with_their_places() -> None:
         ('fluid[0].flow="couette"', "expected one of taylor-green, standing-wave, poiseuille"),
     ],
 )
-def test_what_no_side_or_flow_can_be_is_told_in_one_line(change: str, says: str) -> None:
+def test_what_no_side_or_flow_can_be_is_reported_in_one_line(change: str, says: str) -> None:
     (fault,) = faults_of(TANK.replace("MEASURES", '["level"]'), (change,))
     assert says in fault.message
 
@@ -210,7 +210,7 @@ def test_text_that_is_no_toml_is_refused(text: str, says: str) -> None:
     ("line", "meant"),
     [("radius = 1.5 mm  # a cereal", "1.5 mm"), ("duration=20s", "20s"), ("model = floating", "floating")],
 )
-def test_text_without_quotes_is_told_with_them(line: str, meant: str) -> None:
+def test_text_without_quotes_is_reported_with_them(line: str, meant: str) -> None:
     (fault,) = faults_of(f"seed = 1\n{line}\n")
     assert fault.message.endswith(f'stands in quotes: "{meant}"')
     assert fault.line == 2
@@ -325,9 +325,7 @@ def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> N
         ("'abc'", "bodies[0].spin: got 'abc'"),
     ],
 )
-def test_a_value_that_may_be_a_number_or_a_list_is_told_what_it_was_meant_to_be(
-    spin: str, told: str, tmp_path: Path
-) -> None:
+def test_a_fault_in_a_number_or_list_reports_the_expected_kind(spin: str, told: str, tmp_path: Path) -> None:
     (file,) = copy_template("floating-bodies", tmp_path / "bodies.toml")
     text = file.read_text().replace("[[bodies]]", f"[[bodies]]\nspin = {spin}", 1)
     with pytest.raises(SceneError) as refused:
@@ -337,7 +335,7 @@ def test_a_value_that_may_be_a_number_or_a_list_is_told_what_it_was_meant_to_be(
 
 
 @pytest.mark.parametrize("key", ["tuple[float]", "a[0]"])
-def test_an_unknown_key_is_told_even_where_it_looks_like_a_kind(key: str, tmp_path: Path) -> None:
+def test_an_unknown_key_is_reported_even_where_it_looks_like_a_kind(key: str, tmp_path: Path) -> None:
     (file,) = copy_template("floating-bodies", tmp_path / "bodies.toml")
     text = file.read_text().replace("[[bodies]]", f"[[bodies]]\n'{key}' = [1.0]", 1)
     with pytest.raises(SceneError, match="no such key"):

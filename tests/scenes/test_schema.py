@@ -156,7 +156,7 @@ def test_a_flood_of_faults_is_cut_short() -> None:
 
 
 @pytest.mark.parametrize("key", ["\x1b[31m", "a\nb", "x" * 5000, ""])
-def test_a_hostile_key_is_told_without_harm(key: str) -> None:
+def test_a_hostile_key_is_reported_without_harm(key: str) -> None:
     with pytest.raises(SceneError) as caught:
         from_plain({**bowl(), key: 1})
     assert str(caught.value).isprintable()

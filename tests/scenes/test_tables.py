@@ -99,7 +99,7 @@ def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str)
         ("x,y\n1e9,2\n", "bowl.csv, line 2, x: got 1000000000.0; expected 1000 or less"),
     ],
 )
-def test_a_fault_of_a_table_is_told_with_its_line_and_column(tmp_path: Path, table: str, says: str) -> None:
+def test_a_fault_of_a_table_is_reported_with_its_line_and_column(tmp_path: Path, table: str, says: str) -> None:
     faults = faults_of(tmp_path, table, DEFAULTS)
     assert any(says in fault for fault in faults), faults
     assert all(fault.startswith("line 4, column 1: particles_from") for fault in faults), faults
@@ -141,7 +141,7 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
         ("x" * 900, "does not exist"),
     ],
 )
-def test_a_table_that_cannot_be_read_is_told_by_its_key(tmp_path: Path, name: str, says: str) -> None:
+def test_a_table_that_cannot_be_read_is_reported_by_its_key(tmp_path: Path, name: str, says: str) -> None:
     (tmp_path / "loop").symlink_to("loop")
     (tmp_path / "scene.toml").write_text(SCENE.replace("bowl.csv", name) + DEFAULTS)
     with pytest.raises(SceneError, match=f"particles_from.*{says}"):

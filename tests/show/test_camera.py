@@ -166,7 +166,7 @@ def test_many_processes_draw_what_one_draws(tmp_path):
 
 @pytest.mark.long
 @pytest.mark.compiled
-def test_a_movie_by_many_processes_tells_how_far_it_is(tmp_path):
+def test_a_movie_by_many_processes_reports_its_progress(tmp_path):
     text = (folder() / "two-spheres.toml").read_text()
     run = runner.run(load_scene(text), tmp_path / "run").directory
     options, heard = MovieOptions(size=(96, 72), every=20), []

@@ -129,7 +129,7 @@ def test_a_movie_that_fails_half_way_leaves_the_old_one_alone(tmp_path):
     assert out.read_text() == "the old film"
 
 
-def test_what_ffmpeg_complains_about_is_told(tmp_path, monkeypatch):
+def test_what_ffmpeg_complains_about_is_reported(tmp_path, monkeypatch):
     monkeypatch.setitem(encoders.CODECS[".mp4"], "libx264", ("-no-such-option", "1"))
     monkeypatch.setattr(encoders, "_codec", lambda program, kind: "libx264")
     with pytest.raises(StorageError, match="ffmpeg gave up"):

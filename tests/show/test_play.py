@@ -228,7 +228,7 @@ def asked(game, path, body=None, token=None):
         return answer.read()
 
 
-def test_the_page_is_told_how_all_stands_and_what_was_refused(game):
+def test_the_page_receives_the_state_and_what_was_refused(game):
     before = json.loads(asked(game, "/now"))
     time.sleep(0.5)
     after = json.loads(asked(game, "/now"))
@@ -250,7 +250,7 @@ def test_the_page_is_told_how_all_stands_and_what_was_refused(game):
         {"what": "change", "part": "liquid", "key": "flow", "value": 1},
     ],
 )  # fmt: skip
-def test_nonsense_does_nothing_and_is_told_so(game, body):
+def test_nonsense_does_nothing_and_is_reported(game, body):
     assert json.loads(asked(game, "/do", body))["said"]
     assert len(json.loads(asked(game, "/now"))["x"]) == 3
 

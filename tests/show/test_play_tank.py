@@ -254,7 +254,7 @@ def test_a_full_tank_can_be_saved_and_read_again(tank):
     assert len(load_scene(to_toml(tank.present())).fluid) == 2
 
 
-def test_liquid_that_diverges_is_brought_to_rest_and_then_begins_anew(tank):
+def test_liquid_that_diverges_is_brought_to_rest_and_then_begins_again(tank):
     tank.open_gate()
     play(tank, 0.1)
     before, then = tank.liquid(), tank.time
@@ -287,7 +287,7 @@ def test_only_tanks_of_liquid_are_played_with(name, changes, says):
         game_of(load_scene((folder() / f"{name}.toml").read_text(), changes))
 
 
-def test_its_page_is_told_where_all_is_and_does_what_it_is_asked(tank):
+def test_its_page_receives_all_places_and_obeys(tank):
     game = game_of(scene_of())
     said = [json.loads(game.post("/do", json.dumps(body).encode()).content)["said"] for body in ASKED]
     assert [bool(text) for text in said] == REFUSED

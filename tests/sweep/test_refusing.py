@@ -51,7 +51,7 @@ def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_writte
         ('key = "model"\nvalues = ["sph"]', "cereal-bowl.toml: line 1, column 1: spacing: is missing"),
     ],
 )
-def test_a_point_that_is_no_scene_is_told_as_the_sweep_asks_for_it(file, tmp_path, axis, says):
+def test_a_point_that_is_no_scene_is_reported_as_the_sweep_asks_for_it(file, tmp_path, axis, says):
     file.write_text(
         BOWLS.replace('"particles[0].count" = 5\n', "").replace('key = "seed"\nvalues = [1, 2, 3, 4]', axis)
     )
@@ -112,7 +112,7 @@ def test_a_scene_is_no_sweep_and_a_sweep_no_scene(file, tmp_path):
 
 
 @pytest.mark.parametrize("text", ["[", '{"gap": 1}', ""])
-def test_damaged_files_of_a_sweep_are_told_in_a_line(tmp_path, text):
+def test_damaged_files_of_a_sweep_are_reported_in_a_line(tmp_path, text):
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1]\n[fixed]\nreduced_force = 1e-3')
     (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs

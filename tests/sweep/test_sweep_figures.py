@@ -54,7 +54,7 @@ def test_a_scatter_has_a_dot_for_each_run():
     assert len(axes.collections[0].get_offsets()) == 12
 
 
-def test_a_scatter_of_three_axes_tells_them_apart_by_color_and_marker():
+def test_a_scatter_of_three_axes_distinguishes_them_by_color_and_marker():
     on = figure().add_subplot()
     columns = [Column(f"floats[0].{name}", np.array(values), unit="m") for name, values in THREE.items()]
     scatter(on, columns, Column("duration", np.arange(4.0), unit="s"))

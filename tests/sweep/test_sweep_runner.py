@@ -127,7 +127,7 @@ class Answer:
         return self.word
 
 
-def test_a_scheduler_that_is_gone_is_told_in_a_line_with_code_75():
+def test_a_scheduler_that_is_gone_is_reported_in_a_line_with_code_75():
     ended = iter([Answer("done"), Answer(error=RuntimeError("its worker died")), Answer(broken=OSError("closed"))])
     assert [next_word(ended)[1], next_word(ended)[1]] == ["done", "lost"]
     with pytest.raises(Stopped, match="lost the scheduler; finished points are kept"):
@@ -157,7 +157,7 @@ def _kill_a_worker(out, sweeping):
     return False
 
 
-def test_failures_are_told_and_the_rest_goes_on(tmp_path):
+def test_failures_are_reported_and_the_rest_continues(tmp_path):
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1, -1.0]\n[fixed]\nreduced_force = 1e-3')
     done = sweep(path, tmp_path / "out", ALONE)
@@ -177,7 +177,7 @@ def test_a_process_gives_its_own_numbers(tmp_path):
     assert row["duration"] == pytest.approx(24.055464, rel=1e-4)  # reference table of the process, gap 0.1, kappa 1e-3
 
 
-def test_what_breaks_in_a_point_is_told_in_a_line_and_the_rest_goes_on(file, tmp_path, monkeypatch):
+def test_what_breaks_in_a_point_is_reported_in_a_line_and_the_rest_continues(file, tmp_path, monkeypatch):
     """A defect of ours, too: a week of other points is no price for it."""
 
     def breaks(job, plan):
@@ -249,7 +249,7 @@ def test_repeats_have_seeds_of_their_own(file, tmp_path):
     assert len({row["final kinetic_energy"] for row in rows}) == 3
 
 
-def test_the_verb_tells_how_it_ends(file, tmp_path, monkeypatch):
+def test_the_command_reports_how_it_ends(file, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     runner = CliRunner()
     done = runner.invoke(app, ["sweep", "bowls.toml", "--workers", "1"])

@@ -50,7 +50,7 @@ def test_libraries_take_the_table_of_a_sweep_with_failures(tmp_path, library):
     assert table["duration"].mean() == pytest.approx(24.055464, rel=1e-4)
 
 
-def test_an_axis_keeps_its_numbers_where_a_process_tells_them_again(tmp_path):
+def test_an_axis_keeps_its_numbers_where_a_process_reports_them_again(tmp_path):
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "reduced_force"\nvalues = [1e-2]\n[fixed]\ngap = 0.1')
     (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
@@ -73,7 +73,7 @@ def test_how_far_a_sweep_is_can_be_seen_from_outside(file, tmp_path):
     assert now.remaining == pytest.approx(4.0, abs=1.0)
 
 
-def test_a_pace_is_of_the_last_points_and_none_where_nobody_works():
+def test_a_pace_is_of_the_last_points_and_none_without_workers():
     assert remaining([0.0, 10.0, 20.0], waiting=4, now=22.0) == pytest.approx(44.0)
     slow_then_fast = [float(n) * 1000.0 for n in range(10)] + [9000.0 + n for n in range(1, 60)]
     assert remaining(slow_then_fast, waiting=100, now=9059.0) == pytest.approx(100.0, rel=0.05)

@@ -78,7 +78,7 @@ def test_the_table_names_what_was_not_survived_and_the_rest_goes_on(tmp_path, ca
         (["--scal"], "expected one argument"),
     ],
 )
-def test_what_is_no_trial_is_told_in_a_line(words, told, capsys):
+def test_what_is_no_trial_is_reported_in_a_line(words, told, capsys):
     with pytest.raises(SystemExit) as ended:
         torture.main(words)
     assert ended.value.code == 2

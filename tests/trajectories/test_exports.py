@@ -163,7 +163,7 @@ def test_numbers_are_one_line_a_frame_with_units(recorded: Recorded, frames: Fra
         assert [float(cell) for cell in row[1:]] == [frame.time, *frame.numbers.values()]
 
 
-def test_a_kind_that_nobody_knows_is_refused_with_those_that_are(recorded: Recorded, tmp_path: Path) -> None:
+def test_an_unknown_format_is_refused_with_the_known_ones(recorded: Recorded, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="csv, numbers, samples, xyz, vtk, npz, pvd"):
         export(recorded(1).parent, "xlsx", tmp_path / "bowl.xlsx")
 

@@ -47,7 +47,7 @@ def test_axes_are_those_of_an_ellipse():
     np.testing.assert_allclose(drops.axes(frame_of(disc * [2.0, 0.5])), [2.0, 0.5], rtol=0.01)
 
 
-def test_strings_are_told_from_a_lattice():
+def test_strings_are_distinguished_from_a_lattice():
     side = np.arange(-0.3, 0.3, 0.02)
     even = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
     strings = np.stack(np.meshgrid(side / 3.0, 3.0 * side), axis=-1).reshape(-1, 2)

@@ -31,7 +31,7 @@ def test_each_fault_of_a_tank_is_seen_in_its_own_row(fault, named):
     assert named in missed
 
 
-def test_a_tank_without_faults_is_met_and_one_that_creeps_is_told():
+def test_a_tank_without_faults_passes_and_one_that_creeps_is_reported():
     assert all(row.met for row in tank.rows_of("a tank", [WELL] * 40))
     assert tank.creep([WELL._replace(center=0.5 + 1e-5 * n) for n in range(40)]) == pytest.approx(9e-5)
 

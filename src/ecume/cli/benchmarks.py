@@ -132,7 +132,7 @@ def folder() -> Path:
     """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
     package = Path(__file__).parents[1]
     places = [place / "benchmarks" for place in (package, package.parents[1])]
-    found = next((place for place in places if (place / "marching.py").is_file()), None)
+    found = next((place for place in places if (place / "timed_runs.py").is_file()), None)
     if found is None:
         raise BadInput(f"the scripts of the benchmarks are missing: there is no {places[0]}")
     return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import os
-import signal
 import subprocess
 import sys
 import warnings
@@ -97,16 +96,12 @@ def handing_on(started: subprocess.Popen[bytes]) -> Iterator[None]:
     """Signals go to the ranks, of which the first hears them."""
     import psutil
 
-    from ecume.run.stop_requests import SIGNALS
+    from ecume.run.stop_requests import handled
 
     def hand_on(number: int, _: Any) -> None:
         with contextlib.suppress(psutil.NoSuchProcess):
             for rank in psutil.Process(started.pid).children():
                 rank.send_signal(number)
 
-    before = {number: signal.signal(number, hand_on) for number in SIGNALS}
-    try:
+    with handled(hand_on):
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -15,9 +15,7 @@ from typing import Annotated
 from ecume.units import Density, Length, Number, Speed, Unit
 
 Potential = Annotated[float, Unit("m^2/s^2")]
-PerVolumeSquared = Annotated[float, Unit("1/m^5")]
 Diffusivity = Annotated[float, Unit("m^2/s")]
-DensityFlow = Annotated[float, Unit("kg/(m^6*s)")]
 
 
 def strength(delta: Number, smoothing_length: Length, sound_speed: Speed) -> Diffusivity:

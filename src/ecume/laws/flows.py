@@ -27,7 +27,6 @@ from ecume.units import (
 
 Speeds = Annotated[Real, Unit("m/s")]
 Pressures = Annotated[Real, Unit("Pa")]
-SpeedSquared = Annotated[Real, Unit("m^2/s^2")]
 Wavenumber = Annotated[float, Unit("1/m")]
 Stretching = Annotated[float, Unit("1/s^2")]
 TERMS = 400

@@ -17,7 +17,7 @@ from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.models.check_report import LONGEST_RUN
-from ecume.models.sample_clock import BEFORE
+from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume._plain_files import opened
-from ecume.models.sample_clock import BEFORE
+from ecume.models.step_counts import BEFORE
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.samples import heading, read_heading
 

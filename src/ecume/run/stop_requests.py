@@ -6,13 +6,13 @@ import contextlib
 import os
 import signal
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1", "SIGBREAK") if hasattr(signal, name))
 """Ctrl-C, the batch system's farewell, its warning beforehand, and Windows' own; not every system has each."""
 
-
+Handler = Callable[[int, FrameType | None], object] | signal.Handlers
 PATIENT = tuple(number for number in SIGNALS if number.name in ("SIGTERM", "SIGUSR1"))
 """The signals of batch systems. Before the integration has begun only these wait for a checkpoint: a user who presses
 Ctrl-C while laws are compiled has nothing to lose.
@@ -46,17 +46,24 @@ class StopRequest:
 
 
 @contextlib.contextmanager
+def handled(handler: Handler, signals: Sequence[signal.Signals] = SIGNALS) -> Iterator[None]:
+    """Handle signals inside this block, and as before after it. Only the main thread can: elsewhere nothing changes."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, handler) for number in signals}
+    try:
+        yield
+    finally:
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
+
+
+@contextlib.contextmanager
 def stop_requests(
     signals: Sequence[signal.Signals] = SIGNALS, request: StopRequest | None = None
 ) -> Iterator[StopRequest]:
     """Collect requests to stop inside this block, or from before it. Only the main thread receives signals."""
     request = StopRequest() if request is None else request
-    if threading.current_thread() is not threading.main_thread():
+    with handled(request.take, signals):
         yield request
-        return
-    before = {number: signal.signal(number, request.take) for number in signals}
-    try:
-        yield request
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

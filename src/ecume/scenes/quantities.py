@@ -22,7 +22,6 @@ from ecume.units import (
     Rate,
     Speed,
     SurfaceTension,
-    Temperature,
     Time,
     Unit,
     Viscosity,
@@ -55,7 +54,6 @@ LiquidViscosity = Annotated[Viscosity, Field(ge=0.0, le=1e9)]
 PositiveTension = Annotated[SurfaceTension, Field(ge=1e-9, le=1e3)]
 Tension = Annotated[SurfaceTension, Field(ge=0.0, le=1e3)]
 Gravity = Annotated[Acceleration, Field(ge=1e-6, le=1e6)]
-Heat = Annotated[Temperature, Field(ge=0.0, le=1e4)]
 MagneticMoment = Annotated[float, Unit("A*m^2"), Field(ge=-1e3, le=1e3)]
 TurningRate = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]

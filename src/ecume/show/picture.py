@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 DPI = 100
 LONGEST_TITLE = 50
 """In characters."""
-FEWEST_LETTERS = 5
-"""A title is omitted where there is room for no more."""
 LETTER, CLOCK = 9.0, 90.0
 """The width of a letter of the title and of the time beside it, in pixels of a picture of the usual size."""
 

@@ -12,7 +12,6 @@ import re
 import shlex
 import signal
 import sys
-import threading
 from asyncio import CancelledError
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from typing import Any
 
 from ecume._extras import install
 from ecume.errors import BadInput, Stopped
+from ecume.run.stop_requests import handled
 from ecume.sweep.directory import Job, Sweeping
 from ecume.sweep.spec import Cluster
 from ecume.sweep.worker import work
@@ -126,25 +126,11 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         page = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
         local = {"threads_per_worker": 1, "scheduler_kwargs": page, "env": ONE_THREAD, "silence_logs": 50}
         with dask.config.set(UNWATCHED):
-            with _leaving_interrupts_to_us():
+            # Ctrl-C reaches all processes of a terminal; those that begin in here ignore it: this one ends them.
+            with handled(signal.SIG_IGN, (signal.SIGINT,)):
                 cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **local)
             with cluster as found, library.Client(found) as client:
                 yield client
-
-
-@contextlib.contextmanager
-def _leaving_interrupts_to_us() -> Iterator[None]:
-    """Ctrl-C reaches all processes of a terminal. Those that begin in here take no notice of it: we end them, and they
-    need not tell of it in fifty lines each.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def connected(library: Any, address: str) -> Any:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import signal
-import threading
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 from typing import NamedTuple
 
 from ecume.errors import Stopped
-from ecume.run.stop_requests import SIGNALS
+from ecume.run.stop_requests import handled
 from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct
 from ecume.sweep.executors import ExecutorOptions, hands
 from ecume.sweep.results import require_numbers, write_table
@@ -46,7 +44,7 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], optio
     if missing:
         require_numbers(sweeping)
     try:
-        with _stopped_by_signals():
+        with handled(_stop):
             words = _worked(options, sweeping, missing)
     except Stopped as stopped:
         done = sum(job.state == "done" for job in jobs)
@@ -71,22 +69,8 @@ def _worked(options: ExecutorOptions, sweeping: Sweeping, missing: Sequence[Job]
     return words
 
 
-@contextlib.contextmanager
-def _stopped_by_signals() -> Iterator[None]:
-    """Signals that stop a run stop a sweep, between its runs and while it waits for workers, too."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def stop(number: int, _: FrameType | None) -> None:
-        raise Stopped(f"stopped by {signal.Signals(number).name}")
-
-    before = {number: signal.signal(number, stop) for number in SIGNALS}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def _stop(number: int, _: FrameType | None) -> None:
+    raise Stopped(f"stopped by {signal.Signals(number).name}")
 
 
 def outcome_of(sweeping: Sweeping) -> Outcome:

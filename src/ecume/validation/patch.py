@@ -11,8 +11,6 @@ from ecume.validation.runner import frames_of, read_table
 
 MIDDLE = -147.34
 """Pa, at the start."""
-SPIN = -1000.0 / 6.0
-"""kg m^2/s, of the exact square."""
 
 
 def rows() -> list[Row]:

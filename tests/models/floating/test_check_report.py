@@ -18,7 +18,7 @@ def row(x, radius, density, name="float-1"):
     return {"x": x, "y": 0.0, "radius": radius, "density": density, "species_name": name, **STUFF}
 
 
-def test_a_table_of_unlike_floats_is_told_from_the_least_to_the_greatest():
+def test_a_table_of_unlike_floats_is_reported_from_the_least_to_the_greatest():
     rows = told({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 1e-3, 500.0), row(0.02, 1e-3, 500.0)]})
     assert rows["float-1: radius"] == ("1 to 2 mm", "3 floats of 2 kinds")
     small, large = (
@@ -29,19 +29,19 @@ def test_a_table_of_unlike_floats_is_told_from_the_least_to_the_greatest():
     assert rows["float-1: density ratio"] == ("0.5", "")
 
 
-def test_a_table_of_equal_floats_is_told_in_one_number_and_knows_when_they_sink():
+def test_a_table_of_equal_floats_is_reported_in_one_number_and_knows_when_they_sink():
     rows = told({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 2e-3, 500.0)]})
     assert "float-1: radius" not in rows
     assert rows["float-1: density ratio"][0] == "0.5"
     assert rows["float-1: density ratio"][1].startswith("sinks above 1.")
 
 
-def test_heavy_and_light_floats_of_one_name_are_both_told():
+def test_heavy_and_light_floats_of_one_name_are_both_reported():
     rows = told({"rows": [row(0.0, 1e-3, 200.0), row(0.01, 1e-3, 2000.0)]})
     assert rows["float-1: dimensionless weight"][1] == "some downward: lowers the surface, some upward: raises it"
 
 
-def test_each_species_is_told_by_its_own_name():
+def test_each_species_is_reported_by_its_own_name():
     rows = told({"rows": [row(0.0, 1e-3, 200.0, "cork"), row(0.01, 1e-3, 2000.0, "bead")]})
     assert (rows["cork: density ratio"][0], rows["bead: density ratio"][0]) == ("0.2", "2")
     assert rows["floats"] == ("2", "2 species")
@@ -54,7 +54,7 @@ def test_gathering_costs_more_than_drifting_and_both_grow_with_the_floats(count)
     assert all(less < more for less, more in zip((drifting, gathering), seconds_per_step(2 * count), strict=True))
 
 
-def test_equilibrium_and_closeness_are_told_for_each_species():
+def test_equilibrium_and_closeness_are_reported_for_each_species():
     rows = told({"rows": [row(0.0, 1e-3, 1300.0)]})
     assert rows["float-1: filling angle"][0].endswith(" deg")
     assert rows["float-1: height of the contact line"][0].startswith("-60")

@@ -77,7 +77,7 @@ def test_two_magnets_come_to_rest_where_the_forces_cancel():
     assert np.ptp(state.position[:, 0]) == pytest.approx(root, rel=1e-6)
 
 
-def test_what_magnets_do_not_go_with_is_told():
+def test_what_magnets_do_not_go_with_is_reported():
     scene = magnets([(0.0, 0.0), (4e-3, 0.0)], rest='[interaction]\nlaw = "one-sided-legacy"\n')
     with pytest.raises(SceneError, match="needs a pair law that exerts equal and opposite forces"):
         FLOATING.parameters(scene)

@@ -78,6 +78,6 @@ def test_a_frame_that_is_drawn_through_a_liquid_takes_its_floats_along():
 
 
 @pytest.mark.parametrize("rest", ['[integration]\nintegrator = "rk4"', '[hydrodynamics]\ndrag = "schiller-naumann"'])
-def test_what_does_not_go_with_a_dish_in_motion_is_told(rest):
+def test_what_does_not_go_with_a_dish_in_motion_is_reported(rest):
     with pytest.raises(SceneError, match=r"dish.motion: a dish in motion needs"):
         MODELS["floating"].parameters(dish(SWING, rest, hydrodynamics=""))

@@ -67,7 +67,7 @@ def test_what_drifts_steadily_is_given_as_much_as_drag_takes():
     assert whole["total_energy"] == 0.0
 
 
-def test_a_current_that_grows_along_the_way_is_booked_in_the_middle_of_each_step():
+def test_the_work_of_a_growing_current_is_evaluated_in_the_middle_of_each_step():
     """Without inertia, at u = s x: zeta s dx^2/2, whatever the steps, as a pull that is straight in the place does."""
     flow, there = "[flow]\nextension_rate = 2.0\n", f"[[particles]]\n{HEAVY}positions = [[1e-3, 0.0]]\n"
     scene = scene_of(WATER + flow + there + '[integration]\nintegrator = "overdamped"\n' + APART, duration=0.5)
@@ -100,7 +100,8 @@ def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
     )
 
 
-def test_what_chance_does_to_the_energy_is_heat():
+@pytest.mark.compiled
+def test_the_energy_from_noise_is_heat():
     """In a well: the energy changes by the heat, but for the third power of a step."""
     floats = f'[[particles]]\ncount = 20\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
     well = '[dish]\nradius = 0.003\ncontact_angle = "10 deg"\n[interaction]\nlaw = "none"\n[contacts]\nlaw = "none"\n'
@@ -117,12 +118,15 @@ def test_what_chance_does_to_the_energy_is_heat():
     "driven",
     [
         CURRENT + "shear_rate = 5.0\n" + PAIR + '[hydrodynamics]\ndrag = "schiller-naumann"\n',
-        CURRENT + "rotation_rate = 5.0\n" + PAIR + '[integration]\nintegrator = "overdamped"\n',
+        pytest.param(
+            CURRENT + "rotation_rate = 5.0\n" + PAIR + '[integration]\nintegrator = "overdamped"\n',
+            marks=pytest.mark.compiled,
+        ),
         PAIR + '[dish]\nradius = 0.01\n[dish.motion]\namplitude = 2e-3\nfrequency = 3.0\n',
-        PAIR + '[integration]\nintegrator = "overdamped"\n',
+        pytest.param(PAIR + '[integration]\nintegrator = "overdamped"\n', marks=pytest.mark.compiled),
     ],
 )  # fmt: skip
-def test_energy_rises_only_by_what_is_booked(driven):
+def test_energy_rises_only_by_the_injected_work(driven):
     """Floats that pull at each other and meet, and a wall that pulls, too."""
     worst, seen = rises(scene_of(WATER + driven, duration=0.3, frame_every=0.01))
     assert worst < 1e-5

@@ -60,7 +60,7 @@ def test_forces_are_the_direct_sum_to_the_accuracy_asked_for(accuracy, side):
     assert np.sqrt(np.sum(error**2) / np.sum(wanted**2)) < 1.3 * accuracy
 
 
-def test_a_pair_pulls_alike_on_both_and_nobody_on_itself():
+def test_a_pair_pulls_alike_on_both_and_none_on_itself():
     scene = scene_of_beads(2, interaction='summation = "grid"\naccuracy = 1e-2')
     parameters, state, _ = set_up(scene)
     for distance in (6.1e-5, 3e-4, 1.3e-3):
@@ -116,7 +116,7 @@ def test_the_work_of_a_float_stays_the_same_from_thousands_to_a_million_whatever
         ('summation = "grids"', SLOW, "did you mean 'grid'"),
     ],
 )
-def test_what_a_grid_does_not_go_with_is_told(interaction, motion, told):
+def test_what_a_grid_does_not_go_with_is_reported(interaction, motion, told):
     with pytest.raises(SceneError, match=told):
         FLOATING.parameters(scene_of_beads(10, interaction=interaction, motion=motion))
 
@@ -143,7 +143,7 @@ def test_bits_do_not_depend_on_threads_or_pauses():
 
 
 @pytest.mark.compiled
-def test_a_march_with_a_grid_is_that_of_cells():
+def test_an_integration_with_a_grid_is_that_with_cells():
     """Two that fall together, with inertia: the same scheme around other sums."""
     ends = []
     for how in ('summation = "cells"\naccuracy = 1e-8', 'summation = "grid"\naccuracy = 1e-8'):

@@ -55,7 +55,7 @@ def test_two_that_are_pushed_together_go_slower_by_lambda():
     assert velocity == pytest.approx(wanted, rel=1e-5)
 
 
-def test_films_do_not_hold_up_a_crowd_that_goes_as_one_and_keep_momentum():
+def test_films_do_not_slow_floats_of_one_velocity_and_keep_momentum():
     rng = np.random.default_rng(1)
     places = 2.3 * RADIUS * np.array([(i, j) for i in range(4) for j in range(4)])
     parameters, state, workspace = set_up(beads(places.tolist()))
@@ -104,6 +104,6 @@ def test_two_beads_meet_when_the_law_says():
         ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],
 )
-def test_what_films_do_not_go_with_is_told(changes, told):
+def test_what_films_do_not_go_with_is_reported(changes, told):
     with pytest.raises(SceneError, match=told):
         FLOATING.parameters(beads([(0.0, 0.0), (1e-3, 0.0)], **changes))

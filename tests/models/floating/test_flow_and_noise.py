@@ -51,7 +51,7 @@ def test_the_step_of_creeping_floats_follows_drag_alone():
     assert fast < slow  # a heavier charge pulls harder
 
 
-def test_chance_spreads_floats_by_twice_the_diffusion_coefficient():
+def test_noise_spreads_floats_by_twice_the_diffusion_coefficient():
     count, temperature = 1500, 300.0
     floats = f'[[particles]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
     scene = creeping(floats + ALONE, temperature)

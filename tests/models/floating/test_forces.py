@@ -56,7 +56,7 @@ def test_force_is_minus_the_slope_of_the_energy_that_frames_record():
         assert found[i, 1] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-5)
 
 
-def test_pair_forces_of_a_crowd_cancel_to_rounding():
+def test_pair_forces_of_many_floats_cancel_to_rounding():
     scene = a_mixed_crowd(60)
     parameters = FLOATING.parameters(scene)
     found = found_at(parameters, FLOATING.start(scene, parameters).position)
@@ -77,7 +77,7 @@ def test_a_dish_pushes_along_the_slope_of_its_energy():
 
 
 @pytest.mark.compiled
-def test_single_precision_keeps_six_digits_wherever_the_crowd_is():
+def test_single_precision_keeps_six_digits_wherever_the_floats_are():
     found = []
     for precision in ("double", "single"):
         parameters = FLOATING.parameters(a_mixed_crowd(60, f'[interaction]\nprecision = "{precision}"\n'))

@@ -47,7 +47,7 @@ def test_a_scene_starts_from_a_raft_as_a_run_leaves_it():
     assert np.array_equal(first.arrays["position"], last.arrays["position"])
 
 
-def test_overlapping_floats_are_all_told_with_their_overlap():
+def test_overlapping_floats_are_all_reported_with_their_overlap():
     text = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0], [0.0015, 0.0], [0.0, 0.0019]]\n"
     with pytest.raises(SceneError) as caught:
         started(scene_of(WATER + text))
@@ -55,7 +55,7 @@ def test_overlapping_floats_are_all_told_with_their_overlap():
     assert "overlaps particles[0].positions[1] by 500 µm" in str(caught.value)
 
 
-def test_floats_outside_the_dish_are_told():
+def test_floats_outside_the_dish_are_reported():
     text = f"[[particles]]\n{HEAVY}positions = [[0.0095, 0.0]]\n[dish]\nradius = 0.01\n"
     with pytest.raises(SceneError, match=r"particles\[0\].positions\[0\]: .* not inside the dish"):
         started(scene_of(WATER + text))
@@ -68,7 +68,7 @@ def test_floats_that_just_touch_may_start():
 
 
 @pytest.mark.compiled
-def test_a_crowd_that_finds_no_room_is_told():
+def test_floats_without_room_are_reported():
     with pytest.raises(SceneError, match="placement"):
         started(bowl(600))
 

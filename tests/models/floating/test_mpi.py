@@ -106,7 +106,7 @@ PLAIN_ONLY = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reas
         *(pytest.param(2, (f"integration.integrator={each}",), marks=PLAIN_ONLY) for each in ("rk4", "stormer-verlet")),
     ],
 )
-def test_a_march_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -> None:
+def test_an_integration_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -> None:
     parameters, state = begun(*changes)
     start = copied(state)
     alone = FLOATING.workspace(parameters, state, 1.0)

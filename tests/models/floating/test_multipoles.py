@@ -56,9 +56,14 @@ def hexagon(radius, gap):
 
 
 @pytest.mark.parametrize(
-    "dish", [None, DishSpec(radius=8e-3, contact_angle=0.9), DishSpec(size=(0.02, 0.015), contact_angle=0.9)]
+    "dish",
+    [
+        None,
+        DishSpec(radius=8e-3, contact_angle=0.9),
+        pytest.param(DishSpec(size=(0.02, 0.015), contact_angle=0.9), marks=pytest.mark.compiled),
+    ],
 )
-def test_the_march_has_the_forces_of_the_solver(dish):
+def test_the_integration_has_the_forces_of_the_solver(dish):
     places = np.array([[1e-3, 0.5e-3], [4e-3, 1e-3], [-2e-3, -2e-3]])
     scene = discs(places, "multipole", dish=dish, order=6, accuracy=1e-9)
     walls = None

@@ -65,7 +65,7 @@ def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
 
 
 @pytest.mark.compiled
-def test_where_the_march_pauses_changes_no_bit():
+def test_interruptions_change_no_bit():
     scene = bowl(40, duration=1.0, frame_every=0.25)
     assert end_of(scene, patience=1e-5) == end_of(scene, patience=10.0)
 
@@ -81,7 +81,7 @@ def test_a_large_raft_has_the_same_bits_for_any_number_of_threads():
 
 
 @pytest.mark.compiled
-def test_a_crowd_that_outgrows_its_workspace_gets_a_larger_one_and_the_same_bits():
+def test_floats_that_outgrow_their_workspace_get_a_larger_one_and_the_same_bits():
     scene = bowl(60, duration=1.0, frame_every=0.5)
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)

@@ -104,7 +104,7 @@ def test_a_dashpot_takes_more_the_stiffer_it_is():
         (f'[contacts]\n{SOFT}[integration]\nintegrator = "rk4"\n', "velocity-verlet"),
     ],
 )
-def test_what_does_not_go_with_springs_is_told(rest, said):
+def test_what_does_not_go_with_springs_is_reported(rest, said):
     scene = scene_of(f"{WATER}[[particles]]\ncount = 2\n{HEAVY}{rest}")
     with pytest.raises(SceneError, match=said):
         MODELS["floating"].parameters(scene)

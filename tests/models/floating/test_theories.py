@@ -184,7 +184,7 @@ def test_the_originals_scene_runs_and_its_unlike_pair_moves_off_by_itself():
         (f'{ROUND}\nlaw = "profil"', "", "dish.law", "did you mean 'profile'"),
     ],
 )
-def test_what_does_not_go_together_is_told(dish, head, path, said):
+def test_what_does_not_go_together_is_reported(dish, head, path, said):
     with pytest.raises(SceneError) as caught:
         FLOATING.parameters(in_a_dish(dish, head=head))
     assert path in str(caught.value)

@@ -35,7 +35,7 @@ def pair(angles, apart=3.0, *, mode=2, drag=True, viscosity=1e-3, duration=0.02,
     )
 
 
-def test_forces_and_torques_of_the_march_are_those_of_the_solver():
+def test_forces_and_torques_of_the_integration_are_those_of_the_solver():
     scene = pair((0.4, 1.1))
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)

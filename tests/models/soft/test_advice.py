@@ -54,7 +54,7 @@ def told(scene):
     return " ".join(row[2] for row in doubts(scene, parameters, typical_pair(scene, parameters, state)))
 
 
-def test_a_pull_is_told_with_the_time_in_which_it_parts_two_spheres():
+def test_a_pull_is_reported_with_the_time_in_which_it_separates_two_spheres():
     rows = {name: value for name, value, _ in SOFT.summary(two(1e-3))}
     assert rows["reduced force"] == "0.001"
     assert rows["spheres"] == "2"
@@ -113,7 +113,7 @@ def test_nothing_is_foreseen_where_nothing_is_done():
         ),
     ],
 )
-def test_what_may_not_be_meant_is_told(scene, says):
+def test_what_may_not_be_meant_is_reported(scene, says):
     assert says in told(scene())
 
 
@@ -123,7 +123,7 @@ def test_what_is_usual_is_not_doubted():
     assert told(two(1e-3)) == ""
 
 
-def test_steps_are_foretold_within_a_factor_of_three():
+def test_the_number_of_steps_is_predicted_within_a_factor_of_three():
     scene = packing(protocol=[{"time": 0.0}, {"time": 4.0, "strain": 0.1}])
     parameters = SOFT.parameters(scene)
     assert strain_of(parameters, 4.0) == pytest.approx(0.1)

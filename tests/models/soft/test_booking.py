@@ -44,7 +44,7 @@ def missing(change):
     return change["injected_work"] - sum(change[key] for key in ("total_energy", "dissipated_work", "size_work"))
 
 
-def test_a_pair_under_a_force_that_stays_is_booked_exactly():
+def test_the_energy_budget_of_a_pair_under_a_constant_force_is_exact():
     """The film takes F times what the gap opens by; what deflections take beside what they hold is the size's."""
     scene = pull_apart(0.01, FORCE, tolerance=1e-8, duration=1e4)
     first, last, change = ends(scene)
@@ -64,7 +64,7 @@ def test_a_pair_under_a_force_that_stays_is_booked_exactly():
 
 
 @pytest.mark.parametrize(("scheme", "order"), [("tr-bdf2", 2), ("esdirk4", 4)])
-def test_what_the_books_miss_falls_with_the_order_of_the_scheme(scheme, order):
+def test_the_error_of_the_energy_budget_falls_with_the_order_of_the_scheme(scheme, order):
     left, steps = [], []
     for tolerance in (1e-4, 1e-6):
         _, last, change = ends(stepped(pull_apart(0.01, FORCE, duration=2e4), tolerance, scheme))
@@ -154,7 +154,7 @@ def test_films_take_what_contacts_hold_that_fade():
 
 
 @pytest.mark.compiled
-def test_books_of_a_run_that_pauses_have_the_bits_of_one_that_does_not():
+def test_the_energy_budget_of_an_interrupted_run_has_the_same_bits():
     scene = stepped(packing(count=3, duration=2.0, strain=0.1, hydrodynamics=SPUN), 1e-3)
     books = [marched(scene, parts=parts)[1].books for parts in (1, 10**6)]
     assert books[0].tobytes() == books[1].tobytes()
@@ -162,7 +162,7 @@ def test_books_of_a_run_that_pauses_have_the_bits_of_one_that_does_not():
     assert books[0][SIZE] != 0.0
 
 
-def test_the_run_of_a_former_version_goes_on_without_books():
+def test_a_run_of_an_earlier_version_continues_without_an_energy_budget():
     scene = pull_apart(0.01, FORCE, tolerance=1e-3, duration=1.0)
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)

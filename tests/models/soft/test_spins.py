@@ -114,8 +114,8 @@ def test_forces_and_moments_of_contacts_sum_to_zero(dimensions):
     assert moment == pytest.approx(np.zeros_like(moment), abs=1e-15)
 
 
-@pytest.mark.parametrize("dimensions", [2, 3])
-@pytest.mark.parametrize("remote", [{}, STERIC], ids=["relaxing", "steric"])
+@pytest.mark.parametrize("dimensions", [2, pytest.param(3, marks=pytest.mark.compiled)])
+@pytest.mark.parametrize("remote", [{}, pytest.param(STERIC, marks=pytest.mark.compiled)], ids=["relaxing", "steric"])
 def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions, remote):
     (parameters, still_step), (_, step) = (at_work(cluster(dimensions, long_range_forces=remote)) for _ in range(2))
     turn, angle = rotation(0.37, dimensions)
@@ -202,7 +202,7 @@ def test_interruptions_change_no_bit_of_a_spin():
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(("dimensions", "name", "width"), [(2, "angle", ()), (3, "orientation", (4,))])
-def test_frames_tell_how_spheres_lie(dimensions, name, width):
+def test_frames_contain_the_orientations_of_spheres(dimensions, name, width):
     frames = list(simulate(sheared(dimensions)))
     assert frames[-1].arrays[name].shape == (20, *width)
     assert np.abs(frames[-1].arrays["spin"]).max() > 1e-3

@@ -112,7 +112,7 @@ def test_other_units_change_nothing():
     assert times[1].duration == pytest.approx(times[0].duration, rel=1e-9)
 
 
-def test_the_series_tells_the_story_of_a_swap():
+def test_the_series_contains_the_stages_of_a_swap():
     found = t1_process(gap=1e-3, reduced_force=1e-3)
     angle, sliding = np.degrees(found.curve("angle")), found.curve("sliding_force")
     assert angle[0] == pytest.approx(60.0)

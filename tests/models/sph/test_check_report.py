@@ -40,7 +40,7 @@ def test_what_the_scene_says_wins_over_what_the_name_says():
     assert material.surface_tension == liquid("water", 323.15).surface_tension
 
 
-def test_where_each_number_comes_from_is_told():
+def test_the_origin_of_each_number_is_reported():
     told = said(scene_with({**WARM, "density": 900.0}))
     assert told["density"] == ("900 kg/m^3", "")
     assert told["viscosity"][1] == told["surface tension"][1] == "water at 50 degrees Celsius"
@@ -56,7 +56,7 @@ def test_where_each_number_comes_from_is_told():
         ({"temperature": 300.0}, "has no effect without a name"),
     ],
 )
-def test_a_liquid_that_nobody_knows_is_refused_at_its_key(table, says):
+def test_an_unknown_liquid_is_refused_at_its_key(table, says):
     with pytest.raises(SceneError, match=says):
         SPH.parameters(scene_with(table))
 
@@ -66,14 +66,14 @@ def test_a_pressure_that_nothing_asks_for_is_refused():
         SPH.parameters(scene_with(background_pressure=5.0))
 
 
-def test_few_and_many_neighbors_are_told_with_the_way_out():
+def test_few_and_many_neighbors_are_reported_with_the_remedy():
     assert "raise method.smoothing_ratio" in said(scene_with(smoothing_ratio=0.9))["neighbors"][1]
     assert "lower method.smoothing_ratio" in said(scene_with(smoothing_ratio=3.0))["neighbors"][1]
     assert said(scene_with())["neighbors"] == ("44", "good")
     assert "take wendland-c2" in neighbor_remark(44, 2, "cubic-spline")
 
 
-def test_the_cost_and_the_resolution_are_told():
+def test_the_cost_and_the_resolution_are_reported():
     told = said(scene_with())
     assert told["resolution"] == (
         "8 particles",
@@ -108,7 +108,7 @@ def test_a_lattice_in_space_has_its_neighbors_counted():
 
 
 @pytest.mark.parametrize(("walls", "says"), [("mirror", "walls are mirrors"), ("reflect", "walls only reflect")])
-def test_what_holds_the_liquid_is_told(walls, says):
+def test_what_holds_the_liquid_is_reported(walls, says):
     assert said(tank(walls=walls))["particles"][1] == says
     assert said(free_blob())["particles"][1] == "no walls"
 
@@ -144,7 +144,7 @@ def test_what_a_scene_asks_for_is_switched_on():
     assert sum(holding(given)) == len(holding(given)) > sum(holding(scene_with(WARM)))
 
 
-def test_dimensionless_numbers_tell_what_matters_and_is_off():
+def test_dimensionless_numbers_report_neglected_effects():
     assert "is faster" in regime("Bond number", 10.0, "csf")[1]
     assert "no visible effect" not in regime("Bond number", 10.0, "none")[1]
     assert regime("Bond number", 1e-3, "none")[1].endswith('method.surface_tension_model = "csf" includes it')

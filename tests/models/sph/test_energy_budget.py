@@ -118,7 +118,7 @@ def test_a_stream_that_nothing_rubs_gains_and_loses_nothing(tmp_path):
 
 
 @pytest.mark.compiled
-def test_what_a_body_loses_the_liquid_has_and_nobody_gains(tmp_path):
+def test_energy_that_a_body_loses_goes_to_the_liquid_and_none_is_created(tmp_path):
     scene = dataclasses.replace(tub(4.0, density_diffusion="none"), duration=0.4)
     first, *_, last = ecume.simulate(scene)
     energy, work, _ = books(scene, tmp_path)

@@ -10,6 +10,7 @@ from ecume.trajectories.exports import export
 from .scenes import tank
 
 
+@pytest.mark.compiled
 def test_vtk_reads_a_run_of_liquid_as_a_series_with_pressure_velocity_and_density(tmp_path):
     hdf = pytest.importorskip("vtkmodules.vtkIOHDF")
     support = pytest.importorskip("vtkmodules.util.numpy_support")

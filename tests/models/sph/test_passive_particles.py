@@ -62,6 +62,7 @@ def test_a_grain_settles_at_its_terminal_speed():
     assert -state.carried_velocity[1, 0] == pytest.approx(2.291683e-2, rel=1e-4)
 
 
+@pytest.mark.compiled
 def test_a_light_grain_rises_and_a_grain_stays_above_the_bottom():
     light = {"positions": [[0.015, 0.01]], "radius": "0.2 mm", "density": 500.0}
     heavy = {"positions": [[0.015, 0.001]], "radius": "0.5 mm", "density": 8000.0}
@@ -100,7 +101,7 @@ def test_what_cannot_be_carried_is_refused(spec):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimension):
+def test_looking_into_the_cells_around_finds_what_looking_at_all_does(dimension):
     low, high = [0.0] * dimension, [0.1] * dimension
     sides = {side: {"kind": "periodic"} for side in ("left", "right")}
     scene = from_plain(
@@ -134,6 +135,7 @@ def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimen
     np.testing.assert_allclose(found.pressure, fields.pressure @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.compiled
 def test_a_carried_particle_has_the_pressure_of_the_liquid_around_it():
     *_, last = ecume.simulate(cup({"positions": [[0.015, 0.02], [0.015, 0.01]]}))
     np.testing.assert_allclose(last.arrays["pressure"][-2:], 1000.0 * 9.81 * np.array([0.02, 0.03]), rtol=0.05)

@@ -34,6 +34,7 @@ def test_single_precision_keeps_six_digits_wherever_the_tank_stands(walls):
     assert 1e-9 < off_by(single[1], acceleration) < 2e-6
 
 
+@pytest.mark.compiled
 def test_in_three_dimensions_too():
     _, thickening, acceleration = rates(free_blob(3, density_diffusion="none"))
     _, *single = rates(free_blob(3, density_diffusion="none", precision="single"))

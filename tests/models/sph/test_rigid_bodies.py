@@ -152,7 +152,7 @@ def test_liquid_that_gets_into_a_body_and_the_body_part_without_gaining_energy(m
     assert energy < before @ before / mass
 
 
-def test_lighter_bodies_tell_their_dummies_later():
+def test_lighter_bodies_set_their_dummies_later():
     one, two = (
         SPH.parameters(blob(bodies=[{"center": [0.0, 0.0], "radius": 0.2, "density": rho}])) for rho in (1000.0, 10.0)
     )

@@ -89,7 +89,7 @@ def test_walls_carry_the_liquid(walls):
 
 
 @pytest.mark.compiled
-def test_reflection_alone_keeps_everyone_inside_and_counts():
+def test_reflection_alone_keeps_all_inside_and_counts():
     last = last_of(tank(walls="reflect"))
     x, y = last.arrays["position"].T
     assert min(x.min(), 1.0 - x.max(), y.min()) >= 0.999e-3 / 8
@@ -126,7 +126,7 @@ def test_an_obstacle_on_the_floor_bears_the_liquid_above_it_and_no_image():
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("force", ["sum", "monaghan"])
-def test_all_that_solids_are_told_to_bear_the_liquid_gets(force):
+def test_the_force_on_solids_is_minus_that_on_the_liquid(force):
     scene = changed(tank(deep=10, pressure_force=force), obstacles=[WEDGE])
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
@@ -336,7 +336,7 @@ def test_what_pulls_towards_a_point_pulls_at_bodies_too():
         ({"low": [0.2, 0.2], "high": [0.8, 0.7]}, None),
     ],
 )
-def test_check_tells_of_a_solid_thinner_than_the_support(solid, thick):
+def test_check_reports_a_solid_thinner_than_the_support(solid, thick):
     for table, more in (("obstacles", {}), ("bodies", {"density": 1.0})):
         rows = {row[0]: row for row in SPH.summary(changed(tank(), **{table: [{**solid, **more}]}))}
         found = [row for name, row in rows.items() if name in ("obstacle0", "body0")]

@@ -41,7 +41,7 @@ def test_a_central_force_turns_nothing(dimension):
     assert abs(torque) < 1e-12 * np.sum(state.mass * np.abs(a).max())
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.compiled)])
 def test_a_liquid_that_turns_like_a_solid_feels_no_friction_and_one_that_shears_loses_energy(dimension):
     parameters, state, workspace = at_start(free_blob(dimension, viscosity=1.0))
     x, v = state.position, state.velocity
@@ -57,7 +57,7 @@ def test_a_liquid_that_turns_like_a_solid_feels_no_friction_and_one_that_shears_
     assert abs(np.sum(x[0] * push[1] - x[1] * push[0])) < 1e-12 * np.abs(push).sum()
 
 
-@pytest.mark.parametrize(("dimension", "lattice"), [(2, 1.0392), (3, 1.0766)])
+@pytest.mark.parametrize(("dimension", "lattice"), [(2, 1.0392), pytest.param(3, 1.0766, marks=pytest.mark.compiled)])
 def test_a_surface_takes_as_much_of_the_friction_as_pairs_reach_through_it(dimension, lattice):
     # `lattice` is what a stretch along the axes costs in an endless lattice.
     count, stretch = 6, np.diag([1.0, -1.0] if dimension == 2 else [1.0, -0.5, -0.5])
@@ -129,7 +129,7 @@ def test_antuono_does_not_touch_a_density_that_grows_linearly():
     assert np.abs(workspace.rates.diffusion).max() < 1e-9
 
 
-@pytest.mark.parametrize("force", ["sum", "monaghan"])
+@pytest.mark.parametrize("force", ["sum", pytest.param("monaghan", marks=pytest.mark.compiled)])
 def test_one_sum_gives_what_two_give(force):
     parameters, state, workspace = at_start(free_blob(3, density_diffusion="none", pressure_force=force))
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])

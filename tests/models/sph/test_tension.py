@@ -103,6 +103,7 @@ def test_contours_turn_a_drop_and_hold_it_no_more_than_their_nodes_must():
     assert abs(torque) < 3e-3 * np.sum(mass * np.hypot(*x) * np.hypot(*a))
 
 
+@pytest.mark.compiled
 def test_the_surface_energy_is_the_same_wherever_the_nodes_are():
     found = [
         surface_energy(*(begun(drop("csf", {"center": [x, 0.3 * x], "radius": 1.0}, jitter=0.2))[k] for k in (0, 2)))
@@ -122,7 +123,7 @@ def test_cohesion_draws_a_disc_together():
     assert (x * a).sum(axis=0)[outside].max() < 0.0
 
 
-@pytest.mark.parametrize("model", ["csf", "cohesion"])
+@pytest.mark.parametrize("model", [pytest.param("csf", marks=pytest.mark.compiled), "cohesion"])
 def test_a_mirror_meets_the_surface_at_a_right_angle(model):
     x, _, a = pulled(drop(model, {"low": [-1.0, -1.0], "high": [1.0, 1.0]}))
     y, _, b = pulled(drop(model, {"low": [-1.0, 0.0], "high": [1.0, 1.0]}, bottom={"kind": "wall"}, low=0.0))
@@ -139,7 +140,11 @@ IN_SPACE = {"low": [-0.2, -0.2, -0.2], "high": [0.2, 0.2, 0.2]}
 @pytest.mark.parametrize("model", ["csf", "cohesion"])
 @pytest.mark.parametrize(
     ("fluid", "bottom", "low"),
-    [(FREE, OPEN, -3.0), (ON_A_WALL, {"kind": "wall"}, 0.0), (IN_SPACE, OPEN, -3.0)],
+    [
+        (FREE, OPEN, -3.0),
+        (ON_A_WALL, {"kind": "wall"}, 0.0),
+        pytest.param(IN_SPACE, OPEN, -3.0, marks=pytest.mark.compiled),
+    ],
     ids=["free", "on a mirror", "in space"],
 )
 def test_forces_are_the_slopes_of_the_energy(model, fluid, bottom, low):

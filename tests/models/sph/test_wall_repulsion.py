@@ -38,7 +38,7 @@ def test_a_layer_thinner_than_a_particle_does_not_lie_on_the_floor(dimension, de
 
 
 @pytest.mark.compiled
-def test_nobody_leans_in_a_tank_at_rest():
+def test_no_particle_touches_a_wall_in_a_tank_at_rest():
     assert [frame.numbers["leaning"] for frame in ecume.simulate(tank(deep=12))] == [0.0] * 11
 
 
@@ -55,7 +55,7 @@ def pressed(**tables):
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("obstacles", [[], [{"low": [0.375, 0.375], "high": [0.625, 0.625]}]])
-def test_what_the_liquid_gets_the_walls_and_obstacles_tell(obstacles):
+def test_walls_and_obstacles_report_the_force_on_the_liquid(obstacles):
     parameters, state, workspace = pressed(obstacles=obstacles)
     if obstacles:
         below = (np.abs(state.position[0] - 0.5) < 0.1) & (state.position[1] < 0.375)

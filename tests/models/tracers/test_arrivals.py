@@ -165,7 +165,7 @@ def test_an_entrance_in_space_has_an_area_and_holds_what_is_in_it():
         ({"rate": 1e11}, "are more than"),
     ],
 )
-def test_an_opening_that_nobody_can_come_in_through_says_why(hole, said):
+def test_an_opening_that_admits_no_particle_is_refused_with_the_reason(hole, said):
     plain = to_plain(channel())
     plain["openings"] = [{"wall": 0, "low": [0.0, 0.0], "high": [0.0, 0.8], **hole}]
     with pytest.raises(SceneError) as error:
@@ -174,7 +174,7 @@ def test_an_opening_that_nobody_can_come_in_through_says_why(hole, said):
     assert said in str(error.value)
 
 
-def test_in_a_curved_wall_nobody_comes_in():
+def test_no_particle_enters_through_a_curved_wall():
     grain = dataclasses.replace(DUST, positions=((0.0, 0.0),))
     hole = OpeningSpec(wall=0, low=(-0.5, -1.0), high=(0.5, 0.0), rate=1.0)
     scene = channel(particles=(grain,), tank=TankSpec(radius=0.5), openings=(hole,))

@@ -76,7 +76,7 @@ def test_a_liquid_at_rest_brings_nothing_so_that_no_bounce_is_excused():
 
 
 @pytest.mark.compiled
-def test_chance_brings_as_much_heat_as_drag_takes():
+def test_noise_brings_as_much_heat_as_drag_takes():
     """In equilibrium half of kT an axis and relaxation time, twice; steps take what they have of it."""
     dust = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0),) * 400)
     motion = {
@@ -97,7 +97,7 @@ def test_chance_brings_as_much_heat_as_drag_takes():
 
 
 @pytest.mark.compiled
-def test_without_inertia_chance_changes_nothing_of_what_settling_costs():
+def test_without_inertia_noise_does_not_change_the_work_of_settling():
     silt = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0),) * 50)
     motion = {
         "hydrodynamics": TracerHydrodynamicsSpec(drag="stokes", brownian=True),

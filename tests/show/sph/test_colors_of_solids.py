@@ -61,7 +61,7 @@ def test_rendered_solids_stand_where_they_are_in_their_colors(shapes):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("shapes", [(BOX, DISC), (DISC, BOX)], ids=["a ball floats", "a box floats"])
-def test_the_page_is_told_of_solids_colors(dimension, shapes):
+def test_the_page_receives_the_colors_of_solids(dimension, shapes):
     scene, frame = colored(dimension, *shapes)
     stage = sph_stage(scene, [frame])
     told = looks(frame, frame, stage)

@@ -108,7 +108,7 @@ def test_colors_follow_the_choice_and_say_what_they_mean(tab, tmp_path):
     assert tab.locator("#canvas").screenshot() != first
 
 
-def test_a_particle_tells_its_numbers(tab, tmp_path):
+def test_a_particle_shows_its_numbers(tab, tmp_path):
     opened(tab, run_of("soft", tmp_path))
     box = tab.locator("#canvas").bounding_box()
     assert not tab.is_visible("#inspector")

@@ -150,7 +150,7 @@ def test_numbers_of_the_whole_stand_beside_them():
     assert unpacked(pack(frames(), PLAIN), "number/kinetic_energy").tolist() == [0.0, 1.0, 4.0, 9.0]
 
 
-def test_a_crowd_that_grows_says_how_many_there_are():
+def test_a_growing_number_of_particles_is_in_each_chunk():
     given = [frames(1, particles)[0] for particles in (3, 5)]
     chunk = pack(given, PLAIN)
     assert chunk.header["counts"] == [3, 5]

@@ -57,7 +57,7 @@ def test_only_what_is_new_comes(asked):
     assert (told, blob) == ({"state": "running", "chunk": None}, b"")
 
 
-def test_the_end_is_told_with_the_last_frames(asked, monkeypatch):
+def test_the_end_is_sent_with_the_last_frames(asked, monkeypatch):
     monkeypatch.setattr("ecume.show.view.live.MOST_FRAMES", 6)
     asked[2][0] = "done"
     assert [frames_from(asked, begin)[0]["state"] for begin in (0, 6)] == ["running", "done"]

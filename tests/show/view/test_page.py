@@ -102,7 +102,7 @@ def test_a_size_that_holds_nothing_is_refused_with_one_that_does(tmp_path):
     assert save_page(run, max_size=enough).frames >= 2
 
 
-def test_the_page_may_run_its_own_script_and_ask_nobody():
+def test_the_page_may_run_its_own_script_and_contact_no_server():
     policy = policy_of(VIEW, live=False)
     assert "default-src 'none'" in policy
     assert "connect-src 'none'" in policy

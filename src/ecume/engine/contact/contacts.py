@@ -132,6 +132,15 @@ def set_effective_masses(contacts: Contacts, mobility: Array) -> None:
 
 
 @compiled
+def deepest_overlap(total: Integers, gap: Array) -> float:
+    """The deepest overlap of `total[0]` contacts (m); zero without any."""
+    deepest = 0.0
+    for row in range(total[0]):
+        deepest = max(deepest, -gap[row])
+    return deepest
+
+
+@compiled
 def contact_keys(contacts: Contacts) -> ContactKeys:
     """The bodies of each contact, as keys of the warm start."""
     return ContactKeys(contacts.total, contacts.first, contacts.second, contacts.impulse)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Candidates
+from ecume.engine.contact.contacts import Candidates, deepest_overlap
 from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
 from ecume.engine.contact.warm_start import ContactKeys
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
@@ -244,15 +244,6 @@ def solve(contacts: TorqueContacts, velocity: Array, goal: Goal) -> int:
 
 
 @compiled
-def deepest_overlap(contacts: TorqueContacts) -> float:
-    """The deepest overlap of all contacts; zero without any."""
-    deepest = 0.0
-    for row in range(contacts.total[0]):
-        deepest = max(deepest, -contacts.gap[row])
-    return deepest
-
-
-@compiled
 def separate(
     contacts: TorqueContacts, candidates: Candidates, stance: Stance, bodies: OutlinedBodies, slop: float
 ) -> int:
@@ -264,7 +255,7 @@ def separate(
     position, angle = stance.position, stance.angle
     shift = np.zeros((len(position) + wall_count(bodies.walls), 3))
     for turn in range(50):
-        if deepest_overlap(contacts) <= slop:
+        if deepest_overlap(contacts.total, contacts.gap) <= slop:
             return turn
         shift[:] = 0.0
         for row in range(contacts.total[0]):

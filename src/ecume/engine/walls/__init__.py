@@ -1,6 +1,7 @@
 """Walls: surfaces that turn particles back within a step (`reflect`), and what encloses a floating raft (`Walls`).
 
-Start in `surfaces`, the one family of shapes: planes and spheres. `enclosures` reads a flat one as floats need it.
+Start in `surfaces`, the one family of shapes, planes and spheres, which all models use. `enclosures` reads a flat one
+as floats need it; soft spheres move its planes (`through`).
 """
 
 from __future__ import annotations
@@ -17,11 +18,13 @@ from ecume.engine.walls.surfaces import (
     disc,
     moved,
     moving,
+    nearest_points,
     opening,
     outside,
     planes,
     polygon,
     polyhedron,
+    through,
     together,
     wedge,
 )
@@ -46,6 +49,7 @@ __all__ = [
     "is_circle",
     "moved",
     "moving",
+    "nearest_points",
     "no_walls",
     "opening",
     "outside",
@@ -55,6 +59,7 @@ __all__ = [
     "reflect",
     "reflect_all",
     "sheet",
+    "through",
     "together",
     "trace",
     "wall_count",

@@ -182,6 +182,16 @@ def moved(walls: Surfaces, time: float) -> Surfaces:
     )
 
 
+def through(walls: Surfaces, points: Array) -> Surfaces:
+    """The same planes through other points (K, 3)."""
+    return walls._replace(size=np.einsum("kd,kd->k", walls.place, points))
+
+
+def nearest_points(walls: Surfaces) -> Array:
+    """The point of each plane that is nearest to the origin (K, 3)."""
+    return np.asarray(walls.size[:, None] * walls.place)
+
+
 def described(walls: Surfaces, number: int) -> str:
     """A surface in words."""
     if number < 0:

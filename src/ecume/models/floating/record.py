@@ -4,25 +4,29 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ecume.laws import brownian, capillarity, drag, ellipsoids, flotation, images, meniscus, pair_laws
+from ecume.models.actions import Access
 from ecume.models.diagnosis import DEEP, first_broken, when
-from ecume.models.floating.access import FLOATS
+from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.report.check_report import summary
 from ecume.models.floating.report.frames import observe
-from ecume.models.floating.report.invariants import invariants
-from ecume.models.floating.setup.initial_state import layout, start
+from ecume.models.floating.report.invariants import OVERLAP, invariants
+from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
-from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
+from ecume.models.floating.state import DEEPEST, WORK, State, Workspace, make_workspace
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
 from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import Model, Source
 from ecume.models.user_laws import BoundLaw
 from ecume.value_texts import with_prefix
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 
 def laws_of(scene: Any) -> list[Source]:
@@ -77,6 +81,37 @@ def _who_and_what(parameters: Parameters, state: State) -> str:
     fastest = int(np.argmax(speed))
     x, y = (with_prefix(place, "m") for place in state.position[fastest])
     return f"float {fastest} moves at {with_prefix(speed[fastest], 'm/s', 3)} (at {x}, {y})"
+
+
+def faults(scene: FloatingScene, parameters: Parameters, state: State) -> list[str]:
+    """The floats that overlap by more than contacts tolerate, or are outside the dish."""
+    radius = parameters.floats.radius
+    names = [f"float {i}" for i in range(len(radius))]
+    if contacts_of(parameters).gaps is not None:
+        gaps = gaps_between(parameters, state.position, state.turning[:, 0], 0.0)
+        walls = "the wall of the dish"
+        return [
+            f"{names[i]} overlaps {names[j] if j < len(radius) else walls} by {-gap:.3g} m"
+            for i, j, gap in gaps
+            if -gap > OVERLAP * radius[i]
+        ]
+    which = np.arange(len(radius))
+    return [f"{path} {what}" for path, what, *_ in position_faults(parameters, state.position, which, names, OVERLAP)]
+
+
+def changed(state: State, moved: bool) -> None:
+    """Neighbor lists are made at the reference positions; contacts that were kept are of former positions."""
+    if moved:
+        state.reference[:] = state.position
+        state.touches[0] = 0
+
+
+FLOATS = Access(
+    arrays=lambda state: {"position": state.position, "velocity": state.velocity},
+    faults=faults,
+    changed=changed,
+    work=lambda state: state.tally[WORK : WORK + 1],
+)
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ecume.engine.cells import Integers
+from ecume.engine.walls import Surfaces
 from ecume.laws.friction import ContactFriction
 from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
@@ -67,16 +68,10 @@ class Laws(NamedTuple):
 class Planes(NamedTuple):
     """The walls of a scene."""
 
-    axis: Integers
-    """(W,) which each stands across"""
-    side: Array
-    """(W,) -1 or 1: from the spheres to the wall"""
-    place: Array
-    """(W, 3) m, at the start: on the axis where the plane is, along the others zero"""
+    surfaces: Surfaces
+    """W planes at the start, with the velocities that are imposed"""
     modulus: Array
     """(W,) Pa; infinite where rigid"""
-    velocity: Array
-    """(W, 3) m/s where it is imposed"""
     force: Array
     """(W, 3) N at load 1, where one moves the wall"""
     free: Integers

@@ -10,6 +10,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.engine.linear_solvers.solvers import Kept
+from ecume.engine.walls import nearest_points
 from ecume.laws import elasticity
 from ecume.models.soft.contacts.contact_jacobian import ROUNDING
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
@@ -98,7 +99,7 @@ class Workspace(NamedTuple):
 
 def make_state(parameters: Parameters, position: Array, room: int) -> State:
     """The state at time 0, without contacts."""
-    (count, dimensions), walls = position.shape, len(parameters.walls.axis)
+    (count, dimensions), walls = position.shape, len(parameters.walls.modulus)
     return State(
         position=np.array(position, np.float64),
         velocity=np.zeros((count, dimensions)),
@@ -115,8 +116,8 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         touching=np.zeros((count, walls), np.int64),
         wall_gap=np.zeros((count, walls)),
         slip=np.zeros((count, walls, dimensions)),
-        wall=parameters.walls.place.copy(),
-        wall_rate=parameters.walls.velocity.copy(),
+        wall=nearest_points(parameters.walls.surfaces),
+        wall_rate=parameters.walls.surfaces.velocity.copy(),
         cell=np.zeros(5),
         cell_rate=np.zeros(5),
         pace=np.zeros(4),
@@ -183,7 +184,7 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
 
 def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple[()]:
     """The walls, if there are any, and the present contacts with them."""
-    if not len(parameters.walls.axis):
+    if not len(parameters.walls.modulus):
         return ()
     first, wall = (np.ascontiguousarray(index) for index in np.nonzero(state.touching))
     count, radius = len(first), parameters.radius

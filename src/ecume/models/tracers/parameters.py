@@ -13,8 +13,8 @@ from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet, Surfaces, sheet
 from ecume.errors import Fault, SceneError
 from ecume.laws import brownian, drag
-from ecume.models.last_frame import ending_on_a_step
 from ecume.models.liquids import named_liquid
+from ecume.models.step_counts import ending_on_a_step
 from ecume.models.tables import code_of
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.models.tracers.tank import coefficients_of, surfaces_of

@@ -11,10 +11,10 @@ from ecume.laws import brownian, drag
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
-from ecume.models.last_frame import last_step
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
+from ecume.models.step_counts import last_step
 from ecume.models.tracers.access import TRACERS as ACCESS
 from ecume.models.tracers.energy_budget import brings, exchange, lent
 from ecume.models.tracers.initial_state import layout, start

@@ -329,21 +329,12 @@ def separate_by_passes(part: Any, own: Any, parameters: Parameters, state: State
     contacts, bodies = workspace.contacts, contact_bodies(parameters)
     reach = 2.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
-    deepest = deepest_overlap(contacts)
+    deepest = touching.deepest_overlap(contacts.total, contacts.gap)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
         touching.set_effective_masses(contacts, bodies.mobility)
         touching.separate(contacts, state.position, bodies, parameters.slop)
         touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
-
-
-@compiled
-def deepest_overlap(contacts: Contacts) -> float:
-    """The largest overlap of any contact (m)."""
-    deepest = 0.0
-    for row in range(contacts.total[0]):
-        deepest = max(deepest, -contacts.gap[row])
-    return deepest
 
 
 @compiled

@@ -166,12 +166,15 @@ class Choice(NamedTuple):
     points: float
 
 
+_fit_short = lru_cache(maxsize=64)(ewald.fit_short)
+
+
 def best_split(statistics: FloatStatistics, accuracy: float) -> tuple[Choice, SplitFit]:
     """The cheapest split of this accuracy (r.m.s. error of forces over their r.m.s. with charges of random sign), and
     its short-range law, whose error is at most a tenth of it.
     """
     for choice in sorted(_splits(statistics, accuracy)):
-        fit = ewald.fit_short(choice.eta, DEEPEST_TOUCH * statistics.touching, choice.cutoff)
+        fit = _fit_short(choice.eta, DEEPEST_TOUCH * statistics.touching, choice.cutoff)
         if fit.error < 0.1 * accuracy:
             return choice, fit
     raise BadInput("a grid cannot reach this accuracy here; use 'cells'")
@@ -371,16 +374,19 @@ def split_energy(
     alone = smooth_self_energy(split.eta) * charge
     smooth = 0.5 * float(np.sum(charge * (grid_splines.fields(spread, potential)[:, 0] - alone)))
     listed = rows.first, rows.neighbor, workspace.lists.cells.order
-    short = sum_of_short_energies(state.position, charge, listed, *_short_table(pair, split.short, split.eta))
+    closest, cutoff = 0.1 * split.short.lower * length, float(pair[CUTOFF])
+    table = _short_table((closest, cutoff), float(pair[INVERSE_SQUARE]), split.eta)
+    short = sum_of_short_energies(state.position, charge, listed, *table)
     return -float(pair[STRENGTH]) * (smooth + short), 0.0
 
 
-def _short_table(pair: Array, short: Short, eta: float) -> tuple[Array, Array]:
-    """The ends and the values of the table of the short-range energy, over the logarithm of the squared distance
-    (m^2).
+@lru_cache(maxsize=8)
+def _short_table(span: tuple[float, float], inverse_square: float, eta: float) -> tuple[Array, Array]:
+    """The ends and the values of the table of the short-range energy between two distances (m), over the logarithm of
+    the squared distance (m^2). Each frame of a run asks for the same.
     """
-    ends = log(np.array([(0.1 * short.lower * pair[CAPILLARY_LENGTH]) ** 2, pair[CUTOFF] ** 2]))
-    x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * pair[INVERSE_SQUARE])
+    ends = log(np.array([span[0] ** 2, span[1] ** 2]))
+    x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * inverse_square)
     return ends, np.asarray(ewald.short_energy(x, eta))
 
 

@@ -19,8 +19,8 @@ from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
 from ecume.models.frame_cost import Content, frame_cost
-from ecume.models.last_frame import last_step
 from ecume.models.liquids import liquid_of
+from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene
 from ecume.value_texts import duration_text, range_with_prefix, size_text, with_prefix
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ecume._jit import compiled
 from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact import torque_contacts as touching
+from ecume.engine.contact.contacts import deepest_overlap
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
@@ -83,7 +84,7 @@ def separate_outlines(
     stance = Stance(state.position, own.angle, own.corner)
     bodies, levers = solver_bodies(part, parameters, own), own.levers
     touching.gather(levers, workspace.candidates, stance, bodies, reach)
-    deepest = touching.deepest_overlap(levers)
+    deepest = deepest_overlap(levers.total, levers.gap)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
         touching.separate(levers, workspace.candidates, stance, bodies, parameters.slop)

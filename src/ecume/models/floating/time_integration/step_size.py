@@ -15,7 +15,7 @@ from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.floating.walls.wall_laws import wall_stiffness
-from ecume.models.last_frame import ending_on_a_step
+from ecume.models.step_counts import ending_on_a_step
 from ecume.units import Array
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from ecume._jit import compiled, compiled_inside
 from ecume._portable import log
 from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers.block_matrix import near_order
+from ecume.engine.walls import gaps, through
 from ecume.errors import Diverged
 from ecume.models.soft.loading.cell import Box, box_of
 from ecume.models.soft.parameters import Parameters
@@ -108,17 +109,16 @@ def meet_walls(parameters: Parameters, state: State) -> bool:
     state.wall_gap[sphere, wall] = log(gap[sphere, wall])
     dimensions = state.position.shape[1]
     slip = (state.wall[wall, :dimensions] - state.position[sphere]) / parameters.radius[sphere, None]
-    slip[np.arange(len(sphere)), parameters.walls.axis[wall]] = 0.0
+    normal = parameters.walls.surfaces.place[wall, :dimensions]
+    slip -= (slip * normal).sum(axis=1)[:, None] * normal
     state.slip[sphere, wall] = slip
     state.generation[0] += 1
     return True
 
 
 def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
-    """Gaps from each undeformed sphere to each wall, (N, W) m."""
-    planes = parameters.walls
-    places = wall[np.arange(len(planes.axis)), planes.axis]
-    return np.asarray(planes.side * (places - position[:, planes.axis]) - parameters.radius[:, None])
+    """Gaps from each undeformed sphere to each wall, (N, W) m; the walls go through the points `wall`."""
+    return np.asarray(gaps(position, through(parameters.walls.surfaces, wall)) - parameters.radius[:, None])
 
 
 def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:

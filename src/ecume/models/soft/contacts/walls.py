@@ -30,10 +30,8 @@ FAR = 1e12
 class Places(NamedTuple):
     """The positions of walls in a step."""
 
-    axis: Integers
-    """(W,) which each stands across"""
-    side: Array
-    """(W,) -1 or 1: from the spheres to the wall"""
+    normal: Array
+    """(W, 3) from the spheres to the wall"""
     velocity: Array
     """(W, 3) m/s where it is imposed"""
     force: Array
@@ -94,7 +92,7 @@ class Walls(NamedTuple):
 def no_walls() -> Walls:
     """Walls and contacts of a scene that has none."""
     none, nobody = np.zeros((0, 3)), np.zeros(0, np.int64)
-    places = Places(nobody, np.zeros(0), none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
+    places = Places(none, none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
     rates, line = np.zeros((0, 4)), np.zeros(0)
     return Walls(
         places,
@@ -115,9 +113,9 @@ def all_walls(walls: Walls | tuple[()]) -> Walls:
 
 def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
     """Room for a step; `now` is where the walls are, and how fast they went."""
-    place, past = now
+    (place, past), surfaces = now, planes.surfaces
     return Places(
-        planes.axis, planes.side, planes.velocity, planes.force, planes.free, place.copy(), place.copy(), place.copy(),
+        0.0 - surfaces.place, surfaces.velocity, planes.force, planes.free, place.copy(), place.copy(), place.copy(),
         np.zeros((stages, *place.shape)), past.copy(), np.zeros_like(place),
     )  # fmt: skip
 
@@ -135,8 +133,8 @@ def flattened(film: Film, far: float) -> Film:
 @compiled_inside
 def normal_of(places: Places, w: int) -> Vector:
     """The normal from the spheres to a wall."""
-    axis, side = places.axis[w], places.side[w]
-    return (side if axis == 0 else 0.0, side if axis == 1 else 0.0, side if axis == 2 else 0.0)
+    normal = places.normal
+    return (normal[w, 0], normal[w, 1], normal[w, 2])
 
 
 @compiled_inside
@@ -440,7 +438,7 @@ def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensio
 def wanted_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
     """The specified force on a movable wall (N); the component along it by the shear of walls, too."""
     wall, axis = places.free[unknown]
-    along = 1.0 if axis == places.axis[wall] else load[1]
+    along = 1.0 if places.normal[wall, axis] != 0.0 else load[1]
     return float(load[0] * along * places.force[wall, axis])
 
 

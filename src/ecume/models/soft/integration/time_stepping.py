@@ -123,7 +123,7 @@ def leapt(parameters: Parameters, step: Step, met: Found) -> bool:
 
 def leapt_to_wall(parameters: Parameters, step: Step, walls: Walls) -> bool:
     """The same of walls alone."""
-    touching = np.zeros((len(step.bodies.position), len(parameters.walls.axis)), np.bool_)
+    touching = np.zeros((len(step.bodies.position), len(parameters.walls.modulus)), np.bool_)
     touching[walls.touches.first, walls.touches.wall] = True
     close = wall_gaps(parameters, step.bodies.position, walls.places.place) < NARROW * parameters.contacts.fade_from
     return bool((~touching & close).any())

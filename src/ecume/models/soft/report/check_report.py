@@ -144,7 +144,7 @@ def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[
         "spheres of similar size crystallize: use two sizes, for example 1 and 1.4": (
             alike and fillings(parameters) > DENSE[parameters.dimensions]
         ),
-        "no films at the start: only drag acts on the spheres": math.isnan(gap) and not len(parameters.walls.axis),
+        "no films at the start: only drag acts on the spheres": math.isnan(gap) and not len(parameters.walls.modulus),
     }
     said = [one for one, wrong in found.items() if wrong]
     said += laws.surface.doubts(typical) if laws.surface.doubts else []
@@ -217,7 +217,7 @@ def strain_of(parameters: Parameters, end: float) -> float:
         rates = abs(strain[1]) + abs(scale[1]) / scale[0] + abs(height[1])
         # A sine's mean speed is two over pi of its largest.
         total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])
-    moving = np.abs(parameters.walls.velocity).max(initial=0.0)
+    moving = np.abs(parameters.walls.surfaces.velocity).max(initial=0.0)
     return float(total + moving * end / (10.0 * parameters.radius.max()))
 
 

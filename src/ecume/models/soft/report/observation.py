@@ -134,7 +134,7 @@ def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: 
     told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
     told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
     places, touches = all_walls(step.walls)
-    normal = np.eye(3)[places.axis[touches.wall]]
+    normal = places.normal[touches.wall]
     told |= {STAKE: _stake(step.answers.force, step.direction, gap, step.pairs.radius_sum)}
     told[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
     return remote | {name: float(value) for name, value in told.items()}
@@ -166,10 +166,11 @@ def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str,
 
     Along a wall, the position is its displacement.
     """
-    planes, dimensions, force = parameters.walls, parameters.dimensions, np.zeros((len(parameters.walls.axis), 3))
+    walls, dimensions = parameters.walls.surfaces, parameters.dimensions
+    force = np.zeros((len(walls.kind), 3))
     touches = all_walls(step.walls).touches
     np.add.at(force, touches.wall, -touches.force)
-    names = [SIDE_NAMES[int(axis), float(side)] for axis, side in zip(planes.axis, planes.side, strict=True)]
+    names = [SIDE_NAMES[int(np.flatnonzero(normal)[0]), -float(normal.sum())] for normal in walls.place]
     places = {f"{name}_{AXES[k]}": float(state.wall[w, k]) for w, name in enumerate(names) for k in range(dimensions)}
     return places | {
         f"{name}_force_{AXES[k]}": float(force[w, k]) for w, name in enumerate(names) for k in range(dimensions)

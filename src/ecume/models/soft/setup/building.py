@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.engine.linear_solvers import cholmod
 from ecume.engine.linear_solvers.solvers import SOLVERS
+from ecume.engine.walls import planes
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
 from ecume.laws.drag import stokes_friction
@@ -17,7 +18,6 @@ from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
-from ecume.models.last_frame import last_step
 from ecume.models.liquids import material_of
 from ecume.models.soft.contacts.contact_list import open_all
 from ecume.models.soft.integration.dirk import accept
@@ -29,6 +29,7 @@ from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes
 from ecume.models.soft.setup.packing import places
 from ecume.models.soft.setup.start_checks import require_balance, require_gaps, require_no_torque, require_one_piece
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
+from ecume.models.step_counts import last_step
 from ecume.models.tables import code_of
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
 from ecume.units import Array
@@ -68,7 +69,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
     if scene.cell is not None:
         box[:dimensions] = sides_of(scene)
     walls = _planes(scene)
-    box[walls.axis] = 0.0
+    box[walls.surfaces.place.any(axis=0)] = 0.0
     parameters = Parameters(
         time_step=scene.frame_every / TICKS,
         steps_per_frame=TICKS,
@@ -122,7 +123,9 @@ def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> flo
     longest = min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
     drive, wave = drive_at(parameters.protocol, 0.0), parameters.protocol.waves[0]
     rate = abs(drive.rate) + abs(drive.growth) + abs(drive.height_rate) + float(wave[0] * wave[2])
-    speed = 2.0 * float(parameters.radius.max()) * rate + float(np.abs(parameters.walls.velocity).max(initial=0.0))
+    speed = 2.0 * float(parameters.radius.max()) * rate + float(
+        np.abs(parameters.walls.surfaces.velocity).max(initial=0.0)
+    )
     gaps = np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
     if speed == 0.0 or len(gaps) == 0:
         return FIRST_STEP * longest
@@ -144,9 +147,8 @@ def _balance(parameters: Parameters, state: State) -> None:
 def _planes(scene: SoftScene) -> Planes:
     """The walls, and what moves them."""
     dimensions, count = dimensions_of(scene), len(scene.walls)
-    axis = np.array([SIDES[wall.side][0] for wall in scene.walls], np.int64)
-    side = np.array([SIDES[wall.side][1] for wall in scene.walls])
-    place, velocity, force = np.zeros((3, count, 3))
+    point, normal, velocity = np.zeros((3, count, dimensions))
+    force = np.zeros((count, 3))
     free: list[tuple[int, int]] = []
     sides = np.ones(3)
     if scene.cell is not None:
@@ -154,15 +156,16 @@ def _planes(scene: SoftScene) -> Planes:
     for index, wall in enumerate(scene.walls):
         across, outward = SIDES[wall.side]
         end = 0.0 if outward < 0.0 else sides[across]
-        place[index, across] = end if wall.position is None else wall.position
-        velocity[index, :dimensions] = wall.velocity or 0.0
+        point[index, across] = end if wall.position is None else wall.position
+        normal[index, across] = -outward
+        velocity[index] = wall.velocity or 0.0
         area = float(np.prod(np.delete(sides[:dimensions], across)))
         for stress, along, sign in ((wall.pressure, across, -outward), (wall.shear_stress, 0, 1.0)):
             if stress is not None:
                 force[index, along] = sign * stress * area
                 free.append((index, along))
     modulus = np.array([math.inf if wall.modulus is None else wall.modulus for wall in scene.walls])
-    return Planes(axis, side, place, modulus, velocity, force, np.array(free, np.int64).reshape(-1, 2))
+    return Planes(planes(point, normal, velocity), modulus, force, np.array(free, np.int64).reshape(-1, 2))
 
 
 def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize
 
+from ecume.engine.walls import nearest_points
 from ecume.errors import Fault, SceneError
 from ecume.models.soft.contacts.contact_list import neighbors, wall_gaps
 from ecume.models.soft.loading.cell import Box, box_of, shape_at
@@ -48,7 +49,8 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
 def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
     """The nearest places, more or less, without gaps below `least`: overlaps cost their square. Raises SceneError."""
     wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
-    unit, planes = float(parameters.radius.min()), parameters.walls
+    unit, walls = float(parameters.radius.min()), parameters.walls.surfaces
+    points = nearest_points(walls)
 
     def cost(flat: Array) -> tuple[float, Array]:
         pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, box)
@@ -58,9 +60,10 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         slope = np.zeros_like(position)
         np.add.at(slope, pair[:, 0], push)
         np.add.at(slope, pair[:, 1], -push)
-        to_wall = wall_gaps(parameters, flat.reshape(position.shape) * unit, planes.place)
+        to_wall = wall_gaps(parameters, flat.reshape(position.shape) * unit, points)
         inside = np.maximum(WIDER * least - to_wall, 0.0)
-        np.add.at(slope.T, planes.axis, (inside / unit * planes.side).T)
+        for wall, normal in enumerate(walls.place[:, : position.shape[1]]):
+            slope -= inside[:, wall, None] / unit * normal
         return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), slope.ravel()
 
     flat = position.ravel() / unit
@@ -70,7 +73,7 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
             cost, flat, jac=True, method="L-BFGS-B", options={"maxiter": PUSHES, "ftol": 0.0, "gtol": 1e-12}
         ).x
         found = np.asarray(flat.reshape(position.shape) * unit)
-        if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
+        if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, points) >= least).all():
             return found
     message = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
     way_out = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"

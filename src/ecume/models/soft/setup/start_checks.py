@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ecume.engine.walls import nearest_points
 from ecume.errors import Fault, SceneError
 from ecume.models.soft.contacts.contact_list import neighbors, pieces, wall_gaps
 from ecume.models.soft.loading.cell import Box
@@ -18,7 +19,7 @@ UNBALANCED = 1e-9
 
 def require_balance(parameters: Parameters) -> None:
     """Forces that nothing balances would push all spheres away together."""
-    if parameters.drag.any() or len(parameters.walls.axis):
+    if parameters.drag.any() or len(parameters.walls.modulus):
         return
     force = parameters.force + parameters.weight
     total, largest = np.abs(force.sum(axis=0)).max(), np.abs(force).max()
@@ -36,7 +37,7 @@ def require_balance(parameters: Parameters) -> None:
 
 def require_no_torque(parameters: Parameters, state: State) -> None:
     """Spinning spheres that nothing holds would be turned all together without resistance."""
-    if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.axis):
+    if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.modulus):
         return
     arm, force = np.zeros((2, len(state.position), 3))
     arm[:, : parameters.dimensions], force[:, : parameters.dimensions] = state.position, parameters.force
@@ -58,7 +59,7 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
         overlap = with_prefix(parameters.radius[pair[0]].sum() - np.linalg.norm(between[0]), "m", 3)
         message = f"spheres {first} and {second} overlap by {overlap} before they are deformed"
         raise SceneError([Fault("particles", f"{message}; expected a gap for the film")])
-    gap = wall_gaps(parameters, position, parameters.walls.place)
+    gap = wall_gaps(parameters, position, nearest_points(parameters.walls.surfaces))
     if not (gap > 0.0).all():
         sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
         message = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"

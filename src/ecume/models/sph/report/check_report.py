@@ -11,7 +11,6 @@ from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row
 from ecume.models.frame_cost import Content, frame_cost
-from ecume.models.last_frame import last_step
 from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.report.regimes import regime_rows
@@ -19,6 +18,7 @@ from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import material_rows, sides_of, smallest_extent, smoothing_of, tension_of
 from ecume.models.sph.setup.initial_particles import cells_of
 from ecume.models.sph.setup.shapes import solids_of
+from ecume.models.step_counts import last_step
 from ecume.scenes.sph import SphScene
 from ecume.value_texts import duration_text, size_text, with_prefix
 

@@ -19,7 +19,6 @@ from ecume.laws.time_step_limits import (
     tension_limit,
     viscous_limit,
 )
-from ecume.models.last_frame import ending_on_a_step
 from ecume.models.sph.fields import Tait
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import Carried, CarriedGroup, Material, Parameters
@@ -62,6 +61,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
     mass_of,
     shake_of,
 )
+from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
 from ecume.units import Array
 

@@ -1,4 +1,4 @@
-"""What the benchmarks share: a march that can be timed, and what the figures were measured on."""
+"""What the benchmarks share: a run that can be timed, and the description of the machine."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def cereal_bowl(count: int) -> Any:
     return load_scene(text, [f"particles[0].count={count}"])
 
 
-class March:
-    """One scene on its way."""
+class TimedRun:
+    """A scene in progress."""
 
     def __init__(self, scene: Any) -> None:
         self.model = MODELS[scene.model]
@@ -53,7 +53,7 @@ class March:
                 self.workspace = self.model.workspace(self.parameters, self.state, self.room)
 
     def numbers(self) -> Any:
-        """The numbers of this instant's frame."""
+        """The numbers of the present frame."""
         return self.model.observe(self.parameters, self.state, self.workspace).numbers
 
     @property
