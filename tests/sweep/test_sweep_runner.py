@@ -218,7 +218,7 @@ def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_pat
             time.sleep(0.01)
         time.sleep(0.3)
         os.killpg(sweeping.pid, signal.SIGINT) if name == "SIGINT" else sweeping.terminate()
-        told = sweeping.communicate(timeout=60)[1]
+        told = sweeping.communicate(timeout=200)[1]
     assert sweeping.returncode == Stopped.exit_code
     assert f"ecume: stopped by {name}; " in told
     assert "of 4 points are done; the same command continues" in told

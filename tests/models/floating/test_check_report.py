@@ -3,7 +3,7 @@
 import pytest
 
 from ecume.laws import flotation
-from ecume.models.floating.report.check_report import seconds_per_step, summary
+from ecume.models.floating.report.check_report import _summary_of_raft_speeds, seconds_per_step, summary
 from ecume.scenes.schema import from_plain
 
 SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}
@@ -94,3 +94,18 @@ def test_shapes_say_where_their_contact_line_is():
     )
     assert 90.0 < float(rows["float-1: filling angle"][0].removesuffix(" deg")) < 180.0
     assert float(rows["float-1: height of the contact line"][0].removesuffix(" µm")) < 0.0
+
+
+def drift_of_rafts(count, **hydrodynamics):
+    bead = {"name": "bead", "radius": 1e-3, "density": 500.0, "count": count, **STUFF}
+    scene = from_plain({**SCENE, "particles": [bead], "hydrodynamics": hydrodynamics})
+    return [value for _, value, _ in _summary_of_raft_speeds(scene)]
+
+
+@pytest.mark.parametrize(("count", "factor"), [(7, "3.4"), (19, "6.1"), (1200, "27")])
+def test_the_missing_hydrodynamic_interaction_is_announced_with_its_size(count, factor):
+    assert drift_of_rafts(count) == [f"up to {factor} times too slow"]
+
+
+def test_pairs_and_floats_without_drag_form_no_raft_that_is_too_slow():
+    assert drift_of_rafts(2) == drift_of_rafts(19, drag="none") == []

@@ -20,7 +20,7 @@ def limits_of(curves):
     for types in (": number[]", ": [number, number]", "export ", "!"):
         plain = plain.replace(types, "")
     program = f"{plain}\nconsole.log(JSON.stringify({json.dumps(curves)}.map((curve) => limits(curve))));"
-    done = subprocess.run([NODE, "-e", program], capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run([NODE, "-e", program], capture_output=True, text=True, check=False, timeout=200)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

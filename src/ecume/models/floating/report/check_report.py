@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
+from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
@@ -43,6 +44,8 @@ PER_CONTACT, MOST_CONTACTS = 7e-8, 300
 estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
 """
 
+FEWEST_IN_RAFT = 3
+"""Floats from which on `ecume check` states how much too slow rafts are."""
 ARRAYS, NUMBERS = {"position": 2, "velocity": 2}, 16
 """The components of the arrays of a frame that change, and how many numbers it has."""
 
@@ -60,6 +63,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters),
         *_summary_of_chance(parameters),
+        *_summary_of_raft_speeds(scene),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *_summary_of_steps(parameters, scene),
@@ -96,6 +100,18 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
     ]
     weak = "below kT: noise separates them, and no rafts form" if min(bonds) < 1.0 else "of two touching floats"
     return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
+
+
+def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
+    """How much too slow rafts are, since each float has the drag of a single one."""
+    spheres = sum(species.count for species in scene.particles if species.shape is None) + len(scene.rows)
+    viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
+    if not viscous or spheres < FEWEST_IN_RAFT:
+        return []
+    largest = min(spheres, MOST_SOLVED)
+    slow = f"up to {raft_speed_factor(largest):.2g} times too slow"
+    why = f"compact rafts of {largest} in creeping flow: hydrodynamic interaction is not included"
+    return [("drift of rafts", slow, why)]
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
