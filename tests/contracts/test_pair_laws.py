@@ -244,6 +244,7 @@ NO_SUMS = {"multipole": "sum of the pair law", "shapes": "sum of the pair law", 
 """What takes no laws of a user's own, and why."""
 
 
+@pytest.mark.uncompiled  # the models' tests of user laws compile some
 @pytest.mark.parametrize(("name", "option"), WITH_MINE)
 def test_a_users_own_law_is_added_to_every_law_and_option(name, option, monkeypatch):
     shorten_tables(monkeypatch.setattr)

@@ -22,7 +22,6 @@ from ecume.laws.capillarity import pair_force, pair_strength
 from ecume.laws.flotation import Sphere, capillary_charge
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import (
-    ContactSpec,
     FloatingScene,
     FloatSpec,
     HydrodynamicsSpec,
@@ -177,7 +176,6 @@ def _scene(speed: float, integration: IntegrationSpec) -> FloatingScene:
         ),
         integration=integration,
         hydrodynamics=HydrodynamicsSpec(drag="none"),
-        contacts=ContactSpec(law="none"),
         # The force must not end within the orbit's reach: a jump there would spoil every order.
         interaction=InteractionSpec(accuracy=1e-9),
     )
