@@ -25,6 +25,7 @@ from figures_sph import FIGURES as SPH_FIGURES
 from figures_surfaces import FIGURES as SURFACE_FIGURES
 from figures_tanks import FIGURES as TANK_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
+from figures_tutorials import FIGURES as TUTORIAL_FIGURES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -96,7 +97,7 @@ def charge() -> Figure:
             charges = np.array([flotation.capillary_charge(sphere, WATER, theory) for sphere in spheres])
             label = f"{theory}, {degrees}°, D = {ratio}"
             axes.plot(bonds, 100.0 * (charges / exact - 1.0), dashes, color=color, label=label)
-    axes.set(xscale="log", xlabel="Bond number", ylabel="charge, excess over the nonlinear (%)")
+    axes.set(xscale="log", xlabel="Bond number", ylabel="error of the charge (%)")
     axes.legend()
     return drawn
 
@@ -143,11 +144,11 @@ def pair_force() -> Figure:
         fitted = np.array([value * k1_over_x(value * value, fit) for value in x])
         right.plot(x, np.maximum(np.abs(fitted / k1(x) - 1.0), 1e-17), color=color, linewidth=0.9)
     left.set(xscale="log", yscale="log", xlabel="distance of the centers (mm)", ylabel="attraction (µN)")
-    left.set_title("From touching outwards")
+    left.set_title("Capillary force from contact outward")
     left.legend(title="radius")
     right.axhline(1e-7, color=INK, linestyle="--", linewidth=0.9)
-    right.text(right.get_xlim()[1], 1.4e-7, "refused above", ha="right")
-    right.set(xscale="log", yscale="log", xlabel="distance / capillary length", ylabel="relative error of K1 in runs")
+    right.text(right.get_xlim()[1], 1.4e-7, "limit", ha="right")
+    right.set(xscale="log", yscale="log", xlabel="distance / capillary length", ylabel="error of the fit of K1")
     right.set_ylim(1e-17, 1e-6)
     return drawn
 
@@ -193,11 +194,11 @@ def drag_factor() -> Figure:
     drawn = figure(6.4, 3.8)
     axes = drawn.add_subplot()
     degrees = np.linspace(0.0, 180.0, 361)
-    axes.plot(degrees, drag.immersion_factor(np.radians(degrees)), color=PALETTE[1], label="used here")
+    axes.plot(degrees, drag.immersion_factor(np.radians(degrees)), color=PALETTE[1], label="ecume")
     axes.plot(np.arange(0, 181, 10), drag.IMMERSION_FACTORS, "o", color=PALETTE[1], markersize=4, label="table")
     cosine = np.cos(np.radians(degrees))
     shown = 0.5 * (1.0 + 0.5625 * cosine - 0.139 * cosine**2)
-    axes.plot(degrees, shown, "--", color=PALETTE[0], label="series around 90° (2016)")
+    axes.plot(degrees, shown, "--", color=PALETTE[0], label="series around 90° [2016]")
     axes.plot([48.7, 82.0], [0.68, 0.54], "s", color=PALETTE[2], markersize=5, label="measured (1995)")
     axes.set(xlabel="contact angle on a flat surface (degrees)", ylabel="f = drag / (6π η R U)")
     axes.set(xlim=(0, 180), ylim=(0, 0.8))
@@ -270,6 +271,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     **SURFACE_FIGURES,
     **TANK_FIGURES,
     **TRACER_FIGURES,
+    **TUTORIAL_FIGURES,
 }
 
 

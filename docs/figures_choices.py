@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from figures_sph import liquid, simulated
+from figures_sph import liquid, scale_to, scene_of, simulated
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -46,21 +46,21 @@ def substances() -> Figure:
         kelvin = np.linspace(LIQUIDS[name].coldest, LIQUIDS[name].hottest, 40)
         viscosity = [1e3 * named_liquid(name, temperature).viscosity for temperature in kelvin]
         left.semilogy(kelvin - 273.15, viscosity, color=color, label=name)
-    left.set(xlabel="temperature (°C)", ylabel="viscosity (mPa s)", title="name and temperature")
+    left.set(xlabel="temperature (°C)", ylabel="viscosity (mPa s)", title="Viscosity by name and temperature")
     left.legend()
     density = np.linspace(0.97, 1.05, 60)
     for exponent, color in ((1.0, PALETTE[0]), (7.0, PALETTE[1])):
         gauge = states.tait_pressure(density, 1.0, 10.0, exponent)
         middle.plot(density, gauge, color=color, label=f"exponent = {exponent:g}")
         middle.plot(density, gauge + 1.0, ":", color=color)
-    middle.set(xlabel="density / ρ₀", ylabel="pressure / ρ₀gH", title="dotted: with an atmospheric_pressure of 1")
+    middle.set(xlabel="density / ρ₀", ylabel="pressure / ρ₀gH", title="Tait's law (dotted: atmospheric_pressure = 1)")
     middle.legend()
     for speed, color in zip((5.0, 10.0, 20.0), PALETTE, strict=False):
         given = {"density": 1.0, "sound_speed": speed, "maximum_speed": 1.0}
         last = simulated({**SHORT, "duration": 4.0, "frame_every": 4.0, "liquid": given})[-1]
         height = last.arrays["position"][:, 1]
         right.plot(last.arrays["density"], height, ".", color=color, label=f"sound_speed = {speed:g} √(gH)")
-    right.set(xlabel="density / ρ₀", ylabel="height / H", title="a column at rest, t = 4")
+    right.set(xlabel="density / ρ₀", ylabel="height / H", title="Column at rest, t = 4")
     right.legend()
     return drawn
 
@@ -73,12 +73,12 @@ def kernel_choice() -> Figure:
     errors = [_error(quietly({"kernel": name})) for name in names]
     left.barh(names, errors, color=PALETTE[1])
     left.invert_yaxis()
-    left.set(xlabel="r.m.s. error of the pressure / ρgH", title="kernel, each at its usual smoothing")
+    left.set(xlabel="r.m.s. error of the pressure / ρgH", title="Kernels at their default smoothing")
     for name, color in (("wendland-c2", PALETTE[1]), ("cubic-spline", PALETTE[0])):
         widths = np.array([1.1, 1.3, 1.6, 2.0, 2.4])
         found = [_error(quietly({"kernel": name, "smoothing_ratio": float(width)})) for width in widths]
         right.plot(widths, found, "o-", color=color, label=name)
-    right.set(xlabel="smoothing (spacings)", ylabel="r.m.s. error / ρgH", yscale="log", title="smoothing")
+    right.set(xlabel="smoothing (spacings)", ylabel="r.m.s. error / ρgH", ylim=(0.0, None), title="Smoothing length")
     right.legend()
     return drawn
 
@@ -198,7 +198,7 @@ def first_moments() -> Figure:
 
 def noise() -> Figure:
     """A dam that breaks with less and more diffusion of density, and less and more artificial viscosity."""
-    drawn = figure(9.4, 4.4)
+    drawn, scale = figure(9.4, 4.4), scale_to(0.6)
     broken = {
         **SHORT, "duration": 2.6, "frame_every": 2.6, "spacing": 1.0 / 24,
         "tank": {"low": [0.0, 0.0], "high": [3.2, 1.6], "top": OPEN},
@@ -211,11 +211,12 @@ def noise() -> Figure:
         {"artificial_viscosity": 0.2},
     )
     for axes, method in zip(drawn.subplots(2, 2).ravel(), choices, strict=True):
-        last = simulated({**broken, "method": method})[-1]
-        dots = liquid(axes, last, last.arrays["pressure"], 0.0, 0.6)
+        plain = {**broken, "method": method}
+        last = simulated(plain)[-1]
         axes.set(xlim=(0, 3.2), ylim=(0, 1.3))
+        liquid(axes, scene_of(plain), last, last.arrays["pressure"], scale)
         axes.set_title(", ".join(f"{key} = {value:g}" for key, value in method.items()))
-    drawn.colorbar(dots, ax=drawn.axes, label="pressure / ρgH", shrink=0.9)
+    drawn.colorbar(scale, ax=drawn.axes, label="pressure / ρgH", shrink=0.9)
     return drawn
 
 
@@ -252,7 +253,7 @@ def spreading() -> Figure:
     )
     time = np.linspace(0.0, 0.8, 40)
     panels[3].plot(time, np.exp(-8.0 * np.pi**2 * 0.01 * time), color=INK, label="exact")
-    panels[3].set(xlabel="time U/L", title="fastest speed / U", ylim=(0.0, 1.1))
+    panels[3].set(xlabel="time U/L", title="Largest speed / U", ylim=(0.0, 1.1))
     panels[3].legend()
     return drawn
 
@@ -265,16 +266,16 @@ def steps() -> Figure:
     table = [_limits(float(spacing)) for spacing in spacings]
     for name, color in zip(table[0], PALETTE, strict=False):
         left.loglog(1e3 * spacings, [1e3 * row[name] for row in table], color=color, label=name)
-    left.set(xlabel="spacing (mm)", ylabel="longest step (ms)", title="Syrup, 2 Pa s; a disc of foam, 20 kg/m³, 6 cm")
+    left.set(xlabel="spacing (mm)", ylabel="longest step (ms)", title="Syrup (2 Pa s), foam disc of 20 kg/m³")
     left.legend()
     for density, color in zip((0.5, 0.1, 0.01, 0.001), PALETTE, strict=False):
         frames = simulated(tub(density))
         speed = [frame.numbers["body0_velocity_y"] for frame in frames]
-        right.plot([frame.time for frame in frames], speed, color=color, label=f"{density:g} of the liquid's")
+        right.plot([frame.time for frame in frames], speed, color=color, label=f"density ratio {density:g}")
     right.set(
         xlabel="time / √(D/g)",
-        ylabel="speed upwards / √(gD)",
-        title="Discs by density, four spacings wide; D: their depth",
+        ylabel="upward speed / √(gD)",
+        title="Rising discs, four spacings wide",
     )
     right.legend()
     return drawn

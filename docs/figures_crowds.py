@@ -74,16 +74,16 @@ def crowds() -> Figure:
         errors = np.array([measured_errors(accuracy) for accuracy in ASKED])
         left.loglog(ASKED, ASKED, color=MUTED, linewidth=0.8)
         left.loglog(ASKED, errors[:, 0], "o", color=PALETTE[0], label="charges of random sign")
-        left.loglog(ASKED, errors[:, 1], "s", color=PALETTE[1], label="all of one sign")
-        left.set(xlabel="accuracy asked for", ylabel="r.m.s. error over r.m.s. force")
+        left.loglog(ASKED, errors[:, 1], "s", color=PALETTE[1], label="charges of one sign")
+        left.set(xlabel="specified accuracy", ylabel="r.m.s. error / r.m.s. force")
         left.legend(fontsize=8)
         counts = np.geomspace(1e3, 1e6, 13)
         for color, radius, coverage in ((PALETTE[0], 0.007, 0.15), (PALETTE[1], 0.007, 0.5), (PALETTE[2], 0.1, 0.5)):
             work = np.array([counted_work(int(count), radius, coverage) for count in counts])
             right.loglog(counts, work[:, 0], "--", color=color)
-            right.loglog(counts, work[:, 1], color=color, label=f"R = {radius:g} L, {coverage:.0%} covered")
-        right.plot([], [], "--", color=INK, label="cells alone")
-        right.set(xlabel="floats", ylabel="work of a float and step, in pairs")
+            right.loglog(counts, work[:, 1], color=color, label=f"R = {radius:g} L, coverage {coverage:.0%}")
+        right.plot([], [], "--", color=INK, label="cells only")
+        right.set(xlabel="floats", ylabel="pairs per float and step")
         right.legend(fontsize=8)
     return drawn
 
@@ -106,7 +106,7 @@ def magnets() -> Figure:
             )
         left.axhline(0.0, color=MUTED, linewidth=0.8)
         left.set(
-            xlabel="distance of the centers / L", ylabel="force / pull at touching", ylim=(-0.9, 0.6), xscale="log"
+            xlabel="distance of the centers / L", ylabel="force / attraction at contact", ylim=(-0.9, 0.6), xscale="log"
         )
         left.legend(fontsize=8)
         *_, frame = simulate(scene)

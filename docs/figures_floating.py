@@ -28,16 +28,16 @@ def bodies() -> Figure:
         left.plot(sizes, 100.0 * (linear / exact - 1.0), "--", color=color, label=name)
         left.plot(sizes, 100.0 * (closed / exact - 1.0), "-", color=color)
     left.axhline(0.0, color=MUTED, linewidth=0.8)
-    left.set(xscale="log", xlabel="radius / L", ylabel="charge, excess over the nonlinear (%)", ylim=(-20, 40))
-    left.set_title("linear (dashed) and closed form (solid)")
+    left.set(xscale="log", xlabel="radius / L", ylabel="error of the charge (%)", ylim=(-20, 40))
+    left.set_title("Linear (dashed) and closed form (solid)")
     left.legend()
     loads = np.linspace(0.0, 1.0, 60)[1:]
     for size, color in zip((0.3, 1.0, 3.0), PALETTE, strict=False):
         most = flotation.rims.greatest_rim_load(size * L, WATER)
         slopes = [flotation.equilibrium(flotation.Disc(size * L, 0.9999 * part * most), WATER) for part in loads]
         right.plot(loads, [math.degrees(found.slope_angle) for found in slopes], color=color, label=f"{size:g} L")
-    right.set(xlabel="load / the most that the rim carries", ylabel="slope at the rim (degrees)", ylim=(0, 180))
-    right.set_title("Pinned discs on their way down")
+    right.set(xlabel="load / maximum load of the rim", ylabel="slope at the rim (degrees)", ylim=(0, 180))
+    right.set_title("Pinned discs under load")
     right.legend(title="radius")
     return drawn
 
@@ -69,13 +69,13 @@ def wall_images() -> Figure:
     strength = capillarity.wall_strength(WATER.surface_tension, charge, meniscus.wall_amplitude(angle, WATER))
     far = [capillarity.dish_force(dish - float(d), strength, L, dish) for d in apart]
     left.plot(1e3 * apart, 1e6 * np.array(exact), color=PALETTE[1], label="profile")
-    left.plot(1e3 * apart, 1e6 * np.array(far), "--", color=PALETTE[2], label="meniscus (its far field)")
+    left.plot(1e3 * apart, 1e6 * np.array(far), "--", color=PALETTE[2], label="meniscus (far field)")
     for wall, color in (("fixed-angle", PALETTE[0]), ("pinned", PALETTE[3])):
         pull = np.asarray(meniscus.image_force(charge, dish - apart, dish, WATER, wall))
         left.plot(1e3 * apart, -1e6 * pull, color=color, label=f"image, {wall}")
     left.axhline(0.0, color=MUTED, linewidth=0.8)
     left.set(xlabel="distance from the wall (mm)", ylabel="force (µN); positive: away from the wall")
-    left.set_title("A bead of 1 mm, D = 1.3, wall at 45°")
+    left.set_title("Bead of radius 1 mm, D = 1.3, wall at 45°")
     left.legend()
     for radius, color in zip((2.0, 5.0, 20.0), PALETTE, strict=False):
         distance = np.linspace(0.02, min(0.98 * radius, 4.0), 150)
@@ -86,7 +86,7 @@ def wall_images() -> Figure:
             right.plot(distance, force / plane, dashes, color=color, label=label)
     right.axhline(1.0, color=MUTED, linewidth=0.8)
     right.set(xlabel="distance from the wall / L", ylabel="image force in a dish / at a plane wall", ylim=(0, 3))
-    right.set_title("fixed angle (solid), pinned (dashed)")
+    right.set_title("Fixed angle (solid), pinned (dashed)")
     right.legend(title="dish radius")
     return drawn
 
@@ -99,7 +99,7 @@ def pair_drag() -> Figure:
     left.plot(gap, drag.pair_factor(2.0 + gap), color=PALETTE[1], label="smooth")
     left.plot(gap, drag.pair_factor(2.0 + gap, roughness=0.01), "--", color=PALETTE[0], label="rough: 1 % of R")
     left.plot(gap, 0.5 / gap, ":", color=MUTED, label="R / (2 gap)")
-    left.set(xscale="log", yscale="log", xlabel="gap / R", ylabel="drag of each / drag of one alone", ylim=(0.8, 1e4))
+    left.set(xscale="log", yscale="log", xlabel="gap / R", ylabel="drag / drag of a single sphere", ylim=(0.8, 1e4))
     left.legend()
     degrees = np.linspace(1.0, 179.0, 179)
     masses = [drag.added_mass(1.0, math.radians(d), 1.0) / (4.0 / 3.0 * math.pi) for d in degrees]
@@ -121,7 +121,7 @@ def theories() -> Figure:
         height = np.asarray(meniscus.dish_height(r, dish, angle, WATER, theory))
         left.plot((dish - r) / L, height / L, color=color, label=name)
     left.set(xlabel="distance from the wall / L", ylabel="height / L", xlim=(0, 5), ylim=(0, 1.25))
-    left.set_title("A dish of 8 L, wall at 45°")
+    left.set_title("Dish of radius 8 L, wall at 45°")
     left.legend()
     degrees = np.linspace(1.0, 89.0, 120)
     exact = np.array([meniscus.plane_amplitude(math.radians(d)) for d in degrees])
@@ -154,15 +154,15 @@ def superposition() -> Figure:
             axes.plot(gap, [excess_of(bond, degrees, float(each)) for each in gap], color=color, lw=width, label=label)
     axes.axhline(5.0, color=MUTED, linewidth=0.8)
     axes.set(xscale="log", yscale="log", ylim=(1e-3, 100))
-    axes.set(xlabel="gap / diameter", ylabel="pull over the sum of menisci (%)")
-    axes.legend(title="dashed: much smaller than L", loc="lower left")
+    axes.set(xlabel="gap / diameter", ylabel="excess over superposition (%)")
+    axes.legend(title="dashed: R ≪ L", loc="lower left")
     return drawn
 
 
 def excess_of(bond: float, degrees: float, gap: float) -> float:
-    """In percent, by multipoles of two equal spheres."""
+    """In percent, by multipoles of two equal spheres of D = 1.05, which float at all of these angles."""
     radius = math.sqrt(bond) * L
-    sphere, distance = flotation.Sphere(radius, 1497.0, math.radians(degrees)), 2.0 * radius * (1.0 + gap)
+    sphere, distance = flotation.Sphere(radius, 1048.0, math.radians(degrees)), 2.0 * radius * (1.0 + gap)
     force = multipole.solve([[0.0, 0.0], [distance, 0.0]], [sphere, sphere], WATER, order=24).forces[0, 0]
     charge = flotation.capillary_charge(sphere, WATER, "closed-form")
     strength = capillarity.pair_strength(WATER.surface_tension, charge, charge)

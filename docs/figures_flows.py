@@ -33,13 +33,13 @@ def confined() -> Figure:
 def _errors(axes: Axes) -> None:
     for side, color in zip((25, 50), (PALETTE[1], PALETTE[0]), strict=True):
         found = vortices.course(side)
-        axes.plot(found.time[1:], found.error[1:], color=color, label=f"{side} a side")
+        axes.plot(found.time[1:], found.error[1:], color=color, label=f"{side} per side")
     cases = read_table("taylor_green")
     for scheme, marker in (("EDAC", "s"), ("TVF", "^")):
         points = np.array([[float(case["time"]), float(case["error"])] for case in cases if case["scheme"] == scheme])
         axes.plot(*points.T, marker, color=MUTED, markersize=5, label=f"PySPH, {scheme}, 50")
-    axes.set(xlabel="time U/L", ylabel="mean error of the speed", xlim=(0, 2.05), ylim=(0, 0.08))
-    axes.set_title("Vortices that fade, Re = 100")
+    axes.set(xlabel="time U/L", ylabel="mean error of the velocity", xlim=(0, 2.05), ylim=(0, 0.08))
+    axes.set_title("Taylor–Green vortices, Re = 100")
     axes.legend()
 
 
@@ -52,7 +52,7 @@ def _profiles(axes: Axes) -> None:
         axes.plot([poiseuille.exact("poiseuille", y, frame.time) for y in height], height, color=INK, linewidth=1.0)
         axes.plot(frame.arrays["velocity"][:, 0], frame.arrays["position"][:, 1], ".", color=PALETTE[0], markersize=4)
     axes.set(xlabel="speed", ylabel="height", xlim=(0, 1.05), ylim=(0, 1))
-    axes.set_title("A channel that starts, 15 across")
+    axes.set_title("Starting channel flow, 15 across")
 
 
 def _lines(axes: Axes) -> None:
@@ -62,11 +62,11 @@ def _lines(axes: Axes) -> None:
     for line, color in zip(cavity.LINES, (PALETTE[0], PALETTE[1]), strict=True):
         places = np.stack([half, along] if line == "u" else [along, half], axis=1)
         found = cavity.velocity_at(last, places, 0.08)[:, cavity.LINES[line]]
-        axes.plot(along, found, color=color, label=f"{line} on the {'upright' if line == 'u' else 'level'} line")
+        axes.plot(along, found, color=color, label=f"{line}, {'vertical' if line == 'u' else 'horizontal'} midline")
         place, expected = cavity.table(line)
         axes.plot(place[:, 1 if line == "u" else 0], expected, "o", color=INK, markersize=4, fillstyle="none")
-    axes.set(xlabel="place", ylabel="velocity", xlim=(0, 1))
-    axes.set_title("Driven by its lid, 25 a side")
+    axes.set(xlabel="position / L", ylabel="velocity", xlim=(0, 1))
+    axes.set_title("Lid-driven cavity, 25 per side")
     axes.legend()
 
 
@@ -96,8 +96,8 @@ def _swing(axes: Axes) -> None:
     for number, name in enumerate(("width", "height")):
         axes.plot(time, size[:, number], ".", color=PALETTE[number], markersize=5, label=name)
     axes.plot(*_ellipse(drops.PERIOD), color=INK, linewidth=1.0)
-    axes.set(xlabel="time ω", ylabel="half an axis / R", xlim=(0, math.ceil(drops.PERIOD)))
-    axes.set_title("A drop that swings, 20 a radius")
+    axes.set(xlabel="time ω", ylabel="semi-axis / R", xlim=(0, math.ceil(drops.PERIOD)))
+    axes.set_title("Oscillating drop, 20 per radius")
     axes.legend()
 
 

@@ -102,7 +102,7 @@ def levels() -> Figure:
         left.plot([], [], "--", color=MUTED, label="superposition")
         left.plot([], [], color=MUTED, label="pair-corrected")
         left.axhline(1.0, color=MUTED, linewidth=0.8)
-        left.set(xscale="log", xlabel="gap / diameter", ylabel="corner force of seven / multipoles", ylim=(0.0, 1.3))
+        left.set(xscale="log", xlabel="gap / diameter", ylabel="force on a corner disc / multipoles", ylim=(0.0, 1.3))
         left.legend(fontsize=8, loc="lower right")
         _meeting(right)
     return drawn

@@ -42,13 +42,11 @@ def shapes() -> Figure:
             energies = np.array([_touching_energy(slender, float(lean)) for lean in leans])
             right.plot(np.degrees(leans), energies / -energies[0], color=color, label=f"b = {slender:g} a")
         left.axhline(1.0, color=MUTED, linewidth=0.8)
-        left.set(
-            xscale="log", xlabel="distance of the centers / a", ylabel="energy / law of quadrupoles", ylim=(0.0, 3.0)
-        )
+        left.set(xscale="log", xlabel="distance of the centers / a", ylabel="energy / quadrupole law", ylim=(0.0, 3.0))
         left.set_xticks([0.5, 1, 2, 4, 8], ["0.5", "1", "2", "4", "8"])
         left.minorticks_off()
         left.legend(fontsize=8)
-        right.set(xlabel="lean of mirror images (degrees)", ylabel="energy at contact / that of tips")
+        right.set(xlabel="tilt of mirror images (degrees)", ylabel="contact energy / that of tips")
         right.set_xticks([0, 30, 60, 90], ["0\ntip to tip", "30", "60", "90\nflank to flank"])
         right.legend(fontsize=8)
     return drawn

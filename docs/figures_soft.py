@@ -89,7 +89,7 @@ def t1_durations() -> Figure:
         times = [t1_process(gap=gap, reduced_force=kappa, rtol=1e-6).duration / kappa for kappa in kappas]
         right.plot(kappas, times, "o-", color=color, markersize=4, linewidth=1.0, label=f"h₀ = {gap:g} R")
     right.set(xscale="log", yscale="log", xlabel="κ = F_N/(E R²)", ylabel="duration (η/E)")
-    right.set_title("Pulling harder can take longer")
+    right.set_title("Duration over the force")
     right.legend()
     return drawn
 
@@ -116,23 +116,23 @@ def soft_laws() -> Figure:
         surface.plot(deflection, forces, color=color, label=f"hertz, {name} (E R²)")
     forces = [bubble_force(x, 1e-3, 2.0, 0.5, 1.0) for x in deflection]
     surface.plot(deflection, forces, color=PALETTE[2], label="bubble (γ R)")
-    surface.set(xscale="log", yscale="log", xlabel="compression / R", ylabel="force", title="surface, h = R/1000")
+    surface.set(xscale="log", yscale="log", xlabel="compression / R", ylabel="force", title="Surface force, h = R/1000")
     gaps = np.geomspace(1e-5, 1e-1, 100)
     for (name, law), color in zip(INTERFACES.items(), PALETTE, strict=False):
         found = [law(math.sqrt(gap + 1e-3), gap, 1.0, 1.0, (1.5 * math.pi, math.pi)).squeeze for gap in gaps]
         interface.plot(gaps, found, color=color, label=name)
     interface.set(
-        xscale="log", yscale="log", xlabel="h / R", ylabel="ζ_n / (η R)", title="interface, a² = R (h + R/1000)"
+        xscale="log", yscale="log", xlabel="h / R", ylabel="ζ_n / (η R)", title="Squeeze friction, a² = R (h + R/1000)"
     )
     pull = np.linspace(-2.0, 2.0, 400)
     for limit, color, name in ((0.0, PALETTE[0], "none"), (1.0, PALETTE[1], "coulomb")):
         rubbing.plot(pull, [sliding_force(one, limit) for one in pull], color=color, label=name)
-    rubbing.set(xlabel="T / (μ N)", ylabel="what the film bears / (μ N)", title="friction")
+    rubbing.set(xlabel="T / (μ N)", ylabel="force of the film / (μ N)", title="Friction")
     gaps = np.linspace(0.05, 2.0, 400)
     for name, given, color in (("steric", (1.0, 1.0), PALETTE[0]), ("dlvo", (1.0, 0.3, 4.0, 0.25), PALETTE[1])):
         remote.plot(gaps, [REMOTE[name].force(gap, *given) for gap in gaps], color=color, label=name)
     remote.axhline(0.0, color=MUTED, linewidth=0.8)
-    remote.set(xlabel="gap / length", ylabel="force, positive repels", title="remote", ylim=(-3.0, 6.0))
+    remote.set(xlabel="gap / length", ylabel="force (positive: repulsion)", title="Long-range forces", ylim=(-3.0, 6.0))
     for axes in (surface, interface, rubbing, remote):
         axes.legend()
     return drawn
@@ -215,16 +215,16 @@ def delay_under_stress() -> Figure:
         ratios = [row[name] / row["separation_time"] for row in rows]
         right.plot([1e6 * row["mean_gap"] for row in rows], ratios, marker, markersize=4, **look)
     pairs = sorted((1e6 * row["mean_gap"], row["separation_time"]) for row in rows)
-    left.plot(*zip(*pairs, strict=True), color=INK, linewidth=1.0, label="two spheres part (closed form)")
+    left.plot(*zip(*pairs, strict=True), color=INK, linewidth=1.0, label="two spheres (closed form)")
     left.set(xscale="log", yscale="log", xlabel="mean gap at the step (µm)", ylabel="delay (s)")
-    left.set_title(f"{len(SEEDS)} packings, filled to 0.860")
+    left.set_title(f"{len(SEEDS)} packings, volume fraction 0.860")
     right.set(
-        xscale="log", yscale="log", xlabel="mean gap at the step (µm)", ylabel="delay / time to part", ylim=(0.3, 30)
+        xscale="log", yscale="log", xlabel="mean gap at the step (µm)", ylabel="delay / separation time", ylim=(0.3, 30)
     )
     for axes in (left, right):
         axes.set_xticks([0.5, 1.0, 2.0, 4.0], ["0.5", "1", "2", "4"])
         axes.xaxis.set_minor_formatter(NullFormatter())
-    right.set_title("Each packing")
+    right.set_title("Individual packings")
     left.legend()
     return drawn
 

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
@@ -19,6 +21,7 @@ from ecume.laws.kernels import Kernel, kernel
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size
+from ecume.show.sph.liquid import Water
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.sph.solids import movers_of
 from ecume.show.style import INK, MUTED, PALETTE, figure
@@ -46,10 +49,10 @@ def kernels() -> Figure:
         left.plot(q, one.value(q, 1.0), dashes, color=color, label=name)
         right.plot(q, one.slope(q, 1.0), dashes, color=color)
     left.set(xlabel="distance / h", ylabel="W h²", xlim=(0, 3), ylim=(-0.02, 0.92))
-    left.set_title("In a plane")
+    left.set_title("Kernels in 2D")
     left.legend()
     right.set(xlabel="distance / h", ylabel="dW/dr h³", xlim=(0, 3))
-    right.set_title("Their slopes: zero at the center")
+    right.set_title("Derivatives: zero at the center")
     return drawn
 
 
@@ -59,10 +62,10 @@ def branches() -> Figure:
     axes = drawn.subplots(1, 3)
     q = np.linspace(0.0, 3.0, 601)
     _beside(axes[0], "cubic-spline", q[q <= 2.0], 2.0 / 3.0 - q**2 + 0.5 * q**3)
-    axes[0].set_title("Cubic: sums to 16/7")
+    axes[0].set_title("Cubic: integral 16/7")
     axes[0].set_ylim(-0.02, 0.6)
     _beside(axes[1], "quintic-spline", q, (3.0 - q) ** 5 - 6.0 * (2.0 - q) ** 5 + 15.0 * (1.0 - q) ** 5)
-    axes[1].set_title("Quintic: sums to −11.6")
+    axes[1].set_title("Quintic: integral −11.6")
     axes[1].set_ylim(-0.45, 0.45)
     tail = np.linspace(1.5, 2.05, 200)
     for name in ("liu-quartic", "cubic-spline", "wendland-c2"):
@@ -70,14 +73,14 @@ def branches() -> Figure:
         axes[2].plot(tail, quiet(name).value(tail, 1.0), dashes, color=color, label=name)
     axes[2].axhline(0.0, color=MUTED, linewidth=0.8)
     axes[2].set(xlabel="distance / h", ylim=(-0.0015, 0.012))
-    axes[2].set_title("Liu, Liu and Lam: negative")
+    axes[2].set_title("Liu, Liu and Lam: negative tail")
     axes[2].legend()
     return drawn
 
 
 def _beside(axes: Axes, name: str, q: Array, bracket: Array) -> None:
     one = quiet(name)
-    axes.plot(q, one.normalization * bracket[: len(q)], "--", color=PALETTE[0], label="innermost branch alone")
+    axes.plot(q, one.normalization * bracket[: len(q)], "--", color=PALETTE[0], label="innermost branch only")
     axes.plot(q, one.value(q, 1.0), color=PALETTE[1], label=name)
     axes.axhline(0.0, color=MUTED, linewidth=0.8)
     axes.set(xlabel="distance / h", ylabel="W h²")
@@ -94,21 +97,21 @@ def pressure() -> Figure:
     density = np.array([column.hydrostatic_density(d, 1.0, 1.0, 10.0) for d in depth])
     tait = states.tait_pressure(density, 1.0, 10.0)
     both = states.absolute_pressure(density, height, 1.0, reference_density=1.0, sound_speed=10.0, gravity=1.0)
-    left.plot(tait, height, color=PALETTE[1], label="Tait's law alone")
+    left.plot(tait, height, color=PALETTE[1], label="Tait's law only")
     left.plot(both, height, "--", color=PALETTE[0], label="with ρ g (H − y) added")
     exact = states.hydrostatic_pressure(height, 1.0, 1.0, 1.0)
     left.plot(exact, height, ":", color=INK, linewidth=2.2, label="ρ₀ g (H − y)")
     left.set(xlabel="pressure / ρ₀ g H", ylabel="height / H", xlim=(0, 2.05), ylim=(0, 1))
-    left.set_title("Particles that feel gravity, at rest")
+    left.set_title("Tank at rest")
     left.legend()
     speeds = np.geomspace(5.0, 50.0, 60)
     for exponent, dashes in ((7.0, "-"), (1.0, "--")):
         short = [100.0 * (1.0 - column.column_height(1.0, 1.0, 1.0, c, exponent)) for c in speeds]
         right.plot(speeds, short, dashes, color=PALETTE[1], label=f"γ = {exponent:g}")
-    right.set(xscale="log", yscale="log", xlabel="c₀ / √(gH)", ylabel="shorter than H by (%)")
+    right.set(xscale="log", yscale="log", xlabel="c₀ / √(gH)", ylabel="compression (%)")
     right.set_xticks([5, 10, 20, 50], labels=["5", "10", "20", "50"])
     right.minorticks_off()
-    right.set_title("A column of this liquid is compressed")
+    right.set_title("Compression of a column")
     right.legend()
     return drawn
 
@@ -122,51 +125,60 @@ def quiet(name: str) -> Kernel:
 
 def simulated(plain: dict[str, Any]) -> list[Frame]:
     """All frames of a scene."""
-    return list(simulate(from_plain({"model": "sph", **plain})))
+    return list(simulate(scene_of(plain)))
 
 
-def liquid(axes: Axes, frame: Frame, values: Array, low: float, high: float) -> Any:
-    """The particles of a frame as dots, colored by values."""
-    x, y = frame.arrays["position"].T
+def scene_of(plain: dict[str, Any]) -> Any:
+    """The scene of some keys."""
+    return from_plain({"model": "sph", **plain})
+
+
+def liquid(axes: Axes, scene: Any, frame: Frame, values: Array, scale: ScalarMappable) -> None:
+    """The liquid of a frame as a continuous region, colored by values; the axes must have their limits."""
+    shades: Any = scale.to_rgba
+    Water(axes, scene).put(frame, np.asarray(values, float)[:, None], lambda means: shades(means[..., 0]))
     axes.set_aspect("equal")
     axes.set_axis_off()
-    return axes.scatter(x, y, c=values, s=5.0, vmin=low, vmax=high, cmap="viridis", linewidths=0.0)
+
+
+def scale_to(high: float) -> ScalarMappable:
+    """Colors from 0 to a value."""
+    return ScalarMappable(Normalize(0.0, high), "viridis")
 
 
 def walls() -> Figure:
     """A jittered tank held by mirrors, by dummies, and by nothing but reflection."""
-    drawn = figure(9.0, 3.4)
+    drawn, scale = figure(9.0, 3.4), scale_to(1.0)
     for axes, kind in zip(drawn.subplots(1, 3), ("mirror", "dummy", "reflect"), strict=True):
         tank = {"low": [0.0, 0.0], "high": [1.0, 1.25], "top": {"kind": "open"}, "walls": kind}
-        last = simulated(
-            {
-                "duration": 0.8, "frame_every": 0.8, "spacing": 1.0 / 24, "gravity": [0.0, -1.0], "tank": tank,
-                "liquid": {"density": 1.0, "sound_speed": 10.0}, "method": {"jitter": 0.2},
-                "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
-            }
-        )[-1]  # fmt: skip
-        dots = liquid(axes, last, last.arrays["pressure"], 0.0, 1.0)
-        axes.plot([0, 0, 1, 1], [1.1, 0, 0, 1.1], color=INK, linewidth=1.2)
+        plain = {
+            "duration": 0.8, "frame_every": 0.8, "spacing": 1.0 / 24, "gravity": [0.0, -1.0], "tank": tank,
+            "liquid": {"density": 1.0, "sound_speed": 10.0}, "method": {"jitter": 0.2},
+            "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
+        }  # fmt: skip
+        last = simulated(plain)[-1]
         axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.12))
-        axes.set_title(f"{kind}: {last.numbers['guard_hits']:.0f} hits")
-    drawn.colorbar(dots, ax=drawn.axes, label="pressure / ρ g H", shrink=0.8)
+        liquid(axes, scene_of(plain), last, last.arrays["pressure"], scale)
+        axes.plot([0, 0, 1, 1], [1.1, 0, 0, 1.1], color=INK, linewidth=1.2)
+        axes.set_title(f"{kind}: {last.numbers['guard_hits']:.0f} penetrations")
+    drawn.colorbar(scale, ax=drawn.axes, label="pressure / ρ g H", shrink=0.8)
     return drawn
 
 
 def bodies() -> Figure:
     """The template with bodies, at three instants."""
-    drawn = figure(9.4, 2.6)
+    drawn, scale = figure(9.4, 2.6), scale_to(3.0)
     plain = to_plain(load_scene(TEMPLATES / "floating-bodies.toml")) | {"duration": 0.9, "frame_every": 0.3}
     frames, scene = simulated(plain), from_plain(plain)
     outlines = movers_of(scene)
     for axes, frame in zip(drawn.subplots(1, 3), [frames[0], frames[1], frames[3]], strict=True):
-        dots = liquid(axes, frame, 1e-3 * frame.arrays["pressure"], 0.0, 3.0)
-        for outline in (*(outlines(frame) if outlines else ()), np.array(scene.obstacles[0].vertices)):
-            axes.add_patch(Polygon(outline, facecolor="#e8e4da", edgecolor=INK, linewidth=1.0))
-        axes.plot([0, 0, 1.2, 1.2], [0.7, 0, 0, 0.7], color=INK, linewidth=1.2)
         axes.set(xlim=(-0.03, 1.23), ylim=(-0.03, 0.72))
+        liquid(axes, scene, frame, 1e-3 * frame.arrays["pressure"], scale)
+        for outline in (*(outlines(frame) if outlines else ()), np.array(scene.obstacles[0].vertices)):
+            axes.add_patch(Polygon(outline, facecolor="#e8e4da", edgecolor=INK, linewidth=1.0, zorder=2))
+        axes.plot([0, 0, 1.2, 1.2], [0.7, 0, 0, 0.7], color=INK, linewidth=1.2)
         axes.set_title(f"{frame.time:.1f} s")
-    drawn.colorbar(dots, ax=drawn.axes, label="pressure (kPa)", shrink=0.8)
+    drawn.colorbar(scale, ax=drawn.axes, label="pressure (kPa)", shrink=0.8)
     return drawn
 
 
@@ -177,7 +189,9 @@ def gates() -> Figure:
     plain = to_plain(load_scene(TEMPLATES / "channel.toml")) | {"duration": 3.0, "frame_every": 1.0}
     last = simulated(plain)[-1]
     (x, y), speed = last.arrays["position"].T, last.arrays["velocity"][:, 0]
-    drawn.colorbar(liquid(left, last, speed, 0.0, 1.5), ax=left, label="speed (m/s)", shrink=0.8)
+    left.set(xlim=(0.0, 3.0), ylim=(-0.03, 1.03))
+    liquid(left, scene_of(plain), last, speed, scale_to(1.5))
+    drawn.colorbar(scale_to(1.5), ax=left, label="speed (m/s)", shrink=0.8)
     left.plot([0, 3], [0, 0], color=INK)
     left.plot([0, 3], [1, 1], color=INK)
     for place, color in zip((0.1, 0.5, 2.0), PALETTE, strict=False):
@@ -201,15 +215,16 @@ def dam_break() -> Figure:
 
 def tension() -> Figure:
     """A square drop draws itself together."""
-    drawn = figure(9.4, 2.9)
-    frames = simulated(to_plain(load_scene(TEMPLATES / "rounding-drop.toml")) | {"frame_every": 0.005})
+    drawn, scale = figure(9.4, 2.9), scale_to(120.0)
+    plain = to_plain(load_scene(TEMPLATES / "rounding-drop.toml")) | {"frame_every": 0.005}
+    frames = simulated(plain)
     panels = drawn.subplots(1, 4)
     for axes, number in zip(panels, (0, 1, 2, -1), strict=True):
         speed = 1e3 * np.linalg.norm(frames[number].arrays["velocity"], axis=1)
-        dots = liquid(axes, frames[number], speed, 0.0, 120.0)
         axes.set(xlim=(-2e-3, 2e-3), ylim=(-2e-3, 2e-3))
+        liquid(axes, scene_of(plain), frames[number], speed, scale)
         axes.set_title(f"{1e3 * frames[number].time:.0f} ms", y=0.93)
-    drawn.colorbar(dots, ax=panels, label="speed (mm/s)", shrink=0.7)
+    drawn.colorbar(scale, ax=panels, label="speed (mm/s)", shrink=0.7)
     return drawn
 
 
@@ -230,16 +245,15 @@ def carried() -> Figure:
     """Tracers and grains in a dam that breaks."""
     drawn = figure(9.4, 3.0)
     frames = simulated(CARRYING)
+    water = ScalarMappable(Normalize(0.0, 1.0), ListedColormap(["#c9d6e2"]))
     for axes, frame in zip(drawn.subplots(1, 3), frames, strict=True):
-        x, y = frame.arrays["position"].T
-        for kind, size, color, label in (
-            (0, 3, "#c9d6e2", "water"),
-            (1, 9, PALETTE[0], "tracers"),
-            (2, 9, PALETTE[1], "sand"),
-        ):
-            here = frame.arrays["species"] == kind
-            axes.scatter(x[here], y[here], s=size, color=color, label=label, linewidths=0)
-        axes.set(xlim=(0, 1), ylim=(0, 0.6), aspect="equal")
+        kind, (x, y) = frame.arrays["species"], frame.arrays["position"].T
+        axes.set(xlim=(0, 1), ylim=(0, 0.6))
+        alone = frame._replace(arrays={name: array[kind == 0] for name, array in frame.arrays.items()})
+        liquid(axes, scene_of(CARRYING), alone, np.zeros(len(alone.arrays["mass"])), water)
+        for number, color, label in ((1, PALETTE[0], "tracers"), (2, PALETTE[1], "sand")):
+            axes.scatter(x[kind == number], y[kind == number], s=9, color=color, label=label, linewidths=0, zorder=2)
+        axes.plot([0, 0, 1, 1], [0.6, 0, 0, 0.6], color=INK, linewidth=1.2)
         axes.set_title(f"{frame.time:.2f} s")
     axes.legend(loc="upper left")
     return drawn
@@ -261,8 +275,8 @@ def schemes() -> Figure:
         last = simulated({**UNQUIET, "method": {"jitter": 0.2, "density_diffusion": name}})[-1]
         height = last.arrays["position"][:, 1]
         left.scatter(last.arrays["pressure"] - (1.0 - height), height, s=5, color=color, label=name, linewidths=0)
-    left.set(xlabel="pressure less that of the depth / ρgH", ylabel="height / H", xlim=(-0.35, 0.35))
-    left.set_title("Diffusion of density")
+    left.set(xlabel="(pressure − hydrostatic) / ρgH", ylabel="height / H", xlim=(-0.35, 0.35))
+    left.set_title("Density diffusion")
     left.legend(loc="upper left")
     looks = (("symplectic", "double", "-"), ("verlet", "double", "--"), ("symplectic", "single", ":"))
     for color, (integrator, precision, dashes) in zip(PALETTE, looks, strict=False):
@@ -272,7 +286,7 @@ def schemes() -> Figure:
         label = f"{integrator}, {precision}"
         right.semilogy([frame.time for frame in frames], speeds, dashes, color=color, label=label)
     right.set(xlabel="time · √(g/H)", ylabel="r.m.s. speed / √(gH)")
-    right.set_title("Integrators, precision")
+    right.set_title("Integrators and precision")
     right.legend()
     return drawn
 

@@ -10,35 +10,36 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from figures_sph import liquid, scale_to
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.laws.waves import viscous_decay
 from ecume.show.style import INK, PALETTE, figure
 from ecume.simulation import simulate
-from ecume.trajectories.frame import Frame
 from ecume.validation import dam_break as dam
 from ecume.validation import standing_wave as wave
-from ecume.validation.runner import case_scene, frames_of
+from ecume.validation.runner import case_scene
 
 WALLS = {
     "mirrors": (),
     "dummies": ("tank.walls=dummy",),
     "no diffusion": ("method.density_diffusion=none",),
-    "reflection alone": ("tank.walls=reflect", "tank.restitution=1.0"),
+    "reflection only": ("tank.walls=reflect", "tank.restitution=1.0"),
 }
 SHORT = ("spacing=0.05", "duration=35.0", "frame_every=5.0")
 
 
 def tanks() -> Figure:
     """A tank after ten thousand steps, with walls that hold it and with walls that do not."""
-    drawn = figure(10.0, 3.6)
+    drawn, scale = figure(10.0, 3.6), scale_to(1.0)
     axes = drawn.subplots(1, 3)
-    lasts = {name: last_frame((*SHORT, *changes)) for name, changes in WALLS.items()}
-    for axis, name in zip(axes, ("mirrors", "reflection alone"), strict=False):
-        dots = liquid(axis, lasts[name], 60.0, (0.0, 1.0))
+    scenes = {name: case_scene("tank", (*SHORT, *changes)) for name, changes in WALLS.items()}
+    lasts = {name: list(simulate(scene))[-1] for name, scene in scenes.items()}
+    for axis, name in zip(axes, ("mirrors", "reflection only"), strict=False):
         axis.set(xlim=(0, 1), ylim=(0, 1.1), title=name.capitalize())
-    drawn.colorbar(dots, ax=axes[1], label="pressure / ρ g H")
+        liquid(axis, scenes[name], lasts[name], lasts[name].arrays["pressure"], scale)
+    drawn.colorbar(scale, ax=axes[1], label="pressure / ρ g H")
     for (name, last), color in zip(lasts.items(), PALETTE, strict=False):
         axes[2].plot(last.arrays["pressure"], last.arrays["position"][:, 1], ".", color=color, markersize=4, label=name)
     axes[2].plot([1.0, 0.0], [0.0, 1.0], color=INK, linewidth=0.9, label="ρ₀ g (H − y)")
@@ -51,11 +52,13 @@ def dam_break() -> Figure:
     """A dam break: the liquid at four times, its front, levels and wall pressures beside published ones."""
     drawn = figure(10.0, 8.6)
     grid = drawn.add_gridspec(4, 2, height_ratios=[1, 1, 1, 1.8])
-    frames = list(simulate(case_scene("dam_break")))
+    scene = case_scene("dam_break")
+    frames = list(simulate(scene))
     for place, time in enumerate((0.5, 1.5, 2.5, 3.0, 4.0, 5.0)):
         axis = drawn.add_subplot(grid[place // 2, place % 2])
-        liquid(axis, min(frames, key=lambda frame: abs(frame.time - time)), 1.0, (0.0, 1.0))
+        frame = min(frames, key=lambda frame: abs(frame.time - time))
         axis.set(xlim=(0, dam.FAR_WALL), ylim=(0, 1.6), title=f"t √(g/H) = {time:g}")
+        liquid(axis, scene, frame, frame.arrays["pressure"], scale_to(1.0))
     run = dam.gauged(frames, dam.FAR_WALL, 0.1)
     _front(drawn.add_subplot(grid[3, 0]), run)
     _levels(drawn.add_subplot(grid[3, 1]), run)
@@ -65,7 +68,7 @@ def dam_break() -> Figure:
 def _front(axis: Axes, run: dam.Broken) -> None:
     early = run.times <= 2.4
     axis.plot(run.times[early], run.fronts[early], color=PALETTE[0], label="ecume, H/40")
-    axis.plot(*dam.published("front", "wcsph-400"), "o", color=INK, markersize=4, label="another code, H/400")
+    axis.plot(*dam.published("front", "wcsph-400"), "o", color=INK, markersize=4, label="SPH, H/400 (published)")
     axis.set(xlabel="t √(g/H)", ylabel="front / H")
     axis.legend()
 
@@ -87,31 +90,17 @@ def standing_wave() -> Figure:
     runs: dict[str, tuple[int, tuple[str, ...], Any]] = {
         "16 deep": (16, (), ":"),
         "32 deep": (32, (), "-"),
-        "32 deep, friction along velocities": (32, ("method.viscosity_model=morris",), "--"),
+        "32 deep, morris": (32, ("method.viscosity_model=morris",), "--"),
     }
     for (name, (deep, changes, dashes)), color in zip(runs.items(), PALETTE, strict=False):
         times, heights = wave.heights(50.0, deep, changes)
         axis.plot(times, heights, dashes, color=color, label=name)
     times = np.linspace(0.0, 12.0, 400)
     decayed = speed / exact.frequency * np.exp(-exact.rate * times) * np.sin(exact.frequency * times)
-    axis.plot(times, decayed, color=INK, linewidth=0.9, label="exact roots")
-    axis.set(xlabel="time √(g/H)", ylabel="height of the wave / H")
+    axis.plot(times, decayed, color=INK, linewidth=0.9, label="exact")
+    axis.set(xlabel="time √(g/H)", ylabel="wave height / H")
     axis.legend()
     return drawn
-
-
-def last_frame(changes: tuple[str, ...]) -> Frame:
-    """The end of the tank at rest, with changes of its scene."""
-    (*_, last) = frames_of("tank", changes)
-    return last
-
-
-def liquid(axis: Axes, frame: Frame, size: float, limits: tuple[float, float]) -> Any:
-    """Particles by their pressure."""
-    x, y = frame.arrays["position"].T
-    axis.set_aspect("equal")
-    low, high = limits
-    return axis.scatter(x, y, size, frame.arrays["pressure"], cmap="viridis", vmin=low, vmax=high, linewidths=0.0)
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {

@@ -9,20 +9,22 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from figures_sph import liquid, simulated
+from figures_sph import liquid, scale_to, scene_of, simulated
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import PathPatch, Polygon, Rectangle
+from matplotlib.transforms import Affine2D
 
 from ecume.scenes.schema import from_plain
 from ecume.show.picture import Size
+from ecume.show.sph.liquid import surface_of
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 
 OPEN, FREE = {"kind": "open"}, {"slip": "free"}
-SOLID = {"facecolor": "#e8e4da", "edgecolor": INK, "linewidth": 1.0}
+SOLID = {"facecolor": "#e8e4da", "edgecolor": INK, "linewidth": 1.0, "zorder": 2}
 WATER = {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.4}
 
 
@@ -39,12 +41,12 @@ def pool(width: float, depth: float, **changes: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def by_speed(axes: Axes, frame: Frame, fastest: float, box: tuple[float, float]) -> Any:
-    """The particles of a frame by their speed, in a box from the origin."""
-    dots = liquid(axes, frame, np.linalg.norm(frame.arrays["velocity"], axis=1), 0.0, fastest)
-    axes.plot([0, 0, box[0], box[0]], [box[1], 0, 0, box[1]], color=INK, linewidth=1.0)
+def by_speed(axes: Axes, plain: dict[str, Any], frame: Frame, fastest: float, box: tuple[float, float]) -> None:
+    """The liquid of a scene's frame by its speed, in a box from the origin."""
     axes.set(xlim=(-0.03, box[0] + 0.03), ylim=(-0.03, box[1]))
-    return dots
+    speed = np.linalg.norm(frame.arrays["velocity"], axis=1)
+    liquid(axes, scene_of(plain), frame, speed, scale_to(fastest))
+    axes.plot([0, 0, box[0], box[0]], [box[1], 0, 0, box[1]], color=INK, linewidth=1.0)
 
 
 def sides() -> Figure:
@@ -58,8 +60,8 @@ def sides() -> Figure:
         'kind = "periodic"': tank(2.0, 1.2, left={"kind": "periodic"}, right={"kind": "periodic"}),
     }
     for axes, (title, one) in zip(panels, kinds.items(), strict=False):
-        last = simulated(pool(2.0, 0.6, tank=one, fluid=[flat], duration=1.8, frame_every=1.8))[-1]
-        by_speed(axes, last, 1.4, (2.0, 1.2))
+        plain = pool(2.0, 0.6, tank=one, fluid=[flat], duration=1.8, frame_every=1.8)
+        by_speed(axes, plain, simulated(plain)[-1], 1.4, (2.0, 1.2))
         axes.set_title(f"{title}, t = 1.8")
     panels[1].plot([2.0, 2.0], [0.02, 1.2], color="white", linewidth=2.0)
     for restitution, color in zip((0.0, 1.0), PALETTE, strict=False):
@@ -67,15 +69,15 @@ def sides() -> Figure:
         frames = simulated(pool(1.0, 0.6, tank=one, duration=3.0, frame_every=0.05, method={"jitter": 0.2}))
         height = [frame.numbers["center_y"] for frame in frames]
         panels[3].plot([frame.time for frame in frames], height, color=color, label=f"restitution = {restitution:g}")
-    panels[3].set(xlabel="time", ylabel="height of the middle", title='walls = "reflect"')
+    panels[3].set(xlabel="time", ylabel="height of the center", title='walls = "reflect"')
     panels[3].legend()
     leaving = {"low": [0.0, 0.2], "high": [0.5, 0.8], "velocity": [0.3, 0.0]}
     for axes, clip in zip(panels[4:], (True, False), strict=True):
         one = tank(1.2, 1.0, walls="dummy")
         changes = {"gravity": [0.0, 0.0], "fluid": [leaving], "duration": 0.8, "frame_every": 0.8}
-        last = simulated(pool(1.2, 0.5, tank=one, method={"nonnegative_wall_pressure": clip}, **changes))[-1]
-        by_speed(axes, last, 0.5, (1.2, 1.0))
-        axes.set_title(f"dummies, nonnegative_wall_pressure = {str(clip).lower()}")
+        plain = pool(1.2, 0.5, tank=one, method={"nonnegative_wall_pressure": clip}, **changes)
+        by_speed(axes, plain, simulated(plain)[-1], 0.5, (1.2, 1.0))
+        axes.set_title(f"nonnegative_wall_pressure = {str(clip).lower()}")
     return drawn
 
 
@@ -90,8 +92,8 @@ def pulls() -> Figure:
 def askew(axes: Axes) -> None:
     """A surface that stands across gravity."""
     thick = {"artificial_viscosity": 0.3}
-    last = simulated(pool(2.0, 0.6, gravity=[0.25, -0.97], method=thick, duration=8.0, frame_every=8.0))[-1]
-    by_speed(axes, last, 0.3, (2.0, 1.2))
+    plain = pool(2.0, 0.6, gravity=[0.25, -0.97], method=thick, duration=8.0, frame_every=8.0)
+    by_speed(axes, plain, simulated(plain)[-1], 0.3, (2.0, 1.2))
     axes.plot([0.0, 2.0], [0.6 - 0.25 / 0.97, 0.6 + 0.25 / 0.97], color=PALETTE[1])
     axes.set_title("gravity = [0.25, −0.97], t = 8")
 
@@ -102,12 +104,12 @@ def to_a_point(axes: Axes) -> None:
     around = dict.fromkeys(("left", "right", "bottom", "top"), OPEN)
     free = {"low": [-1.0, -1.0], "high": [1.0, 1.0], **around}
     drop = {"fluid": [square], "gravity": [0.0, 0.0], "central_force": {"angular_frequency": 1.0, "center": [0.0, 0.0]}}
-    frames = simulated(pool(1.0, 0.5, tank=free, duration=6.0, frame_every=3.0, **drop))
-    for frame, shift in zip(frames, (-1.4, 0.0, 1.4), strict=True):
-        x, y = frame.arrays["position"].T
-        axes.plot(x + shift, y, ".", color=PALETTE[0], markersize=2)
+    plain = pool(1.0, 0.5, tank=free, duration=6.0, frame_every=3.0, **drop)
+    for frame, shift in zip(simulated(plain), (-1.4, 0.0, 1.4), strict=True):
+        outline = surface_of(scene_of(plain), frame, np.zeros((len(frame.arrays["position"]), 0))).outline()
+        axes.add_patch(PathPatch(outline.transformed(Affine2D().translate(shift, 0.0)), facecolor=PALETTE[1]))
         axes.text(shift, -0.95, f"t = {frame.time:g}", ha="center")
-    axes.set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_force on a square")
+    axes.set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_force: a square drop")
     axes.set_axis_off()
 
 
@@ -138,7 +140,7 @@ def driven(axes: Axes) -> None:
         x, y = last.arrays["position"].T
         axes.scatter(x, y + up, s=3.0, c=np.linalg.norm(last.arrays["velocity"], axis=1), cmap="viridis", linewidths=0)
         axes.text(5.0, up + 0.62, label, ha="right")
-    axes.set(aspect="equal", xlim=(-0.2, 5.05), ylim=(-0.05, 1.9), title="tank.left.motion, t = 5, by speed")
+    axes.set(aspect="equal", xlim=(-0.2, 5.05), ylim=(-0.05, 1.9), title="tank.left.motion, t = 5; color: speed")
     axes.set_axis_off()
 
 
@@ -152,7 +154,7 @@ def colors() -> Figure:
 
 
 IN_SPACE = {
-    "duration": 0.25, "frame_every": 0.25, "spacing": 0.025, "title": "front, back and color",
+    "duration": 0.25, "frame_every": 0.25, "spacing": 0.025, "title": "Regions, obstacle and body in their colors",
     "tank": {"low": [0.0, 0.0, 0.0], "high": [0.6, 0.4, 0.3], "top": OPEN, "front": FREE, "back": FREE},
     "fluid": [
         {"low": [0.0, 0.0, 0.0], "high": [0.2, 0.2, 0.15], "color": "#4682b4"},
@@ -179,24 +181,23 @@ def inlets() -> Figure:
         last = simulated(channel({"kind": "inflow", "speed": 1.0}, {"kind": "outflow", "pressure": pressure}))[-1]
         panels[1].plot(last.arrays["position"][:, 0], last.arrays["pressure"], ".", color=color, markersize=3,
                        label=f"pressure = {pressure:g}")  # fmt: skip
-    panels[1].set(xlabel="along the channel", ylabel="pressure", title="right.pressure")
+    panels[1].set(xlabel="x", ylabel="pressure", title="right.pressure")
     panels[1].legend()
     gate = {"left": {"kind": "inflow", "speed": 0.5, "level": 0.6}, "right": {"kind": "outflow", "level": 0.6}}
     step = {"vertices": [[1.4, 0.0], [2.2, 0.0], [2.0, 0.25], [1.6, 0.25]], "slip": "free"}
     region = [{"low": [0.0, 0.0], "high": [4.0, 0.6], "velocity": [0.5, 0.0]}]
     stream = pool(4.0, 0.6, tank=tank(4.0, 1.0, **gate), obstacles=[step], fluid=region, duration=5.0)
-    last = simulated({**stream, "frame_every": 5.0})[-1]
-    dots = by_speed(panels[2], last, 1.2, (4.0, 0.9))
+    by_speed(panels[2], stream, simulated({**stream, "frame_every": 5.0})[-1], 1.2, (4.0, 0.9))
     panels[2].add_patch(Polygon(np.array(step["vertices"]), **SOLID))
-    panels[2].set_title("in- and outflow up to a level, over a step")
-    drawn.colorbar(dots, ax=panels[2], label="speed", shrink=0.7)
+    panels[2].set_title("Inflow and outflow with a level, over a step")
+    drawn.colorbar(scale_to(1.2), ax=panels[2], label="speed", shrink=0.7)
     lid = {"low": [0.0, 0.0], "high": [1.0, 1.0], "top": {"velocity": [1.0, 0.0]}}
     viscous = {"density": 1.0, "viscosity": 0.02, "sound_speed": 10.0, "maximum_speed": 1.0}
     full = {"low": [0.0, 0.0], "high": [1.0, 1.0]}
     turned = pool(1.0, 1.0, tank=lid, fluid=[full], liquid=viscous, gravity=[0.0, 0.0], duration=4.0)
     last = simulated({**turned, "frame_every": 4.0})[-1]
     panels[3].quiver(*last.arrays["position"].T, *last.arrays["velocity"].T, color=PALETTE[0], scale=6.0, width=0.004)
-    panels[3].set(aspect="equal", title="top.velocity: a lid")
+    panels[3].set(aspect="equal", title="top.velocity: moving lid")
     panels[3].set_axis_off()
     return drawn
 
@@ -222,24 +223,25 @@ def gauges() -> Figure:
         {"name": "line", "position": [1.2, 0.0], "end": [1.2, 0.6], "count": 7, "quantities": ["velocity"]},
     ]
     dam = [{"low": [0.0, 0.0], "high": [1.0, 1.0]}]
-    frames = simulated(pool(3.2, 1.0, fluid=dam, gauges=probes, spacing=0.04, duration=4.0, frame_every=0.05))
-    by_speed(left, frames[32], 1.8, (3.2, 1.2))
+    plain = pool(3.2, 1.0, fluid=dam, gauges=probes, spacing=0.04, duration=4.0, frame_every=0.05)
+    frames = simulated(plain)
+    by_speed(left, plain, frames[32], 1.8, (3.2, 1.2))
     left.plot(3.2, 0.05, "s", color=PALETTE[1], markersize=8, clip_on=False)
     left.plot([2.0, 2.0], [0.0, 0.8], color=PALETTE[0])
     left.plot([1.2] * 7, np.linspace(0.0, 0.6, 7), "o", color=PALETTE[2], markersize=4)
-    left.set_title(f"t = {frames[32].time:g}: a row, a post, a place")
+    left.set_title(f"Gauges at t = {frames[32].time:g}")
     time = [frame.time for frame in frames]
     pressure = [frame.numbers["sensor_pressure"] for frame in frames]
     middle.plot(time, pressure, color=PALETTE[1], label="sensor_pressure / ρgH")
     middle.plot(
         time, [10.0 * frame.numbers["post_level"] for frame in frames], color=PALETTE[0], label="10 · post_level / H"
     )
-    middle.set(xlabel="time / √(H/g)", title=f"over time; the first blow: {max(pressure):.0f}", ylim=(-0.1, 5.0))
+    middle.set(xlabel="time / √(H/g)", title=f"Time series (first peak: {max(pressure):.0f})", ylim=(-0.1, 5.0))
     middle.legend(loc="upper right", handlelength=0.6, fontsize=7.5)
     for number, color in zip((10, 20, 40), PALETTE, strict=False):
         speed = [frames[number].numbers[f"line_{k}_velocity_x"] for k in range(1, 8)]
         right.plot(speed, np.linspace(0.0, 0.6, 7), "o-", color=color, label=f"t = {frames[number].time:g}")
-    right.set(xlabel="line_…_velocity_x / √(gH)", ylabel="height / H", title="along the row; dry places read zero")
+    right.set(xlabel="line_…_velocity_x / √(gH)", ylabel="height / H", title="Profile along the line (0 where dry)")
     right.legend()
     return drawn
 
@@ -252,7 +254,7 @@ def turbulence() -> Figure:
         frames = simulated(sheared({"turbulence": name, "viscosity_model": "morris", "jitter": 0.1}))
         y, speed = frames[-1].arrays["position"][:, 1], frames[-1].arrays["velocity"][:, 0]
         left.plot(speed, y, ".", color=color, markersize=3, label=f'"{name}"')
-    left.set(xlabel="speed / U", ylabel="height / H", title=f"a jump of speed, t = {frames[-1].time:g} H/U")
+    left.set(xlabel="speed / U", ylabel="height / H", title=f"Shear layer, t = {frames[-1].time:g} H/U")
     left.legend(title="turbulence", loc="upper left", markerscale=3.0)
     cloud = {"count": 150, "low": [0.9, 0.48], "high": [1.1, 0.52]}
     ways = (

@@ -29,11 +29,11 @@ def corner_path() -> Figure:
     """Four hits in one step, in a rectangle and in a wedge."""
     drawn = figure(6.4, 2.9)
     left, right = drawn.subplots(1, 2)
-    _tank(left, [(0, 0), (1, 0), (1, 0.7), (0, 0.7)], "one step, four hits")
+    _tank(left, [(0, 0), (1, 0), (1, 0.7), (0, 0.7)], "Four collisions in one step")
     _path(left, walls.box((0, 0), (1, 0.7)), (0.55, 0.5), (1.9, 1.15))
     angle = math.radians(40)
     wedge = walls.wedge((0, 0), (math.cos(angle / 2), math.sin(angle / 2)), angle)
-    _tank(right, [(0, 0), (1.1, 0), (1.1 * math.cos(angle), 1.1 * math.sin(angle))], "a wedge turns it back")
+    _tank(right, [(0, 0), (1.1, 0), (1.1 * math.cos(angle), 1.1 * math.sin(angle))], "Reflection in a wedge")
     _path(right, wedge, (0.85, 0.3), (-1.75, 0.02))
     return drawn
 
@@ -66,7 +66,7 @@ def two_at_most() -> Figure:
         took = traced.time[third] - traced.time[second]
         ends[i] = traced.place[second] + course * (1.0 - traced.time[second]) / took
     drawn = figure(6.4, 3.1)
-    titles = ("at most two reflections a step", "as many as there are")
+    titles = ("At most two reflections per step", "All reflections")
     for axes, places, title in zip(drawn.subplots(1, 2), (ends, traced.position), titles, strict=True):
         _tank(axes, [(0, 0), (1, 0), (1, 1), (0, 1)], title)
         out = ((places < 0) | (places > 1)).any(axis=1)
@@ -94,7 +94,7 @@ def settling_profile() -> Figure:
     )
     frames = list(simulate(scene))
     drawn = figure(6.0, 3.4)
-    axes = drawn.add_subplot(xlabel="concentration over its mean", ylabel="height / (kT/W)")
+    axes = drawn.add_subplot(xlabel="concentration / mean", ylabel="height / (kT/W)")
     edges = np.linspace(0.0, 4.0, 25)
     for index, color in zip((0, 1, 3, 16), PALETTE, strict=False):
         height = (frames[index].arrays["position"][:, 1] - radius) / layer

@@ -61,7 +61,7 @@ def test_export_writes_text_to_the_standard_output(monkeypatch: pytest.MonkeyPat
 def test_export_makes_no_folder_that_was_perhaps_misspelt(tmp_path: Path) -> None:
     refused = cli.invoke(app, ["export", "bowl", "--to", "csv", "-o", "nodir/a.csv"])
     assert refused.exit_code == 2
-    assert "there is no folder nodir" in refused.stderr
+    assert "the folder nodir does not exist" in refused.stderr
     assert not (tmp_path / "nodir").exists()
 
 

@@ -100,7 +100,7 @@ def test_an_unknown_case_ends_with_two_before_anything_runs(monkeypatch: pytest.
     done = cli.invoke(app, ["validate", "floating", "floatnig"])
     assert done.exit_code == 2
     assert done.stdout == ""
-    assert done.stderr == "ecume: there is no case 'floatnig'; did you mean floating?\n"
+    assert done.stderr == "ecume: no case 'floatnig'; did you mean floating?\n"
     assert cli.invoke(app, ["validate", "floating", "--all"]).exit_code == 2
 
 

@@ -1,7 +1,9 @@
 """What the documentation says is so: its code runs, its links lead somewhere, its options and papers exist."""
 
+import contextlib
 import dataclasses
 import functools
+import io
 import math
 import re
 import tomllib
@@ -20,6 +22,7 @@ from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
+from ecume.models import MODELS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes import floating
 from ecume.scenes.floating.sources import SOURCES
@@ -98,14 +101,31 @@ def test_the_python_of_a_page_runs(page):
     for name, scene in scenes_of(page).items():
         Path(name).write_text(scene, encoding="utf-8")
     names = {"__name__": "page"}
-    for number, code in enumerate(blocks(page, "python")):
-        exec(compile(code, f"{page.name}, block {number}", "exec"), names)
+    for number, (code, shown) in enumerate(zip(blocks(page, "python"), outputs(page), strict=True)):
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(compile(code, f"{page.name}, block {number}", "exec"), names)
+        assert shown in ("", printed.getvalue()), f"output of block {number}"
+
+
+def outputs(page):
+    """What a page shows below each block of Python as its output; empty where nothing is shown."""
+    text = page.read_text(encoding="utf-8")
+    return re.findall(r"^```python\n.*?^```(?:\n\n```text\n(.*?)^```)?", text, re.MULTILINE | re.DOTALL)
 
 
 def scenes_of(page):
     """The scenes that a page gives a file's name, in a comment at their top."""
     named = ((re.match(r"# ([\w-]+\.toml)\n", text), text) for text in blocks(page, "toml"))
     return {match[1]: text for match, text in named if match}
+
+
+def test_the_start_page_shows_the_table_of_check():
+    page = ROOT / "docs" / "start.md"
+    scene = load_scene(next(text for text in blocks(page, "toml") if text.splitlines()[0].endswith("# mine.toml")))
+    rows = {" ".join(" ".join(row).split()) for row in MODELS[scene.model].summary(scene)}
+    (shown,) = (text for text in blocks(page, "text") if text.startswith("quantity"))
+    assert {" ".join(line.split()) for line in shown.splitlines()[1:]} <= rows
 
 
 @each_page

@@ -313,5 +313,5 @@ def test_an_outline_that_is_a_pipe_is_not_waited_for(tmp_path, name):
     text = f"""model = "sph"\nduration = 1\nframe_every = 1\nspacing = 0.02
 [tank]\nlow = [0, 0]\nhigh = [1, 1]\n[[fluid]]\noutline_from = "{name}"\n"""
     (tmp_path / "scene.toml").write_text(text)
-    with pytest.raises(ecume.errors.SceneError, match="is no plain file"):
+    with pytest.raises(ecume.errors.SceneError, match="is not a regular file"):
         load_scene(tmp_path / "scene.toml")

@@ -133,7 +133,6 @@ def test_the_table_is_exported_and_read(tmp_path: Path, scene: Scenes) -> None:
 
 @pytest.mark.parametrize("library", ["polars", "pandas"])
 def test_the_table_is_a_data_frame(tmp_path: Path, scene: Scenes, library: str) -> None:
-    pytest.importorskip(library)
     run(scene(output={"samples": {"every": 0.01, "block": 5}}), tmp_path / "run")
     table = getattr(samples_of(tmp_path / "run"), library)()
     assert list(table.columns) == list(samples_of(tmp_path / "run").columns())

@@ -42,7 +42,7 @@ def test_nodes_may_stand_in_any_order_and_unit(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ("x,y,vx,vy\n0,0,1,1\n1,0,1,1\n0,1,1,1\n", "is no grid: 3 nodes, with 2 different x and 2 different y"),
+        ("x,y,vx,vy\n0,0,1,1\n1,0,1,1\n0,1,1,1\n", "is not a grid: 3 nodes, with 2 different x and 2 different y"),
         ("x,y,vx,vy\n0,0,1,1\n0,0,1,1\n", "has a node twice"),
         ("x,y,vx\n0,0,1\n", "has no column vy"),
         ("x,y,vx,vy\n" + "".join(f"{x},{y},1,1\n" for x in (0, 1, 3) for y in (0, 1)), "uneven along x"),

@@ -296,7 +296,7 @@ def test_a_damaged_gsd_file_gives_faults_and_no_crash(folder: Path) -> None:
         ('length_unit = "1 mm"', 'length_unit = "1 s"', "start_from.length_unit: got '1 s'; 's' measures time"),
         ('length_unit = "1 mm"', 'length_unit = "1 mm"\nunit = 3', "start_from.unit: no such key"),
         ('file = "start.gsd"', "file = 3", "start_from.file: got 3; expected text"),
-        ('file = "start.gsd"', 'file = "."', "start_from.file: '.' is no plain file; a run is named by text"),
+        ('file = "start.gsd"', 'file = "."', "start_from.file: '.' is not a regular file; a run is named by text"),
     ],
 )
 def test_a_fault_of_the_scene_names_its_path(folder: Path, old: str, new: str, message: str) -> None:

@@ -69,9 +69,9 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
     [
         ("@3", "", "'runs/bowl@3' has no frame 3; there are 0 to 2, and -1 for the last"),
         ("@-4", "", "has no frame -4"),
-        ("@x", "", "'runs/bowl@x' 'x' is no number of a frame; expected RUN@FRAME"),
-        ("@", "", "'' is no number of a frame"),
-        ("@1.5", "", "'1.5' is no number of a frame"),
+        ("@x", "", "'runs/bowl@x' 'x' is not a frame number; expected RUN@FRAME"),
+        ("@", "", "'' is not a frame number"),
+        ("@1.5", "", "'1.5' is not a frame number"),
         ("2", "", "does not exist; paths are relative to the scene's folder, /"),
         ("@0", "[[particles]]\nradius = 1\n", "particles[0].name: is missing; expected one of 'light', 'heavy'"),
         ("@0", "[[particles]]\nname = 'lihgt'", "got 'lihgt'; runs/bowl@0 has no such species; did you mean light?"),

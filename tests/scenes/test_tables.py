@@ -90,10 +90,10 @@ def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str)
         ("x [m^9^9^9],y\n1,2\n", "is not how a unit is written"),
         ("x [mm,y\n1,2\n", "expected a name, or a name with its unit"),
         ("name [m],x,y\na,1,2\n", "text has no unit"),
-        ("x,y,x\n1,2,3\n", "line 1: column x stands twice"),
-        ("x\n1\n", "line 1: there is no column y"),
-        ("x,y\n", "no lines below the head"),
-        ("", "there is no column x"),
+        ("x,y,x\n1,2,3\n", "line 1: column x appears twice"),
+        ("x\n1\n", "line 1: no column y"),
+        ("x,y\n", "no rows below the header"),
+        ("", "no column x"),
         ('x,y\n"1,2\n', "bowl.csv, line"),
         ("x,y,radius [mm]\n1,2,3\n4,5,-6\n", "bowl.csv, line 3, radius: got -0.006; expected 1e-08 or more"),
         ("x,y\n1e9,2\n", "bowl.csv, line 2, x: got 1000000000.0; expected 1000 or less"),
@@ -177,7 +177,7 @@ def test_a_table_in_a_folder_below_is_read(tmp_path: Path) -> None:
 def test_a_table_that_is_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "bowl.csv")
     (tmp_path / "scene.toml").write_text(SCENE + DEFAULTS)
-    with pytest.raises(SceneError, match="is no plain file"):
+    with pytest.raises(SceneError, match="is not a regular file"):
         load_scene(tmp_path / "scene.toml")
 
 

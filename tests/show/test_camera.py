@@ -95,7 +95,7 @@ def test_nothing_asked_is_nothing_changed():
 
 @pytest.mark.parametrize("one", [-1, 2])
 def test_whoever_is_not_there_cannot_be_followed(tmp_path, one):
-    with pytest.raises(BadInput, match=f"no particle {one} to follow; at 0 s there are 0 to 1"):
+    with pytest.raises(BadInput, match=f"no particle {one} at 0 s; expected 0 to 1"):
         film(FRAMES, scene(), tmp_path / "a.gif", MovieOptions(aim=Aim(follow=one), size=(96, 72)))
     assert not list(tmp_path.iterdir())
 

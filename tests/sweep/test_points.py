@@ -117,10 +117,10 @@ SPAN = 'template = "t1"\n[[axes]]\nkey = "a"\nspan = {{{}}}'
         ('process = "t1"\nmeasures = ["final x"]\n[[axes]]\nkey = "gap"\nvalues = [1]', "fixed list of numbers"),
         ('template = "t1"\nrepeats = 2\nmeasures = ["finl top"]', "line 3, column 13: measures[0]: got 'finl top'"),
         ('template = "t1"\nrepeats = 2\nmeasures = ["first top > 1.2.3"]', "or 'first top > 0.3'"),
-        (TWICE.format("a", "", "a", ""), "axes[1].key: a stands elsewhere, too"),
+        (TWICE.format("a", "", "a", ""), "axes[1].key: a is given twice"),
         (TWICE.format("a", 'name = "x"', "b", 'name = "x"'), "axes[0].name: another column of the table is called x"),
         (TWICE.format("a", 'name = "state"', "b", ""), "axes[0].name: another column of the table is called state"),
-        (TWICE.format("a", "", "b", "") + "[fixed]\nb = 1", "axes[1].key: b stands elsewhere, too"),
+        (TWICE.format("a", "", "b", "") + "[fixed]\nb = 1", "axes[1].key: b is given twice"),
         (
             'template = "t1"\nrepeats = 2\n[[axes]]\nkey = "seed"\nvalues = [1]',
             "repeats: repeats have consecutive seeds",

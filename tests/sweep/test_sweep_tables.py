@@ -40,7 +40,6 @@ def test_tables_of_libraries_have_nothing_where_something_is_missing(tmp_path, m
 
 @pytest.mark.parametrize("library", ["polars", "pandas"])
 def test_libraries_take_the_table_of_a_sweep_with_failures(tmp_path, library):
-    pytest.importorskip(library)
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [-1.0, 0.1]\n[fixed]\nreduced_force = 1e-3')
     sweep(path, tmp_path / "out", ALONE)

@@ -80,7 +80,6 @@ def test_a_trajectory_gives_its_numbers_or_its_particles(recorded: Recorded, mon
 
 @pytest.mark.parametrize("library", ["polars", "pandas"])
 def test_libraries_take_the_tables_of_a_trajectory(recorded: Recorded, library: str) -> None:
-    pytest.importorskip(library)
     with open_trajectory(recorded(5).parent) as trajectory:
         table = getattr(trajectory, library)(particles=True)
         assert len(table) == 30

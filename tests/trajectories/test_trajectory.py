@@ -105,6 +105,31 @@ def test_the_readers_of_hoomd_see_the_same_particles(recorded: Recorded, frames:
             assert seen.log["time"] == frame.time
 
 
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("strain", [0.0, 3.4])
+def test_the_readers_of_hoomd_see_a_periodic_box_with_all_particles_in_it(
+    tmp_path: Path, strain: float, single: bool
+) -> None:
+    position = np.random.default_rng(5).uniform(-3.0, 5.0, (40, 2))
+    arrays = {"position": position, "radius": np.full(40, 0.1)}
+    frame = Frame(0.0, arrays, {"box_width": 2.0, "box_height": 1.5, "strain": strain}, {})
+    with Recorder(tmp_path, single=single) as recorder:
+        recorder.write(frame, 0)
+    with gsd.hoomd.open(tmp_path / "0000.gsd") as file:
+        box, seen = file[0].configuration.box, file[0].particles.position[:, :2].astype(float)
+    tilt = math.remainder(strain * 1.5, 2.0) / 1.5
+    np.testing.assert_allclose(box, [2.0, 1.5, 1.0, tilt, 0.0, 0.0], rtol=1e-6)
+    across, up = (seen[:, 0] - tilt * seen[:, 1]) / 2.0, seen[:, 1] / 1.5
+    assert max(np.abs(across).max(), np.abs(up).max()) <= 0.5 + 1e-6
+    # The ways between particles are the same but for copies: one box up is 1.5 strains to the right.
+    moved = (seen - seen[0]) - (position - position[0])
+    rows = moved[:, 1] / 1.5
+    columns = (moved[:, 0] - strain * moved[:, 1]) / 2.0
+    np.testing.assert_allclose([rows, columns], np.round([rows, columns]), atol=1e-5)
+    (back,) = Trajectory(tmp_path)
+    np.testing.assert_allclose(back.arrays["position"], position, rtol=1e-6 if single else 0.0)
+
+
 def test_the_readers_of_hoomd_see_the_names_of_the_species(frames: Frames, tmp_path: Path) -> None:
     names = ["céréale", "big bead"]
     with Recorder(tmp_path, species=names) as recorder:

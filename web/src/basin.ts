@@ -127,7 +127,8 @@ export class Picture {
 
   /** The liquid as pixels, from the sum of kernels and the mean shades of its particles. */
   private paint(tank: Tank, place: Float32Array, shade: Float32Array, map: Uint8Array): void {
-    const { columns, rows, cells } = regionOf(tank, place, shade, () => true);
+    const { counts, cells } = regionOf(tank, place, shade, () => true);
+    const [columns, rows] = counts;
     const pixels = Math.min(MOST_PIXELS, Math.max(1, Math.ceil((this.scale * (tank.high[0] - tank.low[0])) / columns)));
     const [width, height] = [columns * pixels, rows * pixels];
     [this.region.width, this.region.height] = [width, height];

@@ -8,6 +8,8 @@ export interface Eye {
   up: Vector;
   toward: Vector;
   pixel: number; // meters that a pixel spans, at the middle
+  place: Vector; // where the eye is (3D)
+  slope: [number, number]; // of rays to the edges of the canvas, across and up (3D)
 }
 
 const NEAREST = 1e-3;
@@ -79,7 +81,7 @@ export class Camera {
     const deep = 1 / this.home.span;
     const m = this.middle;
     const matrix = new Float32Array([1 / x, 0, 0, 0, 0, 1 / y, 0, 0, 0, 0, -deep, 0, -m[0] / x, -m[1] / y, 0, 1]);
-    return { matrix, right: [1, 0, 0], up: [0, 1, 0], toward: [0, 0, 1], pixel: (2 * y) / height };
+    return { matrix, right: [1, 0, 0], up: [0, 1, 0], toward: [0, 0, 1], pixel: (2 * y) / height, place: [...m], slope: [0, 0] };
   }
 
   /** In perspective; y points up. */
@@ -94,7 +96,7 @@ export class Camera {
     const eye = this.middle.map((value, k) => value + distance * toward[k]) as Vector;
     const [near, far] = [Math.max(distance - this.home.span, NEAREST * distance), distance + this.home.span];
     const matrix = projected([right, up, toward], eye, [1 / (slope * aspect), 1 / slope], [near, far]);
-    return { matrix, right, up, toward, pixel: (2 * distance * slope) / height };
+    return { matrix, right, up, toward, pixel: (2 * distance * slope) / height, place: eye, slope: [slope * aspect, slope] };
   }
 }
 

@@ -55,7 +55,7 @@ export interface RunHeader {
   high: number[];
   radius: number; // of particles without one of their own (m)
   species: { name: string; color: string }[];
-  liquid: Tank | null; // of a liquid in 2D, which is drawn as a continuous region
+  liquid: Tank | null; // of a liquid, which is drawn as a continuous region
   apart: number | null; // the species from which on particles keep their own colors
   colorings: Coloring[];
   usual: string; // the coloring to begin with

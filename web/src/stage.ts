@@ -9,6 +9,7 @@ import { Particles } from "./particles";
 import type { Coloring, Instant, Link, Run } from "./run";
 import { colorsOf } from "./source";
 import { Surface } from "./surface";
+import { Water } from "./water";
 
 const FAR = 0.25; // a particle that goes farther in a frame, in parts of the picture, went through a periodic side
 const WIDEST = 9; // pixels, of the largest force
@@ -16,7 +17,6 @@ const PULL = [0.7, 0.09, 0.17, 1];
 const PUSH = [0.13, 0.4, 0.67, 1];
 const MOST_RIMS = 5000; // particles
 const SHADES = 256; // of a scale
-const BELOW = 0.8; // of the radius, of particles below the region that they fill: those that are alone are seen
 const COARSEST = 0.5; // pixels over the page's
 
 export const SPECIES = "species";
@@ -72,7 +72,8 @@ export class Stage {
   private readonly lines: Lines;
   private readonly heights: Heights | null;
   private readonly span: number;
-  private readonly surface: Surface | null;
+  private readonly surface: Surface | null; // of a liquid in 2D
+  private readonly water: Water | null; // a liquid in 3D
   private readonly above: Particles; // those that are not of the liquid, and the chosen one
   private radii = new Float32Array(0);
   private filled = "";
@@ -94,7 +95,9 @@ export class Stage {
     const { sheet, low, high } = run.header;
     this.heights = sheet ? new Heights(gl, sheet) : null;
     if (this.heights && sheet) this.heights.colors.fill(colorsOf(run.header, sheet.map), false);
-    this.surface = run.header.liquid ? new Surface(gl) : null;
+    const { liquid } = run.header;
+    this.surface = liquid && this.flat ? new Surface(gl) : null;
+    this.water = liquid && !this.flat ? new Water(gl, Math.min(...liquid.high.map((value, k) => value - liquid.low[k]))) : null;
     this.above = new Particles(gl);
     this.span = Math.hypot(...high.map((value, k) => value - low[k]));
   }
@@ -139,7 +142,7 @@ export class Stage {
     const next = part > 0 ? Math.min(frame + 1, this.run.frames - 1) : frame;
     const instant = this.run.instant(next);
     this.moved = next > frame ? part : 1;
-    const between = this.surface && !choice.particles ? `${this.moved.toFixed(3)} ${choice.chosen}` : "";
+    const between = this.whole(choice) ? `${this.moved.toFixed(3)} ${choice.chosen}` : "";
     this.fill(`${frame} ${next} ${choice.coloring} ${choice.particles} ${between}`, this.run.instant(frame), instant, choice);
     this.shown = this.run.instant(frame);
     const { gl } = this;
@@ -156,17 +159,23 @@ export class Stage {
   private paint(part: number, choice: Choice): void {
     const { eye, gl, canvas } = this;
     this.heights?.draw(eye);
-    const whole = this.surface !== null && !choice.particles;
-    const rims = !whole && (this.shown?.count ?? 0) <= MOST_RIMS;
+    const whole = this.whole(choice);
+    const rims = whole || (this.shown?.count ?? 0) <= MOST_RIMS;
     const look = { part, ink: styled("--ink"), flat: this.flat, rims, chosen: choice.chosen };
-    this.particles.draw(eye, look);
     if (whole) {
-      this.surface!.draw(eye, this.particles.colors, styled("--rim"));
-      this.above.draw(eye, { ...look, rims: true, chosen: this.carriedCount });
-    }
+      this.surface?.draw(eye, this.particles.colors, styled("--rim"));
+      this.above.draw(eye, { ...look, chosen: this.carriedCount });
+    } else this.particles.draw(eye, look);
     this.lines.fill(this.segments(choice));
     if (this.flat) gl.disable(gl.DEPTH_TEST);
     this.lines.draw(eye, canvas.width, canvas.height);
+    // Water is translucent: all that is in it and behind it is drawn before.
+    if (whole) this.water?.draw(eye, this.particles.colors, styled("--canvas"), choice.coloring !== SPECIES);
+  }
+
+  /** Whether the liquid is drawn as a continuous region. */
+  private whole(choice: Choice): boolean {
+    return (this.surface !== null || this.water !== null) && !choice.particles;
   }
 
   private fill(what: string, from: Instant, to: Instant, choice: Choice): void {
@@ -182,10 +191,9 @@ export class Stage {
     }
     const radius = to.arrays["radius"] ?? this.same(to.count);
     const shades = this.shades(to, choice);
-    const whole = this.surface !== null && !choice.particles;
-    this.particles.fill(place, before, whole ? radius.map((one) => BELOW * one) : radius, shades);
     this.particles.colors.fill(this.palette(choice.coloring), true);
-    if (whole) this.fillSurface(place, before, radius, shades, to, choice);
+    if (!this.whole(choice)) this.particles.fill(place, before, radius, shades);
+    else this.fillSurface(place, before, radius, shades, to, choice);
     if (to.sheet) this.heights?.fill(to.sheet);
   }
 
@@ -201,7 +209,7 @@ export class Stage {
     const [kinds, apart] = [to.arrays[SPECIES], this.run.header.apart ?? Infinity];
     const carried = (one: number): boolean => (kinds?.[one] ?? 0) >= apart;
     const middle = place.map((value, k) => before[k] + this.moved * (value - before[k]));
-    this.surface!.fill(regionOf(this.run.header.liquid!, middle, shades, (one) => !carried(one)));
+    (this.surface ?? this.water)!.fill(regionOf(this.run.header.liquid!, middle, shades, (one) => !carried(one)));
     const above = Array.from(shades.keys()).filter((one) => carried(one) && one !== chosen);
     this.carriedCount = above.length;
     if (chosen >= 0 && chosen < shades.length) above.push(chosen);

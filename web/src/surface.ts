@@ -46,7 +46,7 @@ export class Surface {
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG16F, region.columns, region.rows, 0, gl.RG, gl.FLOAT, region.cells);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG16F, region.counts[0], region.counts[1], 0, gl.RG, gl.FLOAT, region.cells);
     for (const way of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, way, gl.LINEAR);
     for (const way of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, way, gl.CLAMP_TO_EDGE);
   }

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd_schema import SIDES
 from ecume.units import Array, Length, Number
-
-SIDES = ("box_width", "box_height", "box_depth")
 
 Integers = NDArray[np.int64]
 

@@ -85,7 +85,7 @@ def gap_distribution(gap: Array, bins: int = 30, span: tuple[Length, Length] | N
     """
     gap = gap[gap > 0.0]
     if not len(gap):
-        raise BadInput("there are no gaps to tell the distribution of")
+        raise BadInput("the frames contain no gaps")
     low, high = span or (float(gap.min()), float(gap.max()))
     if not low < high:
         low, high = low / 1.1, high * 1.1

@@ -29,7 +29,7 @@ def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf) -> 
     position = frame.arrays["position"]
     near = largest_piece(position, spacing) & (position[:, 1] < below)
     if not near.any():
-        raise BadInput(f"there is no liquid below {below:g} m")
+        raise BadInput(f"no liquid below {below:g} m")
     return float(position[near, 0].max()) + 0.5 * spacing
 
 

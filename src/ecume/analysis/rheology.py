@@ -91,7 +91,7 @@ def flow_point(frames: Sequence[Frame], viscosity: Viscosity, thickness: float =
     shear, normal, fraction = series(frames, *map(number, ("shear_stress", "normal_stress", "volume_fraction")))
     pressure = steady_mean(normal)
     if not pressure.value > 0.0:
-        raise BadInput(f"the mean normal stress is {pressure.value:.3g}, a tension; friction wants a compression")
+        raise BadInput(f"the mean normal stress is {pressure.value:.3g}, a tension; friction requires compression")
     flow, drag = steady_mean(rate), steady_mean(np.sign(rate.mean()) * shear)
     return FlowPoint(
         flow,

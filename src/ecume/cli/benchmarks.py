@@ -101,7 +101,7 @@ def bench(
 ) -> None:
     """Measure the speed of ecume and of other packages.
 
-    Packages that are not installed are skipped. Ends with 1 when a benchmark fails.
+    Packages that are not installed are skipped. The exit code is 1 if a benchmark fails.
 
     Examples: `ecume bench` · `ecume bench reflection` · `ecume bench sph-peers --peers ~/peers`
     """
@@ -124,7 +124,7 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Bench]:
         raise BadInput("expected either names of benchmarks or --all")
     for name in names:
         if name not in BENCHES:
-            raise BadInput(f"there is no benchmark {name!r}; {suggestion(name, BENCHES)}")
+            raise BadInput(f"no benchmark {name!r}; {suggestion(name, BENCHES)}")
     return [BENCHES[name] for name in dict.fromkeys(names)] if names else list(BENCHES.values())
 
 

@@ -27,4 +27,4 @@ def to_stdout(directory: Path, kind: str) -> None:
 def require_folder(file: Path) -> None:
     """Raise BadInput where a file would be in a folder that does not exist."""
     if not file.parent.is_dir():
-        raise BadInput(f"-o {file}: there is no folder {file.parent}")
+        raise BadInput(f"-o {file}: the folder {file.parent} does not exist")

@@ -65,7 +65,7 @@ StartOf = Annotated[
     typer.Option(
         "--start",
         metavar="WHAT",
-        help="Initial state: fit positions, fit positions and velocities (moving), or keep that of the scene (scene).",
+        help="Fitted part of the initial state: positions, moving (positions and velocities), or scene (none).",
     ),
 ]
 Until = Annotated[

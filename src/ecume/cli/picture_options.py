@@ -33,7 +33,7 @@ def pixels(text: str) -> tuple[int, int]:
     """A size from the command line: `1280x960`."""
     match = re.fullmatch(r"\s*([0-9]{1,6})\s*[x×]\s*([0-9]{1,6})\s*", text)
     if match is None:
-        raise typer.BadParameter(f"{text!r} is no size; expected WIDTHxHEIGHT in pixels, such as 1280x960")
+        raise typer.BadParameter(f"got {text!r}; expected WIDTHxHEIGHT in pixels, such as 1280x960")
     return int(match[1]), int(match[2])
 
 
@@ -108,7 +108,7 @@ ForceLaw = Annotated[
     typer.Option(
         "--force-law",
         metavar="SCENE",
-        help="Draw the forces between a scene's floats instead, by superposition, corrected pairs and multipoles; "
+        help="Draw the forces between the floats of a scene by superposition, corrected pairs and multipoles "
         "into NAME-forces.png, and needs no run.",
         show_default=False,
     ),

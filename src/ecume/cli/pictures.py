@@ -265,7 +265,7 @@ def export(
         Format,
         typer.Option(
             "--to",
-            help="csv, xyz: text; numbers: CSV of energies, gauges ...; samples: those sampled between frames; "
+            help="csv, xyz: text; numbers: CSV of energies, gauges ...; samples: numbers sampled between frames; "
             "vtk: ParaView (pvd: before 5.12); npz: NumPy; "
             "heights, heights-vtk: the surface around floats on a grid, for NumPy (.npz, or -o FILE.npy) and ParaView; "
             "ro-crate: metadata of the run in its directory.",

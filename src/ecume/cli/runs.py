@@ -57,7 +57,7 @@ Violation = Annotated[
 MaxDays = Annotated[
     float,
     typer.Option(
-        "--max-days", min=0.0, metavar="DAYS", help="Refuse a run that is expected to take longer, by its first steps."
+        "--max-days", min=0.0, metavar="DAYS", help="Longest expected run time in days; longer runs are refused."
     ),
 ]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
@@ -90,7 +90,7 @@ def run(
     engine: Engine = "local",
     ranks: Ranks = None,
 ) -> None:
-    """Simulate a scene into a directory. Ctrl-C stops with a checkpoint.
+    """Simulate a scene and write the run to a directory. Ctrl-C stops with a checkpoint.
 
     Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
     · `ecume run bowl.toml --thermo` · `ecume run bowl.toml --thermo-columns kinetic_energy,clusters --thermo-every 10`
@@ -187,9 +187,9 @@ def _end(done: RunResult, *, quiet: bool) -> None:
 
 
 def info(directory: RunFolder = HERE, json: Json = False) -> None:
-    """Report the content and the progress of a run.
+    """Print the content and the progress of a run.
 
-    Works during the run and after it was killed, too.
+    Works during the run and after it was killed.
 
     Example: `ecume info runs/bowl`
     """
@@ -238,7 +238,7 @@ def verify(
 
 
 def repair(directory: RunFolder = HERE) -> None:
-    """Repair a damaged run: complete frames are kept.
+    """Repair a damaged run; complete frames are kept.
 
     Prints each damaged frame.
 

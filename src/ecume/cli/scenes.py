@@ -30,7 +30,7 @@ Laws = Annotated[
     typer.Option(
         "--laws",
         metavar="FILE.py[:NAME]",
-        help="Add laws of your own: the functions of a Python file. Can be repeated.",
+        help="User laws: functions of a Python file; can be repeated.",
         show_default=False,
     ),
 ]
@@ -39,7 +39,7 @@ Actions = Annotated[
     typer.Option(
         "--actions",
         metavar="FILE.py[:NAME]",
-        help="Add actions of your own during the run: decorated functions of a Python file. Can be repeated.",
+        help="User actions during the run: decorated functions of a Python file; can be repeated.",
         show_default=False,
     ),
 ]

@@ -57,7 +57,7 @@ def sweep(
         typer.Option("--scheduler", metavar="ADDRESS", help="Address of a running Dask scheduler.", show_default=False),
     ] = None,
     retries: Annotated[
-        int, typer.Option("--retries", min=0, max=100, metavar="N", help="Number of retries after a worker died.")
+        int, typer.Option("--retries", min=0, max=100, metavar="N", help="Retries of a point whose worker died.")
     ] = 2,
     slurm: Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs.")] = False,
     array: Annotated[bool, typer.Option("--array", help="Write a job array for sbatch, and run nothing.")] = False,

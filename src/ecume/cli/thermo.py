@@ -16,7 +16,7 @@ LEAST_WIDTH = 12
 LEAD = {"step": "", "time": "s"}
 """The first columns, and their units."""
 
-Thermo = Annotated[bool, typer.Option("--thermo", help="Print a table of numbers, a line per frame, to the output.")]
+Thermo = Annotated[bool, typer.Option("--thermo", help="Print a table of numbers with one line per frame.")]
 Columns = Annotated[
     str | None,
     typer.Option(

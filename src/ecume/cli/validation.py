@@ -47,7 +47,7 @@ def validate(
 ) -> None:
     """Compare what ecume computes with published numbers.
 
-    Also compares with other methods and with bounds. The exit code is 1 if a row is not met.
+    Also compares with other methods and with bounds. The exit code is 1 if a comparison fails.
 
     Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
@@ -76,7 +76,7 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Case]:
         raise BadInput("expected either names of cases or --all")
     for name in names:
         if name not in CASES:
-            raise BadInput(f"there is no case {name!r}; {suggestion(name, CASES)}")
+            raise BadInput(f"no case {name!r}; {suggestion(name, CASES)}")
     return [CASES[name] for name in dict.fromkeys(names)] if names else list(CASES.values())
 
 

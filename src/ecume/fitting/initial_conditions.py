@@ -38,7 +38,7 @@ def matched(tracks: Tracks, frame: Frame, *, centered: bool) -> Tracks:
     if len(there) != len(tracks.names):
         hint = "; name those that count (--only), and join what an object left that was lost and found again"
         raise BadInput(
-            f"there are {len(tracks.names)} tracks and {len(there)} particles in the scene; expected as many"
+            f"there are {len(tracks.names)} tracks and {len(there)} particles in the scene; expected the same number"
             + hint * (len(tracks.names) > len(there))
         )
     seen = first_seen(tracks)

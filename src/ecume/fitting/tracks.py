@@ -99,12 +99,12 @@ def picked(tracks: Tracks, names: Sequence[str]) -> Tracks:
     """These objects alone. Raises BadInput where there is no such one."""
     for name in names:
         if name not in tracks.names:
-            raise BadInput(f"no object is called {name!r}; {suggestion(name, tracks.names[:MOST_NAMED])}")
+            raise BadInput(f"no object {name!r}; {suggestion(name, tracks.names[:MOST_NAMED])}")
     places = [place for place, name in enumerate(tracks.names) if name in names]
     seen = np.isfinite(tracks.position[:, places, 0]).any(axis=1)
     times = tracks.times[seen]
     if len(times) < LEAST:
-        raise BadInput(f"{', '.join(names)}: seen at {len(times)} instants; motion shows in {LEAST} or more")
+        raise BadInput(f"{', '.join(names)}: {len(times)} observations; expected {LEAST} or more")
     chosen = tuple(tracks.names[place] for place in places)
     return Tracks(chosen, times - times[0], tracks.position[seen][:, places])
 
@@ -134,7 +134,7 @@ def _columns(
     missing += ["t or frame"] if places["time"] is None and places["frame"] is None else []
     if missing:
         raise ValueError(
-            f"there is no column {', '.join(missing)}; expected x, y, t and id, or what trackpy and TrackMate write"
+            f"missing column {', '.join(missing)}; expected x, y, t and id, or a table of trackpy or TrackMate"
         )
     body = rows[1:]
     units = [(match[2] or "") if match else "" for match in heads]
@@ -213,7 +213,7 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
             when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
             found.append((_named(who), when, x, y))
     if not found:
-        raise ValueError("there are no positions below the head")
+        raise ValueError("has no rows below the header")
     return found
 
 

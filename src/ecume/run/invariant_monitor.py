@@ -54,7 +54,9 @@ class Watch:
         self._take(time, {**numbers, "step": float(step)})
         broken = [one for one in self.verdicts() if not one.held and one.name not in before]
         if broken and self._policy == "stop":
-            raise Diverged(f"{'; '.join(map(sentence, broken))}. Take shorter steps, or go on with --on-violation warn")
+            raise Diverged(
+                f"{'; '.join(map(sentence, broken))}. Use shorter steps, or continue with --on-violation warn"
+            )
         return broken
 
     def _take(self, time: float, given: Mapping[str, float | None]) -> None:

@@ -92,7 +92,7 @@ KINDS_OF = {"--laws": "function", "--actions": "action"}
 def _executed(option: str, path: Path) -> ModuleType:
     """The module that a file of the user's defines."""
     if not path.is_file():
-        raise BadInput(f"{option}: {path}: there is no such file")
+        raise BadInput(f"{option}: {path} does not exist")
     spec = importlib.util.spec_from_file_location(f"ecume_user_code_{path.stem}", path)
     assert spec is not None and spec.loader is not None  # noqa: S101, PT018  # the suffix is .py
     module = importlib.util.module_from_spec(spec)

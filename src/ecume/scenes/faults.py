@@ -211,7 +211,7 @@ WORDING = {
     "string_type": "expected text",
     "string_too_long": "expected at most {max_length} characters",
     "string_too_short": "expected some text",
-    "string_pattern_mismatch": "such characters cannot stand here",
+    "string_pattern_mismatch": "contains characters that are not allowed",
     "dataclass_type": "expected a table of keys and values",
     "tuple_type": "expected a list",
     "too_long": "expected a list of {max_length}",

@@ -55,7 +55,7 @@ def bytes_of(path: Path, most_bytes: int) -> bytes:
     except TooLarge:
         raise ValueError(f"is larger than {most_bytes / 2**20:g} MiB") from None
     except NotPlain:
-        raise ValueError("is no plain file") from None
+        raise ValueError("is not a regular file") from None
     except OSError as error:
         raise ValueError(f"cannot be read: {error.strerror or error}") from None
 

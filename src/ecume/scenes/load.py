@@ -218,7 +218,7 @@ def _syntax_fault(given: str, text: str) -> Fault:
     ending = text.rstrip("\n").split("\n")
     line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
     bare = BARE.match(ending[min(line, len(ending)) - 1])
-    hint = f'; text, units too, stands in quotes: "{bare[1]}"' if bare else ""
+    hint = f'; text and numbers with units need quotes: "{bare[1]}"' if bare else ""
     return Fault("", f"is not TOML: {message or given}{hint}", line, column)
 
 

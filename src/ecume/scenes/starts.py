@@ -118,7 +118,7 @@ def _read(spec: StartSpec, folder: Folder) -> Particles:
     require_there(path, folder)
     kind = spec.format or FORMATS.get(path.suffix.lower(), "")
     if not path.is_file():
-        raise ValueError('is no plain file; a run is named by text, as in start_from = "runs/bowl@-1"')
+        raise ValueError('is not a regular file; a run is named by text, as in start_from = "runs/bowl@-1"')
     if kind == "gsd":
         return gsd.read(path, frame)
     if kind == "xyz":

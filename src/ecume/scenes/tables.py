@@ -76,7 +76,7 @@ def lines_of(text: str, known: Mapping[str, str] = COLUMNS) -> list[Line]:
     faults: list[str] = []
     lines = [_line(number, row, columns, faults) for number, row in cells]
     if not lines:
-        faults.append("there are no lines below the head")
+        faults.append("has no rows below the header")
     if faults:
         raise TableFaults(faults)
     return lines
@@ -104,8 +104,8 @@ def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list
         except ValueError as fault:
             faults.append(f"line {number}, column {echo(cell.strip())}: {fault}")
     names = [column.name for column in columns]
-    faults += [f"line {number}: column {name} stands twice" for name in known if names.count(name) > 1]
-    faults += [f"line {number}: there is no column {name}" for name in ("x", "y") if not faults and name not in names]
+    faults += [f"line {number}: column {name} appears twice" for name in known if names.count(name) > 1]
+    faults += [f"line {number}: no column {name}" for name in ("x", "y") if not faults and name not in names]
     if faults:
         raise TableFaults(faults)
     return columns

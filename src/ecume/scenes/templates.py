@@ -42,7 +42,7 @@ def copy_template(name: str, to: Path) -> list[Path]:
     """Write a template and the table it reads, if any, side by side; nothing is overwritten. The files written."""
     known = templates() | sweep_templates()
     if name not in known:
-        raise BadInput(f"there is no template {name!r}; {suggestion(name, known)}")
+        raise BadInput(f"no template {name!r}; {suggestion(name, known)}")
     home = folder() / "sweeps" if name in sweep_templates() else folder()
     table = home / f"{name}.csv"
     texts = {to: (home / f"{name}.toml").read_text(encoding="utf-8")}

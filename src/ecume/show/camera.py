@@ -101,7 +101,7 @@ class Aimed(Picture):
         """The position at which a particle is seen (m)."""
         count = len(frame.arrays["position"])
         if not 0 <= one < count:
-            raise BadInput(f"there is no particle {one} to follow; at {frame.time:g} s there are 0 to {count - 1}")
+            raise BadInput(f"no particle {one} at {frame.time:g} s; expected 0 to {count - 1}")
         return self.picture.place(frame, one)
 
     def _look(self, view: View) -> None:

@@ -46,7 +46,7 @@ def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[st
         if what not in known:
             raise BadInput(f"no such figure as {what!r}; {suggestion(what, known)}")
         if not len(trajectory):
-            raise BadInput(f"{directory}: the run has no frames yet; there is nothing to draw")
+            raise BadInput(f"{directory}: the run has no frames yet; nothing to draw")
         return save(known[what](trajectory, scene), target)
 
 

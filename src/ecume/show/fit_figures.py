@@ -24,7 +24,9 @@ def fit_figure(found: Fit) -> Figure:
         _paths(left, found)
         _residuals(right, found)
         title = getattr(found.scene, "title", "")
-        left.set_title("Measured and simulated tracks" + (f": {plain(title).strip()}" if title else ""))
+        left.set_title("Measured and simulated tracks")
+        if title:
+            drawn.suptitle(plain(title).strip())
     return drawn
 
 

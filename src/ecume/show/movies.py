@@ -82,7 +82,7 @@ class MovieOptions:
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:
-            raise BadInput(f"fps is {self.fps}; expected from 1 to 240 pictures a second")
+            raise BadInput(f"got fps = {self.fps}; expected 1 to 240 frames per second")
         if self.every < 1:
             raise BadInput(f"every is {self.every}; expected 1 for each frame, 2 for each second one, and so on")
         if self.size is not None and not all(64 <= side <= 8192 for side in self.size[:2]):

@@ -108,7 +108,7 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
     places = [frame.arrays["position"][frame.arrays["left"] < 0, -1] for frame in instants]
     values = np.concatenate(places)
     if not len(values):
-        raise BadInput("all particles have left the tank; there is no profile to draw")
+        raise BadInput("all particles have left the tank; no profile to draw")
     scale = scale_for(float(np.abs(values).max()), "m")
     edges = np.linspace(values.min(), max(values.max(), values.min() + 1e-12), SLICES + 1)
     with style():
@@ -157,7 +157,7 @@ def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
     shown = evolution(frames)
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:
-        raise BadInput("the scene has no walls; there is nothing that could be hit")
+        raise BadInput("the scene has no walls; no collisions to draw")
     walls = wall_names(scene)
     with style():
         drawn = figure()

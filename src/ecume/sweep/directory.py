@@ -230,7 +230,7 @@ def _toml(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml, value)) + "]"
     if isinstance(value, float) and not math.isfinite(value):
-        raise BadInput(f"{value} is no value of a scene")
+        raise BadInput(f"{value} is not a valid value of a scene")
     return json.dumps(value)
 
 

@@ -70,12 +70,12 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
         raise BadInput(f"{sweep.directory}: its points were drawn, and lie on no curves; --what scatter draws them")
     rows = [row for row in sweep.table() if row["state"] == "done"]
     if not rows:
-        raise BadInput(f"{sweep.directory}: no point is done yet; there is nothing to draw")
+        raise BadInput(f"{sweep.directory}: no point is finished; nothing to draw")
     shown = measured_column(rows, sweep.axes, measure)
     units = sweep.units([*sweep.ways, shown])
     axes = [column for name in sweep.ways if len(np.unique((column := column_of(rows, name, units)).values)) > 1]
     if not axes:
-        raise BadInput(f"{sweep.directory}: nothing varies in the points that are done; there is nothing to draw over")
+        raise BadInput(f"{sweep.directory}: no parameter varies among the finished points; nothing to draw")
     with style():
         drawn = figure()
         on = drawn.add_subplot(title=plain(sweep.title))

@@ -51,7 +51,7 @@ def require_arguments(name: str, keys: list[str]) -> None:
             raise BadInput(f"axes: the process {name} has no argument {key!r}; {suggestion(key, known)}")
     for key, argument in known.items():
         if argument.default is argument.empty and key not in keys:
-            raise BadInput(f"axes: the process {name} wants {key}, which neither varies nor is fixed")
+            raise BadInput(f"axes: the process {name} needs {key}; add it to [[axes]] or [fixed]")
 
 
 def require_settings(name: str, settings: Mapping[str, Any]) -> None:

@@ -11,7 +11,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ecume.errors import BadInput, StorageError
 from ecume.run.user_code import entries
@@ -23,6 +23,10 @@ from ecume.sweep.processes import process_of
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.tables import library
+
+if TYPE_CHECKING:
+    from pandas import DataFrame as PandasFrame
+    from polars import DataFrame as PolarsFrame
 
 CACHE = "measures.json"
 TABLE = "table.csv"
@@ -91,12 +95,12 @@ class Sweep:
         columns = list(dict.fromkeys(name for row in rows for name in row))
         return [{name: row.get(name, math.nan) for name in columns} for row in rows]
 
-    def polars(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
+    def polars(self, measures: Mapping[str, str | Measure] | None = None) -> PolarsFrame:
         """The table as a DataFrame of Polars (extra `tables`); what is missing is null."""
         rows = self.table(measures)
         return library("polars").DataFrame(_with_nulls(rows), infer_schema_length=None, strict=False)
 
-    def pandas(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
+    def pandas(self, measures: Mapping[str, str | Measure] | None = None) -> PandasFrame:
         """The table as a DataFrame of Pandas, if that is installed; what is missing is NaN."""
         return library("pandas").DataFrame(_with_nulls(self.table(measures)))
 
@@ -164,7 +168,7 @@ def require_numbers(sweeping: Sweeping) -> None:
     numbers = next(simulate(from_plain(plan["scene"]))).numbers
     for text, name in wanted.items():
         if name not in numbers:
-            raise BadInput(f"measures: {text!r}: no number is called {name}; {suggestion(name, sorted(numbers))}")
+            raise BadInput(f"measures: {text!r}: no number {name}; {suggestion(name, sorted(numbers))}")
 
 
 def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:

@@ -214,7 +214,7 @@ class SweepSpec:
         """The faults of keys or names that are given in two places."""
         keys = self.keyed
         times = Counter([*keys.values(), *self.fixed])
-        yield from ((place, f"{key} stands elsewhere, too") for place, key in keys.items() if times[key] > 1)
+        yield from ((place, f"{key} is given twice") for place, key in keys.items() if times[key] > 1)
         if self.repeats > 1 and "seed" in keys.values():
             yield ("repeats",), "repeats have consecutive seeds; they cannot be combined with seeds that vary"
         names = Counter([*OWN_COLUMNS, *self.measures, *(self.named(key) for key in dict.fromkeys(keys.values()))])

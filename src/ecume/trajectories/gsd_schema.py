@@ -4,6 +4,7 @@ HOOMD's own chunks let OVITO and every other reader of GSD show the particles: p
 precision and always three components, diameter, type. ecume's chunks are exact: `log/time`, `log/<number>`,
 `log/particles/<array>`, and `ecume/header`, which states once what the arrays are and which unit each has. A
 trajectory in single precision has its arrays as `<f4`, and no second copy of HOOMD's chunks; it is read as float64.
+Positions in a periodic box have a second copy, since HOOMD's are relative to the middle of the box.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ class Header(NamedTuple):
 
 
 SINGLE = "<f4"
+SIDES = ("box_width", "box_height", "box_depth")
+"""The numbers of a frame that are the sides of a periodic box; zero or missing along other axes."""
 
 
 def header_of(frame: Frame, first: int, species: Sequence[str] = (), *, single: bool = False) -> Header:
@@ -105,7 +108,7 @@ def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = (
     chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
     chunks |= _shown(frame, header.species) | _colored(frame, colors)
     for name, (kind, _) in header.arrays.items():
-        if kind != SINGLE or f"particles/{name}" not in chunks:
+        if kind != SINGLE or f"particles/{name}" not in chunks or (name == "position" and _is_periodic(frame)):
             chunks[f"log/particles/{name}"] = _table(frame.arrays[name].astype(kind, copy=False))
     for name, value in (("time", frame.time), *frame.numbers.items()):
         chunks[f"log/{name}"] = _column(np.array([value], np.float64))
@@ -157,10 +160,10 @@ def numbers_checksum(chunks: Chunks, header: Header) -> int:
 
 def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
     """The quantities of HOOMD's schema, in single precision."""
-    position = frame.arrays["position"]
+    box, position = _boxed(frame)
     shown = {
         "configuration/dimensions": _column(np.array([position.shape[1]], np.uint8)),
-        "configuration/box": _column(_box(frame)),
+        "configuration/box": _column(box),
         "particles/N": _column(np.array([len(position)], np.uint32)),
         "particles/position": _in_space(position),
     }
@@ -171,6 +174,11 @@ def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
     if "mass" in frame.arrays:
         shown["particles/mass"] = _column(frame.arrays["mass"].astype(np.float32))
     return shown | _types(frame, species)
+
+
+def _is_periodic(frame: Frame) -> bool:
+    """Whether HOOMD's positions are those in a periodic box, which differ from ecume's."""
+    return any(frame.numbers.get(name, 0.0) > 0.0 for name in SIDES)
 
 
 def _types(frame: Frame, named: Sequence[str]) -> Chunks:
@@ -195,13 +203,35 @@ def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
     return {"log/particles/Color": bytes_of[frame.arrays["species"] % len(colors)] / np.float32(255.0)}
 
 
-def _box(frame: Frame) -> NDArray[np.float32]:
-    """A box around the origin that holds all particles; in powers of two, so that it seldom changes."""
+def _boxed(frame: Frame) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """HOOMD's box, and the positions in it. A periodic box is exact: its middle is the origin, and all particles are
+    inside. Along other axes the box holds all particles, and its sides are powers of two, so that they seldom change.
+    """
     position = frame.arrays["position"]
+    sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: position.shape[1]]])
     reach = float(np.abs(position).max(initial=0.0)) + float(frame.arrays.get("radius", np.zeros(1)).max(initial=0.0))
-    side = 2.0 * 2.0 ** math.ceil(math.log2(reach)) if 0.0 < reach < math.inf else 1.0
-    depth = side if position.shape[1] == 3 else 1.0
-    return np.array([side, side, depth, 0.0, 0.0, 0.0], np.float32)
+    around = 2.0 * 2.0 ** math.ceil(math.log2(reach)) if 0.0 < reach < math.inf else 1.0
+    lengths = np.append(np.where(sides > 0.0, sides, around), np.ones(3 - len(sides)))
+    tilt = _tilt(frame, sides)
+    if sides.any():
+        inside = position.copy()
+        if tilt:
+            inside[:, 0] -= tilt * position[:, 1]
+        for axis in np.flatnonzero(sides):
+            inside[:, axis] -= sides[axis] * (np.floor(inside[:, axis] / sides[axis]) + 0.5)
+        if tilt:
+            inside[:, 0] += tilt * inside[:, 1]
+        position = inside
+    return np.array([*lengths, tilt, 0.0, 0.0], np.float32), position
+
+
+def _tilt(frame: Frame, sides: NDArray[np.float64]) -> float:
+    """HOOMD's tilt factor xy of a sheared box, from -1/2 to 1/2 of its width over its height."""
+    if not sides[:2].all() or len(sides) < 2:
+        return 0.0
+    width, height = (float(side) for side in sides[:2])
+    shift = frame.numbers.get("box_tilt", frame.numbers.get("strain", 0.0) * height)
+    return (shift - width * round(shift / width)) / height
 
 
 def _in_space(vectors: NDArray[Any]) -> NDArray[np.float32]:

@@ -7,7 +7,7 @@ import contextlib
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self, overload
+from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,10 @@ from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.records import manifest_at, scene_at
 from ecume.trajectories.samples import FILE, Samples
 from ecume.trajectories.segments import Segment
+
+if TYPE_CHECKING:
+    from pandas import DataFrame as PandasFrame
+    from polars import DataFrame as PolarsFrame
 
 OF_A_RUN = ("manifest.json", "resolved.json")
 """Files beside the folder of frames of a run."""
@@ -110,7 +114,7 @@ class Trajectory(Sequence[Frame]):
         """One of the named numbers (`kinetic_energy`), of all frames."""
         known = {known for segment in self._segments for known in segment.header.numbers}
         if name not in known:
-            raise BadInput(f"{self.directory}: no number is called {name}; there are {', '.join(sorted(known))}")
+            raise BadInput(f"{self.directory}: no number {name}; expected one of {', '.join(sorted(known))}")
         return self._column(f"log/{name}")
 
     @property
@@ -133,7 +137,7 @@ class Trajectory(Sequence[Frame]):
         if isinstance(index, slice):
             return _Some(self, range(len(self))[index])
         if not -len(self) <= index < len(self):
-            raise IndexError(f"{self.directory}: there is no frame {index}; the run has {len(self)}")
+            raise IndexError(f"{self.directory}: no frame {index}; the run has {len(self)} frames")
         segment, local = self._located(index % len(self))
         return segment.frame(local)
 
@@ -143,14 +147,14 @@ class Trajectory(Sequence[Frame]):
             segment.close()
         self._segments = []
 
-    def polars(self, *, particles: bool = False) -> Any:
+    def polars(self, *, particles: bool = False) -> PolarsFrame:
         """The numbers of all frames as a DataFrame of Polars, a row per frame; with `particles`, the arrays instead.
 
         Of an array each component is a column (`position_x`); `frame` and `particle` count from 0.
         """
         return tables.library("polars").DataFrame(self._table(particles))
 
-    def pandas(self, *, particles: bool = False) -> Any:
+    def pandas(self, *, particles: bool = False) -> PandasFrame:
         """The same as a DataFrame of Pandas."""
         return tables.library("pandas").DataFrame(self._table(particles))
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,10 @@ from ecume._plain_files import content_of
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories import tables
 from ecume.trajectories.durable_files import storing
+
+if TYPE_CHECKING:
+    from pandas import DataFrame as PandasFrame
+    from polars import DataFrame as PolarsFrame
 
 FILE = "samples.csv"
 LARGEST = 2**34
@@ -131,11 +135,11 @@ class Samples:
         scatter = float(np.average((values - mean) ** 2, weights=weights))
         return Average(mean, math.sqrt(scatter / (len(values) - 1)) if len(values) > 1 else math.nan, len(values))
 
-    def polars(self) -> Any:
+    def polars(self) -> PolarsFrame:
         """The table as a DataFrame of Polars."""
         return tables.library("polars").DataFrame(self.columns())
 
-    def pandas(self) -> Any:
+    def pandas(self) -> PandasFrame:
         """The table as a DataFrame of Pandas."""
         return tables.library("pandas").DataFrame(self.columns())
 

@@ -67,6 +67,16 @@ def test_forces_are_the_sum_over_all_images():
     assert force == pytest.approx(direct, abs=scene.interaction.accuracy * np.abs(force).max())
 
 
+def test_check_compares_the_cell_with_the_cutoff():
+    scene = scene_of(WATER + floats_at(spread(10, 1)) + CELL)
+    ((_, sides, remark),) = (row for row in FLOATING.summary(scene) if row[0] == "cell")
+    parameters = FLOATING.parameters(scene)
+    cover = 1000.0 * np.pi * parameters.floats.radius[0] ** 2 / np.prod(SIDES)
+    assert sides == "60 mm x 80 mm"
+    assert remark == f"periodic, {0.06 / parameters.cutoff:.3g} cutoffs wide; floats cover {cover:.3g} %"
+    assert not any(row[0] == "cell" for row in FLOATING.summary(scene_of(WATER + floats_at(spread(10, 1)))))
+
+
 @pytest.mark.parametrize("contacts", ["", "friction = 0.3\n", 'law = "spring-dashpot"\n'])
 def test_shifting_all_floats_changes_nothing(contacts):
     position = np.array([[1e-4, 1e-4], [0.0579, 2e-4], [0.0011, 0.0782], [0.03, 0.0795], [0.0305, 0.0018]])

@@ -151,6 +151,40 @@ def test_a_liquid_is_one_region_without_gaps_inside_its_walls_and_seen_on_a_dark
     assert tab.complaints == []
 
 
+def test_a_liquid_in_3d_is_translucent_water_in_one_piece(tab, tmp_path):
+    scene, frame = scene_of(3), frame_of(dimension=3)
+    stage = STAGES["sph"](scene, [frame])
+    header = {"title": "", "model": "sph", "facts": [], "papers": [], "scene": "", "live": False}
+    (tmp_path / "page.html").write_text(page({**header, **looks(frame, frame, stage)}, [pack([frame], stage)]))
+    tab.emulate_media(color_scheme="dark")
+    tab.set_viewport_size({"width": 1000, "height": 420})
+    tab.goto((tmp_path / "page.html").as_uri())
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.evaluate("document.querySelectorAll('#clock, #scale').forEach((one) => (one.style.visibility = 'hidden'))")
+
+    def seen():
+        tab.wait_for_timeout(200)
+        tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
+        with Image.open(tmp_path / "canvas.png") as picture:
+            return np.asarray(picture.convert("RGB")).astype(int)
+
+    water = seen()
+    blue = water[..., 2] - water[..., 0] > 30
+    assert blue.sum() > 0.05 * blue.size
+    rows = np.flatnonzero(blue.any(axis=1))
+    for row in blue[rows[len(rows) // 4] : rows[3 * len(rows) // 4]]:
+        (columns,) = np.nonzero(row)
+        assert row[columns[0] : columns[-1] + 1].mean() > 0.95, "without gaps, but for the edges of the tank"
+    assert len(np.unique(water[blue], axis=0)) > 200, "deeper water is darker or more opaque"
+    tab.select_option("#coloring", "pressure")
+    colored = seen()
+    assert ((colored[..., 1] - colored[..., 0] > 60) & (colored[..., 1] - colored[..., 2] > 10)).sum() > 1000
+    tab.check("#particles")
+    balls = seen()
+    assert (np.abs(balls - colored).max(axis=-1) > 30).sum() > 2000
+    assert all("GPU stall" in one for one in tab.complaints)
+
+
 def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     scene = scene_of(passive_tracers=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
     frame = carrying(frame_of())

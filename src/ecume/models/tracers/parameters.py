@@ -223,7 +223,7 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
         steps = scene.frame_every / asked
         if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             fits = scene.frame_every / max(1, math.ceil(steps))
-            came = f"got {asked:g} s; frame_every, {scene.frame_every:g} s, is no whole number of such steps"
+            came = f"got {asked:g} s; frame_every ({scene.frame_every:g} s) is not a multiple of it"
             raise SceneError([Fault("integration.time_step", f"{came}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)

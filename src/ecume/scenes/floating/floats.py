@@ -81,7 +81,7 @@ class ShapeSpec:
         if self.kind == "needle" and self.thickness is not None:
             complaints.append((("thickness",), "a needle is round: it has a width only"))
         if self.kind == "star" and self.mode not in (None, self.arms):
-            complaints.append((("mode",), f"got {self.mode}; a star rises and falls once an arm: leave it out"))
+            complaints.append((("mode",), f"got {self.mode}; expected {self.arms}, one period per arm, or no mode"))
         if complaints:
             raise Inconsistent(complaints)
         if self.mode is None:

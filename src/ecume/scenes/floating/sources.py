@@ -195,7 +195,7 @@ def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
         return whole, -1
     if re.fullmatch(r"-?[0-9]{1,9}", frame) is None:
         raise ValueError(
-            f"{echo(frame)} is no number of a frame; expected RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
+            f"{echo(frame)} is not a frame number; expected RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
         )
     whole = beside(folder, run)
     require_there(whole, folder)

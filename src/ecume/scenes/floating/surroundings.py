@@ -73,7 +73,7 @@ def nodes_of(rows: Sequence[Sequence[float]]) -> dict[str, Any]:
     if len(at) != len(rows):
         raise ValueError("has a node twice")
     if len(x) < 2 or len(y) < 2 or len(at) != len(x) * len(y):
-        raise ValueError(f"is no grid: {len(at)} nodes, with {len(x)} different x and {len(y)} different y")
+        raise ValueError(f"is not a grid: {len(at)} nodes, with {len(x)} different x and {len(y)} different y")
     for axis, places in (("x", x), ("y", y)):
         _require_even(axis, places)
     along, across = ([[at[i, j][part] for j in y] for i in x] for part in (0, 1))
@@ -169,7 +169,12 @@ class LiquidSpec:
                 object.__setattr__(self, key, usual)
         if self.density is not None and self.gas_density >= self.density:
             raise Inconsistent(
-                [(("gas_density",), f"got {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
+                [
+                    (
+                        ("gas_density",),
+                        f"got {self.gas_density:g}; expected less than that of the liquid ({self.density:g} kg/m^3)",
+                    )
+                ]
             )
         return self
 

@@ -73,7 +73,7 @@ def _require_one(spec: Any, values: str) -> None:
     if sine and spec.frequency is None:
         raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
     if table and len(spec.times) != len(getattr(spec, values)):
-        message = f"got {len(getattr(spec, values))} for {len(spec.times)} times; expected as many"
+        message = f"got {len(getattr(spec, values))} for {len(spec.times)} times; expected the same number"
         raise Inconsistent([((values,), message)])
     if any(later <= earlier for earlier, later in zip(spec.times, spec.times[1:], strict=False)):
         raise Inconsistent([(("times",), "expected times that ascend")])
@@ -111,7 +111,7 @@ class GaugeSpec:
         if self.end is not None and len(self.end) != len(self.position):
             complaints.append((("end",), f"got {len(self.end)} numbers, and {len(self.position)} for position"))
         if TAKEN.fullmatch(self.name):
-            complaints.append((("name",), f"got {self.name!r}; frames have numbers of that name, take another"))
+            complaints.append((("name",), f"got {self.name!r}; frames have numbers of this name; choose another"))
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -201,7 +201,7 @@ def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
     if len(side.velocity) != dimension:
         return f"got {len(side.velocity)} numbers; the tank has {dimension} dimensions"
     if axis < dimension and side.velocity[axis] != 0.0:
-        return f"got {side.velocity[axis]:g} m/s across the wall; it goes along itself, and motion moves it across"
+        return f"got {side.velocity[axis]:g} m/s normal to the wall; expected 0 (`motion` moves a wall)"
     return ""
 
 

@@ -62,7 +62,7 @@ def force_law(frames: Frames, scene: Any) -> Figure:
     """The force between two floats over their distance, for each pair of species; a dot where they touch."""
     row = PAIR_LAWS[str(scene.interaction.law)]
     if not (row.has_force and row.reciprocal):
-        raise BadInput(f"the law between these floats is {scene.interaction.law!r}: there is no force to draw")
+        raise BadInput(f"the law between these floats is {scene.interaction.law!r}; no force to draw")
     length = liquid_of(scene).capillary_length
     pairs = _pairs(frames[0], scene, row)
     reach = max(FURTHEST * length, 1.5 * max(pair.touching for pair in pairs))
@@ -126,7 +126,7 @@ def _pairs(frame: Frame, scene: Any, row: PairLaw) -> list[Pair]:
     ]
     charged = [pair for pair in found if pair.force(pair.touching) != 0.0]
     if not charged:
-        raise BadInput("these floats leave the surface flat: there is no force to draw")
+        raise BadInput("these floats do not deform the surface; no force to draw")
     return charged
 
 

@@ -81,7 +81,7 @@ def pair_forces(scene: Any) -> list[Forces]:
     pairs = list(itertools.combinations_with_replacement(range(len(kinds)), 2))[:MOST_PAIRS]
     charged = [pair for pair in pairs if kinds[pair[0]].charge * kinds[pair[1]].charge != 0.0]
     if not charged:
-        raise BadInput("these floats leave the surface flat: there is no force to draw")
+        raise BadInput("these floats do not deform the surface; no force to draw")
     return [_forces_of(scene, (kinds[i], kinds[j]), f"{names[i]} – {names[j]}") for i, j in charged]
 
 

@@ -102,7 +102,7 @@ def displacement(frames: Frames, scene: Any) -> Figure:
     lags = np.unique(np.geomspace(1, len(shown) - 1, 40).round().astype(int))
     found = mean_square_displacement(tracks(shown), [int(lag) for lag in lags])
     if not np.all(found > 0.0):
-        raise BadInput("no float moves: there is no displacement to draw")
+        raise BadInput("no float moves; no displacement to draw")
     scale = scale_for(float(np.sqrt(found.max())), "m")
     with style():
         drawn = figure()
@@ -125,7 +125,7 @@ def approaches(frames: Frames, scene: Any) -> Figure:
     period = None if box is None else box.sides.tolist()
     pairs = touching_pairs(last["position"], last["radius"], period=period)[:MOST_PAIRS]
     if not len(pairs):
-        raise BadInput("no two floats touch in the last frame: there is no approach to draw")
+        raise BadInput("no floats are in contact in the last frame; no approach to draw")
     length, paths = liquid_of(scene).capillary_length, tracks(shown)
     with style():
         drawn = figure()
@@ -146,7 +146,7 @@ def shapes(frames: Frames, scene: Any) -> Figure:
     found = shapes_of(frames[-1], clusters)
     several = clusters.sizes > 1
     if not several.any():
-        raise BadInput("no two floats touch in the last frame: there are no rafts to draw")
+        raise BadInput("no floats are in contact in the last frame; no rafts to draw")
     radius = float(frames[-1].arrays["radius"].mean())
     sizes, gyration = clusters.sizes[several], found.gyration_radius[several] / radius
     # N discs at the density pi/sqrt(12) fill a circle of area 2 sqrt(3) N R^2; its radius of gyration is r/sqrt(2).

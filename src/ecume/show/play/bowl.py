@@ -262,7 +262,7 @@ class Bowl:
             apart = np.hypot(*(arrays["position"] - place).T)
             if _inside(self.scene.dish, place, radius) and (apart > ROOM * (arrays["radius"] + radius)).all():
                 return place
-        raise BadInput("there is no room here")
+        raise BadInput("no room here")
 
 
 def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:

@@ -108,7 +108,7 @@ class Game:
             except BadInput as refusal:
                 said = str(refusal)
             except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as fault:
-                said = f"that is nothing to do here ({fault})"
+                said = f"unknown action ({fault})"
         return Answer(json.dumps({"said": said}).encode(), JSON)
 
     def run(self) -> None:

@@ -187,7 +187,7 @@ class TankPage:
 
     def _choose(self, asked: Asked) -> None:
         if asked["name"] not in COLORINGS:
-            raise BadInput(f"there is no color {asked['name']!r}; expected one of {', '.join(COLORINGS)}")
+            raise BadInput(f"no color {asked['name']!r}; expected one of {', '.join(COLORINGS)}")
         self.color = asked["name"]
 
 

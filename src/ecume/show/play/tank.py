@@ -99,7 +99,7 @@ class Tank:
         liquid = self.liquid()
         points = room_around(self.scene, (x, y), JET, self.pushed, liquid.position.T)
         if not len(points):
-            raise BadInput("there is no room for liquid here")
+            raise BadInput("no room for liquid here")
         if self.count + len(points) > MOST:
             raise BadInput(f"the tank has {self.count} particles; expected at most {MOST}; scoop out some liquid")
         self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
@@ -109,7 +109,7 @@ class Tank:
         liquid = self.liquid()
         stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
         if stays.all():
-            raise BadInput("there is no liquid here")
+            raise BadInput("no liquid here")
         if not stays.any():
             raise BadInput("the last of it stays")
         self._go_on(those(liquid, stays))
@@ -117,7 +117,7 @@ class Tank:
     def open_gate(self) -> None:
         """Remove the first obstacle. Raises BadInput without obstacles."""
         if not self.scene.obstacles:
-            raise BadInput("there is no gate to open")
+            raise BadInput("no gate to open")
         opened = dataclasses.replace(self.scene, obstacles=self.scene.obstacles[1:])
         self._begin(opened, Push(places=(self.pushed,)), self.liquid())
 
@@ -131,7 +131,7 @@ class Tank:
         where no gate is open, and where there is no room for that liquid.
         """
         if not self.opened:
-            raise BadInput("there is no gate to close")
+            raise BadInput("no gate to close")
         closed = dataclasses.replace(self.scene, obstacles=self.first.obstacles[self.opened - 1 :])
         rest = self.integration.parameters.material.density
         self._begin(closed, Push(places=(self.pushed,)), pushed_aside(closed, self.liquid(), self.pushed, rest))
@@ -247,4 +247,4 @@ class Tank:
 
     def _require_movable(self) -> None:
         if not movable(self.scene):
-            raise BadInput("the left side of this tank is no wall that could be pushed")
+            raise BadInput("the left side of this tank is not a movable wall")

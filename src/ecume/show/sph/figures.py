@@ -96,7 +96,7 @@ def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
     """The particles' heights, and the pull downwards."""
     pull = np.array(scene.gravity)
     if not pull[1] < 0.0 or np.delete(pull, 1).any():
-        raise BadInput("gravity does not point down along y; there is no depth for a pressure to follow")
+        raise BadInput("gravity does not point down along y; the hydrostatic pressure is not defined")
     return frame.arrays["position"][:, 1], -float(pull[1])
 
 

@@ -25,7 +25,7 @@ SUPPORT = 4.0
 """Of the kernel, in standard deviations."""
 SLOPE = 1.0 / (SMOOTHING * math.sqrt(2.0 * math.pi))
 """Of the sum at a flat edge, per spacing."""
-LONELY, TOGETHER = 0.40, 0.62
+LONELY, TOGETHER = 0.36, 0.50
 """The sum at a particle below which it is drawn as a disc of its full size, and above which not at all."""
 BURIED = 0.95
 """The solid part of a place beyond which it counts as solid."""

@@ -85,7 +85,7 @@ def liquid_picture(
     """
     name, colorings = color or usual_color(scene), colorings_of(scene)
     if name not in colorings:
-        raise BadInput(f"no color is called {name!r}; {suggestion(name, colorings)}")
+        raise BadInput(f"no color {name!r}; {suggestion(name, colorings)}")
     if len(scene.tank.low) == 2 and eye is not None:
         raise BadInput("azimuth and elevation are for liquids in 3D; this one is in 2D")
     if len(scene.tank.low) == 3:

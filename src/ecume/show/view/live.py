@@ -106,7 +106,7 @@ def awaited(directory: Path) -> Trajectory:
                 return trajectory
             trajectory.close()
         if time.monotonic() > end:
-            raise BadInput(f"{directory}: no frame within {PATIENCE:g} s; there is nothing to show")
+            raise BadInput(f"{directory}: no frame within {PATIENCE:g} s; nothing to show")
         time.sleep(EVERY)
 
 

@@ -33,7 +33,7 @@ def player(trajectory: Trajectory, max_size: float = MOST) -> str:
     the notebook's origin and without network. Where not all frames fit, each second, third ... is shown.
     """
     if not len(trajectory):
-        raise BadInput(f"{trajectory.directory}: the run has no frames yet; there is nothing to show")
+        raise BadInput(f"{trajectory.directory}: the run has no frames yet; nothing to show")
     stage = stage_of(trajectory)
     header = run_header(trajectory, stage)
     every = spacing(trajectory, stage, len(_framed(page(header, [])).encode()), max_size)
@@ -57,7 +57,7 @@ def bare_stage(frame: Frame) -> Stage:
     """Particles, and nothing around them."""
     position = frame.arrays["position"]
     if not len(position):
-        raise BadInput("the frame has no particles; there is nothing to show")
+        raise BadInput("the frame has no particles; nothing to show")
     reach = float(np.max(frame.arrays.get("radius", np.zeros(1))))
     low, high = position.min(axis=0) - reach, position.max(axis=0) + reach
     edge = EDGE * float(np.max(high - low)) or 1.0

@@ -129,7 +129,7 @@ def save_page(
     target = Path(directory) / "results" / "view.html" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
         if not len(trajectory):
-            raise BadInput(f"{directory}: the run has no frames yet; there is nothing to show")
+            raise BadInput(f"{directory}: the run has no frames yet; nothing to show")
         stage = stage_of(trajectory)
         header = run_header(trajectory, stage)
         every = spacing(trajectory, stage, len(page(header, []).encode()), max_size)
@@ -151,7 +151,7 @@ def stage_of(trajectory: Trajectory) -> Stage:
     """The scenery around the particles of a run."""
     scene = trajectory.scene
     if scene.model not in STAGES:
-        raise BadInput(f"there is no view of the model {scene.model!r}; there is of {', '.join(STAGES)}")
+        raise BadInput(f"no view of the model {scene.model!r}; expected one of {', '.join(STAGES)}")
     which = np.unique(np.linspace(0, len(trajectory) - 1, SAMPLES).round().astype(int))
     return STAGES[scene.model](scene, [trajectory[int(index)] for index in which])
 

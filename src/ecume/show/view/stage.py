@@ -63,7 +63,7 @@ class Surface(NamedTuple):
 
 
 class Filled(NamedTuple):
-    """A tank in 2D whose liquid is drawn as a continuous region."""
+    """A tank whose liquid is drawn as a continuous region."""
 
     spacing: float
     """m"""

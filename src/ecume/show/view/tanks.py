@@ -11,10 +11,11 @@ import numpy as np
 from ecume.analysis.pressures import with_pressures
 from ecume.scenes.sph import SIDES
 from ecume.show.camera import edges_of
-from ecume.show.picture import species
+from ecume.show.picture import Species, species
 from ecume.show.scenery import Round
 from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
 from ecume.show.sph.solids import edges, rotation, shape_of, side_line, turned
+from ecume.show.sph.water import water_color
 from ecume.show.tracers import outline_of
 from ecume.show.view.stage import ROUND, Filled, Line, Stage, circle
 from ecume.trajectories.frame import Frame
@@ -37,9 +38,10 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
     margin = 0.03 * float((high - low).max())
     return Stage(
-        low - margin, high + margin, regions(scene), usual_color(scene), FULL * scene.spacing, _joined(lines),
+        low - margin, high + margin, _regions(scene), usual_color(scene) if flat else "species",
+        FULL * scene.spacing, _joined(lines),
         movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
-        liquid=_filled(scene, low - margin, high + margin) if flat else None,
+        liquid=_filled(scene, low - margin, high + margin),
         curves=("kinetic_energy", "largest_pressure"), apart=len(scene.fluid) if scene.passive_tracers else None,
         derived=_pressures(scene),
     )  # fmt: skip
@@ -60,15 +62,23 @@ def _pressures(scene: Any) -> Callable[[Frame], Frame] | None:
     return added
 
 
+def _regions(scene: Any) -> list[Species]:
+    """The kinds of particles; a single liquid in 3D has the color of its substance, as in movies."""
+    kinds = regions(scene)
+    if len(scene.tank.low) == 3 and len(scene.fluid) == 1:
+        return [kinds[0]._replace(color=water_color(scene)), *kinds[1:]]
+    return kinds
+
+
 def _filled(scene: Any, low: Array, high: Array) -> Filled:
     """The tank; beyond open sides what is seen, and where sides move the room that they leave at most."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
-    for number, side in enumerate(SIDES[:4]):
+    for number, side in enumerate(SIDES[: 2 * len(low)]):
         axis, end = number // 2, number % 2
         spec = getattr(scene.tank, side)
         if spec.kind == "open" or spec.motion is not None:
             corners[end, axis] = (high if end else low)[axis]
-    periodic = [scene.tank.left.kind == "periodic", scene.tank.bottom.kind == "periodic"]
+    periodic = [getattr(scene.tank, side).kind == "periodic" for side in SIDES[: 2 * len(low) : 2]]
     return Filled(scene.spacing, corners[0].tolist(), corners[1].tolist(), periodic)
 
 

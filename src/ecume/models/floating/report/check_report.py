@@ -66,9 +66,22 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_raft_speeds(scene),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
+        *_summary_of_cell(parameters),
         *_summary_of_steps(parameters, scene),
         ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
     ]
+
+
+def _summary_of_cell(parameters: Parameters) -> list[Row]:
+    """The sides of a periodic cell, and how they compare with the range of the forces."""
+    if not np.any(parameters.periods):
+        return []
+    sides, radius = parameters.periods[0], parameters.floats.radius
+    coverage = math.pi * float((radius**2).sum()) / float(np.prod(sides))
+    images = (
+        f"periodic, {float(sides.min()) / parameters.cutoff:.3g} cutoffs wide; floats cover {100.0 * coverage:.3g} %"
+    )
+    return [("cell", " x ".join(with_prefix(float(side), "m") for side in sides), images)]
 
 
 def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
