@@ -70,6 +70,13 @@ def test_some_far_away_do_not_make_the_cells_of_the_others_large():
     assert 18 in rows(lists)[17]
 
 
+def test_the_grid_is_the_same_in_any_unit():
+    position = np.random.default_rng(7).uniform(0.0, 1.0, (2, 500))
+    position[0, 17] = 1e4
+    shapes = [grid_around(unit * position, unit * 0.05).shape.tolist() for unit in (1.0, 1e-6, 1e6)]
+    assert shapes[0] == shapes[1] == shapes[2]
+
+
 def test_sparse_particles_have_few_cells():
     position = np.random.default_rng(8).uniform(0.0, 1e4, (3, 100))
     assert np.prod(grid_around(position, 1.0).shape) < 2000

@@ -9,7 +9,7 @@ from tests.engine.test_outlines import needle, outlines, square
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact import warm_start
 from ecume.engine.contact.contacts import deepest_overlap, make_candidates
-from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
 from ecume.engine.walls import box, enclosed_by, no_walls
@@ -68,6 +68,18 @@ def test_a_solve_keeps_both_momenta_and_takes_energy(seed):
     assert after[:3] == pytest.approx(before[:3], abs=1e-12)
     assert after[3] < before[3]
     assert touching.residual(levers, velocity) < 1e-9
+
+
+def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
+    """All bodies fly fast in one direction, so that rounding keeps the residual above the goal."""
+    chance = np.random.default_rng(0)
+    bodies, stance = crowd(9, chance)
+    levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3)) + (1e6, 1e6, 0.0)
+    levers.bound[:] = 0.0
+    sweeps = touching.solve(levers, velocity, Goal(1e-14, 1e-6))
+    assert PATIENCE < sweeps < MOST_SWEEPS
+    assert sweeps % PATIENCE == 0
+    assert touching.residual(levers, velocity) < 1e-6
 
 
 def test_contacts_never_pull_and_separating_ones_have_no_impulse():

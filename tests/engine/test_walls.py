@@ -37,6 +37,14 @@ def test_planes_go_through_other_points_with_the_same_normals():
     assert walls.gaps(np.array([[3.0, 2.0]]), shifted) == pytest.approx(np.array([[1.0, 4.0 / math.sqrt(2.0)]]))
 
 
+@pytest.mark.parametrize("unit", [1e-10, 1.0, 1e9])
+def test_an_entrance_ends_at_its_edges_up_to_rounding_in_any_unit(unit):
+    slanted = walls.planes([(0.0, 0.0)], [(1.0, -3.0)])
+    door = walls.entrance(walls.opening(slanted, 0, (0.3 * unit, 0.1 * unit), (0.9 * unit, 0.3 * unit)), 0)
+    ends = door.at(np.array([[0.0], [1.0], [-0.5], [1.5]]))
+    assert door.holds(ends).tolist() == [True, True, False, False]
+
+
 def test_the_second_surface_of_a_corner_is_met_within_the_same_step():
     traced = walls.trace([(0.9, 0.6)], [(1.0, 2.0)], 0.5, walls.box((0.0, 0.0), (1.0, 1.0)))
     assert traced.surface.tolist() == [2, 3]

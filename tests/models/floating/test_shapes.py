@@ -10,8 +10,9 @@ from ecume.errors import SceneError
 from ecume.laws.ellipsoids import ellipsoid_friction
 from ecume.models.floating import FLOATING
 from ecume.models.floating.setup.kinds import float_kinds
-from ecume.models.floating.shaped.bodies import shaped_energies
+from ecume.models.floating.shaped.bodies import RigidKicks, shaped_energies
 from ecume.models.floating.shaped.figures import Skeleton, moments, silhouette
+from ecume.models.floating.shaped.rigid_motion import slowed
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate
@@ -211,6 +212,19 @@ def test_a_body_is_slowed_less_along_itself_than_across_and_does_not_go_straight
     found = last.arrays["velocity"][0]
     assert found == pytest.approx(np.array([left[0] - left[1], left[0] + left[1]]) * math.sqrt(0.5), rel=1e-9)
     assert last.arrays["angle"] == first.arrays["angle"]
+
+
+@pytest.mark.parametrize("per_relaxation", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_steady_force_gives_a_body_its_terminal_velocity_however_long_the_step(axis, per_relaxation):
+    parameters = FLOATING.parameters(ellipsoid_pair(0.5, -0.4))
+    part = parameters.parts.integrator
+    assert isinstance(part, RigidKicks)
+    inertia = part.inertia[0] if axis == 2 else parameters.floats.mass[0]
+    long = parameters._replace(time_step=2.0 * per_relaxation * inertia / part.friction[0, axis])
+    decay, gain = slowed(part, long, 0, axis)
+    assert decay == pytest.approx(math.exp(-per_relaxation), rel=1e-12)
+    assert gain / -math.expm1(-per_relaxation) == pytest.approx(1.0 / part.friction[0, axis], rel=1e-12)
 
 
 @pytest.mark.compiled
