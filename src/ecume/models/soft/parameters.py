@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ecume.engine.cells import Integers
+from ecume.laws.deflections import TangentialLaw, TensionLaw
 from ecume.laws.friction import ContactFriction
 from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
@@ -53,6 +54,12 @@ class Contacts(NamedTuple):
     """of contact friction"""
     roughness: float
     """m: the gap below which there is contact friction"""
+    tangential_law: int
+    """the code of a row of `ecume.laws.deflections.TANGENTIAL`"""
+    tension_law: int
+    """the code of a row of `ecume.laws.deflections.TENSION`"""
+    cavitation_pressure: float
+    """Pa: by how much the pressure in a film can fall below that outside"""
 
 
 class Laws(NamedTuple):
@@ -62,6 +69,8 @@ class Laws(NamedTuple):
     interface: Callable[..., Resistance]
     remote: Remote
     friction: ContactFriction
+    tangential: TangentialLaw
+    tension: TensionLaw
 
 
 class Planes(NamedTuple):

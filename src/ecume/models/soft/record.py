@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ecume._portable import exp
-from ecume.laws import elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws import deflections, elasticity, friction, interfaces, long_range, lubrication, surfaces
 from ecume.models.actions import Access
 from ecume.models.check_report import Row
 from ecume.models.diagnosis import DEEP, first_broken
@@ -23,7 +23,7 @@ from ecume.models.soft.report.check_report import advice, bytes_of
 from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
 from ecume.models.soft.setup.building import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State, workspace
-from ecume.scenes.soft import SoftScene
+from ecume.scenes.soft import SoftScene, tension_law_of
 from ecume.value_texts import with_prefix
 
 
@@ -133,6 +133,7 @@ def laws_of(scene: Any) -> list[Source]:
     laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += friction.FRICTIONS[films.friction].papers
+    laws += deflections.TANGENTIAL[films.tangential_law].papers + deflections.TENSION[tension_law_of(scene)].papers
     row = long_range.REMOTE[scene.long_range_forces.law]
     return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.integration.integrator].paper]
 

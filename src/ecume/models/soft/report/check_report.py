@@ -15,12 +15,12 @@ from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import material_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
-from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
+from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR, drive_at
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.observation import SLOTS
 from ecume.models.soft.setup.building import prefactors_of
 from ecume.models.soft.state import State
-from ecume.scenes.soft import SoftScene, sides_of
+from ecume.scenes.soft import SoftScene, sides_of, tension_law_of
 from ecume.value_texts import duration_text, size_text, with_prefix
 
 JAMMED = {2: 0.84, 3: 0.64}
@@ -37,6 +37,8 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     return [
         *_initial_state(scene, parameters, state),
         *parameters.laws.surface.check_lines(typical),
+        ("tangential law", scene.films.tangential_law, parameters.laws.tangential.remark),
+        ("tension law", tension_law_of(scene), parameters.laws.tension.remark),
         *doubts(scene, parameters, typical),
         *_cost(scene, parameters, state),
     ]
@@ -151,6 +153,9 @@ def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[
     contacts, smallest = parameters.contacts, float(radius.min())
     said += laws.friction.doubts(gap, contacts.roughness, smallest) if laws.friction.doubts else []
     said += laws.remote.doubts(contacts, smallest) if laws.remote.doubts else []
+    strain = shear_of(parameters, scene.duration)
+    said += laws.tangential.doubts(strain)
+    said += laws.tension.doubts(strain, contacts.cavitation_pressure / float(np.median(parameters.modulus)))
     return [("doubtful", "!", one) for one in said]
 
 
@@ -219,6 +224,17 @@ def strain_of(parameters: Parameters, end: float) -> float:
         total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])
     moving = np.abs(parameters.walls.velocity).max(initial=0.0)
     return float(total + moving * end / (10.0 * parameters.radius.max()))
+
+
+def shear_of(parameters: Parameters, end: float) -> float:
+    """The shear strain of the box until a time, back and forth; infinite where it depends on a shear stress."""
+    protocol, total = parameters.protocol, 0.0
+    spans = np.diff(np.append(np.minimum(protocol.times, end), end))
+    for course, wave, rules, span in zip(protocol.courses, protocol.waves, protocol.rules, spans, strict=True):
+        if span > 0.0 and rules[0] != 0 and course[SHEAR].any():
+            return math.inf
+        total += span * (abs(float(course[STRAIN, 1])) + 2.0 / math.pi * float(wave[0] * wave[2]))
+    return total
 
 
 def seconds_of(parameters: Parameters, contacts: int) -> float:

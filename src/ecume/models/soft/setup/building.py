@@ -11,6 +11,7 @@ from ecume.engine.linear_solvers import cholmod
 from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
+from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.laws.drag import stokes_friction
 from ecume.laws.elasticity import PREFACTORS, Prefactors
 from ecume.laws.friction import FRICTIONS
@@ -30,7 +31,7 @@ from ecume.models.soft.setup.packing import places
 from ecume.models.soft.setup.start_checks import require_balance, require_gaps, require_no_torque, require_one_piece
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.tables import code_of
-from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
+from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
 from ecume.units import Array
 
 TICKS = 1024
@@ -219,6 +220,9 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         friction=code_of(FRICTIONS, films.friction),
         coefficient=films.friction_coefficient,
         roughness=films.roughness or 0.0,
+        tangential_law=code_of(TANGENTIAL, films.tangential_law),
+        tension_law=code_of(TENSION, tension_law_of(scene)),
+        cavitation_pressure=films.cavitation_pressure or 0.0,
     )
 
 
@@ -230,6 +234,8 @@ def laws_chosen(scene: SoftScene) -> Laws:
         INTERFACES[films.interface],
         REMOTE[scene.long_range_forces.law],
         FRICTIONS[films.friction],
+        TANGENTIAL[films.tangential_law],
+        TENSION[tension_law_of(scene)],
     )
 
 
@@ -240,10 +246,11 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
         "surface_tension": [("liquid", scene.liquid)],
         "modulus": spheres,
         "roughness": [("films", scene.films)],
+        "cavitation_pressure": [("films", scene.films)],
     }
     return [
         Fault(f"{path}.{name}", said)
-        for needs in (laws.surface.needs, laws.friction.needs)
+        for needs in (laws.surface.needs, laws.friction.needs, laws.tension.needs)
         for name, said in needs.items()
         for path, given in holders[name]
         if getattr(given, name) is None
@@ -262,6 +269,8 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.surface", SURFACES, scene.films.surface, "elastic law"),
         ("films.interface", INTERFACES, scene.films.interface, "interface"),
         ("films.friction", FRICTIONS, scene.films.friction, "contact friction"),
+        ("films.tangential_law", TANGENTIAL, scene.films.tangential_law, "tangential law"),
+        ("films.tension_law", TENSION, tension_law_of(scene), "tension law"),
         ("long_range_forces.law", REMOTE, scene.long_range_forces.law, "remote law"),
         ("integration.integrator", SCHEMES, scene.integration.integrator, "scheme"),
         ("integration.solver", {"auto": None, **SOLVERS}, scene.integration.solver, "solver"),

@@ -80,7 +80,7 @@ def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: flo
     side = 2.0 + gap
     pulls = ((horizontal, 0.0), (-horizontal, 0.0), (0.0, -vertical), (0.0, vertical))
     places = ((-side / 2, 0.0), (side / 2, 0.0), (0.0, side * SQRT3 / 2), (0.0, -side * SQRT3 / 2))
-    films = FilmSpec(prefactors=prefactors)
+    films = FilmSpec(prefactors=prefactors, tangential_law="secant", tension_law="symmetric")
     # A scene keeps its numbers within what is physical: forces and viscosity are in proportion, so that E is 1.
     parting = passage_time(SoftPair(1.0, 1.0, kappa, prefactors_of(films)), kappa, gap, max(1.0, 2.0 * gap))
     horizon = min(PATIENCE * parting + 60.0 + ramp, 1e10)
