@@ -68,6 +68,7 @@ EFFECTS = {
     "films.friction": of("coulomb", **{**COULOMB, "films": {"roughness": 0.08}}),
     "films.friction_coefficient": of(0.01, **COULOMB),
     "films.roughness": of(0.5, **COULOMB),
+    "films.output": of("vectors", FILES),
     "films.tangential_law": of("secant", **SHEAR),
     "films.tension_law": of("symmetric", **SHEAR),
     "films.cavitation_pressure": of(2e-6, films={"tension_law": "cavitation", "cavitation_pressure": 1e-6}, **SHEAR),

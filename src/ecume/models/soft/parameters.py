@@ -14,6 +14,9 @@ from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.loading.protocol import Protocol
 from ecume.units import Array
 
+CONTACT_LISTS = ("scalars", "vectors")
+"""What frames contain of contacts: see `report.contact_lists`."""
+
 
 class Contacts(NamedTuple):
     """Constants that all contacts share, for compiled code."""
@@ -123,6 +126,8 @@ class Parameters(NamedTuple):
     contacts: Contacts
     laws: Laws
     protocol: Protocol
+    listed: str
+    """one of `CONTACT_LISTS`: what frames contain of contacts"""
     scheme: str
     tolerance: float
     """of ln(gap), and of directions (rad), in a step"""

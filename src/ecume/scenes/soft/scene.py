@@ -177,6 +177,9 @@ class FilmSpec:
     deflection_weight: Weight | None = None
     """The weight c_d of the indentation in the contact size a^2 = R (c_h h + c_d |delta|); takes precedence over the
     set. Effect: larger values widen contacts with strong indentation."""
+    output: LawName = "scalars"
+    """The contacts in frames: `scalars` for the narrowest ones of each sphere, `vectors` for all of them with image,
+    force vectors and deflection. Effect: `vectors` enlarges frames, from which balance and stress can be computed."""
     cutoff: Size | None = None
     """The largest gap with a film (m); by default half of the smallest radius in a cell, without a cell infinite.
     Effect: larger values include more pairs and cost more time."""

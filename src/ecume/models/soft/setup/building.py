@@ -26,7 +26,7 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
 from ecume.models.soft.loading.cell import box_of, shape_at
 from ecume.models.soft.loading.protocol import Protocol, drive_at, protocol_of, rules_at
-from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes
+from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.setup.packing import places
 from ecume.models.soft.setup.start_checks import require_balance, require_gaps, require_no_torque, require_one_piece
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
@@ -89,6 +89,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         contacts=_contacts(scene, float(radius.min())),
         laws=laws_chosen(scene),
         protocol=protocol_of(scene.protocol),
+        listed=scene.films.output,
         scheme=scene.integration.integrator,
         tolerance=scene.integration.tolerance,
         solver=scene.integration.solver,
@@ -269,6 +270,7 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.surface", SURFACES, scene.films.surface, "elastic law"),
         ("films.interface", INTERFACES, scene.films.interface, "interface"),
         ("films.friction", FRICTIONS, scene.films.friction, "contact friction"),
+        ("films.output", dict.fromkeys(CONTACT_LISTS), scene.films.output, "list of contacts"),
         ("films.tangential_law", TANGENTIAL, scene.films.tangential_law, "tangential law"),
         ("films.tension_law", TENSION, tension_law_of(scene), "tension law"),
         ("long_range_forces.law", REMOTE, scene.long_range_forces.law, "remote law"),
