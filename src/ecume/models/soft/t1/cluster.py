@@ -100,6 +100,7 @@ def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: flo
     side = 2.0 + gap
     pulls = ((horizontal, 0.0), (-horizontal, 0.0), (0.0, -vertical), (0.0, vertical))
     places = ((-side / 2, 0.0), (side / 2, 0.0), (0.0, side * SQRT3 / 2), (0.0, -side * SQRT3 / 2))
+    films = FilmSpec(prefactors=prefactors, tangential_law="secant", tension_law="symmetric")
     # A scene keeps its numbers within what is physical: forces and viscosity are in proportion, so that E is 1.
     end = horizon(gap, kappa, prefactors, ramp)
     second = seconds(end)
@@ -112,7 +113,7 @@ def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: flo
             SphereSpec(name=f"{name}", radius=1.0, modulus=1.0, positions=(place,), force=pull)
             for name, place, pull in zip(("left", "right", "top", "bottom"), places, pulls, strict=True)
         ),
-        films=FilmSpec(prefactors=prefactors),
+        films=films,
         protocol=(StageSpec(time=0.0, load=0.0), StageSpec(time=second * ramp, load=1.0)),
         integration=IntegrationSpec(tolerance=rtol),
     )
