@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, recorded
@@ -138,6 +139,72 @@ def soft_laws() -> Figure:
     return drawn
 
 
+def soft_contact() -> Figure:
+    """One contact in compression, in tension and under shear: radius, gap, contact size and deflections."""
+    drawn = figure(9.6, 3.9)
+    panels = drawn.subplots(1, 3)
+    for axes, (normal, shear), title in zip(
+        panels, ((-0.36, 0.0), (0.22, 0.0), (-0.36, 0.3)), ("compression", "tension", "shear"), strict=True
+    ):
+        _draw_contact(axes, normal, shear)
+        axes.set(xlim=(-1.3, 1.3), ylim=(-1.25, 1.3), aspect="equal", title=title)
+        axes.axis("off")
+    return drawn
+
+
+HALF_GAP = 0.05
+"""Of the radius, in the drawing of a contact."""
+
+
+def _draw_contact(axes: Axes, normal: float, shear: float) -> None:
+    """Two spheres with a film between them, their centers 2 R + h + delta_n apart."""
+    center, size = 1.0 + HALF_GAP + 0.5 * normal, math.sqrt(abs(normal) * 1.0)
+    angle, along = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 400), 0.5 * shear
+    for side in (-1.0, 1.0):
+        x, y = side * (np.cos(angle) - center), np.sin(angle)
+        axes.plot(x, y + side * along, "--", color=MUTED, linewidth=1.0)
+        if normal < 0.0:
+            x = np.where(np.abs(y) < size, -side * HALF_GAP, x)
+            y = y + side * along * np.clip((np.abs(y) - size) / (1.0 - size), 0.0, 1.0)
+        else:
+            bump = 0.5 * normal * np.exp(-((y / 0.22) ** 2))
+            x = x + side * bump
+        axes.fill(x, y, color=PALETTE[0], alpha=0.25, linewidth=0.0)
+        axes.plot(x, y, color=PALETTE[0], linewidth=1.6)
+        axes.plot(-side * center, side * along, ".", color=INK)
+    _label_contact(axes, center, size, (normal, shear))
+
+
+def _label_contact(axes: Axes, center: float, size: float, deflection: tuple[float, float]) -> None:
+    """Arrows and letters."""
+    normal, shear = deflection
+
+    def measure(begin: tuple[float, float], end: tuple[float, float], text: str, at: tuple[float, float]) -> None:
+        axes.annotate("", end, begin, arrowprops={"arrowstyle": "<->", "color": INK, "shrinkA": 0, "shrinkB": 0})
+        axes.text(*at, text, color=INK, ha="center", va="center", fontsize=11)
+
+    if shear:
+        for side in (-1.0, 1.0):
+            axes.plot([-side * center, -side * HALF_GAP], [side * 0.5 * shear, 0.0], color=PALETTE[1], linewidth=1.2)
+            axes.plot([-side * center, -side * HALF_GAP], [side * 0.5 * shear] * 2, ":", color=MUTED, linewidth=1.0)
+        measure((-1.6 * HALF_GAP, 0.0), (-1.6 * HALF_GAP, 0.5 * shear), "", (0.0, 0.0))
+        axes.text(-0.22, 0.3, "δ_t/2", fontsize=11, ha="center", va="center")
+        return
+    direction = np.array([-math.cos(2.2), math.sin(2.2)])
+    measure((-center, 0.0), (-center - direction[0] * -1.0, direction[1]), "R", (-center + 0.22, 0.45))
+    measure((-center, -1.12), (center, -1.12), "", (0.0, 0.0))
+    axes.text(0.0, -1.24, "X_ij = 2R + h + δ_n", fontsize=10, ha="center")
+    if normal < 0.0:
+        measure((0.0, 0.0), (0.0, size), "a", (0.13, 0.3))
+        measure((-HALF_GAP, 0.72), (HALF_GAP, 0.72), "h", (0.0, 0.84))
+        measure((HALF_GAP, -0.3), (HALF_GAP + 0.5 * normal, -0.3), "", (0.0, 0.0))
+        axes.text(0.2, -0.42, "|δ_n|/2", fontsize=11, ha="left", va="center")
+    else:
+        measure((-HALF_GAP, 0.0), (HALF_GAP, 0.0), "h", (0.0, 0.16))
+        measure((HALF_GAP, -0.45), (HALF_GAP + 0.5 * normal, -0.45), "", (0.0, 0.0))
+        axes.text(0.3, -0.62, "δ_n/2", fontsize=11, ha="center", va="center")
+
+
 def soft_schemes() -> Figure:
     """Error over steps of the schemes, in the opening of a gap whose time is known exactly."""
     drawn = figure(5.6, 4.0)
@@ -235,6 +302,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "t1-durations": t1_durations,
     "sheared-packing": sheared_packing,
     "soft-laws": soft_laws,
+    "soft-contact": soft_contact,
     "soft-schemes": soft_schemes,
     "settling-packing": settling_packing,
     "soft-creep": creep,

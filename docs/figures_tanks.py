@@ -274,13 +274,8 @@ def turbulence() -> Figure:
         axes.add_patch(Rectangle((0.0, 0.0), 2.0, 1.0, facecolor="none", edgecolor=INK))
         axes.set(xlim=(-0.02, 2.02), ylim=(-0.02, 1.02), aspect="equal")
         axes.set_axis_off()
-        axes.set_title(
-            "turbulent_dispersion, schmidt_number = 0.05"
-            if "schmidt_number" in way
-            else "turbulent_dispersion"
-            if way
-            else "tracers"
-        )
+        names = [f"{key} = {value}".replace("True", "true") for key, value in way.items()]
+        axes.set_title(names[-1] if names else "tracers")
     return drawn
 
 

@@ -51,7 +51,7 @@ def texts() -> dict[str, str]:
 
 
 def card(name: str, text: str) -> str:
-    """A clip with its title; no blank line, or Markdown would begin anew."""
+    """A clip with its title; without a blank line, which would end the HTML block of Markdown."""
     return (
         f'<figure>{clip(name)}<figcaption><strong><a href="gallery/{name}.html">{html.escape(title(text))}</a></strong>'
         f"{html.escape(says(text))}</figcaption></figure>"

@@ -167,7 +167,7 @@ def test_a_bead_run_is_reported_exported_and_not_replaced() -> None:
     assert "beads: holds a run already" in again.stderr
     assert cli.invoke(app, [*words, "--force"]).exit_code == 0
     assert cli.invoke(app, ["resume", "beads"]).stdout.endswith("it was complete already\n")
-    assert cli.invoke(app, ["repair", "beads"]).stdout == "4 frames are good\n"
+    assert cli.invoke(app, ["repair", "beads"]).stdout == "4 intact frames\n"
     wrote = cli.invoke(app, ["export", "beads", "--to", "csv"])
     assert wrote.exit_code == 0
     assert len(Path(wrote.stdout.split()[1]).read_text().splitlines()) == 1 + 4 * 2

@@ -6,13 +6,21 @@ import math
 import numpy as np
 import pytest
 
+from ecume.laws.deflections import TENSION
 from ecume.laws.elasticity import Prefactors
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES, Body
 from ecume.models import MODELS
-from ecume.models.soft.contacts.contact import film_of, gap_energy_of, normal_energy, remote_answer
+from ecume.models.soft.contacts.contact import (
+    contact_energy,
+    contact_gap_energy,
+    film_of,
+    gap_energy_of,
+    normal_energy,
+    remote_answer,
+)
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.report.energy_budget import elastic_energy
@@ -51,8 +59,10 @@ def asked(law, contacts, **known):
 def test_a_contact_yields_by_the_surface_that_was_asked_for(name):
     contacts = contacts_of(films={"surface": name})
     known = {"body": BODY, "gap": GAP, "stretch": STRETCH, "prefactors": Prefactors()}
-    wanted = asked(SURFACES[name].surface, contacts, **known)
-    assert tuple(film(contacts).surface) == pytest.approx(tuple(wanted), rel=1e-12)
+    wanted, found = asked(SURFACES[name].surface, contacts, **known), film(contacts).surface
+    whole = asked(SURFACES[name].surface, contacts, **{**known, "stretch": math.hypot(STRETCH, SHEAR)})
+    assert found.size == pytest.approx(wanted.size, rel=1e-12)
+    assert (found.normal, found.tangential) == pytest.approx((whole.normal, whole.tangential), rel=1e-12)
     assert normal_energy(contacts, BODY, GAP, STRETCH) == pytest.approx(asked(SURFACES[name].energy, contacts, **known))
 
 
@@ -65,6 +75,25 @@ def test_a_normal_force_is_the_slope_of_its_energy(name):
         assert surface.normal * stretch == pytest.approx(slope, rel=1e-6)
         energies = [normal_energy(contacts, BODY, GAP * math.exp(way), stretch) for way in (-1e-5, 1e-5)]
         assert gap_energy_of(contacts, BODY, GAP, stretch) == pytest.approx(np.diff(energies)[0] / 2e-5, rel=1e-5)
+
+
+@pytest.mark.parametrize("tension", TENSION)
+@pytest.mark.parametrize("name", SURFACES)
+def test_both_forces_are_the_slopes_of_one_energy(name, tension):
+    contacts, fine = contacts_of(films={"surface": name, "tension_law": tension, "cavitation_pressure": 1.0}), 1e-6
+
+    def energy(gap, stretch, shear):
+        return contact_energy(contacts, BODY, gap, stretch, shear**2)
+
+    for stretch in (-0.02, 0.01):
+        surface = film_of(contacts, BODY, math.log(GAP), BODY.radius_sum + GAP + stretch, 0.015).surface
+        ends = [energy(GAP, stretch + way, 0.015) for way in (-fine, fine)]
+        assert surface.normal * stretch == pytest.approx(np.diff(ends)[0] / (2 * fine), rel=1e-6)
+        ends = [energy(GAP, stretch, 0.015 + way) for way in (-fine, fine)]
+        assert surface.tangential * 0.015 == pytest.approx(np.diff(ends)[0] / (2 * fine), rel=1e-6)
+        ends = [energy(GAP * math.exp(way), stretch, 0.015) for way in (-1e-5, 1e-5)]
+        found = contact_gap_energy(contacts, BODY, GAP, stretch, 0.015**2)
+        assert found == pytest.approx(np.diff(ends)[0] / 2e-5, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", SURFACES)

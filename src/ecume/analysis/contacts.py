@@ -76,6 +76,37 @@ def films(frame: Frame) -> Near:
     return Near(pairs, frame.arrays["gap"][first, slot])
 
 
+class ContactTable(NamedTuple):
+    """All contacts between spheres in a frame, a row each; forces act on the first sphere of a pair."""
+
+    pairs: Integers
+    """(C, 2)"""
+    image: Integers
+    """(C, d) the periodic image of the second sphere"""
+    gap: Array
+    normal_force: Array
+    """(C, d) N; along the vector from the first to the second in tension"""
+    tangential_force: Array
+    """(C, d) N"""
+    deflection: Array
+    """(C, d) m, of both surfaces together: the vector between the centers less the gap vector"""
+
+    @property
+    def force(self) -> Array:
+        """The force on the first sphere (C, d) N."""
+        return np.asarray(self.normal_force + self.tangential_force)
+
+
+def contact_table(frame: Frame) -> ContactTable:
+    """The contacts of a frame of a scene with `films.output = "vectors"`, complete if `unlisted_contacts` is 0."""
+    if "normal_force" not in (*frame.arrays, *omitted_from(frame)):
+        raise BadInput('the frames contain no force vectors; set films.output = "vectors" and run the scene again')
+    first, slot = np.nonzero(frame.arrays["neighbor"] >= 0)
+    pairs = np.stack([first, frame.arrays["neighbor"][first, slot]], axis=1)
+    names = ("contact_image", "gap", "normal_force", "tangential_force", "deflection")
+    return ContactTable(pairs, *(frame.arrays[name][first, slot] for name in names))
+
+
 def gap_distribution(gap: Array, bins: int = 30, span: tuple[Length, Length] | None = None) -> Distribution:
     """The distribution of ln(gap): of those that are positive, between the ends of `span`.
 

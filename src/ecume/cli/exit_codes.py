@@ -23,6 +23,7 @@ WORDINGS = (
     (r"Input should be a valid number.*", "expected a number"),
     (r"Input should be greater than or equal to (\S+)", r"expected \1 or more"),
     (r"Input should be less than or equal to (\S+)", r"expected \1 or less"),
+    (r"(?:Value error, )?'([^']*)' is not one of (.+)", r"got '\1'; expected one of \2"),
     (r"No such (option|command):? '?([^\s']+)'?", r"\2: no such \1"),
     (r"\(Possible options: (.+)\)", r"(did you mean \1?)"),
     (r"Missing (?:option|argument|parameter) '(.+?)'.*", r"\1: is missing"),

@@ -251,7 +251,7 @@ def repair(directory: RunFolder = HERE) -> None:
     mended = mend(directory)
     for fault in (*mended.faults, *(f"{path}: set aside, no frame in it is whole" for path in mended.unusable)):
         typer.echo(fault)
-    typer.echo(f"{mended.good} frames are good")
+    typer.echo(f"{mended.good} intact frames")
 
 
 @contextlib.contextmanager

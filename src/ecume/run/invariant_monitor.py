@@ -13,7 +13,7 @@ from ecume.run.numbers import lines_of
 from ecume.trajectories.records import WATCH
 
 POLICIES = ("warn", "stop")
-"""What becomes of a run that breaks an invariant."""
+"""Reactions to an invariant that a run violates."""
 BROKEN = "broken"
 WORKS = "injected", "dissipated"
 

@@ -42,7 +42,8 @@ def copy_template(name: str, to: Path) -> list[Path]:
     """Write a template and the table it reads, if any, side by side; nothing is overwritten. The files written."""
     known = templates() | sweep_templates()
     if name not in known:
-        raise BadInput(f"no template {name!r}; {suggestion(name, known)}")
+        near = suggestion(name, known)
+        raise BadInput(f"no template {name!r}; {near if 'mean' in near else '`ecume new` lists them'}")
     home = folder() / "sweeps" if name in sweep_templates() else folder()
     table = home / f"{name}.csv"
     texts = {to: (home / f"{name}.toml").read_text(encoding="utf-8")}

@@ -62,7 +62,7 @@ class MovieOptions:
     """The frames of a run that a movie shows, their rate, and their size."""
 
     fps: int = FPS
-    """Pictures a second."""
+    """Frames per second."""
     every: int = 1
     """2 for each second frame, and so on."""
     size: tuple[int, int] | None = None

@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 
+from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers
 from ecume.models.soft.parameters import Contacts
+from ecume.models.tables import code_of
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 
 PAPER = (1.5 * math.pi, math.pi, 1.0, 1.0, 1.0, 1.0)
@@ -20,8 +22,11 @@ def contacts(prefactors=PAPER, viscosity=1.0, **more):
         "fade_from": math.inf, "fade_to": math.inf, "rounding": 1e-12, "remote": 0, "strength": 0.0,
         "steric_length": 1.0, "hamaker": 0.0, "layer_strength": 0.0, "debye_length": 1.0,
         "surface": 0, "surface_tension": 1.0, "interface": 0, "viscosity_ratio": 1.0, "friction": 0,
-        "coefficient": 0.0, "roughness": 1.0,
+        "coefficient": 0.0, "roughness": 1.0, "tangential_law": "potential", "tension_law": "symmetric",
+        "cavitation_pressure": 1.0,
     } | more  # fmt: skip
+    for table, key in ((TANGENTIAL, "tangential_law"), (TENSION, "tension_law")):
+        given[key] = code_of(table, given[key])
     return Contacts(viscosity, *prefactors, **given)
 
 

@@ -84,12 +84,26 @@ def test_spheres_filled_in_closer_than_they_fit_press_as_they_then_do():
     assert 1.0 < last["largest_compression"] / found.force < 4.0
 
 
-def test_a_sheared_film_resists_with_no_more_than_moves_it_fastest():
+def test_a_sheared_film_thins_until_the_surfaces_yield():
+    """A short strain leaves the gap as it is; a long one squeezes the film, whatever the gap at the start."""
     pair = SoftPair(1.0, 1.0, 1e-3)
-    slow, fast = sheared_force(pair, 0.01, 1e-6), sheared_force(pair, 0.01, 1e3)
-    assert slow == pytest.approx(1.5 * math.pi * 1e-3 / 0.01 * 2e-6)
-    assert fast == pytest.approx(2.0 * math.sqrt(3.0) * 1e-3)
+    assert sheared_force(pair, 0.01, 1e-6, 1e-6) == pytest.approx(1.5 * math.pi * 1e-3 / 0.01 * 2e-6, rel=1e-3)
+    long = [sheared_force(pair, gap, 1e-2, 10.0) for gap in (1e-4, 0.01, 0.3)]
+    crossing = (1.5 * math.pi * 1e-5 / math.sqrt(3.0)) ** 0.4
+    assert long == pytest.approx([2.0 * math.sqrt(3.0) * crossing**1.5] * 3, rel=1e-12)
+    assert long[0] == pytest.approx(1.5 * math.pi * 1e-3 / crossing * 2e-2)
     assert "shear" in expected(packing(protocol=[{"time": 0.0, "shear_rate": 1.0}])).source
+
+
+@pytest.mark.parametrize(
+    ("films", "says"),
+    [({"tangential_law": "secant"}, "'potential'"), ({"tension_law": "symmetric"}, "'gap'"),
+     ({"tension_law": "cavitation", "cavitation_pressure": 0.5}, "tenth of the modulus")],
+)  # fmt: skip
+def test_laws_that_fail_in_a_flow_are_doubted_where_the_strain_is_large(films, says):
+    for strain, doubted in ((0.1, False), (2.0, True)):
+        scene = packing(films=films, protocol=[{"time": 0.0}, {"time": 4.0, "strain": strain}])
+        assert (says in told(scene)) == doubted
 
 
 def test_nothing_is_foreseen_where_nothing_is_done():

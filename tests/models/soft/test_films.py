@@ -20,9 +20,14 @@ WAYS = {
     "drop": contacts(LOPSIDED, interface=3, viscosity_ratio=0.6),
     "sticking": contacts(LOPSIDED, friction=1, coefficient=50.0, roughness=0.1),
     "slipping": contacts(LOPSIDED, friction=1, coefficient=0.2, roughness=0.1),
+    "secant": contacts(LOPSIDED, tangential_law="secant"),
+    "gap": contacts(LOPSIDED, tension_law="gap"),
+    "gap-bubble": contacts(LOPSIDED, tension_law="gap", surface=1, surface_tension=0.7),
+    "cavitating": contacts(PAPER, tension_law="cavitation", cavitation_pressure=0.2),
     "dlvo": contacts(PAPER, remote=2, hamaker=0.01, layer_strength=0.3, debye_length=0.05),
 }
 PLACES = {"layer": (np.array([1.31, 1.1]), np.array([1.0, 0.93])),
+          "stretched": (np.array([1.5, 1.1]), np.array([1.0, 0.83])),
           "space": (np.array([1.0, 1.1, 0.9]), np.array([1.0, 0.98, 0.85])),
           "space-without-shear": (np.array([1.0, 0.9, 1.1]), np.array([1.0, 0.9, 1.1]))}  # fmt: skip
 each_way = pytest.mark.parametrize("given", WAYS.values(), ids=WAYS)

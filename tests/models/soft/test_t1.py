@@ -8,7 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ecume.errors import BadInput
+from ecume.laws.soft_pair import SoftPair, passage_time
+from ecume.models.soft.t1.cluster import Instant
 from ecume.models.soft.t1.process import follow, t1_process, t1_scene
+from ecume.models.soft.t1.symmetric import follow_symmetric
 
 from .clusters import Referee
 
@@ -45,6 +48,53 @@ def test_durations_over_the_whole_range_are_those_of_an_independent_solution(gap
     found = t1_process(gap=gap, reduced_force=kappa, threshold=(0.5, 0.9, 0.99))
     assert found.outcome == "t1"
     assert list(found.durations.values()) == pytest.approx([half, most, nearly_all], rel=1e-5)
+
+
+@pytest.mark.parametrize(("gap", "kappa"), [(1e-8, 1e-3), (1e-6, 0.1)])
+def test_the_longest_processes_take_what_parting_two_spheres_takes(gap, kappa):
+    found = t1_process(gap=gap, reduced_force=kappa, rtol=1e-4)
+    parting = passage_time(SoftPair(1.0, 1.0, kappa), kappa, gap, 1.0)
+    assert found.outcome == "t1"
+    # Deflected by kappa^(2/3), the diagonals stand less steep, and pull harder.
+    assert found.duration == pytest.approx(parting, rel=0.03 if kappa < 0.05 else 0.3)
+
+
+@pytest.mark.parametrize(("gap", "constant"), [(0.1, 2.5), (1e-2, 2.325)])
+def test_the_faintest_forces_part_rigid_spheres(gap, constant):
+    found = t1_process(gap=gap, reduced_force=1e-12, rtol=1e-6)
+    assert (found.duration - 0.005) / (1.5 * math.pi) + math.log(gap) == pytest.approx(constant, abs=1e-4)
+    assert found.imbalance < 1e-12
+
+
+def test_deflections_as_unknowns_give_what_positions_give():
+    given = 1e-3, (-2e-4, 1e-3), (0.5, 0.9)
+    ours = follow_symmetric(*given, ("physical", 0.01, 1e-7))
+    theirs = follow(t1_scene(1e-3, given[1], "physical", 0.01, 1e-7), *given[1:])
+    assert list(ours.durations.values()) == pytest.approx(list(theirs.durations.values()), rel=2e-6)
+    times = np.array([1.0, 10.0, 30.0, 100.0])
+    for name in Instant._fields:
+        values = [np.interp(times, one.time, one.curve(name)) for one in (ours, theirs)]
+        assert values[0] == pytest.approx(values[1], rel=5e-3, abs=2e-3), name
+
+
+def test_forces_too_faint_for_positions_differ_little_from_the_least_that_are_not():
+    below, above = (t1_process(gap=1e-2, reduced_force=kappa, rtol=1e-6) for kappa in (4.99e-7, 5.01e-7))
+    assert below.duration == pytest.approx(above.duration, rel=1e-4)
+    assert below.rejected == below.turned == 0
+
+
+def test_a_threshold_is_carried_from_its_time_on_even_before_the_vertical_pair_is_the_closer_one():
+    found = t1_process(gap=1e-3, reduced_force=1e-3, threshold=[0.9, 0.01, 0.1])
+    # Reference values of an independent solution.
+    assert found.durations == pytest.approx({0.9: 395.743, 0.01: 316.60, 0.1: 371.36}, rel=1e-5)
+    assert list(found.durations) == [0.9, 0.01, 0.1]
+    assert found.duration == found.durations[0.1]
+
+
+def test_sliding_friction_takes_a_third_of_a_process():
+    scene = t1_scene(1e-2, PULL, "paper", 0.01, 1e-6)
+    slippery = dataclasses.replace(scene, films=dataclasses.replace(scene.films, shear=math.pi / 100.0))
+    assert follow(slippery, PULL, (0.9,)).duration == pytest.approx(30.51, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +158,7 @@ def in_units(scene, length, force):
 def test_other_units_change_nothing():
     scene = t1_scene(1e-2, PULL, "paper", 0.01, 1e-8)
     other = in_units(scene, 1.7e-3, 3.1e-6)
-    times = [follow(scene, PULL, (0.9,)), follow(other, PULL, (0.9,), units=(1.7e-3, 3.1e-6))]
+    times = [follow(scene, PULL, (0.9,)), follow(other, PULL, (0.9,), units=(1.7e-3, 3.1e-6, 1.0))]
     assert times[1].duration == pytest.approx(times[0].duration, rel=1e-9)
 
 
@@ -153,10 +203,32 @@ def test_the_papers_own_way_converges_with_its_order_and_leaves_the_balance(meth
         ({"reduced_force": 1e-3, "forces": (0.0, 1e-3)}, "got both"),
         ({}, "got neither"),
         ({"forces": (0.0, 0.0)}, "different"),
+        ({"forces": (1e-3,)}, "expected two numbers, F_h and F_v"),
+        ({"forces": (0.0, 1e-3, 0.0)}, "expected two numbers, F_h and F_v"),
+        ({"forces": 1e-3}, "expected two numbers, F_h and F_v"),
+        ({"forces": ("a", 1e-3)}, "F_h of forces is 'a'; expected a number"),
+        ({"forces": (0.0, 1e-3), "force_ratio": 0.1}, "force_ratio is 0.1, but forces give both"),
+        ({"reduced_force": 1e-3, "force_ratio": float("nan")}, "force_ratio is nan; expected a finite"),
+        ({"reduced_force": 1e-3, "force_ratio": 1 / math.sqrt(3)}, "nothing pulls"),
+        ({"reduced_force": "x"}, "reduced_force is 'x'; expected a number"),
+        ({"reduced_force": 3.0}, "deflected by more than a radius"),
+        ({"reduced_force": 1e-3, "time_step": 1e-3}, "the implicit method chooses its steps"),
+        ({"reduced_force": 1e-3, "threshold": ()}, "threshold is empty"),
+        ({"reduced_force": 1e-3, "threshold": "0.9"}, "threshold is '0.9'; expected a number"),
+        ({"reduced_force": 1e-3, "threshold": (0.5, 1.0)}, "threshold is 1.0; expected a part"),
+        ({"reduced_force": 1e-3, "threshold": (0.5, 0.5)}, "expected different numbers"),
+        ({"reduced_force": 1e-3, "rotation": "yes"}, "rotation is 'yes'; expected True or False"),
+        ({"reduced_force": 1e-3, "prefactors": 3}, "prefactors is 3; expected a name"),
+        ({"reduced_force": 1e-3, "gap": "1e-2"}, "gap is '1e-2'; expected a number"),
+        ({"reduced_force": 1e-3, "gap": None}, "gap is None; expected a number"),
+        ({"reduced_force": 1e-3, "gap": 1.0}, "gap is 1.0; expected at least 1e-10 and below 1, in radii"),
+        ({"reduced_force": 0.1, "gap": 1e-10}, "no clock resolves the sliding"),
+        ({"reduced_force": 1e-3, "ramp": None}, "ramp is None; expected a number"),
+        ({"reduced_force": 1e-8, "method": "rk2"}, "loses the deflections"),
         ({"reduced_force": -1.0}, "reduced_force"),
         ({"reduced_force": 1e-3, "gap": 0.0}, "gap"),
-        ({"reduced_force": 3e-8}, "lost in rounding"),
-        ({"forces": (0.0, 1e-7)}, "expected 1e-07 or more"),
+        ({"reduced_force": 3e-13}, "spheres are rigid below"),
+        ({"forces": (0.0, 1e-12)}, "expected 1e-12 or more"),
         ({"reduced_force": 1e-3, "method": "magic"}, "no method"),
         ({"reduced_force": 1e-3, "prefactors": "magic"}, "prefactors"),
         ({"reduced_force": 1e-3, "rtol": 0.0}, "rtol is 0.0; expected 1e-11 to 0.01"),

@@ -7,12 +7,16 @@ from typing import NamedTuple
 
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Surfaces
+from ecume.laws.deflections import TangentialLaw, TensionLaw
 from ecume.laws.friction import ContactFriction
 from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.loading.protocol import Protocol
 from ecume.units import Array
+
+CONTACT_LISTS = ("scalars", "vectors")
+"""What frames contain of contacts: see `report.contact_lists`."""
 
 
 class Contacts(NamedTuple):
@@ -54,6 +58,12 @@ class Contacts(NamedTuple):
     """of contact friction"""
     roughness: float
     """m: the gap below which there is contact friction"""
+    tangential_law: int
+    """the code of a row of `ecume.laws.deflections.TANGENTIAL`"""
+    tension_law: int
+    """the code of a row of `ecume.laws.deflections.TENSION`"""
+    cavitation_pressure: float
+    """Pa: by how much the pressure in a film can fall below that outside"""
 
 
 class Laws(NamedTuple):
@@ -63,6 +73,8 @@ class Laws(NamedTuple):
     interface: Callable[..., Resistance]
     remote: Remote
     friction: ContactFriction
+    tangential: TangentialLaw
+    tension: TensionLaw
 
 
 class Planes(NamedTuple):
@@ -109,6 +121,8 @@ class Parameters(NamedTuple):
     contacts: Contacts
     laws: Laws
     protocol: Protocol
+    listed: str
+    """one of `CONTACT_LISTS`: what frames contain of contacts"""
     scheme: str
     tolerance: float
     """of ln(gap), and of directions (rad), in a step"""

@@ -8,6 +8,7 @@ import numpy as np
 
 from ecume._portable import exp
 from ecume.laws import elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.check_report import Row
 from ecume.models.diagnosis import DEEP, first_broken
@@ -20,11 +21,12 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.check_report import advice, bytes_of
+from ecume.models.soft.report.contact_geometry import LARGE, deflections, remedy, worst_contact
 from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
 from ecume.models.soft.setup.building import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BOOKS, State, make_state, workspace
 from ecume.models.state_layout import Layout
-from ecume.scenes.soft import SoftScene
+from ecume.scenes.soft import SoftScene, tension_law_of
 from ecume.value_texts import with_prefix
 
 
@@ -52,10 +54,13 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
     broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
     told = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
-    return (
-        f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: "
-        "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
-    )
+    found, contacts = deflections(parameters, state), parameters.contacts
+    if broken or not np.isfinite(found.magnitude).all():
+        cure = "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
+    else:
+        told = worst_contact(found) or told
+        cure = remedy(found, (list(TANGENTIAL)[contacts.tangential_law], list(TENSION)[contacts.tension_law]))
+    return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: {cure}"
 
 
 def _closest(parameters: Parameters, state: State) -> str:
@@ -102,6 +107,7 @@ def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
     return [
         Invariant("gap", "whether any is closed", 0.0, _closed),
         Invariant("force balance", balance, UNBALANCED, _left),
+        Invariant("deflection", "the largest of a contact, over the smaller radius", LARGE, _deflected),
         Invariant(ENERGY, "what its books miss, over what moved", most_missing(parameters), _missing),
     ]
 
@@ -127,6 +133,11 @@ def _missing(seen: Seen) -> float:
     return part_of(abs(now[INJECTED] - first.get(INJECTED, 0.0) - spent), moved + seen.largest[STAKE])
 
 
+def _deflected(seen: Seen) -> float:
+    """Zero in runs of an earlier version."""
+    return seen.now.get("largest_deflection", 0.0)
+
+
 def _closed(seen: Seen) -> float:
     return 0.0 if seen.now["smallest_gap"] > 0.0 else 1.0
 
@@ -144,6 +155,7 @@ def laws_of(scene: Any) -> list[Source]:
     laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += friction.FRICTIONS[films.friction].papers
+    laws += [*TANGENTIAL[films.tangential_law].papers, *TENSION[tension_law_of(scene)].papers]
     row = long_range.REMOTE[scene.long_range_forces.law]
     return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.integration.integrator].paper]
 

@@ -15,6 +15,7 @@ from ecume.scenes.soft.scene import (
     SphereSpec,
     dimensions_of,
     sides_of,
+    tension_law_of,
 )
 from ecume.scenes.soft.walls import SIDES, WallSpec
 
@@ -33,4 +34,5 @@ __all__ = [
     "WallSpec",
     "dimensions_of",
     "sides_of",
+    "tension_law_of",
 ]

@@ -33,6 +33,7 @@ from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, U
 MOST_SPHERES = 1_000_000
 
 Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]
+CavitationPressure = Annotated[Pressure, Field(gt=0.0, le=1e15)]
 ThickViscosity = Annotated[Viscosity, Field(ge=1e-12, le=1e12)]
 Load = Annotated[Force, Field(ge=-1e9, le=1e9)]
 Strength = Annotated[Force, Field(ge=0.0, le=1e9)]
@@ -146,6 +147,15 @@ class FilmSpec:
     values resist more before surfaces slide."""
     roughness: Size | None = None
     """The gap below which there is contact friction (m). Effect: larger values bring more contacts into friction."""
+    tangential_law: LawName = "potential"
+    """The tangential force of a contact: `potential`, or `secant` as in the paper on the T1 process. Effect:
+    `potential` keeps the stiffness definite where neighbors change."""
+    tension_law: LawName | None = None
+    """The law of contacts in tension: `gap` for a contact size by the gap alone, `symmetric` as in the paper, or
+    `cavitation`; by default `gap` in a cell, without a cell `symmetric`. Effect: `symmetric` binds pairs."""
+    cavitation_pressure: CavitationPressure | None = None
+    """By how much the pressure in a film can fall below that outside (Pa); required for `tension_law =
+    "cavitation"`. Example: `"98 kPa"`. Effect: lower values let films open more easily."""
     prefactors: LawName = "paper"
     """The set of the six numbers that follow: `paper` or `physical`. Effect: `physical` has the stiffness of Hertz
     contacts."""
@@ -167,6 +177,9 @@ class FilmSpec:
     deflection_weight: Weight | None = None
     """The weight c_d of the indentation in the contact size a^2 = R (c_h h + c_d |delta|); takes precedence over the
     set. Effect: larger values widen contacts with strong indentation."""
+    output: LawName = "scalars"
+    """The contacts in frames: `scalars` for the narrowest ones of each sphere, `vectors` for all of them with image,
+    force vectors and deflection. Effect: `vectors` enlarges frames, from which balance and stress can be computed."""
     cutoff: Size | None = None
     """The largest gap with a film (m); by default half of the smallest radius in a cell, without a cell infinite.
     Effect: larger values include more pairs and cost more time."""
@@ -285,6 +298,13 @@ def sides_of(scene: SoftScene) -> tuple[float, ...]:
     volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.particles)
     factor = (volume / wanted / math.prod(size)) ** (1.0 / len(size))
     return tuple(factor * side for side in size)
+
+
+def tension_law_of(scene: SoftScene) -> str:
+    """The tension law of a scene: the given one, or that of packings in a cell and of clusters without."""
+    if scene.films.tension_law is not None:
+        return scene.films.tension_law
+    return "symmetric" if scene.cell is None else "gap"
 
 
 def dimensions_of(scene: SoftScene) -> int:

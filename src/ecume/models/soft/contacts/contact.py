@@ -11,7 +11,8 @@ import math
 from typing import NamedTuple
 
 from ecume._jit import admit, compiled_inside, selection
-from ecume.laws import bubbles, elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws import bubbles, deflections, elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws.deflections import TANGENTIAL, TENSION, Bending, Draw, Widening
 from ecume.laws.elasticity import Prefactors
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES, Resistance
@@ -20,7 +21,7 @@ from ecume.laws.surfaces import SURFACES, Body, Surface
 from ecume.models.soft.parameters import Contacts
 from ecume.models.tables import codes
 
-admit(elasticity, lubrication, long_range, bubbles, interfaces, friction, surfaces)
+admit(elasticity, lubrication, long_range, bubbles, interfaces, friction, surfaces, deflections)
 
 FAINTEST = 1e-3
 """Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""
@@ -40,6 +41,41 @@ rubbing_by = selection(
     "rubbing_by", codes(FRICTIONS, lambda row: row.rubbing), __name__, __file__,
     ("gap", "compression", "pull", "contacts"),
 )  # fmt: skip
+widening_by = selection(
+    "widening_by", codes(TENSION, lambda row: row.widening), __name__, __file__, ("stretch", "contacts")
+)
+draw_by = selection(
+    "draw_by", codes(TENSION, lambda row: row.draw), __name__, __file__, ("tension", "contact_size", "contacts")
+)
+bending_by = selection(
+    "bending_by", codes(TANGENTIAL, lambda row: row.bending), __name__, __file__,
+    ("widening", "shear", "ratio", "contacts"),
+)  # fmt: skip
+sheared_energy_by = selection(
+    "sheared_energy_by", codes(TANGENTIAL, lambda row: row.energy), __name__, __file__,
+    ("stiffness", "shear_squared", "contacts"),
+)  # fmt: skip
+
+
+class Elastic(NamedTuple):
+    """The elastic response of a contact at its whole deflection."""
+
+    size: float
+    """a, the contact size, which the film shares"""
+    size_by_gap: float
+    """d ln(a) / d ln(gap)"""
+    size_by_stretch: float
+    """d ln(a) / d delta_n (1/m)"""
+    normal: float
+    tangential: float
+    """force over deflection (N/m)"""
+    normal_by_gap: float
+    normal_by_stretch: float
+    normal_by_shear: float
+    tangential_by_gap: float
+    tangential_by_stretch: float
+    tangential_by_shear: float
+    """derivatives of their logarithms with respect to ln(gap), delta_n (1/m) and delta_t (1/m)"""
 
 
 class Film(NamedTuple):
@@ -54,7 +90,7 @@ class Film(NamedTuple):
     """and along the surface"""
     stretch: float
     """normal deflection"""
-    surface: Surface
+    surface: Elastic
     resistance: Resistance
     faded: float
     """what part of its friction the film still has"""
@@ -62,6 +98,8 @@ class Film(NamedTuple):
     """d ln(friction) / d q by fading"""
     remote_force: float
     remote_slope: float
+    draw: Draw
+    """the tension that opens the film, and its derivatives"""
     held: float
     """what of the tangential force the film bears, over that force: 1 without contact friction"""
     slide_by_pull: float
@@ -108,6 +146,61 @@ def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Su
 
 
 @compiled_inside
+def bent_by(
+    contacts: Contacts, body: Body, gap: float, stretch: float, shear: float
+) -> tuple[Widening, Bending, Surface]:
+    """What widens a contact at this deflection, what bends it, and its surfaces as widened."""
+    widening: Widening = widening_by(stretch, contacts, contacts.tension_law)
+    surface = surface_of(contacts, body, gap, widening.deflection)
+    ratio = surface.tangential / surface.normal
+    bending: Bending = bending_by(widening.deflection, shear, ratio, contacts, contacts.tangential_law)
+    return widening, bending, surface
+
+
+@compiled_inside
+def elastic_of(contacts: Contacts, body: Body, gap: float, stretch: float, shear: float) -> Elastic:
+    """The elastic response: both stiffnesses are those of the bending deflection, but where tension does not widen the
+    contact, its normal stiffness is that of rest.
+    """
+    widening, bending, film = bent_by(contacts, body, gap, stretch, shear)
+    bent, follows = surface_of(contacts, body, gap, bending.deflection), widening.follows
+    by_gap, slope = bent.stiffening * bent.size_by_gap, bent.stiffening * bent.size_by_stretch
+    by_stretch, by_shear = slope * bending.by_widening * follows, slope * bending.by_shear
+    return Elastic(
+        size=film.size,
+        size_by_gap=film.size_by_gap,
+        size_by_stretch=film.size_by_stretch * follows,
+        normal=follows * bent.normal + (1.0 - follows) * film.normal,
+        tangential=bent.tangential,
+        normal_by_gap=follows * by_gap + (1.0 - follows) * film.stiffening * film.size_by_gap,
+        normal_by_stretch=follows * by_stretch,
+        normal_by_shear=follows * by_shear,
+        tangential_by_gap=by_gap,
+        tangential_by_stretch=by_stretch,
+        tangential_by_shear=by_shear,
+    )
+
+
+@compiled_inside
+def contact_energy(contacts: Contacts, body: Body, gap: float, stretch: float, shear_squared: float) -> float:
+    """The elastic energy of a contact (J); by the paper's tangential law, at its present tangential stiffness."""
+    widening, bending, film = bent_by(contacts, body, gap, stretch, math.sqrt(shear_squared))
+    beside = 0.5 * film.normal * (stretch * stretch - widening.deflection * widening.deflection)
+    sheared: float = sheared_energy_by(film.tangential, shear_squared, contacts, contacts.tangential_law)
+    return normal_energy(contacts, body, gap, bending.deflection) + beside + sheared
+
+
+@compiled_inside
+def contact_gap_energy(contacts: Contacts, body: Body, gap: float, stretch: float, shear_squared: float) -> float:
+    """The derivative of that energy with respect to ln(gap), at deflections that are held (J); without the shear's part
+    by the paper's tangential law.
+    """
+    widening, bending, film = bent_by(contacts, body, gap, stretch, math.sqrt(shear_squared))
+    beside = 0.5 * film.normal * (stretch * stretch - widening.deflection * widening.deflection)
+    return gap_energy_of(contacts, body, gap, bending.deflection) + film.stiffening * film.size_by_gap * beside
+
+
+@compiled_inside
 def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
     """The energy of a normal deflection (J)."""
     energy: float = energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
@@ -126,10 +219,11 @@ def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: 
     """A contact's numbers."""
     gap = math.exp(log_gap)
     stretch = pull - body.radius_sum - gap
-    surface = surface_of(contacts, body, gap, stretch)
+    surface = elastic_of(contacts, body, gap, stretch, shear)
     faded, fade_slope = fading(gap, contacts)
     remote_force, remote_slope = remote_answer(gap, body.reduced_radius, contacts)
     resistance = resistance_by(surface.size, gap, (contacts.squeeze, contacts.shear), contacts, contacts.interface)
+    draw: Draw = draw_by(surface.normal * stretch + remote_force, surface.size, contacts, contacts.tension_law)
     tips = rubbing_by(gap, -(surface.normal * stretch), surface.tangential * shear, contacts, contacts.friction)
     return Film(
         gap=gap,
@@ -143,6 +237,7 @@ def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: 
         fade_slope=fade_slope,
         remote_force=remote_force,
         remote_slope=remote_slope,
+        draw=draw,
         held=tips.held,
         slide_by_pull=tips.by_pull,
         slide_by_limit=tips.by_limit,

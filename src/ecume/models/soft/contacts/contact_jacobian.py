@@ -23,9 +23,8 @@ STILL = 1e-14
 @compiled_inside
 def rates(film: Film) -> tuple[float, float]:
     """D ln(gap)/dt and the rate at which n turns towards the shear: the film flows under the surfaces' force."""
-    squeezed = film.surface.normal * film.stretch + film.remote_force
     sheared = film.surface.tangential * film.shear * film.held
-    opening = squeezed / (film.faded * film.resistance.squeeze * film.gap)
+    opening = film.draw.tension / (film.faded * film.resistance.squeeze * film.gap)
     return opening, sheared / (film.faded * film.resistance.shear * film.reach)
 
 
@@ -40,10 +39,13 @@ def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> 
     stretch = dpull + film.shear * turn - film.gap * dq
     shear = dshear - film.pull * turn
     size = surface.size_by_gap * dq + surface.size_by_stretch * stretch
-    stiffer = surface.stiffening * size
-    normal = surface.normal * (stretch + film.stretch * stiffer)
+    firmer = surface.normal_by_gap * dq + surface.normal_by_stretch * stretch + surface.normal_by_shear * shear
+    stiffer = surface.tangential_by_gap * dq + surface.tangential_by_stretch * stretch
+    stiffer += surface.tangential_by_shear * shear
+    normal = surface.normal * (stretch + film.stretch * firmer)
     along = surface.tangential * (shear + film.shear * stiffer)
-    d_opening = (normal + film.remote_slope * film.gap * dq) / (film.faded * resistance.squeeze * film.gap)
+    drawn = film.draw.by_tension * (normal + film.remote_slope * film.gap * dq) + film.draw.by_size * size
+    d_opening = drawn / (film.faded * resistance.squeeze * film.gap)
     thicker = film.fade_slope * dq
     d_opening -= opening * (thicker + (resistance.squeeze_by_gap + 1.0) * dq + resistance.squeeze_by_size * size)
     limit = film.limit_by_normal * normal + film.limit_by_gap * dq

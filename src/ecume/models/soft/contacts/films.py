@@ -14,7 +14,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, prange, shared
 from ecume.engine.cells import Integers
 from ecume.laws.surfaces import Body
-from ecume.models.soft.contacts.contact import film_of, normal_energy
+from ecume.models.soft.contacts.contact import contact_energy, film_of
 from ecume.models.soft.contacts.contact_jacobian import Frame, Link, Start, Vector, dot, frame_of, linked
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
@@ -168,7 +168,7 @@ def make_films(count: int) -> Films:
 
 @compiled
 def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Array) -> float:
-    """The elastic energy of the deflections (J): exact along the normal; tangentially with the present stiffness."""
+    """The elastic energy of the deflections (J)."""
     total = 0.0
     for c in range(len(pairs.first)):
         i, j = pairs.first[c], pairs.second[c]
@@ -178,7 +178,7 @@ def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Arra
             pull += between * films.direction[c, k]
             square += between * between
         body = Body(pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c])
-        film = film_of(contacts, body, films.log_gap[c], pull, 0.0)
-        total += normal_energy(contacts, body, film.gap, film.stretch)
-        total += 0.5 * film.surface.tangential * max(square - pull * pull, 0.0)
+        gap = math.exp(films.log_gap[c])
+        sheared = max(square - pull * pull, 0.0)
+        total += contact_energy(contacts, body, gap, pull - body.radius_sum - gap, sheared)
     return total

@@ -8,6 +8,7 @@ force acts has its place as an unknown of each stage, like the box that answers 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from ecume._jit import compiled, compiled_inside, where_there
 from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
 from ecume.engine.cells import Integers
 from ecume.laws.surfaces import Body
-from ecume.models.soft.contacts.contact import Film, film_of, normal_energy
+from ecume.models.soft.contacts.contact import Film, contact_energy, film_of
 from ecume.models.soft.contacts.contact_jacobian import ROUNDING, Frame, Link, Start, Vector, dot, frame_of, linked
 from ecume.models.soft.contacts.rotation import axial, cross
 from ecume.models.soft.integration.dirk_schemes import Scheme
@@ -125,7 +126,7 @@ def flattened(film: Film, far: float) -> Film:
     """A contact as seen from a sphere without end: its surface is sheared by a slip, and its normal stays."""
     return Film(
         film.gap, far, far, film.shear, film.stretch, film.surface, film.resistance, film.faded, film.fade_slope,
-        film.remote_force, film.remote_slope, film.held, film.slide_by_pull, film.slide_by_limit,
+        film.remote_force, film.remote_slope, film.draw, film.held, film.slide_by_pull, film.slide_by_limit,
         film.limit_by_normal, film.limit_by_gap,
     )  # fmt: skip
 
@@ -276,9 +277,7 @@ def resist_at_walls(walls: Walls, blocks: Array, own: Integers, dimensions: int)
 
 @where_there(0.0)
 def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
-    """The elastic energy of the deflections at walls (J): exact along the normal; tangentially with the present
-    stiffness.
-    """
+    """The elastic energy of the deflections at walls (J)."""
     touches, total = walls.touches, 0.0
     for c in range(len(touches.first)):
         n, radius = normal_of(walls.places, touches.wall[c]), touches.radius[c]
@@ -286,9 +285,8 @@ def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
         pull, slip = dot(x, n), touches.slip
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
         body = Body(radius, radius, touches.modulus[c])
-        film = film_of(contacts, body, touches.log_gap[c], pull, 0.0)
-        total += normal_energy(contacts, body, film.gap, film.stretch)
-        total += 0.5 * film.surface.tangential * max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
+        gap, square = math.exp(touches.log_gap[c]), max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
+        total += contact_energy(contacts, body, gap, pull - radius - gap, square)
     return total
 
 

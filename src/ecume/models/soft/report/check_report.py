@@ -15,12 +15,12 @@ from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import material_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
-from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
+from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR, drive_at
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.report.observation import SLOTS
+from ecume.models.soft.report.contact_lists import widths
 from ecume.models.soft.setup.building import prefactors_of
 from ecume.models.soft.state import State
-from ecume.scenes.soft import SoftScene, sides_of
+from ecume.scenes.soft import SoftScene, sides_of, tension_law_of
 from ecume.value_texts import duration_text, size_text, with_prefix
 
 JAMMED = {2: 0.84, 3: 0.64}
@@ -37,6 +37,8 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     return [
         *_initial_state(scene, parameters, state),
         *parameters.laws.surface.check_lines(typical),
+        ("tangential law", scene.films.tangential_law, parameters.laws.tangential.remark),
+        ("tension law", tension_law_of(scene), parameters.laws.tension.remark),
         *doubts(scene, parameters, typical),
         *_cost(scene, parameters, state),
     ]
@@ -70,7 +72,9 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
         "largest wall stress x cross-section": load * max(walls, default=0.0) * across,
         "total weight per cross-section": float(weight) * min(across / base, 1.0),
         "compression beyond random packing": pressed_force(pair, fillings(parameters), dimensions),
-        "shear of the films": sheared_force(pair, gap, rate_of(scene, parameters)),
+        "shear of the films": sheared_force(
+            pair, gap, rate_of(scene, parameters), strain_of(parameters, scene.duration)
+        ),
     }
     return {name: value for name, value in found.items() if value > 0.0}
 
@@ -102,15 +106,20 @@ def rate_of(scene: SoftScene, parameters: Parameters) -> float:
     return float(max(rates.max(), abs(gliding)))
 
 
-def sheared_force(pair: SoftPair, gap: float, rate: float) -> float:
-    """The resistance of a film (N) to neighbors that separate or approach with 2 R times the rate, in Poiseuille's
-    regime: at most the force of the largest speed.
+def sheared_force(pair: SoftPair, gap: float, rate: float, strain: float) -> float:
+    """The largest resistance of a film (N) to neighbors that approach or separate with 2 R times the rate, while they
+    move by 2 R times the strain: the gap changes by as much, but films are not squeezed below the gap at which the
+    surfaces yield as fast, h = R (c_n c_h^(1/2) c_d eta rate / (sqrt(3) alpha_n E))^(2/5).
     """
     if not rate > 0.0 or math.isnan(gap):
         return 0.0
-    factors = pair.prefactors
-    friction = factors.squeeze * pair.viscosity * (pair.radius * factors.gap_weight) ** 2 / gap
-    return min(friction * 2.0 * pair.radius * rate, optimal_force(pair, gap))
+    factors, radius = pair.prefactors, pair.radius
+    ratio = factors.squeeze * math.sqrt(factors.gap_weight) * factors.deflection_weight / factors.normal
+    crossing = radius * (ratio * pair.viscosity * rate / (math.sqrt(3.0) * pair.modulus)) ** 0.4
+    moved = 2.0 * radius * strain
+    narrow = max(crossing, gap - moved) if gap > crossing else min(crossing, gap + moved)
+    friction = factors.squeeze * pair.viscosity * (radius * factors.gap_weight) ** 2 / narrow
+    return float(min(friction * 2.0 * radius * rate, optimal_force(pair, narrow)))
 
 
 def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
@@ -151,16 +160,17 @@ def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[
     contacts, smallest = parameters.contacts, float(radius.min())
     said += laws.friction.doubts(gap, contacts.roughness, smallest) if laws.friction.doubts else []
     said += laws.remote.doubts(contacts, smallest) if laws.remote.doubts else []
+    strain = shear_of(parameters, scene.duration)
+    said += laws.tangential.doubts(strain)
+    said += laws.tension.doubts(strain, contacts.cavitation_pressure / float(np.median(parameters.modulus)))
     return [("doubtful", "!", one) for one in said]
 
 
 def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     contacts = int(state.contacts[0] + state.touching.sum())
     steps, seconds = steps_of(scene, parameters), seconds_of(parameters, contacts)
-    dimensions, slots = parameters.dimensions, SLOTS[parameters.dimensions]
-    slots = min(slots, max(len(parameters.radius) - 1, 1))
-    arrays = {"position": dimensions, "velocity": dimensions}
-    arrays |= dict.fromkeys(("neighbor", "gap", "tension", "shear"), slots)
+    dimensions = parameters.dimensions
+    arrays = {"position": dimensions, "velocity": dimensions, **widths(parameters)}
     content = Content(len(parameters.radius), arrays, NUMBERS)
     cost = frame_cost(scene, content, steps)
     sheared = "the strain depends on the stresses; " if (parameters.protocol.rules != 0).any() else ""
@@ -186,7 +196,7 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 # --- Cost and number of steps of soft spheres: measured constants
 
 
-NUMBERS = 30
+NUMBERS = 35
 """In a frame, about."""
 SATURATED = 1000
 """Spheres whose number of steps in a unit of strain does not grow further; of fewer it is as the third root of their
@@ -219,6 +229,17 @@ def strain_of(parameters: Parameters, end: float) -> float:
         total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])
     moving = np.abs(parameters.walls.surfaces.velocity).max(initial=0.0)
     return float(total + moving * end / (10.0 * parameters.radius.max()))
+
+
+def shear_of(parameters: Parameters, end: float) -> float:
+    """The shear strain of the box until a time, back and forth; infinite where it depends on a shear stress."""
+    protocol, total = parameters.protocol, 0.0
+    spans = np.diff(np.append(np.minimum(protocol.times, end), end))
+    for course, wave, rules, span in zip(protocol.courses, protocol.waves, protocol.rules, spans, strict=True):
+        if span > 0.0 and rules[0] != 0 and course[SHEAR].any():
+            return math.inf
+        total += span * (abs(float(course[STRAIN, 1])) + 2.0 / math.pi * float(wave[0] * wave[2]))
+    return total
 
 
 def seconds_of(parameters: Parameters, contacts: int) -> float:

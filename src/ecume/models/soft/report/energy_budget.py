@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
-from ecume.laws.surfaces import Body, Surface
-from ecume.models.soft.contacts.contact import gap_energy_of, remote_answer, surface_of
+from ecume.laws.surfaces import Body
+from ecume.models.soft.contacts.contact import Elastic, contact_gap_energy, elastic_of, remote_answer, sheared_energy_by
 from ecume.models.soft.contacts.contact_jacobian import Vector, dot
 from ecume.models.soft.contacts.films import Films, Pairs, center_distance, stored_energy, turned
 from ecume.models.soft.contacts.rotation import Spins
@@ -45,14 +45,16 @@ Web = tuple[tuple[Any, ...], tuple[Array, Array, Array], tuple[Array, Array], tu
 @compiled_inside
 def surface_work(
     contacts: Contacts, body: Body, at: tuple[float, float, float], before: tuple[float, float]
-) -> tuple[float, float, Surface]:
+) -> tuple[float, float, Elastic]:
     """The work of the size of a contact, at this gap, stretch and shear squared, by a change of ln(gap) (J); that of
-    its tangential stiffness since the previous stage (J), from that and shear squared there; the surface.
+    its tangential stiffness since the previous stage (J), from that and shear squared there, by a tangential law
+    without a potential; the elastic response.
     """
     gap, stretch, square = at
-    surface = surface_of(contacts, body, gap, stretch)
-    shrunk = -0.25 * (square + before[1]) * (surface.tangential - before[0])
-    return -gap_energy_of(contacts, body, gap, stretch), shrunk, surface
+    surface = elastic_of(contacts, body, gap, stretch, math.sqrt(square))
+    stiffer, mean = surface.tangential - before[0], 0.5 * (square + before[1])
+    shrunk: float = -sheared_energy_by(stiffer, mean, contacts, contacts.tangential_law)
+    return -contact_gap_energy(contacts, body, gap, stretch, square), shrunk, surface
 
 
 def count_pairs(contacts: Contacts, step: Step, *_: object) -> int:

@@ -18,14 +18,15 @@ from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.loading.cell import STRAIN, TILT, WIDTH, Box
 from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.report.contact_geometry import deflections, extremes
+from ecume.models.soft.report.contact_lists import UNITS as CONTACT_UNITS
+from ecume.models.soft.report.contact_lists import UNLISTED, listed
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Step, Workspace
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
-SLOTS = {2: 8, 3: 16}
-"""Contacts that a frame lists for a sphere, by dimension: those with later spheres, the narrowest gaps first."""
 STRESS = {2: "N/m", 3: "Pa"}
 """The unit of stress: in a layer, force over length."""
 VISCOSITY = {2: "N*s/m", 3: "Pa*s"}
@@ -39,9 +40,6 @@ UNITS = {
     "position": "m",
     "velocity": "m/s",
     "radius": "m",
-    "gap": "m",
-    "tension": "N",
-    "shear": "N",
     "angle": "rad",
     "spin": "rad/s",
     "elastic_energy": "J",
@@ -55,6 +53,7 @@ UNITS = {
     "mean_gap": "m",
     "largest_tension": "N",
     "largest_compression": "N",
+    **CONTACT_UNITS,
 }
 
 
@@ -65,12 +64,13 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     begin(parameters, step, drive)
     gap = exp(step.log_gap)
     tension = (step.answers.force * step.direction).sum(axis=1)
+    contacts, unlisted = listed(parameters, state, step)
     arrays = {
         "position": at_home(state.position, box),
         "velocity": velocity_at_home(parameters, state, box),
         "radius": parameters.radius.copy(),
         "species": parameters.species.copy(),
-        **_slots(parameters, step, gap, tension),
+        **contacts,
         **_spinning(state),
     }
     numbers = {
@@ -80,6 +80,9 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         **_wall_numbers(parameters, state, step),
         "largest_tension": float(tension.max(initial=0.0)),
         "largest_compression": float((-tension).max(initial=0.0)),
+        **extremes(deflections(parameters, state)),
+        "reduced_tension": _reduced(step, tension),
+        UNLISTED: float(unlisted),
         "load": drive.load,
         "imbalance": float(state.pace[LEFT]),
         "contacts": float(len(tension)),
@@ -98,6 +101,12 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         _box_numbers(parameters, box, float(state.cell[STRAIN])) | _stress_numbers(tensor, rate) | _components(parts)
     )
     return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _box_units(parameters.dimensions, numbers))
+
+
+def _reduced(step: Step, tension: Array) -> float:
+    """The largest tension of two spheres over E R^2, with R twice the reduced radius."""
+    scale = step.pairs.modulus * (2.0 * step.pairs.reduced_radius) ** 2
+    return float((tension / scale).max(initial=0.0))
 
 
 def _spinning(state: State) -> dict[str, Array | Integers]:
@@ -245,8 +254,10 @@ def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
     without spin.
     """
     shear = float(tensor[0, 1])
+    pressure = -float(np.trace(tensor)) / len(tensor)
     return {
-        "pressure": -float(np.trace(tensor)) / len(tensor),
+        "pressure": pressure,
+        "pressure_sign": float(np.sign(pressure)),
         "shear_stress": shear,
         "normal_stress": -float(tensor[1, 1]),
         "strain_rate": rate,
@@ -268,24 +279,3 @@ def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
     units = dict.fromkeys(("pressure", "shear_stress", "normal_stress", *stressed), STRESS[dimensions])
     units |= dict.fromkeys(LENGTHS[:dimensions], "m") | {"box_tilt": "m"}
     return units | {"strain_rate": "1/s", "viscosity": VISCOSITY[dimensions]}
-
-
-def _slots(parameters: Parameters, step: Step, gap: Array, tension: Array) -> dict[str, Array | Integers]:
-    """Contacts as arrays over spheres: each is listed at its sphere of lower number; -1 fills the rest."""
-    first, count = step.pairs.first, len(parameters.radius)
-    slots = min(SLOTS[parameters.dimensions], max(count - 1, 1))
-    order = np.lexsort((step.log_gap, first))
-    place = np.arange(len(first)) - np.searchsorted(first[order], first[order])
-    told, place = order[place < slots], place[place < slots]
-    shear = step.answers.force[told] - tension[told, None] * step.direction[told]
-    values = {
-        "neighbor": step.pairs.second[told],
-        "gap": gap[told],
-        "tension": tension[told],
-        "shear": np.linalg.norm(shear, axis=1),
-    }
-    arrays: dict[str, Array | Integers] = {}
-    for name, column in values.items():
-        arrays[name] = np.full((count, slots), -1, np.int64) if name == "neighbor" else np.zeros((count, slots))
-        arrays[name][first[told], place] = column
-    return arrays

@@ -12,6 +12,7 @@ from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.engine.walls import planes
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
+from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.laws.drag import stokes_friction
 from ecume.laws.elasticity import PREFACTORS, Prefactors
 from ecume.laws.friction import FRICTIONS
@@ -25,13 +26,13 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
 from ecume.models.soft.loading.cell import box_of, shape_at
 from ecume.models.soft.loading.protocol import Protocol, drive_at, protocol_of, rules_at
-from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes
+from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.setup.packing import places
 from ecume.models.soft.setup.start_checks import require_balance, require_gaps, require_no_torque, require_one_piece
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.models.tables import code_of
-from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
+from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
 from ecume.units import Array
 
 TICKS = 1024
@@ -89,6 +90,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         contacts=_contacts(scene, float(radius.min())),
         laws=laws_chosen(scene),
         protocol=protocol_of(scene.protocol),
+        listed=scene.films.output,
         scheme=scene.integration.integrator,
         tolerance=scene.integration.tolerance,
         solver=scene.integration.solver,
@@ -222,6 +224,9 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         friction=code_of(FRICTIONS, films.friction),
         coefficient=films.friction_coefficient,
         roughness=films.roughness or 0.0,
+        tangential_law=code_of(TANGENTIAL, films.tangential_law),
+        tension_law=code_of(TENSION, tension_law_of(scene)),
+        cavitation_pressure=films.cavitation_pressure or 0.0,
     )
 
 
@@ -233,6 +238,8 @@ def laws_chosen(scene: SoftScene) -> Laws:
         INTERFACES[films.interface],
         REMOTE[scene.long_range_forces.law],
         FRICTIONS[films.friction],
+        TANGENTIAL[films.tangential_law],
+        TENSION[tension_law_of(scene)],
     )
 
 
@@ -243,10 +250,11 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
         "surface_tension": [("liquid", scene.liquid)],
         "modulus": spheres,
         "roughness": [("films", scene.films)],
+        "cavitation_pressure": [("films", scene.films)],
     }
     return [
         Fault(f"{path}.{name}", said)
-        for needs in (laws.surface.needs, laws.friction.needs)
+        for needs in (laws.surface.needs, laws.friction.needs, laws.tension.needs)
         for name, said in needs.items()
         for path, given in holders[name]
         if getattr(given, name) is None
@@ -265,6 +273,9 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.surface", SURFACES, scene.films.surface, "elastic law"),
         ("films.interface", INTERFACES, scene.films.interface, "interface"),
         ("films.friction", FRICTIONS, scene.films.friction, "contact friction"),
+        ("films.output", dict.fromkeys(CONTACT_LISTS), scene.films.output, "list of contacts"),
+        ("films.tangential_law", TANGENTIAL, scene.films.tangential_law, "tangential law"),
+        ("films.tension_law", TENSION, tension_law_of(scene), "tension law"),
         ("long_range_forces.law", REMOTE, scene.long_range_forces.law, "remote law"),
         ("integration.integrator", SCHEMES, scene.integration.integrator, "scheme"),
         ("integration.solver", {"auto": None, **SOLVERS}, scene.integration.solver, "solver"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -27,13 +28,15 @@ from ecume.models.soft.t1.cluster import (
     APART,
     DIAGONAL,
     HORIZONTAL,
+    LONGEST,
     SQRT3,
     T1,
     VERTICAL,
     Effort,
     Instant,
-    reached,
     told,
+    unseen,
+    watch,
 )
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
@@ -205,18 +208,18 @@ def follow(
     length = ramp / math.ceil(ramp / length * (1.0 - 1e-9))  # the forces' course turns between two steps
     goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
     course = Course(length, ramp, SCHEMES[how[0]], max(1, round(scene.duration / (LOOKS * 30.0 * length))))
-    if scene.duration / (10.0 * length) > MOST_STEPS:
-        raise BadInput(f"steps of {length:.3g} would be more than {MOST_STEPS:.0e}; take method='implicit'")
-    series, found, steps, drift = list[Instant](), list[float](), 0, 0.0
+    if scene.duration >= LONGEST or scene.duration / (10.0 * length) > MOST_STEPS:
+        raise BadInput(f"steps of {length:.3g} would be more than {MOST_STEPS:.0e}; expected method='implicit'")
+    series, seen, steps, drift = list[Instant](), unseen(goals), 0, 0.0
     for rows, drift in _records(scene, course):
         for now in rows:
             series.append(_instant(now, kappa, scene))
-            while len(found) < len(goals) and len(series) > 1 and reached(series[-1], goals[len(found)]):
-                found.append(_crossing(series[-2], series[-1], goals[len(found)]))
             steps += course.every
-            if len(found) == len(goals) or series[-1].gap_diagonal > APART:
-                return told(series, found, thresholds, kappa, Effort(steps, 0, drift / kappa))
-    return told(series, found, thresholds, kappa, Effort(steps, 0, drift / kappa))
+            begin = series[-2] if len(series) > 1 else series[-1]._replace(time=0.0, tension_vertical=0.0)
+            done = watch(goals, seen, begin, series[-1], partial(_crossing, begin, series[-1]))
+            if done or series[-1].gap_diagonal > APART:
+                return told(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
+    return told(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
 
 
 def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:

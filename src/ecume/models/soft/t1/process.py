@@ -10,13 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from ecume._portable import exp, product
 from ecume.errors import BadInput, Diverged
-from ecume.laws.arguments import chosen, require_positive
+from ecume.laws.arguments import chosen, require_finite, require_number, require_positive
+from ecume.laws.elasticity import PREFACTORS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import attempt, begin
 from ecume.models.soft.integration.time_stepping import one_step
@@ -35,19 +37,32 @@ from ecume.models.soft.t1.cluster import (
     Effort,
     Instant,
     Units,
-    reached,
+    horizon,
+    parting,
+    seconds,
     t1_scene,
     told,
+    unseen,
+    watch,
 )
+from ecume.models.soft.t1.symmetric import follow_symmetric
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
 
 DIAGONALS = [1, 2, 3, 4]
 """Places of the contacts of the diagonals."""
-FAINTEST = 1e-7
-"""The least kappa. The deflections that bear a smaller one are lost in the rounding of the centers' distance, about
-4e-16 radii: of 1e-7 it leaves 1e-8 in the balance and five times as many steps, of 1e-8 steps by the hundred thousand.
+FAINT, FAINTEST = 5e-7, 1e-12
+"""Below the first kappa the deflections, which positions hold to 4e-16 radii, are unknowns of their own; below the
+second there would be no difference from rigid spheres that could be computed.
 """
+MOST_FORCE = 2.0
+"""E R^2: it deflects a surface by more than a radius."""
+NARROWEST, WIDEST = 1e-10, 1.0
+"""In radii: gaps at the start."""
+LONGEST_PARTING = 1e16
+"""eta R^2 / F_N."""
+EQUAL = 1e-12
+"""Relative: forces that close to the line between the outcomes pull at nothing."""
 TOLERANCES = 1e-11, 1e-2
 """What `rtol` may be, as in a scene."""
 CLOSE = 1e-13
@@ -60,7 +75,7 @@ def t1_process(
     reduced_force: float | None = None,
     forces: tuple[float, float] | None = None,
     prefactors: str = "paper",
-    force_ratio: float = 0.0,
+    force_ratio: float | None = None,
     ramp: float = 0.01,
     threshold: float | Sequence[float] = 0.9,
     rtol: float = 1e-8,
@@ -70,73 +85,136 @@ def t1_process(
 ) -> T1:
     """Let four spheres swap neighbors, and time it.
 
-    `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v), or
-    `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the vertical pair carries
-    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one is the duration. With `rotation` the
-    spheres may spin.
+    `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v, by
+    default 0), or `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the
+    vertical pair is the closer one and carries the part `threshold` of F_v - F_h/sqrt(3), from then on; of several
+    thresholds the last one is the duration. With `rotation` the spheres may spin.
 
     `method` is `implicit`, with steps as long as the tolerance `rtol` of ln(gap) allows; the paper's own, `paper`; or
     that with Runge-Kutta steps, `rk2` and `rk4`: fixed ones of about `time_step`, or eta/E; whole ones fit the ramp.
+    Below kappa = 5e-7 the deflections themselves are the unknowns of the implicit method.
     """
-    thresholds = (threshold,) if isinstance(threshold, (int, float)) else tuple(threshold)
     pull = _forces(reduced_force, force_ratio, forces)
-    for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
-        require_positive(name, value)
-    if not TOLERANCES[0] <= rtol <= TOLERANCES[1]:
-        raise BadInput(f"rtol is {rtol!r}; expected {TOLERANCES[0]:g} to {TOLERANCES[1]:g}")
-    chosen(dict.fromkeys(("implicit", *paper_scheme.SCHEMES)), method, "method")
+    thresholds = _thresholds(threshold)
+    require_positive("ramp", ramp)
+    _require_between("gap", gap, (NARROWEST, WIDEST), "in radii")
+    _require_between("rtol", rtol, TOLERANCES)
+    _require_choices(prefactors, method, rotation)
     kappa = abs(pull[0] - pull[1] / SQRT3)
     if kappa < FAINTEST:
-        told = "deflections are lost in rounding, and durations no longer depend on it"
-        raise BadInput(f"the reduced force is {kappa:.3g}: {told}; expected {FAINTEST:g} or more")
-    scene = replace(t1_scene(gap, pull, prefactors, ramp, rtol), rotation=rotation)
+        raise BadInput(f"the reduced force is {kappa:.3g}; expected {FAINTEST:g} or more: spheres are rigid below")
+    if (most := max(map(abs, pull))) > MOST_FORCE:
+        cause = "surfaces would be deflected by more than a radius"
+        raise BadInput(f"the largest force is {most:.3g} E R^2: {cause}; expected {MOST_FORCE:g} or less")
+    if (time := parting(gap, kappa, prefactors)) > LONGEST_PARTING:
+        cause = f"the pair would part in {time:.2g} eta R^2 / F_N, beside which no clock resolves the sliding"
+        raise BadInput(f"{cause}; expected a wider gap or a smaller force, for {LONGEST_PARTING:g} or less")
     if method != "implicit":
-        if rotation:
-            raise BadInput(f"method={method!r} knows no rotation; expected method='implicit'")
-        return paper_scheme.follow(scene, pull, sorted(thresholds), (method, time_step))
-    return follow(scene, pull, sorted(thresholds))
+        _require_explicit(method, rotation, kappa)
+        scene = t1_scene(gap, pull, prefactors, ramp, rtol)
+        return paper_scheme.follow(scene, pull, thresholds, (method, time_step))
+    if time_step is not None:
+        raise BadInput(f"time_step is {time_step!r}, but the implicit method chooses its steps by rtol; omit it")
+    if kappa < FAINT:
+        return follow_symmetric(gap, pull, thresholds, (prefactors, ramp, rtol))
+    scene = replace(t1_scene(gap, pull, prefactors, ramp, rtol), rotation=rotation)
+    second = seconds(horizon(gap, kappa, prefactors, ramp))
+    return follow(scene, pull, thresholds, (1.0, 1.0, second))
 
 
-def _forces(reduced: float | None, ratio: float, forces: tuple[float, float] | None) -> tuple[float, float]:
+def _forces(reduced: float | None, ratio: float | None, forces: tuple[float, float] | None) -> tuple[float, float]:
     """(F_h, F_v) in E R^2."""
     if (reduced is None) == (forces is None):
-        raise BadInput("expected either reduced_force or forces; got " + ("both" if forces else "neither"))
+        raise BadInput("expected either reduced_force or forces; got " + ("neither" if forces is None else "both"))
     if forces is None:
         require_positive("reduced_force", reduced or 0.0)
-        if ratio == 1.0 / SQRT3:
+        inward = 0.0 if ratio is None else ratio
+        require_finite("force_ratio", inward)
+        if abs(inward - 1.0 / SQRT3) < EQUAL:
             raise BadInput("force_ratio is 1/sqrt(3): nothing pulls at the horizontal film; expected another")
-        vertical = (reduced or 0.0) / abs(ratio - 1.0 / SQRT3)
-        return ratio * vertical, vertical
-    if not all(map(math.isfinite, forces)) or forces[0] == forces[1] / SQRT3:
-        raise BadInput(f"forces are {forces!r}; expected two finite ones with F_h different from F_v/sqrt(3)")
-    return forces
+        vertical = (reduced or 0.0) / abs(inward - 1.0 / SQRT3)
+        return inward * vertical, vertical
+    if ratio is not None:
+        raise BadInput(f"force_ratio is {ratio!r}, but forces give both forces; expected one of the two")
+    if not isinstance(forces, (Sequence, np.ndarray)) or isinstance(forces, str) or len(forces) != 2:
+        raise BadInput(f"forces are {forces!r}; expected two numbers, F_h and F_v")
+    for name, force in zip(("F_h of forces", "F_v of forces"), forces, strict=True):
+        require_finite(name, force)
+    if abs(forces[0] - forces[1] / SQRT3) <= EQUAL * abs(forces[1]):
+        raise BadInput(f"forces are {forces!r}; expected F_h different from F_v/sqrt(3)")
+    return float(forces[0]), float(forces[1])
+
+
+def _thresholds(threshold: float | Sequence[float]) -> tuple[float, ...]:
+    """In the given order."""
+    several = isinstance(threshold, (Sequence, np.ndarray)) and not isinstance(threshold, str)
+    found = cast("tuple[float, ...]", tuple(cast("Sequence[float]", threshold)) if several else (threshold,))
+    if not found:
+        raise BadInput("threshold is empty; expected a number between 0 and 1, or several")
+    if len(set(found)) < len(found):
+        raise BadInput(f"threshold is {found!r}; expected different numbers")
+    for one in found:
+        require_number("threshold", one)
+        if not 0.0 < one < 1.0:
+            raise BadInput(f"the threshold is {one!r}; expected a part of the force, between 0 and 1")
+    return found
+
+
+def _require_between(name: str, value: float, ends: tuple[float, float], unit: str = "") -> None:
+    """Refuse what is not a number in a range; the upper end belongs to it only for tolerances."""
+    require_number(name, value)
+    if not ends[0] <= value <= ends[1] or (unit and value == ends[1]):
+        told = f"at least {ends[0]:g} and below {ends[1]:g}, {unit}" if unit else f"{ends[0]:g} to {ends[1]:g}"
+        raise BadInput(f"the {name} is {value!r}; expected {told}")
+
+
+def _require_choices(prefactors: str, method: str, rotation: bool) -> None:
+    """Refuse unknown names, and a switch that is not a boolean."""
+    for name, value in (("prefactors", prefactors), ("method", method)):
+        if not isinstance(value, str):
+            raise BadInput(f"{name} is {value!r}; expected a name")
+    chosen(dict.fromkeys(("implicit", *paper_scheme.SCHEMES)), method, "method")
+    chosen(PREFACTORS, prefactors, "set of prefactors")
+    if not isinstance(rotation, bool):
+        raise BadInput(f"rotation is {rotation!r}; expected True or False")
+
+
+def _require_explicit(method: str, rotation: bool, kappa: float) -> None:
+    """Refuse what explicit steps of positions cannot do."""
+    if rotation:
+        raise BadInput(f"method={method!r} has no rotation; expected method='implicit'")
+    if kappa < FAINT:
+        cause = f"method={method!r} loses the deflections of a reduced force of {kappa:.3g} in rounding"
+        raise BadInput(f"{cause}; expected method='implicit', or {FAINT:g} or more")
 
 
 def follow(
-    scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], units: tuple[float, float] = (1.0, 1.0)
+    scene: SoftScene,
+    forces: tuple[float, float],
+    thresholds: Sequence[float],
+    units: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> T1:
     """Integrate a cluster until it has exchanged neighbors, dissociated, or come to rest.
 
-    `forces` are the external forces in E R^2, `units` the length and force (E R^2) of the scene.
+    `forces` are the external forces in E R^2, `units` the length, force (E R^2) and time (eta R^2 / F_N) of the scene.
     """
     horizontal, vertical = forces
     parameters = parameters_of(scene)
     state = start(scene, parameters)
     kappa = abs(horizontal - vertical / SQRT3)
-    unit = Units(units[0], units[1] * kappa)
+    unit = Units(units[0], units[1] * kappa, units[2])
     goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
     scratch = workspace(parameters, state, 1.0)
-    series, found, drift = [_first(parameters, scratch, unit)], list[float](), 0.0
+    series, seen, drift = [_first(parameters, scratch, unit)], unseen(goals), 0.0
     for span in _march(parameters, state, scratch, unit):
         series.append(span.end)
         drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
-        while len(found) < len(goals) and reached(span.end, goals[len(found)]):
-            found.append(_crossing(parameters, span, scratch, unit, goals[len(found)]))
-        if len(found) == len(goals) or span.end.gap_diagonal > APART:
+        done = watch(goals, seen, span.begin, span.end, partial(_crossing, parameters, span, scratch, unit))
+        if done or span.end.gap_diagonal > APART:
             break
     turned = float(np.abs(state.orientation).max(initial=0.0))
     effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift, turned)
-    return told(series, found, thresholds, kappa, effort)
+    return told(series, list(seen.found), thresholds, kappa, effort)
 
 
 class Span(NamedTuple):
@@ -158,7 +236,7 @@ def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units
         begin, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
         if one_step(parameters, state, scratch) is None:
             raise Diverged(f"at t = {begin.time:g} no step is short enough; look at the gap and the forces")
-        instant = _instant(scratch, float(state.pace[CLOCK]), unit)
+        instant = _instant(scratch, float(state.pace[CLOCK]) / unit.time, unit)
         _mirror(state, step, axes)
         yield Span(begin, instant, *kept)
 
@@ -218,18 +296,19 @@ def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Unit
     step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau
     kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
 
-    interval = interval_at(parameters.protocol, span.begin.time)
+    begin = unit.time * span.begin.time
+    interval = interval_at(parameters.protocol, begin)
 
     def missing(length: float) -> float:
         step.bodies.before[:], step.log_gap[:], step.direction[:] = span.position, span.log_gap, span.direction
-        times = span.begin.time + length * scheme.times
+        times = begin + length * scheme.times
         drives = np.array([drive_at(parameters.protocol, float(time), interval) for time in times])
         during = During(length, drives, parameters.tolerance)
         attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), np.zeros(3, np.int64))
-        return goal + _instant(scratch, span.begin.time + length, unit).tension_vertical
+        return goal + _instant(scratch, span.end.time, unit).tension_vertical
 
-    length = span.end.time - span.begin.time
-    if goal + span.begin.tension_vertical > 0.0 > missing(length):
+    length = unit.time * span.end.time - begin
+    if missing(1e-9 * length) > 0.0 > missing(length):
         length = float(brentq(missing, 1e-9 * length, length, xtol=CLOSE * length))
     step.bodies.before[:], step.log_gap[:], step.direction[:] = kept
-    return span.begin.time + length
+    return span.begin.time + length / unit.time
