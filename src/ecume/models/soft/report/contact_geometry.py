@@ -68,8 +68,8 @@ def between(state: State, box: Box) -> Array:
 
 def _of_walls(parameters: Parameters, state: State) -> Deflections:
     first, wall = np.nonzero(state.touching)
-    planes, dimensions = parameters.walls, state.position.shape[1]
-    normal, radius = np.eye(3)[planes.axis[wall], :dimensions] * planes.side[wall, None], parameters.radius[first]
+    dimensions, radius = state.position.shape[1], parameters.radius[first]
+    normal = -parameters.walls.surfaces.place[wall, :dimensions]
     gap = exp(state.wall_gap[first, wall])
     apart = state.wall[wall, :dimensions] - state.position[first] - radius[:, None] * state.slip[first, wall]
     pair = np.stack([first, -1 - wall], axis=1).astype(np.int64)
