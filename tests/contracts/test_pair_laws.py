@@ -16,10 +16,11 @@ from ecume.errors import BadInput, SceneError
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, Setting, row_of
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
-from ecume.models.floating.forces.pair_forces import law_of
+from ecume.models.floating.forces.pair_forces import law_of, two_floats
 from ecume.models.floating.mpi import require_spreadable
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
 from ecume.models.floating.report.frames import observe
+from ecume.models.floating.time_integration import step_size
 from ecume.models.floating.time_integration.integrators import SCHEMES
 from ecume.models.user_laws import bind
 from ecume.simulation import simulate
@@ -232,6 +233,16 @@ def test_a_step_goes_by_the_law_that_was_asked_for(name, option):
         assert found == pytest.approx(slope, rel=1e-4, abs=1e-4 * largest + 1e-16)
     if row.reciprocal:
         assert np.abs(found.sum(axis=0)).max() <= 1e-6 * largest
+
+
+@pytest.mark.uncompiled
+def test_a_law_without_a_formula_for_its_stiffness_has_that_of_differences(monkeypatch):
+    parameters, _, _ = begun("capillary", "velocity-verlet")
+    pair, law, distance, fine = ((1e-3, 1e-3), (3e-5, -2e-5)), law_of(parameters), 2e-3, 1e-8
+    bare, own = PAIR_LAWS["capillary"]._replace(stiffness=None), two_floats(parameters, *pair)
+    slope = (bare.force(distance + fine, own, law) - bare.force(distance - fine, own, law)) / (2.0 * fine)
+    monkeypatch.setattr(step_size, "row_of", lambda _: bare)
+    assert step_size.pair_stiffness(parameters, *pair) == pytest.approx(abs(slope), rel=1e-5)
 
 
 def my_own(distance: float, own: PairParameters) -> float:
