@@ -90,4 +90,4 @@ def nearest(word: str, known: Sequence[str]) -> str:
     if near:
         swapped = [name for name in near if sorted(name) == sorted(given)]
         return f"did you mean {(swapped or near)[0]}?"
-    return f"known: {', '.join(known)}" if known else "nothing can stand here"
+    return f"known: {', '.join(known)}" if known else "expected nothing here"

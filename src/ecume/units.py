@@ -79,7 +79,7 @@ def parse(text: str, symbol: str) -> float:
     match = QUANTITY.fullmatch(text) if len(text) <= LONGEST_TEXT else None
     if match is None:
         raise ValueError(
-            f"{text[:LONGEST_TEXT]!r} is no quantity; write a number and a unit, such as {example(symbol)!r}"
+            f"{text[:LONGEST_TEXT]!r} is not a quantity; expected a number and a unit, such as {example(symbol)!r}"
         )
     if not match[2]:
         raise ValueError(
@@ -262,7 +262,7 @@ def _readable(unit: str, symbol: str) -> str:
     """A unit as Pint reads it. Raises ValueError where it is no unit by its form."""
     plain = unit.strip().translate(TYPOGRAPHY)
     if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
-        hint = "; decimals stand behind a point" if plain.startswith(",") else ""
+        hint = "; the decimal separator is a point" if plain.startswith(",") else ""
         raise ValueError(f"{unit!r} is not how a unit is written{hint}; write for example {example(symbol)!r}")
     return POWER.sub(r"**(\1)", plain)
 

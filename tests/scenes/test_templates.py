@@ -81,5 +81,5 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
 def test_an_unknown_template_is_refused_with_the_nearest(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="did you mean cereal-bowl"):
         copy_template("cereal-bowls", tmp_path / "scene.toml")
-    with pytest.raises(BadInput, match=r"no template .*; `ecume new` lists them"):
+    with pytest.raises(BadInput, match="`ecume new` lists them"):
         copy_template("../schema", tmp_path / "scene.toml")

@@ -281,7 +281,7 @@ class Page {
       if (news.state === "running") window.setTimeout(() => void ask().catch(lost), ASK_EVERY);
       else [stop.textContent, (stop as HTMLButtonElement).disabled] = [news.state, true];
     };
-    const lost = (error: Error): void => trouble(`The run's server does not answer any more: ${error.message}`);
+    const lost = (error: Error): void => trouble(`The server of the run does not respond: ${error.message}`);
     void ask().catch(lost);
   }
 }

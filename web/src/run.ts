@@ -266,6 +266,6 @@ export class Run {
       if (local < chunk.frames) return chunk.instant(local);
       local -= chunk.frames;
     }
-    throw new RangeError(`there is no frame ${index}`);
+    throw new RangeError(`no frame ${index}`);
   }
 }

@@ -88,7 +88,7 @@ export class Stage {
     readonly camera: Camera,
   ) {
     const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
-    if (!gl) throw new Error("this browser draws no WebGL 2");
+    if (!gl) throw new Error("this browser does not support WebGL 2");
     this.gl = gl;
     this.particles = new Particles(gl);
     this.lines = new Lines(gl);

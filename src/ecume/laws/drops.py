@@ -65,7 +65,9 @@ def drop_decay(
         if abs(step) < 1e-13 * abs(root):
             break
     if not (root.imag > 1e-9 * swing and abs(root - before) < 1e-9 * abs(root)):
-        raise BadInput(f"a drop of {radius:g} m does not swing in a liquid of {kinematic_viscosity:g} m^2/s: it creeps")
+        raise BadInput(
+            f"a drop of {radius:g} m is overdamped at a kinematic viscosity of {kinematic_viscosity:g} m^2/s"
+        )
     return Decay(-root.real, root.imag)
 
 

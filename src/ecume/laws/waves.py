@@ -69,7 +69,7 @@ def viscous_decay(
         if abs(step) < 1e-14 * abs(root):
             break
     if not (root.imag > 1e-9 * swing and abs(step) < 1e-9 * abs(root)):
-        raise BadInput(f"a wave of the wavenumber {k:g} /m does not swing in a liquid of {nu:g} m^2/s: it creeps back")
+        raise BadInput(f"a wave of wavenumber {k:g} /m is overdamped at a kinematic viscosity of {nu:g} m^2/s")
     return Decay(-root.real, root.imag)
 
 

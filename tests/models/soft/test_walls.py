@@ -266,7 +266,7 @@ def test_work_goes_into_surfaces_and_films_at_walls_too():
 REFUSED = [
     ({"walls": [{"side": "bottom"}]}, "position", "no [cell]"),
     ({"walls": [{"side": "back", "position": 0.0}]}, "side", "a layer has no back"),
-    ({"walls": [FLOOR, FLOOR]}, "side", "stands twice"),
+    ({"walls": [FLOOR, FLOOR]}, "side", "appears twice"),
     ({"walls": [FLOOR | {"pressure": 1.0}]}, "pressure", "add that table"),
     ({"walls": [FLOOR | {"velocity": [0.0, 0.0, 0.0]}]}, "velocity", "got 3 components"),
     ({"gravity": [0.0, -9.8]}, "density", "gravity needs it"),

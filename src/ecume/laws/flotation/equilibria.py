@@ -64,14 +64,14 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
     """
     chosen(BALANCES, theory, "theory of flotation")
     if type(body) not in FLOATING:
-        raise BadInput(f"{body!r} is no floating body; there are {', '.join(kind.__name__ for kind in FLOATING)}")
+        raise BadInput(f"got {body!r}; expected a floating body: {', '.join(kind.__name__ for kind in FLOATING)}")
     found, length = FLOATING[type(body)](body, liquid, theory), liquid.capillary_length
     if not 0.0 <= found.filling_angle <= math.pi:
         # Only nonlinear slopes know that they end; what the others take for one may lie where there is no body.
         beyond, fate, cure = ("top", "sinks", "lighter") if found.slope_angle > 0.0 else LEAVES
         raise FloaterSinks(
             f"by the {theory} theory the contact line would lie beyond the {beyond} of this {type(body).__name__}: it "
-            f"{fate}; take a {cure} one, or theory = 'nonlinear', which knows how much the surface carries"
+            f"{fate}; take a {cure} one, or theory = 'nonlinear', which limits the load of the surface"
         )
     return Equilibrium(
         slope_angle=found.slope_angle,

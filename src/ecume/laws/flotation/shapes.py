@@ -102,7 +102,7 @@ def disc_of_cylinder(cylinder: VerticalCylinder, liquid: Liquid, rim: str = "top
     True
     """
     if rim not in ("top", "bottom"):
-        raise BadInput(f"no rim is called {rim!r}; there are top, bottom")
+        raise BadInput(f"got rim {rim!r}; expected top or bottom")
     volume = math.pi * cylinder.radius**2 * cylinder.height
     weight = (cylinder.density - liquid.gas_density) * liquid.gravity * volume
     displaced = liquid.density_difference * liquid.gravity * volume if rim == "top" else 0.0

@@ -50,7 +50,7 @@ class Correlations(NamedTuple):
 
 
 def liquid(name: str, temperature: Temperature, salinity: Number | None = None) -> LiquidProperties:
-    """The properties of a liquid at a temperature in kelvin; salinity (kg of salt a kg) is for seawater only.
+    """The properties of a liquid at a temperature in kelvin; salinity (kg of salt per kg) is for seawater only.
 
     >>> round(liquid("water", 293.15).density, 1)
     998.2
@@ -61,7 +61,7 @@ def liquid(name: str, temperature: Temperature, salinity: Number | None = None) 
         raise BadInput(f"no liquid is called {name!r}{guess} There are {', '.join(LIQUIDS)}")
     row = _seawater(salinity) if name == "seawater" else LIQUIDS[name]
     if salinity is not None and name != "seawater":
-        raise BadInput(f"{name} has no salinity; leave it out, or ask for seawater")
+        raise BadInput(f"{name} has no salinity; omit it, or choose seawater")
     _require_range(name, temperature, row)
     return LiquidProperties(
         name,
@@ -89,7 +89,9 @@ def _seawater(salinity: float | None) -> Correlations:
     if not (SALINITIES[0] <= s <= SALINITIES[1] and math.isfinite(s)):
         grams = SALINITIES[0] <= 1e-3 * s <= SALINITIES[1]
         hint = f"; did you mean {1e-3 * s:g}, {s:g} grams a kilogram?" if grams else ""
-        raise BadInput(f"the salinity is {s!r}; expected {SALINITIES[0]:g} to {SALINITIES[1]:g} kg of salt a kg{hint}")
+        raise BadInput(
+            f"the salinity is {s!r}; expected {SALINITIES[0]:g} to {SALINITIES[1]:g} kg of salt per kg{hint}"
+        )
     return Correlations(
         275.15,
         303.15,

@@ -171,4 +171,4 @@ def closure_of(body: Any, liquid: Liquid, order: int) -> Closure:
         if isinstance(body, kind):
             return closure(body, liquid, order)
     known = ", ".join(kind.__name__ for kind in CLOSURES)
-    raise BadInput(f"no multipoles are known of {body!r}; there are those of {known}")
+    raise BadInput(f"multipoles: got {body!r}; expected one of {known}")

@@ -202,7 +202,7 @@ def _waves_of(amplitudes: Waves, radius: float, dx: Array, dy: Array) -> Array:
 def chosen_method(method: str, unknowns: int) -> bool:
     """Whether to eliminate."""
     if method not in ("auto", "dense", "iterative"):
-        raise BadInput(f"no method is called {method!r}; there are auto, dense, iterative")
+        raise BadInput(f"got method {method!r}; expected auto, dense or iterative")
     return method == "dense" or (method == "auto" and unknowns <= DENSE)
 
 
@@ -210,7 +210,7 @@ def _places(positions: ArrayLike, bodies: Sequence[Any]) -> Array:
     try:
         places = np.asarray(positions, dtype=np.float64)
     except (TypeError, ValueError):
-        raise BadInput("the positions are no numbers; expected one place (x, y) for each body, in meters") from None
+        raise BadInput("positions: expected numbers (x, y) for each body, in meters") from None
     if places.shape != (len(bodies), 2) or len(bodies) == 0:
         raise BadInput(
             f"positions have the shape {places.shape}; expected one place (x, y) for each of {len(bodies)} bodies"

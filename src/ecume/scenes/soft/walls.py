@@ -54,7 +54,7 @@ def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[floa
         if axis >= dimensions:
             found.append(((index, "side"), f"a layer has no {wall.side}; expected left, right, bottom or top"))
         if wall.side in seen:
-            found.append(((index, "side"), f"stands twice: there is a {wall.side} already"))
+            found.append(((index, "side"), f"appears twice: there is another {wall.side} wall"))
         seen.add(wall.side)
         if wall.position is None and sides is None:
             found.append(((index, "position"), "is missing; there is no [cell] at whose end the wall could stand"))
