@@ -38,10 +38,10 @@ def clash(one, other):
     return ""
 
 
-def frames_of(plain):
-    """The frames of a scene, or the reason why it is refused."""
+def frames_of(plain, laws=()):
+    """The frames of a scene, or the reason why it is refused; `laws` are given where the scene names them."""
     try:
-        return list(simulate(from_plain(plain))), ""
+        return list(simulate(from_plain(plain), extra_laws=laws if "user_laws" in plain else ())), ""
     except SceneError as refused:
         return [], "; ".join(fault.message for fault in refused.faults)
 

@@ -27,7 +27,7 @@ from ecume.models.soft.report.energy_budget import elastic_energy
 from ecume.scenes.schema import from_plain
 
 SOFT = MODELS["soft"]
-BODY = Body(2.0, 0.5, 1.0)
+BODY = Body(2.0, 0.5, 1.0, 0.0, 0.0)
 GAP, STRETCH, SHEAR = 0.03, -0.01, 0.002
 pytestmark = pytest.mark.compiled
 

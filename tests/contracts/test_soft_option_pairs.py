@@ -12,6 +12,14 @@ from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged,
 
 pytestmark = pytest.mark.compiled
 
+
+def push(gap, parameters):
+    """A repulsion (N) that decays with the gap."""
+    return parameters.constants[0] / gap
+
+
+LAWS = [push]
+
 PLACES = [(0.0, 1.05), (2.05, 1.07), (1.0, 2.86), (3.05, 2.88)]
 SIZES = [(1.0, 1.0), (0.98, 1.3)]
 """Radius and modulus of the two species."""
@@ -52,6 +60,7 @@ OPTIONS = {
             "debye_length": 0.05,
         }
     },
+    "user law": {"user_laws": [{"law": "push", "species": ["sphere-1", "sphere-2"], "constants": [1e-6]}]},
     "integrator tr-bdf2": {"integration": {"integrator": "tr-bdf2"}},
     "solver dense": {"integration": {"solver": "dense"}},
     "solver iterative": {"integration": {"solver": "iterative"}},
@@ -110,7 +119,7 @@ def outcome(one, other):
     """None where both are choices of one key; frames, and why there are none."""
     if key := clash(OPTIONS[one], OPTIONS[other]):
         return None, key
-    return frames_of(plain_of(one, other))
+    return frames_of(plain_of(one, other), LAWS)
 
 
 @pytest.mark.parametrize(("one", "other"), PAIRS, ids=lambda name: name)

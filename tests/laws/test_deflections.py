@@ -19,7 +19,7 @@ from ecume.laws.deflections import (
 from ecume.laws.surfaces import Body
 from ecume.models.soft.contacts.contact import contact_energy, elastic_of
 
-BODY, GAP = Body(2.0, 0.5, 1.0), 0.003
+BODY, GAP = Body(2.0, 0.5, 1.0, 0.0, 0.0), 0.003
 LOOPS, CORNERS, POINTS = 10_000, 4, 12
 LAWS = [(tangential, tension) for tangential in TANGENTIAL for tension in TENSION]
 each_law = pytest.mark.parametrize(("tangential", "tension"), LAWS)

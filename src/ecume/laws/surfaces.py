@@ -28,6 +28,10 @@ class Body(NamedTuple):
     radius_sum: Length
     reduced_radius: Length
     modulus: Pressure
+    force: Force = 0.0
+    """of user-defined laws across the film at the present gap; positive repels"""
+    slope: Stiffness = 0.0
+    """of this force over the gap"""
 
 
 class Surface(NamedTuple):

@@ -25,6 +25,7 @@ STERIC = {"long_range_forces": {"law": "steric", "steric_strength": 1e-3, "steri
 DLVO = {
     "long_range_forces": {"law": "dlvo", "hamaker_constant": 1e-6, "double_layer_strength": 1e-4, "debye_length": 0.05}
 }
+PUSH = {"user_laws": [{"law": "push", "species": ["sphere-1", "sphere-2"], "constants": [1e-6]}]}
 WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}]}
 LOOSE = {"positions": None, "force": None, "count": 4}
 SCATTERED = {"particles": [LOOSE, LOOSE], "cell": {"size": [6.5, 6.5]}, **SHEAR}
@@ -37,9 +38,9 @@ EFFECTS = {
     "output.samples.every_steps": of(3, FILES),
     "output.samples.block": of(1, FILES, **SAMPLES),
     "output.samples.numbers": of([], FILES, **SAMPLES),
-    "user_laws.law": of("push", REFUSED),
-    "user_laws.species": of(["a"], REFUSED),
-    "user_laws.constants": of([1.0], REFUSED),
+    "user_laws.law": of("hold", **PUSH),
+    "user_laws.species": of(["sphere-1", "sphere-1"], **PUSH),
+    "user_laws.constants": of([2e-6], **PUSH),
     "model": of("tracers", REFUSED),
     "title": of("another", PICTURE),
     "duration": of(2e-3),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.errors import BadInput, SceneError
+from ecume.errors import SceneError
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.model import DONE
 from ecume.models.soft import SOFT
@@ -132,11 +132,6 @@ def test_what_cannot_be_simulated_is_refused_in_one_line(change, path, says):
     (fault,) = caught.value.faults
     assert fault.path == path
     assert says in fault.message
-
-
-def test_a_users_own_law_is_refused():
-    with pytest.raises(BadInput, match="this model has no user-defined laws"):
-        SOFT.extended([lambda distance, pair: 0.0])
 
 
 def test_frames_come_at_their_times():

@@ -12,6 +12,7 @@ from ecume.laws.friction import ContactFriction
 from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
 from ecume.laws.surfaces import SurfaceLaw
+from ecume.models.soft.contacts.user_forces import Tables
 from ecume.models.soft.loading.protocol import Protocol
 from ecume.units import Array
 
@@ -127,3 +128,5 @@ class Parameters(NamedTuple):
     tolerance: float
     """of ln(gap), and of directions (rad), in a step"""
     solver: str
+    user_forces: Tables | tuple[()] = ()
+    """Laws of the user between surfaces; empty without any"""

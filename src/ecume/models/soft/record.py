@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BOOKS, State, ma
 from ecume.models.state_layout import Layout
 from ecume.scenes.soft import SoftScene, tension_law_of
 from ecume.value_texts import with_prefix
+
+if TYPE_CHECKING:
+    from ecume.models.user_laws import BoundLaw
 
 
 def checked_parameters(scene: SoftScene) -> Parameters:
@@ -82,6 +86,13 @@ def _closest(parameters: Parameters, state: State) -> str:
         f"the narrowest gap, {with_prefix(gap[at], 'm', 3)}, is" if none is None else "there is no finite gap any more"
     )
     return f"{what} between spheres {pair[at, 0]} and {pair[at, 1]}"
+
+
+def extended(laws: Sequence[BoundLaw]) -> Model:
+    """Soft spheres with laws of the user."""
+    from ecume.models.soft import user_laws
+
+    return user_laws.extended(SOFT, laws)
 
 
 def summary(scene: SoftScene) -> list[Row]:
@@ -183,5 +194,6 @@ SOFT = Model(
     invariants=invariants,
     laws=laws_of,
     summary=summary,
+    extended=extended,
 )
 """Soft spheres in a viscous liquid: Soft Dynamics."""

@@ -14,7 +14,9 @@ from ecume.engine.walls import nearest_points
 from ecume.laws import elasticity
 from ecume.models.soft.contacts.contact_jacobian import ROUNDING
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
+from ecume.models.soft.contacts.pieces import anchors
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
+from ecume.models.soft.contacts.user_forces import across
 from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
 from ecume.models.soft.integration.bordered_system import MOST, Borders, make_borders
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
@@ -142,6 +144,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         start=np.zeros((count, dimensions)),
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
+        anchor=anchors(parameters, state),
         force=parameters.force,
         weight=parameters.weight,
         right=shared.right[0],
@@ -211,6 +214,7 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
         radius_sum=radius[first] + radius[second],
         reduced_radius=np.asarray(elasticity.reduced_radius(radius[first], radius[second])),
         modulus=np.asarray(elasticity.pair_modulus(modulus[first], modulus[second])),
+        **across(parameters.user_forces, parameters.species, state.pair[:contacts])._asdict(),
     )
 
 
@@ -249,6 +253,8 @@ class Bodies(NamedTuple):
     """(S, N, d) m/s of the stages, with drag only"""
     drag: Array
     """(N,) N s/m"""
+    anchor: Array
+    """(N,) N/m: what holds spheres that nothing pulls at and that no film ties to the rest; see `pieces`"""
     force: Array
     """(N, d) N external, at factor 1"""
     weight: Array

@@ -26,9 +26,10 @@ from ecume.scenes.quantities import (
     downwards,
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
-from ecume.scenes.soft.walls import WallSpec, wall_faults
+from ecume.scenes.soft.walls import SIDES, WallSpec, wall_faults
 from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
+from ecume.value_texts import with_prefix
 
 MOST_SPHERES = 1_000_000
 
@@ -181,8 +182,8 @@ class FilmSpec:
     """The contacts in frames: `scalars` for the narrowest ones of each sphere, `vectors` for all of them with image,
     force vectors and deflection. Effect: `vectors` enlarges frames, from which balance and stress can be computed."""
     cutoff: Size | None = None
-    """The largest gap with a film (m); by default half of the smallest radius in a cell, without a cell infinite.
-    Effect: larger values include more pairs and cost more time."""
+    """The largest gap with a film (m); by default half of the smallest radius in a cell, without a cell infinite. At
+    most half of the shortest periodic side. Effect: larger values include more pairs and cost more time."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -280,7 +281,7 @@ class SoftScene(Common):
         if self.gravity is not None:
             object.__setattr__(self, "gravity", downwards(self.gravity, dimensions_of(self)))
         complaints = [
-            *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self),
+            *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self), *_cutoff(self),
         ]  # fmt: skip
         if complaints:
             raise Inconsistent(complaints)
@@ -376,10 +377,21 @@ def _protocol(scene: SoftScene) -> Complaints:
     return [(("protocol", *path), message) for path, message in found]
 
 
+def _cutoff(scene: SoftScene) -> Complaints:
+    """Films longer than half of the box would meet more copies of a sphere than the nearest ones."""
+    walled = {SIDES[wall.side][0] for wall in scene.walls}
+    periodic = [side for axis, side in enumerate(sides_of(scene)) if axis not in walled]
+    cutoff, most = scene.films.cutoff, 0.5 * min(periodic, default=math.inf)
+    if cutoff is None or cutoff <= most:
+        return []
+    came, limit = with_prefix(cutoff, "m", 3), with_prefix(most, "m", 3)
+    return [(("films", "cutoff"), f"got {came}; expected at most half of the shortest periodic side, {limit}")]
+
+
 def _crowd(scene: SoftScene) -> Complaints:
     total = sum(species.count or len(species.positions) for species in scene.particles)
-    if total < 2:
-        return [(("particles",), "a single sphere has no film; expected two or more")]
+    if total < 2 and not scene.walls:
+        return [(("particles",), "a single sphere has no film; expected two or more, or a wall")]
     if total > MOST_SPHERES:
         return [(("particles",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
     return []

@@ -221,7 +221,8 @@ def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: 
     stretch = pull - body.radius_sum - gap
     surface = elastic_of(contacts, body, gap, stretch, shear)
     faded, fade_slope = fading(gap, contacts)
-    remote_force, remote_slope = remote_answer(gap, body.reduced_radius, contacts)
+    built_in, by_gap = remote_answer(gap, body.reduced_radius, contacts)
+    remote_force, remote_slope = built_in + body.force, by_gap + body.slope
     resistance = resistance_by(surface.size, gap, (contacts.squeeze, contacts.shear), contacts, contacts.interface)
     draw: Draw = draw_by(surface.normal * stretch + remote_force, surface.size, contacts, contacts.tension_law)
     tips = rubbing_by(gap, -(surface.normal * stretch), surface.tangential * shear, contacts, contacts.friction)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, compiled_inside
@@ -227,14 +225,3 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     if len(state.position) > CROWD:
         state.order[:] = near_order(at_home(state.position, box_in(parameters, state)))
     state.generation[0] += 1
-
-
-def pieces(state: State) -> Integers:
-    """The connected piece of the contact graph that each sphere belongs to; at the end that of all walls, if any."""
-    count, pair = len(state.position), state.pair[: state.contacts[0]]
-    touching = np.flatnonzero(state.touching.any(axis=1))
-    first, second = np.append(pair[:, 0], touching), np.append(pair[:, 1], np.full(len(touching), count))
-    nodes = count + bool(state.touching.shape[1])
-    graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
-    found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
-    return found

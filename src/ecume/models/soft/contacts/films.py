@@ -16,6 +16,7 @@ from ecume.engine.cells import Integers
 from ecume.laws.surfaces import Body
 from ecume.models.soft.contacts.contact import contact_energy, film_of
 from ecume.models.soft.contacts.contact_jacobian import Frame, Link, Start, Vector, dot, frame_of, linked
+from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
 
@@ -34,6 +35,11 @@ class Pairs(NamedTuple):
     radius_sum: Array
     reduced_radius: Array
     modulus: Array
+    row: Integers
+    """(C,) the table of the user's law of each contact, or -1; see `user_forces`"""
+    ends: Array
+    values: Array
+    """those tables"""
 
 
 class Films(NamedTuple):
@@ -81,14 +87,15 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
     force, correction, stiffness = answers.force, answers.correction, answers.stiffness
     shift, response, slope = answers.shift, answers.response, answers.slope
     flat, spinning = position.shape[1] == 2, len(pairs.turn) > 0
-    turn = pairs.turn
+    turn, row, ends, values = pairs.turn, pairs.row, pairs.ends, pairs.values
     for c in prange(len(first)):
         x = center_distance(position, offset, first[c], second[c], c)
         if spinning:
             x = turned(x, (-turn[c, 0], -turn[c, 1], -turn[c, 2]))
         n = (direction[c, 0], direction[c, 1], direction[c, 2])
         frame = frame_of(x, n, flat)
-        body = Body(radius_sum[c], reduced_radius[c], modulus[c])
+        force_across, slope_across = user_force(row[c], ends, values, log_gap[c])
+        body = Body(radius_sum[c], reduced_radius[c], modulus[c], force_across, slope_across)
         film = film_of(contacts, body, log_gap[c], dot(x, n), dot(x, frame.t))
         b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
         begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))
@@ -177,7 +184,7 @@ def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Arra
             between = position[j, k] - position[i, k] + pairs.offset[c, k]
             pull += between * films.direction[c, k]
             square += between * between
-        body = Body(pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c])
+        body = Body(pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c], 0.0, 0.0)
         gap = math.exp(films.log_gap[c])
         sheared = max(square - pull * pull, 0.0)
         total += contact_energy(contacts, body, gap, pull - body.radius_sum - gap, sheared)

@@ -164,7 +164,7 @@ def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array,
         pull = dot(x, n)
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
         frame = frame_of(apart, n, position.shape[1] == 2)
-        body = Body(radius, radius, touches.modulus[c])
+        body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
         film = film_of(contacts, body, touches.log_gap[c], pull, dot(apart, frame.t))
         b = (
             (slip_start[c, 0] - slip[c, 0]) / FAR,
@@ -284,7 +284,7 @@ def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
         x = wall_distance(walls, position, position[:, :0], c)
         pull, slip = dot(x, n), touches.slip
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
-        body = Body(radius, radius, touches.modulus[c])
+        body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
         gap, square = math.exp(touches.log_gap[c]), max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
         total += contact_energy(contacts, body, gap, pull - radius - gap, square)
     return total

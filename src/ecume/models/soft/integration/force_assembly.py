@@ -144,12 +144,12 @@ def resist(step: Step, span: float) -> None:
 
 @compiled
 def hold_back(bodies: Bodies, spin_drag: Array, span: float) -> None:
-    """Add the drag of the liquid."""
+    """Add the drag of the liquid, and what holds loose pieces."""
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
         for k in range(bodies.diagonal.shape[1]):
             drag = bodies.drag[i] if k < dimensions else spin_drag[i]
-            bodies.diagonal[i, k] = drag / span if span > 0.0 else 0.0
+            bodies.diagonal[i, k] = bodies.anchor[i] + (drag / span if span > 0.0 else 0.0)
 
 
 def count_links(pattern: Pattern, *_: object) -> int:
@@ -173,8 +173,9 @@ def is_free(step: Step) -> bool:
 
 @composed
 def is_held(step: Step) -> bool:
-    """Whether walls, or drag on all spheres or some, keep them from going away all together."""
-    return len(step.walls) > 0 or largest_line(step.bodies.drag) > 0.0
+    """Whether walls, or drag or anchors of some spheres, keep them from going away all together."""
+    bodies = step.bodies
+    return len(step.walls) > 0 or largest_line(bodies.drag) > 0.0 or largest_line(bodies.anchor) > 0.0
 
 
 @compiled

@@ -15,12 +15,14 @@ from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import material_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
-from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR, drive_at
+from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.contact_lists import widths
 from ecume.models.soft.setup.building import prefactors_of
+from ecume.models.soft.setup.start_checks import fillings
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, sides_of, tension_law_of
+from ecume.units import Array
 from ecume.value_texts import duration_text, size_text, with_prefix
 
 JAMMED = {2: 0.84, 3: 0.64}
@@ -49,12 +51,17 @@ def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expe
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
     liquid = material_of(scene.liquid)
     pair = SoftPair(radius, modulus, liquid.viscosity, prefactors_of(scene.films))
-    gaps = state.log_gap[: state.contacts[0]]
+    gaps = log_gaps_of(state)
     # Half of what is tied is far: of the narrower half, as many as bear forces.
     gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
     found = forces(scene, parameters, pair, gap)
     source = max(found, key=lambda name: found[name], default="")
     return Expected(pair, found.get(source, 0.0), source, gap, liquid.surface_tension or math.nan)
+
+
+def log_gaps_of(state: State) -> Array:
+    """ln(gap) of all contacts, those with walls included."""
+    return np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
 
 
 def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
@@ -77,17 +84,6 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
         ),
     }
     return {name: value for name, value in found.items() if value > 0.0}
-
-
-def fillings(parameters: Parameters) -> float:
-    """The largest volume fraction of the protocol, if it prescribes the size of the box; 0 without a box."""
-    box, dimensions = parameters.box[: parameters.dimensions], parameters.dimensions
-    if not box.all():
-        return 0.0
-    unit, power = (math.pi, 2) if dimensions == 2 else (4.0 / 3.0 * math.pi, 3)
-    times = parameters.protocol.times
-    scale = min(drive_at(parameters.protocol, float(time)).scale for time in times)
-    return float(unit * (parameters.radius**power).sum() / np.prod(box) / scale**dimensions)
 
 
 def pressed_force(pair: SoftPair, filled: float, dimensions: int) -> float:
@@ -123,17 +119,18 @@ def sheared_force(pair: SoftPair, gap: float, rate: float, strain: float) -> flo
 
 
 def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
-    count, contacts = len(parameters.radius), int(state.contacts[0])
+    count, contacts, at_walls = len(parameters.radius), int(state.contacts[0]), int(state.touching.sum())
     where = "2D (a layer)" if parameters.dimensions == 2 else "3D"
     rows = [
         ("spheres", str(count), f"{len(scene.particles)} species, {where}"),
-        ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} per sphere"),
+        ("films", str(contacts + at_walls), f"at the start, {(2.0 * contacts + at_walls) / count:.2g} per sphere"),
     ]  # fmt: skip
     if (filled := fillings(parameters)) > 0.0:
         jammed = JAMMED[parameters.dimensions]
         remark = f"at most; random packings jam at {jammed:g}"
         rows.append(("volume fraction", f"{filled:.4g}", remark))
-    narrowest = math.exp(state.log_gap[:contacts].min(initial=math.inf)) if contacts else math.inf
+    gaps = log_gaps_of(state)
+    narrowest = math.exp(gaps.min()) if len(gaps) else math.inf
     return [
         *rows,
         (

@@ -19,8 +19,9 @@ from ecume._jit import compiled, compiled_inside, prange, shared, where_there
 from ecume.laws.surfaces import Body
 from ecume.models.soft.contacts.contact import Elastic, contact_gap_energy, elastic_of, remote_answer, sheared_energy_by
 from ecume.models.soft.contacts.contact_jacobian import Vector, dot
-from ecume.models.soft.contacts.films import Films, Pairs, center_distance, stored_energy, turned
+from ecume.models.soft.contacts.films import Films, center_distance, stored_energy, turned
 from ecume.models.soft.contacts.rotation import Spins
+from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.force_assembly import CHUNK
@@ -37,8 +38,10 @@ ANSWERED is motion that responds to stresses: its rates are slopes of the scheme
 sum.
 """
 
+OF_CONTACTS = ("first", "second", "image", "offset", "radius_sum", "reduced_radius", "modulus")
+"""The fields of `Pairs` that the stored energy takes."""
 Five = tuple[float, float, float, float, float]
-Web = tuple[tuple[Any, ...], tuple[Array, Array, Array], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
+Web = tuple[tuple[Any, ...], tuple[Any, ...], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
 """Arrays of contacts: who, how large, where the films are, forces and rates, places with the box's rates and memory."""
 
 
@@ -68,11 +71,12 @@ def book_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, s
     pairs, books, box = step.pairs, step.books, box_rates(step.cell, stage)
     first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
+    row, ends, values = pairs.row, pairs.ends, pairs.values
     log_gap, direction, force = step.films.log_gap, step.films.direction, step.answers.force
     position, slope, sheared, count = step.bodies.position, step.slope[stage], books.sheared, len(first)
     sums = np.zeros(((count + CHUNK - 1) // CHUNK, 4))
     for chunk in prange(len(sums)):
-        who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus)
+        who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values)
         web = (who, sizes, (log_gap, direction), (force, slope), (position, box, sheared))
         book_pairs(contacts, web, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
     line = books.lines[stage]
@@ -91,7 +95,7 @@ def book_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array
     """The energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
     dissipates it, less the power of remote forces.
     """
-    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus) = web[0], web[1]
+    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values) = web[0], web[1]
     (log_gap, direction), (force, slope), (position, box, sheared) = web[2], web[3], web[4]
     film, size, driven, shrunk = 0.0, 0.0, 0.0, 0.0
     for c in range(among[0], among[1]):
@@ -103,10 +107,11 @@ def book_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array
             x, f = turned(x, back), turned(f, back)
         n, gap, opening = (direction[c, 0], direction[c, 1], direction[c, 2]), math.exp(log_gap[c]), slope[c, 0]
         turning, pull = (slope[c, 1], slope[c, 2], slope[c, 3]), dot(x, n)
-        film += gap * opening * (dot(f, n) + remote_answer(gap, reduced_radius[c], contacts)[0])
+        across = remote_answer(gap, reduced_radius[c], contacts)[0] + user_force(row[c], ends, values, log_gap[c])[0]
+        film += gap * opening * (dot(f, n) + across)
         film += (radius_sum[c] + gap) * dot(f, turning)
         at = (gap, pull - radius_sum[c] - gap, max(dot(x, x) - pull * pull, 0.0))
-        body, before = Body(radius_sum[c], reduced_radius[c], modulus[c]), (sheared[c, 0], sheared[c, 1])
+        body, before = Body(radius_sum[c], reduced_radius[c], modulus[c], 0.0, 0.0), (sheared[c, 0], sheared[c, 1])
         by_gap, more, surface = surface_work(contacts, body, at, before)
         size += by_gap * opening + (surface.tangential - surface.normal) * at[1] * dot(x, turning)
         shrunk += more
@@ -155,7 +160,7 @@ def book_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage:
             driven, answered = driven + (power if told else 0.0), answered + (0.0 if told else power)
         apart = (x[0] - radius * slip[0], x[1] - radius * slip[1], x[2] - radius * slip[2])
         stretch, square = dot(x, n) - radius - gap, max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
-        body = Body(radius, radius, touches.modulus[c])
+        body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
         by_gap, more, surface = surface_work(contacts, body, (gap, stretch, square), (sheared[c, 0], sheared[c, 1]))
         size, shrunk = size + by_gap * opening, shrunk + more
         sheared[c, 0], sheared[c, 1] = surface.tangential, square
@@ -234,7 +239,7 @@ def released(contacts: Contacts, step: Step) -> float:
     far, walls, total = math.log(contacts.fade_to), all_walls(step.walls), 0.0
     faded = np.flatnonzero(step.log_gap >= far)
     if len(faded):
-        pairs = Pairs._make(array[faded] if len(array) else array for array in step.pairs)
+        pairs = step.pairs._replace(**{name: getattr(step.pairs, name)[faded] for name in OF_CONTACTS})
         films = Films._make(array[faded] for array in step.films)
         total += stored_energy(contacts, pairs, films, step.bodies.position)
     if (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:

@@ -13,6 +13,8 @@ from ecume.engine.cells import Integers
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.contacts.contact_list import at_home, box_in, wraps
+from ecume.models.soft.contacts.films import Pairs
+from ecume.models.soft.contacts.user_forces import Across, forces_across, user_energies
 from ecume.models.soft.contacts.walls import all_walls
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.loading.cell import STRAIN, TILT, WIDTH, Box
@@ -75,7 +77,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     }
     numbers = {
         "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
-        "smallest_gap": float(gap.min(initial=np.inf)),
+        "smallest_gap": float(np.append(gap, exp(all_walls(step.walls).touches.log_gap)).min(initial=np.inf)),
         **_neighbors(parameters, step),
         **_wall_numbers(parameters, state, step),
         "largest_tension": float(tension.max(initial=0.0)),
@@ -132,6 +134,16 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     return velocity
 
 
+def laws_in(pairs: Pairs) -> Across:
+    """The user's laws of the present contacts."""
+    return Across(pairs.row, pairs.ends, pairs.values)
+
+
+def acts_across(parameters: Parameters) -> bool:
+    """Whether there can be a long-range force between surfaces, of the scene or of the user."""
+    return parameters.laws.remote.acts or bool(parameters.user_forces)
+
+
 def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: float) -> dict[str, float]:
     """The energy budget (J): stored, injected and dissipated energy, and the separate entry of the surface law.
 
@@ -139,7 +151,7 @@ def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: 
     """
     if not len(state.books):
         return {}
-    remote = {"remote_energy": _remote_energy(parameters, step, gap)} if parameters.laws.remote.acts else {}
+    remote = {"remote_energy": _remote_energy(parameters, step, gap)} if acts_across(parameters) else {}
     told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
     told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
     places, touches = all_walls(step.walls)
@@ -165,9 +177,12 @@ def _remote_energy(parameters: Parameters, step: Step, gap: Array) -> float:
     gap, radius = np.append(gap, exp(touches.log_gap)), np.append(step.pairs.reduced_radius, touches.radius)
     law = _remote_law(parameters, parameters.laws.remote.energy)
     reach = contacts.fade_from
-    return float(
-        sum(law(h, r) - (law(reach, r) if reach < math.inf else 0.0) for h, r in zip(gap, radius, strict=True))
-    )
+    found = sum(law(h, r) - (law(reach, r) if reach < math.inf else 0.0) for h, r in zip(gap, radius, strict=True))
+    laws, log_gap = laws_in(step.pairs), step.log_gap
+    found += user_energies(laws, log_gap).sum()
+    if reach < math.inf:
+        found -= user_energies(laws, np.full(len(log_gap), math.log(reach))).sum()
+    return float(found)
 
 
 def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
@@ -203,7 +218,7 @@ def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> d
     pull = (force * normal).sum(axis=1)[:, None] * normal
     push = _remote_forces(parameters, step, gap)[:, None] * normal
     parts = {"squeeze": pull + push, "sliding": force - pull}
-    if parameters.laws.remote.acts:
+    if acts_across(parameters):
         parts["remote"] = -push
     return {name: np.einsum("ca,cb->ab", part, between) / volume for name, part in parts.items()}
 
@@ -211,7 +226,8 @@ def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> d
 def _remote_forces(parameters: Parameters, step: Step, gap: Array) -> Array:
     """The repulsion across each film (N)."""
     law = _remote_law(parameters, parameters.laws.remote.force)
-    return np.array([law(h, r) for h, r in zip(gap, step.pairs.reduced_radius, strict=True)])
+    built_in = np.array([law(h, r) for h, r in zip(gap, step.pairs.reduced_radius, strict=True)])
+    return built_in + forces_across(laws_in(step.pairs), step.log_gap)
 
 
 def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:

@@ -28,7 +28,14 @@ from ecume.models.soft.loading.cell import box_of, shape_at
 from ecume.models.soft.loading.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.setup.packing import places
-from ecume.models.soft.setup.start_checks import require_balance, require_gaps, require_no_torque, require_one_piece
+from ecume.models.soft.setup.start_checks import (
+    require_balance,
+    require_gaps,
+    require_hold,
+    require_moderate_forces,
+    require_no_torque,
+    require_room,
+)
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.models.tables import code_of
@@ -95,6 +102,8 @@ def parameters_of(scene: SoftScene) -> Parameters:
         tolerance=scene.integration.tolerance,
         solver=scene.integration.solver,
     )
+    require_moderate_forces(parameters)
+    require_room(parameters)
     require_balance(parameters)
     return parameters
 
@@ -113,7 +122,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     open_all(parameters, state)
     state.pace[LENGTH] = _first_length(scene, parameters, state)
     if not parameters.drag.any():
-        require_one_piece(state)
+        require_hold(parameters, state)
         require_no_torque(parameters, state)
     if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)) or len(parameters.walls.free):
         _balance(parameters, state)

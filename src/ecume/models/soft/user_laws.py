@@ -1,0 +1,110 @@
+"""Pair laws of the user for soft spheres: normal forces between surfaces as a function of the gap.
+
+They are added to the long-range force of the scene between spheres, not at walls. Compiled loops read them from tables
+that are made once, for each pair of species; so they do not depend on code of the user.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled_once
+from ecume._portable import exp, log
+from ecume.errors import BadInput
+from ecume.models.model import Model
+from ecume.models.soft.contacts.user_forces import INTERVALS, Tables, log_gaps, table_of
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.report.check_report import advice
+from ecume.models.user_laws import PAIR, BoundLaw, masks_of, require_force, require_kinds
+from ecume.scenes.soft import SoftScene
+from ecume.units import Array
+from ecume.value_texts import with_prefix
+
+NARROWEST, WIDEST = 1e-10, 1e4
+"""Ends of a table: in radii of the smallest sphere, and of the largest one where films have no cutoff."""
+TESTED = (1e-6, 1e-3, 1.0)
+"""In radii of the smallest sphere: gaps at which laws are tested."""
+
+
+class SpherePair(NamedTuple):
+    """The two spheres of a pair, as user-defined laws see them beside the gap."""
+
+    radius_i: float
+    radius_j: float
+    modulus_i: float
+    modulus_j: float
+    constants: tuple[float, ...]
+
+
+def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
+    """Soft spheres with laws of the user. Raises BadInput for what is no such law."""
+    require_kinds("soft", laws, [PAIR])
+
+    def parameters_of(scene: SoftScene) -> Parameters:
+        parameters: Parameters = model.parameters(scene)
+        return parameters._replace(user_forces=tables_of(laws, scene, parameters))
+
+    def summary(scene: SoftScene) -> list[tuple[str, str, str]]:
+        parameters = parameters_of(scene)
+        return advice(scene, parameters, model.start(scene, parameters))
+
+    return dataclasses.replace(model, parameters=parameters_of, summary=summary)
+
+
+def tables_of(laws: Sequence[BoundLaw], scene: SoftScene, parameters: Parameters) -> Tables:
+    """The sum of the laws of each pair of species, over ln(gap)."""
+    count = len(scene.particles)
+    masks, row = masks_of(laws, count), np.full((count, count), -1)
+    first = np.array([np.flatnonzero(parameters.species == kind)[0] for kind in range(count)])
+    ends, values = _ends(parameters), list[Array]()
+    for one in range(count):
+        for other in range(one, count):
+            chosen = [law for bit, law in enumerate(laws) if masks[one, other] >> bit & 1]
+            if not chosen:
+                continue
+            pair = SpherePair(
+                float(parameters.radius[first[one]]), float(parameters.radius[first[other]]),
+                float(parameters.modulus[first[one]]), float(parameters.modulus[first[other]]), (),
+            )  # fmt: skip
+            row[one, other] = row[other, one] = len(values)
+            force = np.sum([_forces(law, pair, ends, parameters) for law in chosen], axis=0)
+            values.append(table_of(force, ends))
+    return Tables(row, ends, np.array(values).reshape(-1, INTERVALS + 1, 3))
+
+
+def _ends(parameters: Parameters) -> Array:
+    """The first ln(gap) of tables, and the spacing."""
+    low = NARROWEST * float(parameters.radius.min())
+    high = min(parameters.contacts.fade_to, WIDEST * float(parameters.radius.max()))
+    begin, end = (float(log(np.float64(gap))) for gap in (low, high))
+    return np.array([begin, (end - begin) / INTERVALS])
+
+
+def _forces(law: BoundLaw, pair: SpherePair, ends: Array, parameters: Parameters) -> Array:
+    """A law at the gaps of a table (N). Raises BadInput where it is not finite, or not the same for both spheres."""
+    given = pair._replace(constants=law.constants)
+    swapped = SpherePair(pair.radius_j, pair.radius_i, pair.modulus_j, pair.modulus_i, law.constants)
+    require_force(law, [part * float(parameters.radius.min()) for part in TESTED], given, swapped)
+    function, gaps = compiled_once(law.function), exp(log_gaps(ends, 2))
+    force = np.array([_number(function, float(gap), given) for gap in gaps])
+    bad = np.flatnonzero(~np.isfinite(force))
+    if len(bad):
+        where = with_prefix(float(gaps[bad[-1]]), "m", 3)
+        raise BadInput(
+            f"extra_laws: {law.name}: got {force[bad[-1]]} at a gap of {where}; expected a finite force in N between "
+            f"gaps of {with_prefix(float(gaps[0]), 'm', 3)} and {with_prefix(float(gaps[-1]), 'm', 3)}"
+        )
+    return force
+
+
+def _number(function: object, gap: float, given: SpherePair) -> float:
+    """A law at one gap; NaN where it raises an arithmetic error."""
+    try:
+        return float(function(gap, given))  # type: ignore[operator]
+    except ArithmeticError:
+        return math.nan
