@@ -9,13 +9,14 @@ import ecume
 from ecume.models.sph.boundaries.prescribed_motion import instant
 from ecume.models.sph.boundaries.rigid_bodies import collide
 from ecume.models.sph.boundaries.walls import reflect_particles
-from ecume.models.sph.rates.right_hand_side import take_thickening
+from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     energies,
     energy_of_bodies,
     exchanged_energy,
+    power_of_dummies,
     power_of_shake,
     reflection_work,
 )
@@ -242,6 +243,29 @@ def test_the_work_of_diffusion_is_the_change_of_elastic_energy(name):
         errors.append(abs(float(state.books[WORK]) - change) / abs(change))
     assert errors[0] < 1e-4
     assert errors[1] < 0.6 * errors[0] + 1e-9
+
+
+@pytest.mark.parametrize("force", ["sum", "monaghan"])
+@pytest.mark.parametrize("body", [(), ({"center": [0.55, 0.6], "radius": 0.2, "density": 0.5, "velocity": [0.3, 0.2]},)])
+def test_the_work_of_dummies_is_what_the_energies_gain(force, body):
+    """In a liquid that dissipates nothing, to rounding."""
+    plain = to_plain(tank(walls="dummy", density_diffusion="none", artificial_viscosity=0.0, pressure_force=force))
+    scene = from_plain({**plain, "bodies": list(body)})
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[:] = np.random.default_rng(2).normal(size=state.velocity.shape)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    take_thickening(parameters, state, workspace)
+    take_forces(parameters, state, workspace, 1e-3)
+    push = state.acceleration - parameters.gravity[:, None]
+    kinetic = float(np.sum(state.mass * (push * state.velocity).sum(axis=0)))
+    pressure = workspace.fields.pressure[: len(state.mass)]
+    elastic_power = float(np.sum(state.mass * pressure / state.density**2 * state.thickening))
+    pull = np.array([*parameters.gravity, 0.0, 0.0, 0.0, 0.0])[:, None]
+    bodies = float(np.sum(parameters.bodies.mass * ((state.push - pull) * state.motion)[:3]))
+    power = power_of_dummies(instant(parameters, state), state, workspace)
+    assert abs(power) > 0.03 * abs(kinetic)
+    assert kinetic + elastic_power + bodies == pytest.approx(power, rel=1e-9)
 
 
 def elastic(parameters, state):

@@ -19,7 +19,8 @@ from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylo
 from ecume.laws.waves import standing_wave_velocity
 from ecume.models.sph.parameters import Liquid, Material
 from ecume.models.sph.setup.choices import held_pull, modified
-from ecume.models.sph.setup.shapes import free_of, part_of, solids_of
+from ecume.models.sph.setup.packing import packed
+from ecume.models.sph.setup.shapes import free_of, gaps_to, part_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import bounds_of
 from ecume.scenes.sph import SIDES, RegionSpec, SphScene
 from ecume.units import Array
@@ -153,7 +154,9 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
     told: list[GivenValues] = []
-    for region, (cells, kept) in zip(scene.fluid, cells_of(scene), strict=True):
+    found = cells_of(scene)
+    regions = packed(scene, [cells for cells, _ in found], unaligned_solids(scene))
+    for region, cells, (_, kept) in zip(scene.fluid, regions, found, strict=True):
         points, shape = cells.centers, part_of(region, scene.spacing)
         head = np.zeros(len(points))
         if pull.any() and scene.method.initial_pressure == "hydrostatic":
@@ -208,7 +211,53 @@ def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Seq
     if not others:
         return cells
     free = shape.volume() - covered_volume(shape, others)
-    return scaled_to(cells.those(apart(cells.centers, earlier) & free_of(cells.centers, solids, spacing)), free)
+    odd = unaligned(shape, cells, [solid for solid in solids if bounds_meet(shape, solid)], spacing)
+    fitting = [solid for solid in solids if all(solid is not other for other in odd)]
+    cells = cells.those(apart(cells.centers, earlier) & free_of(cells.centers, fitting, spacing))
+    return scaled_to(cells.those(roomiest(cells, odd, free)) if odd else cells, free)
+
+
+def roomiest(cells: Cells, solids: Sequence[Shape], volume: float) -> Flags:
+    """Which cells to keep so that their volume is as near as can be to this one: those farthest out of the solids."""
+    gap = gaps_to(solids, cells.centers)
+    order = np.argsort(gap, kind="stable")
+    left = cells.volumes.sum() - np.concatenate([[0.0], np.cumsum(cells.volumes[order])])
+    kept = np.ones(len(gap), bool)
+    kept[order[: int(np.argmin(np.abs(left - volume)))]] = False
+    return kept
+
+
+def unaligned_solids(scene: SphScene) -> list[Shape]:
+    """Solids to which the lattice of a region does not fit."""
+    solids, found = solids_of(scene), dict[int, Shape]()
+    for region in scene.fluid:
+        part = part_of(region, scene.spacing)
+        near = [solid for solid in solids if bounds_meet(part, solid)]
+        if region.particles is None and near:
+            cells = part.cells(scene.spacing, np.concatenate([solid.faces() for solid in near]))
+            found |= {id(solid): solid for solid in unaligned(part, cells, near, scene.spacing)}
+    return list(found.values())
+
+
+ALIGNED = 1e-6
+"""Spacings between a face and the next end of a cell."""
+
+
+def unaligned(part: Part, cells: Cells, solids: Sequence[Shape], spacing: float) -> list[Shape]:
+    """Those that are no boxes, or boxes in whose faces no cell ends."""
+    return [solid for solid in solids if not _fits(part, cells, solid, ALIGNED * spacing)]
+
+
+def _fits(part: Part, cells: Cells, solid: Shape, close: float) -> bool:
+    if not len(solid.faces()) or not len(part.faces()):
+        return False
+    low, high = part.bounds()
+    for axis in range(len(low)):
+        ends = (cells.centers - 0.5 * cells.widths)[:, axis]
+        for face in solid.faces()[:, axis]:
+            if low[axis] < face < high[axis] and float(np.abs(ends - face).min(initial=np.inf)) > close:
+                return False
+    return True
 
 
 def _kept(points: Array, earlier: Sequence[Part], solids: Sequence[Shape]) -> Flags:
