@@ -125,7 +125,7 @@ def test_what_a_body_loses_the_liquid_has_and_nobody_gains(tmp_path):
     energy, work, _ = books(scene, tmp_path)
     lost = first.numbers["bodies_energy"] - last.numbers["bodies_energy"]
     assert lost > 5e-3
-    assert np.all(work == 0.0)
+    assert 0.0 < np.abs(work).max() < 0.05 * lost  # of dummies
     # What starts all of a sudden loses a part of it to sound.
     assert 0.5 * lost < energy[-1] + lost < lost
 
@@ -246,7 +246,9 @@ def test_the_work_of_diffusion_is_the_change_of_elastic_energy(name):
 
 
 @pytest.mark.parametrize("force", ["sum", "monaghan"])
-@pytest.mark.parametrize("body", [(), ({"center": [0.55, 0.6], "radius": 0.2, "density": 0.5, "velocity": [0.3, 0.2]},)])
+@pytest.mark.parametrize(
+    "body", [(), ({"center": [0.55, 0.6], "radius": 0.2, "density": 0.5, "velocity": [0.3, 0.2]},)]
+)
 def test_the_work_of_dummies_is_what_the_energies_gain(force, body):
     """In a liquid that dissipates nothing, to rounding."""
     plain = to_plain(tank(walls="dummy", density_diffusion="none", artificial_viscosity=0.0, pressure_force=force))

@@ -86,12 +86,12 @@ def test_packing_has_the_same_bits_each_time_and_moves_no_given_particles():
 
 
 def test_particles_around_obstacles_have_the_mass_of_their_cells():
-    """Their number fits the volume that is left, to half a particle."""
+    """Their number fits the volume that is left, to one particle: of two that are symmetric, both are kept or none."""
     for obstacle in SHAPES.values():
         for layers in (7, 9, 12, 15):
             [(cells, _)] = cells_of(tank(obstacle, layers=layers))
             mass = cells.volumes.sum() / np.prod(cells.widths, axis=1).sum()
-            assert mass == pytest.approx(1.0, abs=0.51 / len(cells.volumes))
+            assert mass == pytest.approx(1.0, abs=1.02 / len(cells.volumes))
 
 
 def test_check_reports_the_summed_density():

@@ -201,13 +201,16 @@ def room_of(scene: SphScene, *, single: bool) -> Box:
     return Box(low, high)
 
 
+ALIGNED = 1e-6
+"""In spacings: between a face and the next end of a cell, and between distances of symmetric cells."""
+
+
 def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Sequence[Shape]) -> Cells:
     """The cells of a region that neither earlier regions nor solids cover. Their volumes add up to that of the places
     they stand for: what a solid cuts off cells, or leaves of cells too close to it, is spread over all.
     """
     others = [other for other in (*earlier, *solids) if bounds_meet(shape, other)]
-    faces = [other.faces() for other in others]
-    cells = shape.cells(spacing, np.concatenate(faces) if faces else None)
+    cells = lattice_of(shape, spacing, others)
     if not others:
         return cells
     free = shape.volume() - covered_volume(shape, others)
@@ -217,13 +220,29 @@ def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Seq
     return scaled_to(cells.those(roomiest(cells, odd, free)) if odd else cells, free)
 
 
+MOST_UNEVEN = 0.25
+"""How much longer one edge of a cell may be than another so that a lattice ends at all faces."""
+
+
+def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
+    """The lattice of a part of space that ends at the faces of others, unless its cells were too uneven for that."""
+    faces = [other.faces() for other in others]
+    cells = part.cells(spacing, np.concatenate(faces) if faces else None)
+    uneven = len(cells.widths) and (cells.widths.max(axis=1) / cells.widths.min(axis=1)).max() > 1.0 + MOST_UNEVEN
+    return part.cells(spacing) if uneven and len(others) else cells
+
+
 def roomiest(cells: Cells, solids: Sequence[Shape], volume: float) -> Flags:
-    """Which cells to keep so that their volume is as near as can be to this one: those farthest out of the solids."""
+    """Which cells to keep so that their volume is as near as can be to this one: those farthest out of the solids. Of
+    cells that are equally far, as in a symmetric scene, all or none are kept.
+    """
     gap = gaps_to(solids, cells.centers)
     order = np.argsort(gap, kind="stable")
     left = cells.volumes.sum() - np.concatenate([[0.0], np.cumsum(cells.volumes[order])])
+    alike = np.diff(gap[order]) < ALIGNED * cells.widths.min()
+    misfit = np.where(np.concatenate([[False], alike, [False]]), np.inf, np.abs(left - volume))
     kept = np.ones(len(gap), bool)
-    kept[order[: int(np.argmin(np.abs(left - volume)))]] = False
+    kept[order[: int(np.argmin(misfit))]] = False
     return kept
 
 
@@ -234,13 +253,9 @@ def unaligned_solids(scene: SphScene) -> list[Shape]:
         part = part_of(region, scene.spacing)
         near = [solid for solid in solids if bounds_meet(part, solid)]
         if region.particles is None and near:
-            cells = part.cells(scene.spacing, np.concatenate([solid.faces() for solid in near]))
+            cells = lattice_of(part, scene.spacing, near)
             found |= {id(solid): solid for solid in unaligned(part, cells, near, scene.spacing)}
     return list(found.values())
-
-
-ALIGNED = 1e-6
-"""Spacings between a face and the next end of a cell."""
 
 
 def unaligned(part: Part, cells: Cells, solids: Sequence[Shape], spacing: float) -> list[Shape]:

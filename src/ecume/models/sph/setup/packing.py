@@ -33,9 +33,9 @@ BAND = 8.0
 LEAST_GAP, LEAST_DEPTH = STANDOFF, 0.25
 """Of the center of a particle to solids and to the faces of its region, in spacings. Closer to a solid it is repelled.
 """
-EVEN = 1e-4
-"""The gradient of the concentration at which packing ends, over one per spacing. With 2e-3 particles shift by as many
-spacings in the run, and in a full tank the pressure by some percent.
+EVEN = {2: 1e-4, 3: 1e-3}
+"""The gradient of the concentration at which packing ends, over one per spacing, by dimension. With 2e-3 particles
+shift by as many spacings in the run, and the pressure in a full tank by some percent of that at the floor.
 """
 MOST_STEPS = 300
 SKIN, LONGEST = 0.4, 0.1
@@ -72,11 +72,13 @@ class Limits(NamedTuple):
 
     def held(self, position: Array) -> Array:
         """Positions within the limits."""
+        position = position.copy()
         for solid in self.solids:
             gap, normal = solid.nearest(position)
-            near = (gap < self.least)[:, None]
-            position = np.where(near, position + (self.least - gap)[:, None] * normal, position)
-        return np.clip(position, self.low, self.high)
+            near = gap < self.least
+            position[near] += (self.least - gap[near])[:, None] * normal[near]
+        held: Array = np.clip(position, self.low, self.high)
+        return held
 
 
 def packed(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -> list[Cells]:
@@ -185,7 +187,7 @@ def relaxed(crowd: Crowd, limits: Limits, kernel: Kernel, lengths: tuple[float, 
         if pairs is None or _displacement(crowd, pairs) > 0.5 * SKIN * spacing:
             pairs = pairs_of(crowd, kernel.support * lengths[0] + SKIN * spacing)
         push = along_surfaces(-spacing * concentration_gradient(crowd, pairs, kernel, lengths[0]), back)
-        if math.sqrt(float((push**2).sum(axis=1).max())) < EVEN:
+        if math.sqrt(float((push**2).sum(axis=1).max())) < EVEN[kernel.dim]:
             break
         if float((push * speed).sum()) > 0.0:
             size = math.sqrt(float((speed**2).sum()) / float((push**2).sum()))
@@ -206,7 +208,7 @@ def relaxed(crowd: Crowd, limits: Limits, kernel: Kernel, lengths: tuple[float, 
 
 
 def along_surfaces(vectors: Array, back: Array) -> Array:
-    """Vectors (m, d) without the parts that press particles against the limits; `back` is how far those put them back."""
+    """Vectors (m, d) without the parts that press particles against the limits, which put them `back` so far."""
     length = np.sqrt((back**2).sum(axis=1))[:, None]
     normal = back / np.maximum(length, TINY)
     found: Array = vectors - np.minimum((vectors * normal).sum(axis=1), 0.0)[:, None] * normal
@@ -218,6 +220,8 @@ class Pairs(NamedTuple):
 
     one: Integers
     other: Integers
+    volume: Array
+    """of all particles, images last"""
     images: Images
     reference: Array
 
@@ -229,41 +233,42 @@ def _displacement(crowd: Crowd, pairs: Pairs) -> float:
 
 def pairs_of(crowd: Crowd, reach: float) -> Pairs:
     """All pairs closer than the reach."""
-    images = images_of(np.ascontiguousarray(crowd.position.T), crowd.sides, reach)
-    everyone = with_images(crowd, images)
+    images, volume = images_of(np.ascontiguousarray(crowd.position.T), crowd.sides, reach), crowd.volume
+    for first, last in zip(images.start[:-1], images.start[1:], strict=True):
+        volume = np.concatenate([volume, volume[images.source[first:last]]])
+    everyone = with_images(crowd, images).T
     moves = np.zeros(len(everyone), bool)
     moves[crowd.moving] = True
     both = cKDTree(everyone).query_pairs(reach, output_type="ndarray")
     both = both[moves[both].any(axis=1)]
-    both = both[np.lexsort((both[:, 1], both[:, 0]))]
-    return Pairs(both[:, 0], both[:, 1], images, crowd.position.copy())
-
-
-def volumes_with_images(crowd: Crowd, images: Images) -> Array:
-    """(n,) volumes of all, images last."""
-    volume = crowd.volume
-    for first, last in zip(images.start[:-1], images.start[1:], strict=True):
-        volume = np.concatenate([volume, volume[images.source[first:last]]])
-    return volume
+    one, other = np.ascontiguousarray(both[np.lexsort((both[:, 1], both[:, 0]))].T)
+    return Pairs(one, other, volume, images, crowd.position.copy())
 
 
 def with_images(crowd: Crowd, images: Images) -> Array:
-    """(n, d) positions of all, images last."""
+    """(d, n) positions of all, images last."""
     position = np.ascontiguousarray(crowd.position.T)
-    return np.concatenate([crowd.position, positions_of_images(position, images, crowd.sides).T])
+    return np.concatenate([position, positions_of_images(position, images, crowd.sides)], axis=1)
+
+
+def distances(crowd: Crowd, pairs: Pairs) -> tuple[list[Array], Array]:
+    """Of each pair the difference of positions along each axis, and the distance."""
+    away = [line[pairs.one] - line[pairs.other] for line in with_images(crowd, pairs.images)]
+    square = away[0] * away[0]
+    for along in away[1:]:
+        square += along * along
+    return away, np.sqrt(square)
 
 
 def concentration_gradient(crowd: Crowd, pairs: Pairs, kernel: Kernel, length: float) -> Array:
     """(m, d) of the moving particles, sum_j V_j grad W (1/m)."""
-    everyone, volume = with_images(crowd, pairs.images), volumes_with_images(crowd, pairs.images)
-    away = everyone[pairs.one] - everyone[pairs.other]
-    q = np.sqrt((away**2).sum(axis=1)) / length
-    slope = kernel.normalization / length ** (kernel.dim + 2) * np.asarray(kernel.shape_slope(q))
+    away, distance = distances(crowd, pairs)
+    slope = kernel.normalization / length ** (kernel.dim + 2) * np.asarray(kernel.shape_slope(distance / length))
+    of_one, of_other = slope * pairs.volume[pairs.other], slope * pairs.volume[pairs.one]
     found = np.empty((len(crowd.moving), kernel.dim))
-    for axis in range(kernel.dim):
-        along = slope * away[:, axis]
-        total = np.bincount(pairs.one, along * volume[pairs.other], len(everyone))
-        total -= np.bincount(pairs.other, along * volume[pairs.one], len(everyone))
+    for axis, along in enumerate(away):
+        total = np.bincount(pairs.one, of_one * along, len(pairs.volume))
+        total -= np.bincount(pairs.other, of_other * along, len(pairs.volume))
         found[:, axis] = total[crowd.moving]
     return found
 
@@ -271,12 +276,10 @@ def concentration_gradient(crowd: Crowd, pairs: Pairs, kernel: Kernel, length: f
 def concentrations(crowd: Crowd, kernel: Kernel, length: float) -> Array:
     """(m,) of the moving particles, sum_j V_j W: one in a uniform arrangement."""
     pairs = pairs_of(crowd, kernel.support * length)
-    everyone, volume = with_images(crowd, pairs.images), volumes_with_images(crowd, pairs.images)
-    distance = np.sqrt(((everyone[pairs.one] - everyone[pairs.other]) ** 2).sum(axis=1))
-    weight = np.asarray(kernel.value(distance, length))
-    total = np.bincount(pairs.one, weight * volume[pairs.other], len(everyone))
-    total += np.bincount(pairs.other, weight * volume[pairs.one], len(everyone))
-    found: Array = (total + kernel.value(0.0, length) * volume)[crowd.moving]
+    weight = np.asarray(kernel.value(distances(crowd, pairs)[1], length))
+    total = np.bincount(pairs.one, weight * pairs.volume[pairs.other], len(pairs.volume))
+    total += np.bincount(pairs.other, weight * pairs.volume[pairs.one], len(pairs.volume))
+    found: Array = (total + float(kernel.value(0.0, length)) * pairs.volume)[crowd.moving]
     return found
 
 
