@@ -57,7 +57,7 @@ def test_packed_liquid_has_an_even_density_and_a_gap_to_every_surface(obstacle, 
 
 
 def test_packing_in_3d_evens_the_density_out():
-    scene = tank(BALL, layers=8)
+    scene = tank(BALL, layers=6)
     solids = unaligned_solids(scene)
     (lattice,), (cells,) = both(scene)
     assert unevenness(scene, [cells], solids) < 0.3 * unevenness(scene, [lattice], solids)

@@ -234,12 +234,12 @@ def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
 
 def roomiest(cells: Cells, solids: Sequence[Shape], volume: float) -> Flags:
     """Which cells to keep so that their volume is as near as can be to this one: those farthest out of the solids. Of
-    cells that are equally far, as in a symmetric scene, all or none are kept.
+    cells at one height that are equally far, as in a symmetric scene, all or none are kept.
     """
-    gap = gaps_to(solids, cells.centers)
-    order = np.argsort(gap, kind="stable")
+    gap, height, close = gaps_to(solids, cells.centers), cells.centers[:, 1], ALIGNED * cells.widths.min()
+    order = np.lexsort((height, np.round(gap / close)))
     left = cells.volumes.sum() - np.concatenate([[0.0], np.cumsum(cells.volumes[order])])
-    alike = np.diff(gap[order]) < ALIGNED * cells.widths.min()
+    alike = (np.abs(np.diff(gap[order])) < close) & (np.abs(np.diff(height[order])) < close)
     misfit = np.where(np.concatenate([[False], alike, [False]]), np.inf, np.abs(left - volume))
     kept = np.ones(len(gap), bool)
     kept[order[: int(np.argmin(misfit))]] = False
