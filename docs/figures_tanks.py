@@ -15,7 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Polygon, Rectangle
 from matplotlib.transforms import Affine2D
 
+from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
+from ecume.models.sph.setup.packing import packed, unevenness
+from ecume.models.sph.setup.shapes import obstacle_dummies, shape_of
 from ecume.scenes.schema import from_plain
+from ecume.scenes.sph import SphScene
 from ecume.show.picture import Size
 from ecume.show.sph.liquid import surface_of
 from ecume.show.sph.picture import liquid_picture
@@ -299,7 +303,33 @@ def sheared(method: dict[str, Any], **changes: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def packing() -> Figure:
+    """Particles and dummies around a disc and on a slope: the lattice, and the packed particles."""
+    drawn, (width, depth) = figure(9.0, 6.6), (1.2, 0.8)
+    solids: tuple[dict[str, Any], ...] = (
+        {"center": [0.63, 0.37], "radius": 0.21},
+        {"vertices": [[0.3, 0.0], [width, 0.0], [width, 0.5]]},
+    )
+    for row, solid in zip(drawn.subplots(2, 2), solids, strict=True):
+        scene = from_plain({"model": "sph", **pool(width, depth, spacing=0.0606), "obstacles": [solid]})
+        assert isinstance(scene, SphScene)  # noqa: S101  # the model says so
+        cells = [each for each, _ in cells_of(scene)]
+        dummies = np.concatenate([points for points, _ in obstacle_dummies(scene, 0.24)])
+        for axes, title, found in zip(
+            row, ("Lattice", "Packed"), (cells, packed(scene, cells, unaligned_solids(scene))), strict=True
+        ):
+            far = unevenness(scene, found, unaligned_solids(scene)) or 0.0
+            outline = shape_of(scene.obstacles[0]).rim(0.01)
+            axes.add_patch(Polygon(outline.tolist(), **SOLID))
+            axes.plot(*dummies.T, ".", color=MUTED, markersize=4)
+            axes.plot(*found[0].centers.T, ".", color=PALETTE[0], markersize=6)
+            axes.set(xlim=(0.0, width), ylim=(0.0, depth), aspect="equal", xticks=[], yticks=[])
+            axes.set_title(f"{title}: density within {100.0 * far:.2g} %")
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "sph-packing": packing,
     "sph-sides": sides,
     "sph-pulls": pulls,
     "sph-colors": colors,

@@ -60,6 +60,9 @@ def test_all_faults_are_reported_at_once_with_their_places() -> None:
     [
         ("tank.left.velocity=[0, 1, 3]", "got 3 numbers; the tank has 2 dimensions"),
         ("tank.left.velocity=[1, 0]", "got 1 m/s normal to the wall"),
+        ("tank.front.velocity=[1, 0, 0]", "is a side of 3D tanks"),
+        ("tank.back.slip=free", "is a side of 3D tanks"),
+        ("tank.left.profile=parabolic", "is of an inflow; this side is"),
         ('tank.left={ kind = "open", velocity = [0, 1] }', 'is of a wall; this side is of kind = "open"'),
         ('fluid[0].flow="couette"', "expected one of taylor-green, standing-wave, poiseuille"),
     ],

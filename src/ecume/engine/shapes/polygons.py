@@ -40,13 +40,18 @@ class Polygon(NamedTuple):
         return np.zeros((0, 2))
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """Cut off at each face; where several pieces are left, lines of no width join them."""
+        """That of the part inside."""
+        rest = self.within(low, high)
+        return 0.0 if rest is None else rest.volume()
+
+    def within(self, low: Array, high: Array) -> Polygon | None:
+        """The part inside a box, cut off at each face; None if empty. Lines of no width join several pieces."""
         rest = self.vertices
         for axis, sign, face in ((0, 1.0, low), (0, -1.0, high), (1, 1.0, low), (1, -1.0, high)):
             rest = _cut(rest, sign * (rest[:, axis] - face[axis]))
             if len(rest) < 3:
-                return 0.0
-        return Polygon(rest).volume()
+                return None
+        return Polygon(rest)
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """Distance and normal of the nearest edge or corner."""
@@ -108,10 +113,12 @@ class Polygon(NamedTuple):
         turn = (edge[:, 0] * ahead[:, 1] - edge[:, 1] * ahead[:, 0]) * np.sign(self._turn())
         return bool((turn >= -1e-12 * np.abs(turn).max()).all())
 
-    def inset(self, depth: float) -> Polygon | None:
-        """The part of a convex polygon that is deeper than a distance below every edge; None if empty."""
+    def inset(self, depth: float, edges: Flags | None = None) -> Polygon | None:
+        """The part of a convex polygon deeper than a distance below every edge, or below some; None if empty."""
         rest = self.vertices
-        for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
+        for k, (first, last) in enumerate(zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True)):
+            if edges is not None and not edges[k]:
+                continue
             edge = (last - first) / np.linalg.norm(last - first)
             inward = np.array([-edge[1], edge[0]]) * np.sign(self._turn())
             rest = _cut(rest, (rest - first) @ inward - depth)

@@ -128,7 +128,7 @@ def summary(scene: SphScene) -> list[Row]:
     """Derived numbers: name, value with unit, remark."""
     parameters = checked_parameters(scene)
     state = start(scene, parameters)
-    return advice(scene, parameters, state.position.shape[1], bytes_per_particle(scene))
+    return advice(scene, parameters, state.position, bytes_per_particle(scene))
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:

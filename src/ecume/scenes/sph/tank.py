@@ -185,6 +185,10 @@ class SideSpec:
         ]
         if self.kind != "outflow" and self.pressure != 0.0:
             complaints.append((("pressure",), f'is of an outflow; this side is of kind = "{self.kind}"'))
+        if self.kind != "wall" and self.slip is not None:
+            complaints.append((("slip",), f'is of a wall; this side is of kind = "{self.kind}"'))
+        if self.kind != "inflow" and self.profile != "uniform":
+            complaints.append((("profile",), f'is of an inflow; this side is of kind = "{self.kind}"'))
         if self.kind not in ("inflow", "outflow") and self.level is not None:
             complaints.append((("level",), f'is of an in- or outflow; this side is of kind = "{self.kind}"'))
         if complaints:
@@ -194,13 +198,13 @@ class SideSpec:
 
 def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
     """The fault of the velocity of a side that is normal to an axis; empty without a fault."""
-    if side.velocity is None:
+    if side.velocity is None or axis >= dimension:
         return ""
     if side.kind != "wall":
         return f'is of a wall; this side is of kind = "{side.kind}"'
     if len(side.velocity) != dimension:
         return f"got {len(side.velocity)} numbers; the tank has {dimension} dimensions"
-    if axis < dimension and side.velocity[axis] != 0.0:
+    if side.velocity[axis] != 0.0:
         return f"got {side.velocity[axis]:g} m/s normal to the wall; expected 0 (`motion` moves a wall)"
     return ""
 
@@ -249,6 +253,8 @@ class TankSpec:
             fault = _velocity_fault(side, SIDES.index(name) // 2, len(self.low))
             if fault:
                 complaints.append(((name, "velocity"), fault))
+            if SIDES.index(name) >= 2 * len(self.low) and side != SideSpec():
+                complaints.append(((name,), f"is a side of 3D tanks; expected {', '.join(SIDES[:4])}: this tank is 2D"))
         for axis in range(len(self.low)):
             pair = SIDES[2 * axis : 2 * axis + 2]
             periodic = [getattr(self, side).kind == "periodic" for side in pair]

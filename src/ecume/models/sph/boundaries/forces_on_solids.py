@@ -22,6 +22,10 @@ from ecume.models.sph.state import Workspace
 from ecume.units import Array
 
 Vector = tuple[float, float, float]
+BODY_AND_LIQUID = 2.0
+"""What a mirror bears across itself of the force of the image of a body's dummy on the liquid: the same force acts on
+the dummy, by the image of the liquid.
+"""
 
 
 class PairForces(NamedTuple):
@@ -148,20 +152,24 @@ def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, grou
 
 
 def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) -> tuple[Array, Array]:
-    """Force and place, (3, n) each, of all dummies from number `first` on.
+    """Force and place, (3, n) each, of all dummies from number `first` on, by the liquid and its images.
 
     An image pushes a dummy as the dummy's own image pushes the particle, mirrored, up to the weight of what is between
-    (1e-4 of the weight of a tank): along the mirror that is the dummy's part, across it the mirror's, who bears it.
+    (1e-4 of the weight of a tank). Along the mirror the dummy bears what the particle gets. Across it both are pushed
+    away from the mirror, which bears both for a body (see `BODY_AND_LIQUID`); an obstacle stands on it.
     """
-    images, real = workspace.images, len(workspace.lists.counts)
-    mine = np.arange(workspace.rates.shape[1] + first, real)
+    images, real, liquid = workspace.images, len(workspace.lists.counts), workspace.rates.shape[1]
+    mine = np.arange(liquid + first, real)
+    obstacles = slice(0, max(parameters.bodies.first - first, 0))
+    of_liquid = roots_of(images, real) < liquid
     kinds, kind = np.unique(chains_of(images, real), return_inverse=True)
-    group = np.zeros(workspace.fields.shape[1], np.int64)
-    group[real:] = 1 + kind.ravel()
+    group = np.full(workspace.fields.shape[1], -1)
+    group[:liquid] = 0
+    group[real:][of_liquid] = 1 + kind.ravel()[of_liquid]
     force = forces_on(parameters, workspace, mine, group)
-    for g, chain in enumerate(kinds, 1):
+    for g, chain in enumerate(kinds[: len(force) - 1], 1):
         for axis in _crossed(parameters.boundary.image_owner, int(chain)):
-            force[g, axis] = 0.0
+            force[g, axis, obstacles] = 0.0
     return force.sum(axis=0), _places(parameters, workspace, mine)
 
 
@@ -186,6 +194,10 @@ def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, A
             yield name, *total(force[:, mine], place[:, mine], boundary.centers[number])
 
 
+OBSTACLE, BODY = 1, 2
+"""What an image is of; 0 is liquid."""
+
+
 def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict[int, Array], Array]:
     """The force of each mirror on the liquid before it, by side; and the indices of that liquid.
 
@@ -193,21 +205,22 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
     """
     images, boundary = workspace.images, parameters.boundary
     liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
-    of_dummies = roots_of(images, real) >= liquid
-    kinds, kind = np.unique(2 * chains_of(images, real) + of_dummies, return_inverse=True)
+    root, body = roots_of(images, real), liquid + parameters.bodies.first
+    of_solids = np.where(root >= body, BODY, np.where(root >= liquid, OBSTACLE, 0))
+    kinds, kind = np.unique(4 * chains_of(images, real) + of_solids, return_inverse=True)
     group = np.full(workspace.fields.shape[1], -1)
     group[real:] = kind.ravel()
     mine = np.unique(images.source[images.source < liquid])
     force = forces_on(parameters, workspace, mine, group)
     found = {int(side): np.zeros((3, len(mine))) for side in boundary.image_owner if side >= 0}
     for g, code in enumerate(kinds):
-        chain, solid = int(code) >> 1, int(code) & 1
+        chain, solid = int(code) >> 2, int(code) & 3
         crossed = _crossed(boundary.image_owner, chain)
         for axis in range(3):
             side = _bearer(boundary.image_owner, chain, axis)
             # Along a mirror the image of a dummy pushes in the dummy's stead, and the dummy has that part.
             if side >= 0 and (axis in crossed or not solid):
-                found[side][axis] += force[g, axis]
+                found[side][axis] += (BODY_AND_LIQUID if solid == BODY else 1.0) * force[g, axis]
     return found, _places(parameters, workspace, mine)
 
 
@@ -217,14 +230,16 @@ def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers
     """
     images, owner, (side, axis) = workspace.images, parameters.boundary.image_owner, what
     real = len(workspace.lists.counts)
-    chains, solid = chains_of(images, real), roots_of(images, real) >= workspace.rates.shape[1]
+    chains, root, liquid = chains_of(images, real), roots_of(images, real), workspace.rates.shape[1]
     borne, crossed = np.zeros((2, 1 << len(owner)), np.bool_)
     for chain in np.flatnonzero(np.bincount(chains, minlength=1)):
         borne[chain] = _bearer(owner, int(chain), axis) == side
         crossed[chain] = axis in _crossed(owner, int(chain))
     group = np.full(workspace.fields.shape[1], -1)
-    group[real:][borne[chains] & (crossed[chains] | ~solid)] = 0
-    return float(forces_on(parameters, workspace, mine, group)[0, axis].sum())
+    group[real:][borne[chains] & (crossed[chains] | (root < liquid))] = 0
+    group[real:][(group[real:] == 0) & (root >= liquid + parameters.bodies.first)] = 1
+    force = forces_on(parameters, workspace, mine, group)[:, axis].sum(axis=1)
+    return float(force[0] + BODY_AND_LIQUID * force[1:].sum())
 
 
 def roots_of(images: Images, real: int) -> Integers:

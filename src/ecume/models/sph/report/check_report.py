@@ -16,10 +16,12 @@ from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.report.regimes import regime_rows
 from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import material_rows, sides_of, smallest_extent, smoothing_of, tension_of
-from ecume.models.sph.setup.initial_particles import cells_of
+from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
+from ecume.models.sph.setup.packing import unevenness
 from ecume.models.sph.setup.shapes import solids_of
 from ecume.models.step_counts import last_step
 from ecume.scenes.sph import SphScene
+from ecume.units import Array
 from ecume.value_texts import duration_text, size_text, with_prefix
 
 PAIRS_PER_SECOND = 1.5e8
@@ -43,10 +45,11 @@ FAST, ASKED = 0.11, 0.1
 """The Mach number above which a liquid is compressed by more than a percent or so, and the one to choose."""
 
 
-def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
-    """All rows of the report on a scene with `count` particles."""
+def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each: float) -> list[Row]:
+    """All rows of the report on a scene with particles at `position`, (d, N)."""
+    count = position.shape[1]
     return [
-        *_resolution(scene, parameters, count),
+        *_resolution(scene, parameters, position),
         *_liquid(scene, parameters),
         *_tension(scene, parameters),
         *regime_rows(scene, parameters),
@@ -54,13 +57,14 @@ def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: floa
     ]
 
 
-def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row]:
+def _resolution(scene: SphScene, parameters: Parameters, position: Array) -> list[Row]:
     spacing, smoothing = scene.spacing, smoothing_of(scene)
     walls = parameters.boundary.dummies.position.shape[1]
     across, neighbors = particles_across(scene), lattice_neighbors(parameters.dimension, parameters.support / spacing)
     return [
-        ("particles", str(count), walls_remark(scene, walls)),
+        ("particles", str(position.shape[1]), walls_remark(scene, walls)),
         fitted_row(scene),
+        *packing_row(scene, position),
         (
             "resolution",
             f"{across:.0f} particles",
@@ -89,6 +93,19 @@ def fitted_row(scene: SphScene) -> Row:
     else:
         remark = "fitted between walls and solids; the volume is the one drawn"
     return ("spacing", value, remark)
+
+
+def packing_row(scene: SphScene, position: Array) -> list[Row]:
+    """How even the liquid is next to surfaces that its lattice does not fit."""
+    cells, solids = [cells for cells, _ in cells_of(scene)], unaligned_solids(scene)
+    ends = np.cumsum([len(each.centers) for each in cells])
+    places = np.split(position.T[: ends[-1]], ends[:-1])
+    moved = [each._replace(centers=place) for each, place in zip(cells, places, strict=True)]
+    most = unevenness(scene, moved, solids)
+    if most is None:
+        return []
+    value = f"within {100.0 * most:.2g} %"
+    return [("summed density", value, "next to curved and slanted surfaces, where particles are packed")]
 
 
 def walls_remark(scene: SphScene, dummies: int) -> str:

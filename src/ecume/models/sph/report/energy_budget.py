@@ -8,7 +8,9 @@ rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses 
 (P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy, and particles that cross a
 periodic side are lifted, in gravity, by the length of the tank.
 
-Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`.
+Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`. So
+does the pressure of dummies, which liquid that approaches compresses without storing energy in them: see
+`power_of_dummies`.
 
 Rates are integrated by the trapezoidal rule, which is exact for kicks: each force acts half before and half after the
 velocity by which it is multiplied.
@@ -16,15 +18,17 @@ velocity by which it is multiplied.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import admit, compiled
+from ecume._jit import admit, compiled, prange, spread
 from ecume._portable import dot, product
 from ecume.engine.cells import Integers
+from ecume.engine.neighbor_rows import Lists
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import enthalpy
 from ecume.laws.enthalpy import tait_energy
@@ -32,8 +36,11 @@ from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces
 from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
 from ecume.models.sph.boundaries.rigid_bodies import energy_of_bodies
 from ecume.models.sph.boundaries.walls import repelled_by_wall
+from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace
+from ecume.models.sph.rates.fill_fields import fill_images
+from ecume.models.sph.rates.kernels import slope_of
+from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace, put_dummies
 from ecume.units import Array
 
 admit(enthalpy)
@@ -101,9 +108,14 @@ def has_external_work(parameters: Parameters) -> bool:
 
 
 def forces_work(parameters: Parameters) -> bool:
-    """Whether there are moving walls, buffers, or laws of the user."""
-    sliding = len(moving_sides(parameters)) or parameters.boundary.dummies.velocity.any()
+    """Whether there are moving walls, buffers, dummies, or laws of the user."""
+    sliding = len(moving_sides(parameters)) or dummies_work(parameters)
     return bool(parameters.drives or parameters.gates or sliding or parameters.user_forces is not None)
+
+
+def dummies_work(parameters: Parameters) -> bool:
+    """Whether there are dummies; the work of their pressure is known for forces that are sums of two pressures."""
+    return bool(parameters.boundary.dummies.position.shape[1]) and parameters.pressure_force.loop is None
 
 
 def may_lose_liquid(parameters: Parameters) -> bool:
@@ -183,6 +195,8 @@ def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> floa
         power += power_of_side(now, state, workspace, int(row))
     if len(moving_dummies(now)):
         power += power_of_moving_dummies(now, workspace)
+    if dummies_work(now):
+        power += power_of_dummies(now, state, workspace)
     return power + power_of_buffers(now, state, workspace) if now.gates else power
 
 
@@ -218,6 +232,59 @@ def power_of_moving_dummies(now: Parameters, workspace: Workspace) -> float:
     group = np.zeros(workspace.fields.shape[1], np.int64)
     force = forces_on(now, workspace, first + mine, group)[0]
     return -float(np.sum(force[: now.dimension] * now.boundary.dummies.velocity[:, mine]))
+
+
+def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> float:
+    """Power of the pressure of dummies, beside that of their force through their own motion (W).
+
+    A pair of liquid i and dummy w changes the kinetic energy by w_i w_w F (P_i + P_w) x_iw.v_i and the elastic energy
+    of i by w_i w_w F P_i x_iw.(v_w - v_i). Their sum is the force times v_w, and w_i w_w F P_w x_iw.(v_i - v_w): the
+    dummy is compressed like liquid, but has no elastic energy.
+    """
+    fields, lists, images, count = workspace.fields, workspace.lists, workspace.images, state.position.shape[1]
+    real, d = len(lists.counts), now.dimension
+    fields.velocity[:d, :count] = state.velocity
+    if now.moves:
+        put_dummies(now, fields, count)
+    if len(images.source):
+        table = now.boundary.table.copy()
+        table[:, :d] -= now.origin
+        fill_images(images.source, fields.table, real, images.start, table, now.gravity, now.tait)
+    counted = fields.liquid.copy()
+    if now.gates:
+        root = np.concatenate([np.arange(real), roots_of(images, real)])
+        counted[(root < count) & (state.zone[np.minimum(root, count - 1)] > 0)] = 0.0
+    power = np.zeros(real - count)
+    dummy_powers(fields.table, counted, count, lists, now.constants, power)
+    return float(np.sum(power))
+
+
+@spread
+def dummy_powers(
+    fields: Floats, counted: Floats, first: int, lists: Lists, constants: Constants, power: Array
+) -> None:  # fmt: skip
+    """W of each dummy, from column `first` on: minus w P times its rate of compression by the liquid that counts."""
+    kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
+    deep = constants[0].dimension == 3
+    counts, neighbor = lists
+    for place in prange(len(power)):
+        i = first + place
+        if fields[FIELD.force_term, i] == 0.0:
+            continue
+        total = 0.0
+        for k in range(counts[i]):
+            j = neighbor[i, k]
+            dx = fields[FIELD.position, j] - fields[FIELD.position, i]
+            dy = fields[FIELD.position + 1, j] - fields[FIELD.position + 1, i]
+            square = dx * dx + dy * dy
+            radial = (fields[FIELD.velocity, j] - fields[FIELD.velocity, i]) * dx
+            radial += (fields[FIELD.velocity + 1, j] - fields[FIELD.velocity + 1, i]) * dy
+            if deep:
+                dz = fields[FIELD.position + 2, j] - fields[FIELD.position + 2, i]
+                square += dz * dz
+                radial += (fields[FIELD.velocity + 2, j] - fields[FIELD.velocity + 2, i]) * dz
+            total += slope_of(math.sqrt(square) * inverse, kernel) * fields[FIELD.weight, j] * counted[j] * radial
+        power[place] = -scale * fields[FIELD.weight, i] * fields[FIELD.force_term, i] * total
 
 
 def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> float:

@@ -17,11 +17,6 @@ SQUEEZED = 0.2
 """The largest change of density that a weakly compressible liquid may have: one of 1 % is meant."""
 RISE = 0.02
 """Of the energy: densities that are diffused and particles that are shifted bring a little."""
-RISE_IN_FILMS = 0.1
-"""Of the energy, with bodies: near a floor or an obstacle the liquid between is thinner than the kernel support, and
-the pressure of dummies does work that is not in the budget: 3 to 7 % of the kinetic energy was seen, and up to 11 % for
-a disc four particles across, which exceeds this.
-"""
 TURNED_BACK = 1e-3
 """Hits of the guard, a particle and step."""
 FAINT = 0.05
@@ -45,7 +40,7 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
 
     yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
     if not has_unbudgeted_work(parameters):
-        yield energy_never_rises(RISE_IN_FILMS if scene.bodies else RISE, _faint(parameters))
+        yield energy_never_rises(RISE, _faint(parameters))
     if _alone(scene):
         density = parameters.material.density
 

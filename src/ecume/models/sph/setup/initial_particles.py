@@ -19,7 +19,8 @@ from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylo
 from ecume.laws.waves import standing_wave_velocity
 from ecume.models.sph.parameters import Liquid, Material
 from ecume.models.sph.setup.choices import held_pull, modified
-from ecume.models.sph.setup.shapes import free_of, part_of, solids_of
+from ecume.models.sph.setup.packing import packed
+from ecume.models.sph.setup.shapes import free_of, gaps_to, part_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import bounds_of
 from ecume.scenes.sph import SIDES, RegionSpec, SphScene
 from ecume.units import Array
@@ -153,7 +154,9 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
     told: list[GivenValues] = []
-    for region, (cells, kept) in zip(scene.fluid, cells_of(scene), strict=True):
+    found = cells_of(scene)
+    regions = packed(scene, [cells for cells, _ in found], unaligned_solids(scene))
+    for region, cells, (_, kept) in zip(scene.fluid, regions, found, strict=True):
         points, shape = cells.centers, part_of(region, scene.spacing)
         head = np.zeros(len(points))
         if pull.any() and scene.method.initial_pressure == "hydrostatic":
@@ -198,17 +201,78 @@ def room_of(scene: SphScene, *, single: bool) -> Box:
     return Box(low, high)
 
 
+ALIGNED = 1e-6
+"""In spacings: between a face and the next end of a cell, and between distances of symmetric cells."""
+
+
 def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Sequence[Shape]) -> Cells:
     """The cells of a region that neither earlier regions nor solids cover. Their volumes add up to that of the places
     they stand for: what a solid cuts off cells, or leaves of cells too close to it, is spread over all.
     """
     others = [other for other in (*earlier, *solids) if bounds_meet(shape, other)]
-    faces = [other.faces() for other in others]
-    cells = shape.cells(spacing, np.concatenate(faces) if faces else None)
+    cells = lattice_of(shape, spacing, others)
     if not others:
         return cells
     free = shape.volume() - covered_volume(shape, others)
-    return scaled_to(cells.those(apart(cells.centers, earlier) & free_of(cells.centers, solids, spacing)), free)
+    odd = unaligned(shape, cells, [solid for solid in solids if bounds_meet(shape, solid)], spacing)
+    fitting = [solid for solid in solids if all(solid is not other for other in odd)]
+    cells = cells.those(apart(cells.centers, earlier) & free_of(cells.centers, fitting, spacing))
+    return scaled_to(cells.those(roomiest(cells, odd, free)) if odd else cells, free)
+
+
+MOST_UNEVEN = 0.25
+"""How much longer one edge of a cell may be than another so that a lattice ends at all faces."""
+
+
+def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
+    """The lattice of a part of space that ends at the faces of others, unless its cells were too uneven for that."""
+    faces = [other.faces() for other in others]
+    cells = part.cells(spacing, np.concatenate(faces) if faces else None)
+    uneven = len(cells.widths) and (cells.widths.max(axis=1) / cells.widths.min(axis=1)).max() > 1.0 + MOST_UNEVEN
+    return part.cells(spacing) if uneven and len(others) else cells
+
+
+def roomiest(cells: Cells, solids: Sequence[Shape], volume: float) -> Flags:
+    """Which cells to keep so that their volume is as near as can be to this one: those farthest out of the solids. Of
+    cells at one height that are equally far, as in a symmetric scene, all or none are kept.
+    """
+    gap, height, close = gaps_to(solids, cells.centers), cells.centers[:, 1], ALIGNED * cells.widths.min()
+    order = np.lexsort((height, np.round(gap / close)))
+    left = cells.volumes.sum() - np.concatenate([[0.0], np.cumsum(cells.volumes[order])])
+    alike = (np.abs(np.diff(gap[order])) < close) & (np.abs(np.diff(height[order])) < close)
+    misfit = np.where(np.concatenate([[False], alike, [False]]), np.inf, np.abs(left - volume))
+    kept = np.ones(len(gap), bool)
+    kept[order[: int(np.argmin(misfit))]] = False
+    return kept
+
+
+def unaligned_solids(scene: SphScene) -> list[Shape]:
+    """Solids to which the lattice of a region does not fit."""
+    solids, found = solids_of(scene), dict[int, Shape]()
+    for region in scene.fluid:
+        part = part_of(region, scene.spacing)
+        near = [solid for solid in solids if bounds_meet(part, solid)]
+        if region.particles is None and near:
+            cells = lattice_of(part, scene.spacing, near)
+            found |= {id(solid): solid for solid in unaligned(part, cells, near, scene.spacing)}
+    return list(found.values())
+
+
+def unaligned(part: Part, cells: Cells, solids: Sequence[Shape], spacing: float) -> list[Shape]:
+    """Those that are no boxes, or boxes in whose faces no cell ends."""
+    return [solid for solid in solids if not _fits(part, cells, solid, ALIGNED * spacing)]
+
+
+def _fits(part: Part, cells: Cells, solid: Shape, close: float) -> bool:
+    if not len(solid.faces()) or not len(part.faces()):
+        return False
+    low, high = part.bounds()
+    for axis in range(len(low)):
+        ends = (cells.centers - 0.5 * cells.widths)[:, axis]
+        for face in solid.faces()[:, axis]:
+            if low[axis] < face < high[axis] and float(np.abs(ends - face).min(initial=np.inf)) > close:
+                return False
+    return True
 
 
 def _kept(points: Array, earlier: Sequence[Part], solids: Sequence[Shape]) -> Flags:

@@ -36,11 +36,17 @@ def solids_of(scene: SphScene) -> list[Shape]:
     return [shape_of(spec) for spec in (*scene.obstacles, *scene.bodies)]
 
 
+def gaps_to(solids: Sequence[Shape], points: Array) -> Array:
+    """(N,) how far each point is outside of the nearest solid; infinite without solids."""
+    gap = np.full(len(points), np.inf)
+    for solid in solids:
+        gap = np.minimum(gap, solid.nearest(points)[0])
+    return gap
+
+
 def free_of(points: Array, solids: Sequence[Shape], spacing: float) -> Flags:
     """Which points are outside of all solids, and not too close to one."""
-    free = np.ones(len(points), bool)
-    for solid in solids:
-        free &= solid.nearest(points)[0] > CLEARANCE * spacing
+    free: Flags = gaps_to(solids, points) > CLEARANCE * spacing
     return free
 
 
@@ -64,7 +70,8 @@ def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array
     found, earlier = [], list[Shape]()
     for spec in scene.obstacles:
         shape = shape_of(spec)
-        points, volume = dummies_of(shape, scene.spacing, support)
+        cut = _cut_rows(shape, (low, high), scene.spacing, support) if len(low) == 2 else None
+        points, volume = dummies_of(shape, scene.spacing, support) if cut is None else cut
         stays = apart(points, earlier) & ((points > low) & (points < high)).all(axis=1)
         found.append((points[stays], volume[stays]))
         earlier.append(shape)
@@ -98,3 +105,74 @@ def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
         points.append(shape.center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
         volume.append(np.full(count, 2.0 * np.pi * radius * width / count))
     return np.concatenate(points), np.concatenate(volume)
+
+
+ARC = 360
+"""Corners of a circle that the sides of a tank cut."""
+ON_SIDE = 1e-9
+"""Of the tank's size: an edge this close to a side lies on it."""
+
+
+def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: float) -> tuple[Array, Array] | None:
+    """Rows along the part of a disc's or convex polygon's surface that is in the tank, one spacing apart, each from
+    side to side; None if no side cuts or touches the shape.
+    """
+    (low, high), (first, last) = tank, shape.bounds()
+    if ((first > low) & (last < high)).all() or ((first >= high) | (last <= low)).any():
+        return None
+    if not isinstance(shape, Ball) and not (isinstance(shape, Polygon) and shape.convex()):
+        return None
+    points, volume = [np.zeros((0, 2))], [np.zeros(0)]
+    for row in range(round_up(support, spacing) + 1):
+        outer, middle, inner = (_inset(shape, tank, (row + part) * spacing) for part in (0.0, 0.5, 1.0))
+        if middle is None or outer is None:
+            break
+        place = np.concatenate([np.zeros((0, 2)), *(_centers(chain, spacing) for chain in _chains(middle, tank))])
+        share = outer.volume() - (inner.volume() if inner else 0.0)
+        points.append(place)
+        volume.append(np.full(len(place), share / max(len(place), 1)))
+    return np.concatenate(points), np.concatenate(volume)
+
+
+def _inset(shape: Ball | Polygon, tank: tuple[Array, Array], depth: float) -> Polygon | None:
+    """The part of a shape in the tank that is deeper than that below its surface in the tank."""
+    if isinstance(shape, Ball):
+        if depth >= shape.radius:
+            return None
+        angle = 2.0 * np.pi * np.arange(ARC) / ARC
+        circle = shape.center + (shape.radius - depth) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return Polygon(circle).within(*tank)
+    inside = shape.within(*tank)
+    return None if inside is None else inside.inset(depth, _exposed(inside, tank))
+
+
+def _exposed(polygon: Polygon, tank: tuple[Array, Array]) -> Flags:
+    """(V,) which edges do not lie on a side of the tank."""
+    one, other = polygon.vertices, np.roll(polygon.vertices, -1, axis=0)
+    close, lying = ON_SIDE * float((tank[1] - tank[0]).max()), np.zeros(len(one), bool)
+    for corner in tank:
+        lying |= ((np.abs(one - corner) < close) & (np.abs(other - corner) < close)).any(axis=1)
+    return ~lying
+
+
+def _chains(polygon: Polygon, tank: tuple[Array, Array]) -> list[Array]:
+    """The parts of the outline between sides of the tank, each (K, 2) corners."""
+    exposed, corners = _exposed(polygon, tank), polygon.vertices
+    count, found = len(corners), list[list[Array]]()
+    begin = int(np.argmin(exposed)) if not exposed.all() else 0
+    joined = False
+    for k in range(begin, begin + count):
+        if exposed[k % count]:
+            if not joined:
+                found.append([corners[k % count]])
+            found[-1].append(corners[(k + 1) % count])
+        joined = bool(exposed[k % count])
+    return [np.array(chain) for chain in found]
+
+
+def _centers(chain: Array, spacing: float) -> Array:
+    """The centers of equal pieces of a line about as long as the spacing."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(chain, axis=0), axis=1))])
+    count = max(1, round(float(along[-1]) / spacing))
+    place = (np.arange(count) + 0.5) * along[-1] / count
+    return np.stack([np.interp(place, along, chain[:, axis]) for axis in range(2)], axis=1)

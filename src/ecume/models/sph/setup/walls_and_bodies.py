@@ -29,7 +29,7 @@ LEAST_PERIOD = 1.2
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
     """The tank, what stands in it, and the bodies' particles about their middles."""
     require_long_periods(scene, max(support, color_reach_of(scene)))
-    sides, table, image_owner = _imaging_sides(scene)
+    sides, table, image_owner = imaging_sides(scene)
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
     walls = 2 * len(middle)
@@ -89,7 +89,7 @@ def holds(side: Any, scene: SphScene) -> bool:
     return bool(side.slip == "no-slip" or (side.slip is None and scene.liquid.viscosity))
 
 
-def _imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
+def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
     """Mirrors, and periodic sides, and the number of each mirror's side in the tank (-1: periodic). Mirrors first: a
     periodic side then repeats the mirrored ones.
     """
@@ -123,12 +123,12 @@ def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
     return [*(low if first else high), *normal, *third, *flags, *np.zeros(len(low))]
 
 
-def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
-    """Layers of dummies around the tank, as thick as the support, where its sides are walls."""
+def layers_around(scene: SphScene, support: float) -> tuple[Array, Array]:
+    """Layers of dummies, (n, d), as thick as the support, behind the walls of the tank; and their volumes."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     dimension, spacing = len(low), scene.spacing
     if scene.tank.walls != "dummy":
-        return dummies_at(np.zeros((0, dimension)), np.zeros(0), 0.0, 0)
+        return np.zeros((0, dimension)), np.zeros(0)
     axes, volume = [], 1.0
     for axis in range(dimension):
         cells, widths = fitted_axis(low[axis], high[axis], spacing)
@@ -141,10 +141,16 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
     walled = np.array([_side(scene, number).kind == "wall" for number in range(2 * dimension)])
     outside = (((points < low) & walled[0::2]) | ((points > high) & walled[1::2])).any(axis=1)
-    points = points[outside]
+    return points[outside], np.full(int(outside.sum()), volume)
+
+
+def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
+    """The dummies of the tank, with the motion and slip of their sides."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    points, volumes = layers_around(scene, support)
     velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
     # A lid moves its own layers, not the corners of the walls beside it: they stand still.
-    for number in range(2 * dimension):
+    for number in range(2 * len(low)):
         side, axis = _side(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
         if side.kind == "wall":
@@ -153,7 +159,6 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
             viscosity[behind] = material.viscosity
         if side.velocity is not None:
             velocity[behind] = side.velocity
-    volumes = np.full(len(points), volume)
     return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity, volumes, owner)
 
 

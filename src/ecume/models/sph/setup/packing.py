@@ -1,0 +1,293 @@
+"""Particle packing: initial positions next to surfaces that no lattice fits, such as discs and slanted obstacles.
+
+The concentration of particles, C = sum_j V_j W, is one in a uniform arrangement. Pressure drives particles down its
+gradient, sum_j V_j grad W: from a lattice with gaps at an obstacle, still water starts to slosh. Particles near such
+surfaces therefore start where the gradient vanishes: they are moved down the gradient with inertia until it has, among
+the images and dummies that the walls have in the run. Beyond a free surface the lattice is continued.
+
+Colagrossi, Bouscasse, Antuono and Marrone, Comput. Phys. Commun. 183 (2012) 1641. [colagrossi2012] The integration is
+FIRE: Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201. [bitzek2006]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ecume.engine.boundary_images import Images, Sides, images_of, positions_of_images
+from ecume.engine.cells import Integers
+from ecume.engine.shapes import Cells, Flags, Part, Shape, apart
+from ecume.laws.kernels import Kernel
+from ecume.models.sph.setup.choices import kernel_of, smoothing_of
+from ecume.models.sph.setup.shapes import dummies_of, gaps_to, obstacle_dummies, part_of, shape_of
+from ecume.models.sph.setup.walls_and_bodies import STANDOFF, imaging_sides, layers_around, side_of
+from ecume.scenes.sph import SphScene
+from ecume.units import Array
+
+BAND = 8.0
+"""Particles closer to an unaligned surface than this many spacings are moved."""
+LEAST_GAP, LEAST_DEPTH = STANDOFF, 0.25
+"""Of the center of a particle to solids and to the faces of its region, in spacings. Closer to a solid it is repelled.
+"""
+EVEN = {2: 1e-4, 3: 1e-3}
+"""The gradient of the concentration at which packing ends, over one per spacing, by dimension. With 2e-3 particles
+shift by as many spacings in the run, and the pressure in a full tank by some percent of that at the floor.
+"""
+MOST_STEPS = 300
+SKIN, LONGEST = 0.4, 0.1
+"""In spacings: how far beyond the support pairs are listed, and the longest displacement of a step."""
+FIRST_STEP, LAST_STEP, GROWTH, CUT = 0.3, 0.9, 1.1, 0.5
+"""Time steps of FIRE, in periods of a particle about its place over 2 pi (or so), and the factors between them."""
+BLEND, FADING, PATIENCE = 0.1, 0.99, 5
+"""The part of the speed that is turned into the direction of the force, and how it fades after so many steps."""
+TINY = 1e-300
+
+
+class Crowd(NamedTuple):
+    """What neighbors see during packing: liquid first, then what stands still."""
+
+    position: Array
+    """(n, d)"""
+    volume: Array
+    """(n,)"""
+    moving: Integers
+    """indices of particles that are moved"""
+    sides: Sides
+    """with images behind them"""
+
+
+class Limits(NamedTuple):
+    """Where moved particles may go."""
+
+    low: Array
+    """(m, d)"""
+    high: Array
+    solids: tuple[Shape, ...]
+    least: float
+    """m, from solids"""
+
+    def held(self, position: Array) -> Array:
+        """Positions within the limits."""
+        position = position.copy()
+        for solid in self.solids:
+            gap, normal = solid.nearest(position)
+            near = gap < self.least
+            position[near] += (self.least - gap[near])[:, None] * normal[near]
+        held: Array = np.clip(position, self.low, self.high)
+        return held
+
+
+def packed(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -> list[Cells]:
+    """The cells of all regions, with those near unaligned `solids` moved; the same cells without such solids."""
+    drawn = np.concatenate([np.full(len(cells.centers), spec.particles is None)
+                            for cells, spec in zip(regions, scene.fluid, strict=True)])  # fmt: skip
+    position = np.concatenate([cells.centers for cells in regions])
+    near = drawn & (gaps_to(solids, position) < BAND * scene.spacing)
+    if not near.any():
+        return list(regions)
+    crowd, limits = _crowd(scene, regions, near), _limits(scene, regions, near, solids)
+    position[near] = relaxed(crowd, limits, kernel_of(scene), (smoothing_of(scene), scene.spacing))
+    ends = np.cumsum([len(cells.centers) for cells in regions])
+    return [cells._replace(centers=own) for cells, own in zip(regions, np.split(position, ends[:-1]), strict=True)]
+
+
+def _limits(scene: SphScene, regions: Sequence[Cells], near: Flags, solids: Sequence[Shape]) -> Limits:
+    """The region of each particle, and the solids."""
+    depth = LEAST_DEPTH * scene.spacing
+    bounds = [part_of(spec, scene.spacing).bounds() for spec in scene.fluid]
+    counts = [len(cells.centers) for cells in regions]
+    low, high = (np.repeat(np.array(corners), counts, axis=0)[near] for corners in zip(*bounds, strict=True))
+    return Limits(low + depth, high - depth, tuple(solids), LEAST_GAP * scene.spacing)
+
+
+def _crowd(scene: SphScene, regions: Sequence[Cells], near: Flags) -> Crowd:
+    """Liquid, dummies and the continued lattice within reach of the moving particles."""
+    support = kernel_of(scene).support * smoothing_of(scene)
+    liquid = np.concatenate([cells.centers for cells in regions]), np.concatenate([cells.volumes for cells in regions])
+    still = [*_solid_particles(scene, support), layers_around(scene, support), *_beyond(scene, support)]
+    position, volume = (np.concatenate(parts) for parts in zip(liquid, *still, strict=True))
+    moving = np.zeros(len(position), bool)
+    moving[: len(near)] = near
+    distance, _ = cKDTree(position[moving]).query(position, distance_upper_bound=2.0 * support)
+    kept = moving | np.isfinite(distance)
+    return Crowd(position[kept], volume[kept], np.flatnonzero(moving[kept]), imaging_sides(scene)[0])
+
+
+def _solid_particles(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
+    """Dummies of obstacles and bodies."""
+    bodies = [dummies_of(shape_of(spec), scene.spacing, support) for spec in scene.bodies]
+    return [*obstacle_dummies(scene, support), *bodies]
+
+
+def _beyond(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
+    """The lattice of each drawn region, continued through its free surface."""
+    parts = [part_of(spec, scene.spacing) for spec in scene.fluid]
+    solids = [shape_of(spec) for spec in (*scene.obstacles, *scene.bodies)]
+    found: list[tuple[Array, Array]] = []
+    for spec, part in zip(scene.fluid, parts, strict=True):
+        if spec.particles is not None:
+            continue
+        points, volume = _continued(part, scene.spacing, support)
+        free = apart(points, [*parts, *solids]) & _unwalled(scene, points)
+        for earlier, _ in found:
+            free &= ~np.isfinite(_nearest(points, earlier, 0.7 * scene.spacing))
+        found.append((points[free], volume[free]))
+    return found
+
+
+def _nearest(points: Array, others: Array, within: float) -> Array:
+    """(N,) the distance to the nearest of others, infinite if it is not within that."""
+    if len(others) == 0:
+        return np.full(len(points), np.inf)
+    distance: Array = cKDTree(others).query(points, distance_upper_bound=within)[0]
+    return distance
+
+
+def _continued(part: Part, spacing: float, support: float) -> tuple[Array, Array]:
+    """The lattice of a part of space, as wide as the support beyond its bounds."""
+    cells, axes, volume = part.cells(spacing), [], 1.0
+    layers = math.ceil(support / spacing)
+    for axis in range(cells.centers.shape[1]):
+        _, first = np.unique(np.round(cells.centers[:, axis] / (1e-6 * spacing)), return_index=True)
+        line, width = cells.centers[first, axis], cells.widths[first, axis]
+        more = np.arange(1, layers + 1)
+        axes.append(np.concatenate([line[0] - width[0] * more[::-1], line, line[-1] + width[-1] * more]))
+        volume *= width[0]
+    points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
+    return points, np.full(len(points), volume)
+
+
+def _unwalled(scene: SphScene, points: Array) -> Flags:
+    """Which points are not behind a side that has images or dummies."""
+    free = np.ones(len(points), bool)
+    for axis in range(points.shape[1]):
+        for number, beyond in ((2 * axis, points[:, axis] < scene.tank.low[axis]),
+                               (2 * axis + 1, points[:, axis] > scene.tank.high[axis])):  # fmt: skip
+            kind = side_of(scene, number).kind
+            if kind == "periodic" or (kind == "wall" and scene.tank.walls != "reflect"):
+                free &= ~beyond
+    return free
+
+
+def relaxed(crowd: Crowd, limits: Limits, kernel: Kernel, lengths: tuple[float, float]) -> Array:
+    """The positions of the moving particles where the gradient of concentration vanishes; lengths = (smoothing length,
+    spacing).
+    """
+    spacing, moving = lengths[1], crowd.moving
+    place = limits.held(crowd.position[moving])
+    speed, back = np.zeros_like(place), np.zeros_like(place)
+    time, blend, good = FIRST_STEP, BLEND, 0
+    pairs: Pairs | None = None
+    for _ in range(MOST_STEPS):
+        crowd.position[moving] = place
+        if pairs is None or _displacement(crowd, pairs) > 0.5 * SKIN * spacing:
+            pairs = pairs_of(crowd, kernel.support * lengths[0] + SKIN * spacing)
+        push = along_surfaces(-spacing * concentration_gradient(crowd, pairs, kernel, lengths[0]), back)
+        if math.sqrt(float((push**2).sum(axis=1).max())) < EVEN[kernel.dim]:
+            break
+        if float((push * speed).sum()) > 0.0:
+            size = math.sqrt(float((speed**2).sum()) / float((push**2).sum()))
+            speed = (1.0 - blend) * speed + blend * size * push
+            good += 1
+            if good > PATIENCE:
+                time, blend = min(GROWTH * time, LAST_STEP), FADING * blend
+        else:
+            speed, time, blend, good = np.zeros_like(speed), CUT * time, BLEND, 0
+        speed += time * push
+        length = np.sqrt((speed**2).sum(axis=1))
+        speed *= np.minimum(1.0, LONGEST / (time * np.maximum(length, TINY)))[:, None]
+        there = place + spacing * time * speed
+        place = limits.held(there)
+        back = np.where(place == there, 0.0, place - there)
+        speed = along_surfaces(speed, back)
+    return place
+
+
+def along_surfaces(vectors: Array, back: Array) -> Array:
+    """Vectors (m, d) without the parts that press particles against the limits, which put them `back` so far."""
+    length = np.sqrt((back**2).sum(axis=1))[:, None]
+    normal = back / np.maximum(length, TINY)
+    found: Array = vectors - np.minimum((vectors * normal).sum(axis=1), 0.0)[:, None] * normal
+    return found
+
+
+class Pairs(NamedTuple):
+    """Pairs of particles of which at least one moves, until one has moved too far."""
+
+    one: Integers
+    other: Integers
+    volume: Array
+    """of all particles, images last"""
+    images: Images
+    reference: Array
+
+
+def _displacement(crowd: Crowd, pairs: Pairs) -> float:
+    """The largest one since the pairs were listed."""
+    return math.sqrt(float(((crowd.position - pairs.reference) ** 2).sum(axis=1).max()))
+
+
+def pairs_of(crowd: Crowd, reach: float) -> Pairs:
+    """All pairs closer than the reach."""
+    images, volume = images_of(np.ascontiguousarray(crowd.position.T), crowd.sides, reach), crowd.volume
+    for first, last in zip(images.start[:-1], images.start[1:], strict=True):
+        volume = np.concatenate([volume, volume[images.source[first:last]]])
+    everyone = with_images(crowd, images).T
+    moves = np.zeros(len(everyone), bool)
+    moves[crowd.moving] = True
+    both = cKDTree(everyone).query_pairs(reach, output_type="ndarray")
+    both = both[moves[both].any(axis=1)]
+    one, other = np.ascontiguousarray(both[np.lexsort((both[:, 1], both[:, 0]))].T)
+    return Pairs(one, other, volume, images, crowd.position.copy())
+
+
+def with_images(crowd: Crowd, images: Images) -> Array:
+    """(d, n) positions of all, images last."""
+    position = np.ascontiguousarray(crowd.position.T)
+    return np.concatenate([position, positions_of_images(position, images, crowd.sides)], axis=1)
+
+
+def distances(crowd: Crowd, pairs: Pairs) -> tuple[list[Array], Array]:
+    """Of each pair the difference of positions along each axis, and the distance."""
+    away = [line[pairs.one] - line[pairs.other] for line in with_images(crowd, pairs.images)]
+    square = away[0] * away[0]
+    for along in away[1:]:
+        square += along * along
+    return away, np.sqrt(square)
+
+
+def concentration_gradient(crowd: Crowd, pairs: Pairs, kernel: Kernel, length: float) -> Array:
+    """(m, d) of the moving particles, sum_j V_j grad W (1/m)."""
+    away, distance = distances(crowd, pairs)
+    slope = kernel.normalization / length ** (kernel.dim + 2) * np.asarray(kernel.shape_slope(distance / length))
+    of_one, of_other = slope * pairs.volume[pairs.other], slope * pairs.volume[pairs.one]
+    found = np.empty((len(crowd.moving), kernel.dim))
+    for axis, along in enumerate(away):
+        total = np.bincount(pairs.one, of_one * along, len(pairs.volume))
+        total -= np.bincount(pairs.other, of_other * along, len(pairs.volume))
+        found[:, axis] = total[crowd.moving]
+    return found
+
+
+def concentrations(crowd: Crowd, kernel: Kernel, length: float) -> Array:
+    """(m,) of the moving particles, sum_j V_j W: one in a uniform arrangement."""
+    pairs = pairs_of(crowd, kernel.support * length)
+    weight = np.asarray(kernel.value(distances(crowd, pairs)[1], length))
+    total = np.bincount(pairs.one, weight * pairs.volume[pairs.other], len(pairs.volume))
+    total += np.bincount(pairs.other, weight * pairs.volume[pairs.one], len(pairs.volume))
+    found: Array = (total + float(kernel.value(0.0, length)) * pairs.volume)[crowd.moving]
+    return found
+
+
+def unevenness(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -> float | None:
+    """How far the concentration of particles next to unaligned solids is from one at most; None without such solids."""
+    position = np.concatenate([cells.centers for cells in regions])
+    near = gaps_to(solids, position) < kernel_of(scene).support * smoothing_of(scene)
+    if not near.any():
+        return None
+    found = concentrations(_crowd(scene, regions, near), kernel_of(scene), smoothing_of(scene))
+    return float(np.abs(found - 1.0).max())
