@@ -34,7 +34,9 @@ CASES = {
     "bowl": Case("cereal-bowl", ("frame_every=3 s", "duration=120 s")),
     "crowd": Case("colloids", ("particles[0].count=2000", "dish.radius=1.7 mm", "frame_every=10 s", "duration=1000 s")),
     "cube": Case("dam-break-3d", ("spacing=1.4 cm", "frame_every=10 ms", "duration=600 ms")),
-    "packing": Case("sheared-packing", ("frame_every=80 ms",)),
+    "packing": Case(
+        "sheared-packing", ("frame_every=80 ms", "duration=4 s", "protocol[1].time=4 s", "protocol[1].strain=1")
+    ),
 }
 
 

@@ -24,6 +24,7 @@ from ecume.laws import (  # fmt: skip
     capillarity,
     column,
     contact,
+    deflections,
     diffusion,
     dish_motion,
     drag,
@@ -76,6 +77,7 @@ COMPILED = (
     bubbles,
     interfaces,
     friction,
+    deflections,
     dish_motion,
 )
 RESCALED = (
@@ -85,7 +87,7 @@ RESCALED = (
     flotation.plane, flotation.closeness, images,
     states, column, viscous, diffusion, tension, time_step_limits, wall_repulsion, waves, sloshing, flows,
     lubrication, elasticity,
-    long_range, soft_pair, quadrupoles, bubbles, interfaces, friction, ellipsoids, dish_motion,
+    long_range, soft_pair, quadrupoles, bubbles, interfaces, friction, deflections, ellipsoids, dish_motion,
     dam_breaks, liquids, soft_contacts, swirls,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
@@ -132,6 +134,8 @@ SAMPLES = {
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "pull": 1.5, "limit": 1.49,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
     "color": 0.4, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
+    "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
+    "shear_squared": 9e-4,
     "dim": 2, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
@@ -270,6 +274,8 @@ TABLES = {
     ],
     "remote": [law for row in long_range.REMOTE.values() for law in (row.energy, row.force, row.slope)],
     "interfaces": list(interfaces.INTERFACES.values()),
+    "tangential": [law for row in deflections.TANGENTIAL.values() for law in row.papers],
+    "tension": [law for row in deflections.TENSION.values() for law in row.papers],
 }
 UNCITED = {
     "no_wall_energy", "no_wall_force", "nonlinear_charge", "no_remote_energy", "no_remote_force", "no_remote_slope",

@@ -14,6 +14,21 @@ from ecume.simulation import simulate
 
 from .test_packings import packing
 
+
+def asymmetry(frame):
+    """Of the stress, over its shear component."""
+    stress = stress_tensor(frame)
+    return abs(stress[0, 1] - stress[1, 0]) / abs(stress[0, 1])
+
+
+@pytest.mark.compiled
+def test_the_stress_stays_symmetric_while_films_of_rotating_spheres_fade():
+    frames = list(simulate(packing(count=12, strain=0.6, duration=20.0, frame_every=0.2, rotation=True)))[1:]
+    contacts = np.array([frame.numbers["contacts"] for frame in frames])
+    assert (np.diff(contacts) < 0.0).sum() > 5
+    assert max(map(asymmetry, frames)) < 1e-10
+
+
 VECTORS = {"films": {"output": "vectors", "cutoff": 0.9}, "rotation": True}
 
 

@@ -62,7 +62,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     if broken or not np.isfinite(found.magnitude).all():
         cure = "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
     else:
-        told = worst_contact(found) or told
+        told = "; ".join(filter(None, (told, worst_contact(found))))
         cure = remedy(found, (list(TANGENTIAL)[contacts.tangential_law], list(TENSION)[contacts.tension_law]))
     return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: {cure}"
 

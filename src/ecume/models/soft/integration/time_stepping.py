@@ -12,7 +12,7 @@ from ecume.models.soft.contacts.walls import Walls, all_walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
-from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balance
+from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balance, begin
 from ecume.models.soft.loading.cell import box_of
 from ecume.models.soft.loading.protocol import drive_at, interval_at, next_turn, rules_at
 from ecume.models.soft.parameters import Parameters
@@ -29,6 +29,7 @@ from ecume.models.soft.state import (
     Step,
     Workspace,
     store,
+    workspace,
 )
 from ecume.units import Array
 
@@ -58,12 +59,33 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         met = one_step(parameters, state, scratch)
         if met is None or not jump(parameters, state, scratch):
             return DIVERGED
+        lost = released(parameters.contacts, scratch.step)
         if len(state.books):
-            state.books[FILMS] += released(parameters.contacts, scratch.step)
+            state.books[FILMS] += lost
         if renew_contacts(parameters, state, None if jumps_now(parameters, state) else met):
+            if lost > 0.0:
+                settle(parameters, state)
             return CROWDED
         if state.step[0] >= until or state.step[0] % parameters.steps_per_frame == 0:
             return DONE
+
+
+def settle(parameters: Parameters, state: State) -> None:
+    """Balance the forces again, at constant gaps, after contacts with a small force have faded; films dissipate what
+    this releases. Where there is no balance, the next step decides.
+    """
+    scratch, now = workspace(parameters, state, 1.0), float(state.pace[CLOCK])
+    interval = interval_at(parameters.protocol, now)
+    drive = drive_at(parameters.protocol, now, interval)
+    span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
+    begin(parameters, scratch.step, drive)
+    before = elastic_energy(parameters.contacts, scratch.step)
+    if not balance(parameters, scratch, (drive, drive, rules_at(parameters.protocol, interval)), state.effort, span):
+        return
+    accept(scratch.step)
+    store(parameters, state, scratch.step)
+    if len(state.books):
+        state.books[FILMS] += before - elastic_energy(parameters.contacts, scratch.step)
 
 
 def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:
