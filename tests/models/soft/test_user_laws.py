@@ -23,7 +23,7 @@ from ecume.simulation import simulate
 
 pytestmark = pytest.mark.compiled
 
-STRENGTH, LENGTH = 1e-3, 0.08
+STRENGTH, LENGTH = 0.05, 0.08
 
 
 def steric(gap, parameters):
@@ -112,16 +112,21 @@ def test_the_force_is_minus_the_gradient_of_the_energy_also_between_and_beyond_t
 
 def test_a_law_like_a_built_in_one_gives_the_same_run_and_closes_the_energy_budget():
     built_in = {"law": "steric", "steric_strength": STRENGTH, "steric_length": LENGTH}
-    one = list(simulate(layer(long_range_forces=built_in)))
-    other = list(simulate(layer(**listed(steric, constants=[STRENGTH, LENGTH])), extra_laws=[steric]))
+    # Nothing shears the layer: all that films dissipate is energy of the law.
+    rest = {"protocol": [{"time": 0.0}], "duration": 4.0, "frame_every": 2.0}
+    one = list(simulate(layer(long_range_forces=built_in, **rest)))
+    other = list(simulate(layer(**listed(steric, constants=[STRENGTH, LENGTH]), **rest), extra_laws=[steric]))
     for ours, theirs in zip(one, other, strict=True):
         assert ours.arrays["position"] == pytest.approx(theirs.arrays["position"], abs=1e-6)
         for name in ("remote_energy", "total_energy", "dissipated_work", "stress_remote_xy", "pressure"):
             assert ours.numbers[name] == pytest.approx(theirs.numbers[name], rel=1e-5, abs=1e-12), name
     first, last = other[0].numbers, other[-1].numbers
     spent = sum(last[key] - first[key] for key in ("total_energy", "dissipated_work", "size_work"))
-    assert last["injected_work"] - first["injected_work"] == pytest.approx(spent, rel=1e-5)
-    assert last["remote_energy"] != first["remote_energy"]
+    released = first["remote_energy"] - last["remote_energy"]
+    assert released > 0.1 * first["remote_energy"]
+    assert last["injected_work"] == 0.0
+    assert abs(spent) < 1e-5 * released
+    assert last["dissipated_work"] > 0.5 * released
 
 
 def test_a_law_acts_between_its_species_and_knows_their_radii():
