@@ -118,7 +118,7 @@ def test_the_options_of_a_movie_reach_it(cuts: list[Any]) -> None:
         (["--from", "2 mm"], "measures length"),
         (["--from", "soon"], "'20 s'"),
         (["--size", "640"], "expected WIDTHxHEIGHT"),
-        (["--fps", "0"], "from 1 to 240"),
+        (["--fps", "0"], "1 to 240"),
         (["--from", "3 s", "--to", "2 s"], "there is no time"),
     ],
 )

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume._compiler_events import watch
-from ecume.cli import app, clock
+from ecume.cli import app, clock, runs
 from ecume.cli.progress import Lines, ahead, lasting, line, place, shown, waiting
 from ecume.cli.runs import summary, use_at_most
 from ecume.run import Progress, RunOptions, RunResult
@@ -44,6 +44,9 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         return RunResult(directory, 301, 6000, 6.0, 90.0)
 
     monkeypatch.setattr(ecume.run, "run", run)
+    # Whatever ran before in this process: its first command would count all of its time, and set variables for Numba.
+    monkeypatch.setattr(clock, "_began", [0.0])
+    monkeypatch.setattr(runs, "use_at_most", lambda threads: None)
     return calls
 
 

@@ -32,7 +32,7 @@ PURE_NUMBERS = {
 }
 MULTIPLES = re.compile(r".*, in (mean radii|capillary lengths)$")
 OVER_TIME = ("energies", "kinetic-energy", "clusters", "order", "approach")
-NOTHING_TO_DRAW = {"displacement": "three frames", "shapes": "no two floats touch"} | dict.fromkeys(
+NOTHING_TO_DRAW = {"displacement": "three frames", "shapes": "no floats are in contact"} | dict.fromkeys(
     OVER_TIME, "single frame, at 0 s"
 )
 
@@ -175,7 +175,7 @@ def test_the_force_law_begins_where_floats_touch_and_is_the_scene_s_own(scene, f
 
 def test_floats_that_leave_the_surface_flat_have_no_force_law(scene, frames):
     flat = [frame._replace(arrays={**frame.arrays, "charge": np.zeros(6)}) for frame in frames]
-    with pytest.raises(BadInput, match="leave the surface flat"):
+    with pytest.raises(BadInput, match="do not deform the surface"):
         figures.force_law(flat, scene)
     with pytest.raises(BadInput, match="'none'"):
         figures.force_law(frames, dataclasses.replace(scene, interaction=InteractionSpec(law="none")))

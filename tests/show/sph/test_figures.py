@@ -35,7 +35,7 @@ def test_a_liquid_at_rest_lies_on_the_exact_column(scene, frames):
 
 def test_without_a_depth_there_is_no_pressure_against_it(frames):
     sideways = scene_of(gravity=[9.81, 0.0])
-    with pytest.raises(BadInput, match="no depth"):
+    with pytest.raises(BadInput, match="the hydrostatic pressure is not defined"):
         figures.pressure(frames, sideways)
 
 
