@@ -85,7 +85,7 @@ def test_readings_are_those_of_the_analysis_and_do_not_depend_on_the_order_of_pa
     [
         ({"name": "P", "position": [0.5, 3.0]}, r"gauges\[0\].position: is outside the tank"),
         ({"name": "P", "position": [0.5, 0.5, 0.5]}, "3 numbers; the tank has 2"),
-        ({"name": "largest", "position": [0.5, 0.5]}, "take another"),
+        ({"name": "largest", "position": [0.5, 0.5]}, "choose another"),
         ({"name": "P", "position": [0.5, 0.5], "end": [0.6, 0.5]}, "both, end and count"),
         ({"name": "P", "position": [0.5, 0.5], "quantities": ["presure"]}, "pressure"),
     ],
