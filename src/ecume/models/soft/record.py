@@ -58,12 +58,12 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
     broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
     told = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
-    found, contacts = deflections(parameters, state), parameters.contacts
+    found = deflections(parameters, state)
     if broken or not np.isfinite(found.magnitude).all():
         cure = "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
     else:
         told = "; ".join(filter(None, (told, worst_contact(found))))
-        cure = remedy(found, (list(TANGENTIAL)[contacts.tangential_law], list(TENSION)[contacts.tension_law]))
+        cure = remedy(found, parameters.contacts)
     return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: {cure}"
 
 

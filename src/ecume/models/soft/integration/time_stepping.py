@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ecume.errors import Diverged
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.models.soft.contacts.contact_list import Found, newcomers, renew_contacts, wall_gaps
 from ecume.models.soft.contacts.walls import Walls, all_walls
@@ -16,6 +17,7 @@ from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balan
 from ecume.models.soft.loading.cell import box_of
 from ecume.models.soft.loading.protocol import drive_at, interval_at, next_turn, rules_at
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.report.contact_geometry import deflections, is_beyond, remedy, worst_contact
 from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, released
 from ecume.models.soft.state import (
     ACCEPTED,
@@ -62,12 +64,26 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         lost = released(parameters.contacts, scratch.step)
         if len(state.books):
             state.books[FILMS] += lost
-        if renew_contacts(parameters, state, None if jumps_now(parameters, state) else met):
+        if renewed(parameters, state, None if jumps_now(parameters, state) else met):
             if lost > 0.0:
                 settle(parameters, state)
             return CROWDED
         if state.step[0] >= until or state.step[0] % parameters.steps_per_frame == 0:
             return DONE
+
+
+def renewed(parameters: Parameters, state: State, met: Found | None) -> bool:
+    """Open and close contacts; whether there was anything to do. If spheres met without a film while deflections are
+    beyond the range of the contact laws, Diverged names these as the cause.
+    """
+    try:
+        return renew_contacts(parameters, state, met)
+    except Diverged as error:
+        found = deflections(parameters, state)
+        if not is_beyond(found):
+            raise
+        what = str(error).split(";")[0]
+        raise Diverged(f"{what}; {worst_contact(found)}: {remedy(found, parameters.contacts)}") from None
 
 
 def settle(parameters: Parameters, state: State) -> None:

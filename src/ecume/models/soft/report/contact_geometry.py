@@ -8,10 +8,10 @@ import numpy as np
 
 from ecume._portable import exp
 from ecume.engine.cells import Integers
-from ecume.laws.deflections import DEFINITE
+from ecume.laws.deflections import DEFINITE, TANGENTIAL, TENSION
 from ecume.models.soft.contacts.contact_list import box_in
 from ecume.models.soft.loading.cell import Box
-from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.state import State
 from ecume.units import Array
 from ecume.value_texts import with_prefix
@@ -109,9 +109,14 @@ def worst_contact(found: Deflections) -> str:
     return f"the largest deflection is that of sphere {first} with {other}: {', '.join(values)}"
 
 
-def remedy(found: Deflections, laws: tuple[str, str]) -> str:
-    """What to change in the scene, by the contacts beyond the limits; `laws` are the tangential and the tension law."""
-    tangential, tension = laws
+def is_beyond(found: Deflections) -> bool:
+    """Whether a deflection is finite and beyond the range of the contact laws."""
+    return bool((found.magnitude > LARGE).any() and np.isfinite(found.magnitude).all())
+
+
+def remedy(found: Deflections, contacts: Contacts) -> str:
+    """What to change in the scene, by the contacts beyond the limits and by the laws."""
+    tangential, tension = list(TANGENTIAL)[contacts.tangential_law], list(TENSION)[contacts.tension_law]
     beyond = found.magnitude > LARGE
     stretched = bool((found.normal[beyond] > LARGE * found.radius[beyond]).any())
     sheared = bool((found.tangential[beyond] > DEFINITE * np.abs(found.normal[beyond])).any())
