@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws.arguments import elementwise
 from ecume.laws.flotation.bodies import weight_number
-from ecume.laws.flotation.carrying import Contact, Load, round_load, stable_load
+from ecume.laws.flotation.carrying import Contact, Load, round_load, slope_of_greatest, stable_load
 from ecume.laws.flotation.young_laplace import STEEPEST
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Angle, Number
@@ -171,8 +171,6 @@ def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
     >>> round(sinking_density_ratio(bond_number=0.1, contact_angle=math.pi / 2), 4)
     8.7917
     """
-    from scipy.optimize import brentq
-
     if contact_angle < 1e-9:
         return 1.0
 
@@ -183,8 +181,8 @@ def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
     steepest = 0.7 * contact_angle
     while change(steepest) > 0.0:
         steepest = 0.5 * (steepest + min(contact_angle, STEEPEST))
-    top = brentq(change, 0.3 * contact_angle, steepest, xtol=1e-7)
-    return load(bond_number, contact_angle, float(top)).carried
+    top = slope_of_greatest(partial(load, bond_number, contact_angle), 0.3 * contact_angle, steepest)
+    return load(bond_number, contact_angle, top).carried
 
 
 def _stable_load(bond_number: float, density_ratio: float, contact_angle: float) -> Load:
