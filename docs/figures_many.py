@@ -22,7 +22,7 @@ UNIT = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gra
 
 
 def beyond_superposition() -> Figure:
-    """How far superposition errs for two bodies over their gap, and the surface around seven discs that lean."""
+    """How far superposition errs for two bodies over their gap, and the surface around seven tilting discs."""
     with style():
         drawn = figure(9.6, 4.0)
         left, right = drawn.subplots(1, 2)
@@ -30,8 +30,8 @@ def beyond_superposition() -> Figure:
         cases = (
             ("spheres, θ = 60°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, math.radians(60.0)), PALETTE[1], "-"),
             ("spheres, θ = 90°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, 0.5 * math.pi), PALETTE[2], "-"),
-            ("discs that lean, a = 0.1 L", flotation.Disc(0.1, 1e-4), PALETTE[0], "-"),
-            ("discs that lean, a = L", flotation.Disc(1.0, 1e-4), PALETTE[4], "-"),
+            ("tilting discs, a = 0.1 L", flotation.Disc(0.1, 1e-4), PALETTE[0], "-"),
+            ("tilting discs, a = L", flotation.Disc(1.0, 1e-4), PALETTE[4], "-"),
             ("level discs, a = 0.1 L", flotation.Disc(0.1, 1e-4, tilting=False), PALETTE[0], "--"),
         )
         for label, body, color, line in cases:
@@ -82,7 +82,7 @@ def _raft(axes: object) -> None:
     drawn = axes.get_figure(root=True)
     assert drawn is not None  # noqa: S101  # for the type checker
     bar = drawn.colorbar(shown, ax=axes, fraction=0.046)
-    bar.set_label("height / depth of one alone")
+    bar.set_label("height / depth of a single disc")
 
 
 def levels() -> Figure:
