@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
+from ecume.laws.pair_laws import PAIR_LAWS
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
@@ -88,10 +89,23 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     """The cutoff of the pair law, and the method of summation."""
     split = part_of(parameters, Split)
     far = split.far if split is not None else parameters.cutoff
-    left = capillarity.neglected_fraction(far / length, 2.0 * float(parameters.floats.radius.max()) / length)
-    cut = f"{far / length:.3g} capillary lengths; {left:.1e} of the attraction of a raft is ignored"
+    if row_of(parameters).menisci:
+        left = capillarity.neglected_fraction(far / length, 2.0 * float(parameters.floats.radius.max()) / length)
+        ignored = f"{left:.1e} of the attraction of a raft is ignored"
+    else:
+        ignored = f"the law is ignored beyond, where it is {_force_left(parameters):.1e} of the force at contact"
+    cut = f"{far / length:.3g} capillary lengths; {ignored}"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
     return [("cutoff", with_prefix(far, "m"), cut), *lines]
+
+
+def _force_left(parameters: Parameters) -> float:
+    """The force of the pair law at the cutoff, over that of two touching floats; the largest of all sizes."""
+    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
+    kinds = np.unique(np.stack([floats.radius, floats.charge]), axis=1).T.tolist()
+    pairs = [(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge))) for radius, charge in kinds]
+    forces = [(abs(row.force(touch, own, law)), abs(row.force(parameters.cutoff, own, law))) for touch, own in pairs]
+    return max((far / near for near, far in forces if near > 0.0), default=0.0)
 
 
 def _summary_of_pairs(parameters: Parameters) -> list[Row]:
@@ -119,7 +133,8 @@ def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
     """How much too slow rafts are, since each float has the drag of a single one."""
     spheres = sum(species.count for species in scene.particles if species.shape is None) + len(scene.rows)
     viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
-    if not viscous or spheres < FEWEST_IN_RAFT:
+    gathers = PAIR_LAWS[str(scene.interaction.law)].menisci
+    if not (viscous and gathers) or spheres < FEWEST_IN_RAFT:
         return []
     largest = min(spheres, MOST_SOLVED)
     slow = f"up to {raft_speed_factor(largest):.2g} times too slow"
@@ -218,7 +233,8 @@ def _charges(members: Iterable[FloatKind]) -> Row:
 def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
     """By how much superposition understates the attraction of two equal floats that nearly touch."""
     by_size = sorted((kind for kind in members if kind.charge != 0.0), key=lambda kind: kind.radius)
-    if scene.interaction.method != "superposition" or not by_size:
+    superposed = scene.interaction.method == "superposition" and PAIR_LAWS[str(scene.interaction.law)].menisci
+    if not superposed or not by_size:
         return []
     from ecume.laws.multipole import excess_over_superposition
 

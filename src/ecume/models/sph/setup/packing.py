@@ -143,12 +143,7 @@ def _nearest(points: Array, others: Array, within: float) -> Array:
     """(N,) the distance to the nearest of others, infinite if it is not within that."""
     if len(others) == 0:
         return np.full(len(points), np.inf)
-<<<<<<< HEAD
     return np.asarray(cKDTree(others).query(points, distance_upper_bound=within)[0])
-=======
-    distance, _ = cKDTree(others).query(points, distance_upper_bound=within)
-    return np.asarray(distance)
->>>>>>> tanks
 
 
 def _continued(part: Part, spacing: float, support: float) -> tuple[Array, Array]:
