@@ -69,7 +69,7 @@ OPTIONS = {
     "rotation": {"rotation": True},
     "torque": {"rotation": True, "torque": 1e-4},
     "hydrodynamics.drag": {"hydrodynamics": {"drag": "stokes"}},
-    "gravity": {"gravity": -1e-4},
+    "gravity": {"gravity": -1e-5},
     "cell": BOX,
     "walls": WALLS,
     "walls that move": merged(WALLS, {"walls": [{}, {"velocity": [0.05, 0.0]}]}),
