@@ -383,7 +383,7 @@ def split_energy(
 @lru_cache(maxsize=8)
 def _short_table(span: tuple[float, float], inverse_square: float, eta: float) -> tuple[Array, Array]:
     """The ends and the values of the table of the short-range energy between two distances (m), over the logarithm of
-    the squared distance (m^2). Each frame of a run asks for the same.
+    the squared distance (m^2). Each frame of a run requires the same.
     """
     ends = log(np.array([span[0] ** 2, span[1] ** 2]))
     x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * inverse_square)
