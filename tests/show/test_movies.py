@@ -36,7 +36,7 @@ def test_a_movie_of_a_run_stands_among_its_results(opened, tmp_path, monkeypatch
 @pytest.mark.parametrize(
     ("asked", "says"),
     [
-        ({"fps": 0}, "fps is 0; expected from 1 to 240"),
+        ({"fps": 0}, "got fps = 0; expected 1 to 240"),
         ({"every": 0}, "every is 0; expected 1"),
         ({"size": (10, 10)}, "size is 10 x 10; expected from 64"),
         ({"start": 2.0, "end": 1.0}, "from 2 s to 1 s there is no time"),

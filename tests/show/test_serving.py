@@ -92,7 +92,7 @@ class Toy:
 )
 def test_what_no_page_sends_is_answered(body):
     answer = Game(Toy()).post("/do", body)
-    assert "that is nothing to do here" in json.loads(answer.content)["said"]
+    assert "unknown action" in json.loads(answer.content)["said"]
 
 
 def test_the_token_is_in_a_private_file_and_not_among_the_arguments_of_the_browser():

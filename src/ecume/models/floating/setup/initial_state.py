@@ -18,6 +18,7 @@ from ecume.models.floating.contacts.contact_models import contacts_of, gaps_betw
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import WORK, State, make_state
+from ecume.models.floating.time_integration.energy_budget import is_driven
 from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
 from ecume.models.state_layout import Layout
 from ecume.units import Array
@@ -67,14 +68,14 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
 
 
 def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:
-    """What a state of this scene looks like; stored contacts name floats and walls. States of earlier versions have no
-    tally of injected work.
+    """What a state of this scene looks like. Stored contacts are compared with those that are found, and index nothing.
+    States of earlier versions have no tally of injected work, which only driven scenes need.
     """
     zeros = np.zeros((len(parameters.floats.radius), 2))
     blank = with_angles(_with_parts(make_state(zeros, zeros), parameters), scene, parameters)
-    blank = blank._replace(tally=blank.tally[: max(len(state.tally), WORK)])
-    bodies = len(parameters.kick.mobility)
-    return Layout(blank, {"touches": (0, len(blank.touching)), "touching": (0, bodies - 1)})
+    if state.tally.size == WORK and not is_driven(parameters):
+        blank = blank._replace(tally=blank.tally[:WORK])
+    return Layout(blank, {"touches": (0, len(blank.touching))})
 
 
 def _with_parts(state: State, parameters: Parameters) -> State:
