@@ -136,7 +136,7 @@ def test_a_file_of_the_same_text_gives_the_same_digest_wherever_it_is(tmp_path: 
     ("text", "word", "says"),
     [
         (FILE, "mine.txt", "expected FILE.py or FILE.py:NAME"),
-        (FILE, "yours.py", "no such file"),
+        (FILE, "yours.py", "does not exist"),
         (FILE, "mine.py:pul", "has no function 'pul'; it has pull, push"),
         ("x = 1", "mine.py", "defines no function of two or four arguments"),
         ("def law(:", "mine.py", r"mine\.py, line 1: SyntaxError"),
