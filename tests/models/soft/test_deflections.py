@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from tests.models.soft.clusters import contacts
 
 from ecume.laws.deflections import (
     DEFINITE,
@@ -18,6 +17,7 @@ from ecume.laws.deflections import (
 )
 from ecume.laws.surfaces import Body
 from ecume.models.soft.contacts.contact import contact_energy, elastic_of
+from tests.models.soft.clusters import contacts
 
 BODY, GAP = Body(2.0, 0.5, 1.0, 0.0, 0.0), 0.003
 LOOPS, CORNERS, POINTS = 10_000, 4, 12
