@@ -33,6 +33,23 @@ assert all(later < earlier for earlier, later in zip(energy, energy[1:])), energ
 print(f"{1e3 * apart[-1]:.6f} mm")
 '''
 
+SETTING = """
+import ecume
+from ecume.models import MODELS
+from ecume.models.floating.forces.pair_forces import law_of
+from ecume.scenes.writing import to_toml
+def made(constants):
+    return ecume.from_plain({"model": "floating", "duration": 0.1, "frame_every": 0.1,
+        "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[0.0, 0.0], [0.01, 0.0]]}],
+        "interaction": {"law": "yukawa", "constants": constants}})
+for constants in ([], [3e-12], [3e-12, 2e-3]):
+    print(tuple(law_of(MODELS["floating"].parameters(ecume.load_scene(to_toml(made(constants)))))))
+try:
+    MODELS["floating"].parameters(made([1.0, 2.0, 3.0]))
+except ecume.SceneError as error:
+    print(error)
+"""
+
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
@@ -66,6 +83,13 @@ def test_a_new_law_holds_what_all_others_hold(copy):
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
     assert re.search(r"[2-9]\d passed", done.stdout), done.stdout
+
+
+@pytest.mark.compiled
+def test_a_scene_sets_the_constants_of_a_new_law(copy):
+    *found, refused = copy.printed(SETTING, NUMBA_DISABLE_JIT="1")
+    assert found == ["(2e-12, 0.0014)", "(3e-12, 0.0014)", "(3e-12, 0.002)"]
+    assert "interaction.constants: got 3 numbers for the law 'yukawa'; expected strength (J*m), length (m)" in refused
 
 
 KNOWING = '''

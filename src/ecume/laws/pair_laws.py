@@ -8,9 +8,10 @@ Forces are positive when they repel.
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, get_args, get_type_hints
 
 from ecume.laws.capillarity import one_sided_legacy_force, pair_energy, pair_force, pair_strength
 from ecume.laws.dipoles import DipoleStrength, dipole_energy, dipole_force
@@ -50,8 +51,10 @@ class PairLaw(NamedTuple):
 
     constants: type
     """the type of `law`: a NamedTuple of plain numbers that no other formula uses"""
-    make_constants: Callable[[Setting], Any]
-    """make_constants(setting): the constants, an instance of `constants`. Raises BadInput"""
+    make_constants: Callable[..., Any]
+    """make_constants(setting, ...): the constants, an instance of `constants`. Further arguments, with units and
+    defaults, are the numbers that a scene may set in `interaction.constants`. Raises BadInput
+    """
     force: Callable[[float, PairParameters, Any], float]
     """force(distance, own, law) between the two floats (N), positive when it repels; if the law is not reciprocal, the
     force on float i
@@ -308,6 +311,13 @@ def row_of(constants: type) -> PairLaw:
     if row is None:
         raise LookupError(f"no pair law has constants of the type {constants.__name__}")
     return row
+
+
+def settable(row: PairLaw) -> dict[str, str]:
+    """The numbers that a scene may set in `interaction.constants`, in order, with their units."""
+    hints = get_type_hints(row.make_constants, include_extras=True)
+    names = list(inspect.signature(row.make_constants).parameters)[1:]
+    return {name: next(mark.symbol for mark in get_args(hints[name]) if isinstance(mark, Unit)) for name in names}
 
 
 def add_row(row: PairLaw) -> None:

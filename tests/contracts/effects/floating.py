@@ -156,6 +156,7 @@ EFFECTS = {
     "contacts.law": of("none", **IMPACT),
     "contacts.stiffness": of(2.0, **SPRINGS),
     "interaction.law": of("none"),
+    "interaction.constants": of([1.0], REFUSED),
     "interaction.charge": of("linear"),
     "interaction.method": of("multipole", interaction={"order": 2}),
     "interaction.order": of(3, **MULTIPOLE),

@@ -36,6 +36,7 @@ from ecume.scenes.quantities import (
     WettingAngle,
 )
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
+from ecume.scenes.user_laws import Constant
 from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Number
 
@@ -327,6 +328,9 @@ class InteractionSpec:
     law: LawName | None = None
     """The pair law: `capillary`, `one-sided-legacy` or `none`; by default that of the theory. Effect: `none` leaves
     floats that only collide."""
+    constants: tuple[Constant, ...] = ()
+    """The numbers that a pair law lets a scene set, in SI units and in the order of its definition; none of the three
+    above has any. Example: `[2e-12, 1e-3]`. Effect: they set strength and range, as the law defines."""
     charge: LawName | None = None
     """The computation of the capillary charge: `nonlinear`, `closed-form` or `linear`; by default that of the
     theory. Effect: the forces are proportional to the product of two charges; for steep menisci only `nonlinear`

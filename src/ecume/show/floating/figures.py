@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import tracks
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
+from ecume.models.floating.forces.pair_forces import constants_of
 from ecume.models.liquids import liquid_of
 from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned, titled
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
@@ -111,7 +112,7 @@ def _pairs(frame: Frame, scene: Any, row: PairLaw) -> list[Pair]:
         if (chosen := arrays["species"] == index).any()
     ]
     radii = [radius for _, radius, _ in kinds]
-    law = row.make_constants(Setting(length, tension, 2.0 * min(radii), FURTHEST * length + 2.0 * max(radii)))
+    law = constants_of(scene, Setting(length, tension, 2.0 * min(radii), FURTHEST * length + 2.0 * max(radii)))
 
     def force_of(own: PairParameters) -> Callable[[float], float]:
         return lambda distance: row.force(distance, own, law)

@@ -22,8 +22,8 @@ from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists, Rows,
 from ecume.engine.periodic import nearest
 from ecume.engine.walls import wall_count
 from ecume.laws import capillarity, dipoles, ewald, pair_laws, screened, special
-from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw
-from ecume.models.floating.options import Built, Option
+from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, settable
+from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -79,6 +79,17 @@ def row_of_law(law: Any) -> PairLaw:
 def in_double(law: Any, parameters: Parameters) -> Any:
     """The constants in double precision: those of the scene's law as they were derived."""
     return type(law)(*law_of(parameters)) if parameters.single else law
+
+
+def constants_of(scene: FloatingScene, setting: Setting) -> Any:
+    """The constants of the scene's pair law, from the numbers that the scene gives. Raises SceneError, BadInput."""
+    name, given = str(scene.interaction.law), scene.interaction.constants
+    row = PAIR_LAWS[name]
+    known = [f"{each} ({unit})" for each, unit in settable(row).items()]
+    if len(given) > len(known):
+        expected = f"expected {', '.join(known)}" if known else "its constants cannot be set"
+        raise scene_error("interaction.constants", f"got {len(given)} numbers for the law {name!r}; {expected}")
+    return row.make_constants(setting, *given)
 
 
 def pair_option(name: str) -> Option:

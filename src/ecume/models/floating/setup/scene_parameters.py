@@ -29,7 +29,14 @@ from ecume.models.floating.forces.interactions import (
     Resistance,
     interactions_of,
 )
-from ecume.models.floating.forces.pair_forces import NAMES, Superposed, law_in_precision, pair_option, row_of
+from ecume.models.floating.forces.pair_forces import (
+    NAMES,
+    Superposed,
+    constants_of,
+    law_in_precision,
+    pair_option,
+    row_of,
+)
 from ecume.models.floating.options import Built, Option, faults_of, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
 from ecume.models.floating.setup.kinds import floats_of, moments_of
@@ -107,7 +114,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     cutoff = capillarity.truncation_radius(scene.interaction.accuracy, 2.0 * largest / length) * length
     setting = Setting(length, liquid.surface_tension, 2.0 * DEEPEST_TOUCH * smallest, cutoff + largest)
     try:
-        law = row.make_constants(setting)
+        law = constants_of(scene, setting)
     except BadInput as error:
         raise scene_error("particles", str(error)) from None
     strength = law.strength if row.menisci else 0.0
