@@ -31,7 +31,7 @@ HERE, ELSEWHERE = 1e-9, 1e-6
 """Of the largest that a number has been: what may differ on a machine of the same kind, and on others."""
 SHIFT, STEADY = 1e-12, 1e-7
 WORK = {"contact_sweeps", "substeps", "most_substeps", "rejected_steps", "time_steps"}
-"""Counts of computing steps. One more or less is no fault: which step meets a tolerance first is a matter of rounding."""
+"""Counts of computing steps. One more or less is no fault: which step meets a tolerance first is rounding."""
 SECONDS = 2.0
 """Of a scene's march up to the frame that is recorded."""
 

@@ -90,8 +90,7 @@ def test_a_run_without_a_step_names_the_contact_and_what_to_change():
 def frames_until_it_ends(scene):
     """The frames of a run that may diverge."""
     with contextlib.suppress(Diverged):
-        for frame in simulate(scene):
-            yield frame
+        yield from simulate(scene)
 
 
 @pytest.mark.long
