@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path as Folder
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -25,7 +25,7 @@ from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import STRICT, Duration, Name, Size
 from ecume.scenes.tables import MOST_BYTES
 from ecume.scenes.validated import dataclass
-from ecume.trajectories.foreign import gsd, lammps, xyz
+from ecume.trajectories.foreign import dcd, dumps, gsd, lammps, xyz
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.units import Mass, Unit
 
@@ -34,6 +34,7 @@ LAYOUT = ("count", "placement", "positions", "velocities", "spacing", "ring_radi
 """Keys of a species that state where its particles are."""
 FORMATS = {
     ".gsd": "gsd", ".xyz": "xyz", ".extxyz": "xyz", ".data": "lammps", ".lmp": "lammps", ".lammps": "lammps",
+    ".dump": "dump", ".lammpstrj": "dump", ".yaml": "dump", ".yml": "dump", ".dcd": "dcd",
 }  # fmt: skip
 """The format of a file, by the end of its name."""
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
@@ -50,7 +51,8 @@ class StartSpec:
 
     file: Annotated[str, Field(min_length=1, max_length=1000)]
     """The file, beside the scene's: GSD (`.gsd`), XYZ or extended XYZ (`.xyz`, `.extxyz`), LAMMPS data (`.data`,
-    `.lmp`). `NAME@FRAME` is a frame, by default the last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
+    `.lmp`), LAMMPS dumps (`.dump`, `.lammpstrj`, `.yaml`), DCD (`.dcd`). `NAME@FRAME` is a frame, by default the
+    last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
     length_unit: Size
     """The unit of length of the file, such as 1 mm where one sigma means a millimeter (m). Effect: scales positions
     and diameters."""
@@ -64,7 +66,7 @@ class StartSpec:
     """The species of the scene for each type of the file; by default the one of the same name, or, of types that are
     numbers, the one at this place. Example: `{ A = "small", B = "large" }`. Effect: determines the species of each
     particle."""
-    format: Literal["", "gsd", "xyz", "lammps"] = ""
+    format: Literal["", "gsd", "xyz", "lammps", "dump", "dcd"] = ""
     """The format of the file; by default it follows from the end of its name. Effect: selects the reader."""
 
 
@@ -119,13 +121,19 @@ def _read(spec: StartSpec, folder: Folder) -> Particles:
     kind = spec.format or FORMATS.get(path.suffix.lower(), "")
     if not path.is_file():
         raise ValueError('is not a regular file; a run is named by text, as in start_from = "runs/bowl@-1"')
-    if kind == "gsd":
-        return gsd.read(path, frame)
-    if kind == "xyz":
-        return xyz.read(text_of(path, MOST_BYTES), frame)
-    if kind == "lammps":
-        return lammps.read(text_of(path, MOST_BYTES))
-    raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
+    if kind not in READERS:
+        raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
+    return READERS[kind](path, frame)
+
+
+READERS: dict[str, Callable[[Folder, int], Particles]] = {
+    "gsd": gsd.read,
+    "dcd": dcd.read,
+    "xyz": lambda path, frame: xyz.read(text_of(path, MOST_BYTES), frame),
+    "dump": lambda path, frame: dumps.read(text_of(path, MOST_BYTES), frame),
+    "lammps": lambda path, frame: lammps.read(text_of(path, MOST_BYTES)),
+}
+"""The reader of each format, which gets the file and the number of the frame."""
 
 
 def _in_si(found: Particles, spec: StartSpec) -> Particles:
