@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path as Folder
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -20,13 +20,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError
 
+from ecume.errors import BadInput
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import STRICT, Duration, Name, Size
 from ecume.scenes.tables import MOST_BYTES
 from ecume.scenes.validated import dataclass
-from ecume.trajectories.foreign import dcd, dumps, gsd, lammps, xyz
+from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
+from ecume.trajectories.foreign.series import Series
 from ecume.units import Mass, Unit
 
 RUN = "start_from"
@@ -113,27 +115,47 @@ def refuse_a_file(name: str) -> None:
 
 def _read(spec: StartSpec, folder: Folder) -> Particles:
     """The particles in the units of the file. Raises ValueError."""
+    path, frame = _place_in(spec, folder)
+    return _frames_of(path, spec).read(frame)
+
+
+def _place_in(spec: StartSpec, folder: Folder) -> tuple[Folder, int]:
+    """The file and the number of the frame. Raises ValueError."""
     path, frame = beside(folder, spec.file), -1
     match = ANOTHER_FRAME.fullmatch(spec.file)
     if match and not path.is_file():
         path, frame = beside(folder, match[1]), int(match[2])
     require_there(path, folder)
-    kind = spec.format or FORMATS.get(path.suffix.lower(), "")
     if not path.is_file():
         raise ValueError('is not a regular file; a run is named by text, as in start_from = "runs/bowl@-1"')
-    if kind not in READERS:
+    return path, frame
+
+
+def _frames_of(path: Folder, spec: StartSpec) -> Series:
+    kind = spec.format or FORMATS.get(path.suffix.lower(), "")
+    if not kind:
         raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
-    return READERS[kind](path, frame)
+    return series.FORMATS[kind](path, lambda each: text_of(each, MOST_BYTES))
 
 
-READERS: dict[str, Callable[[Folder, int], Particles]] = {
-    "gsd": gsd.read,
-    "dcd": dcd.read,
-    "xyz": lambda path, frame: xyz.read(text_of(path, MOST_BYTES), frame),
-    "dump": lambda path, frame: dumps.read(text_of(path, MOST_BYTES), frame),
-    "lammps": lambda path, frame: lammps.read(text_of(path, MOST_BYTES)),
-}
-"""The reader of each format, which gets the file and the number of the frame."""
+def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
+    """The file that `start_from` holds, without a number of a frame, and all its frames in SI units.
+
+    Raises BadInput, and ValueError from `read`.
+    """
+    if not isinstance(value, Mapping):
+        raise BadInput("the scene has no table [start_from] with the file and its units")
+    try:
+        spec = TypeAdapter(StartSpec).validate_python(dict(value))
+        path, _ = _place_in(spec, folder)
+        found = _frames_of(path, spec)
+        name = spec.file if beside(folder, spec.file) == path else spec.file.rpartition("@")[0]
+    except ValidationError as error:
+        (place, message), *_ = faults_of(error, StartSpec, value)
+        raise BadInput(f"{RUN}.{'.'.join(map(str, place))}: {message}") from None
+    except ValueError as fault:
+        raise BadInput(f"{RUN}.file: {value.get('file')} {fault}") from None
+    return name, Series(found.frames, lambda frame: _in_si(found.read(frame), spec))
 
 
 def _in_si(found: Particles, spec: StartSpec) -> Particles:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import struct
+from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 from typing import NamedTuple
@@ -27,31 +29,42 @@ class Layout(NamedTuple):
     """Where the frames of a file are."""
 
     start: int
-    count: int
-    """particles"""
+    particles: int
     boxed: bool
     frames: int
 
     @property
     def frame_size(self) -> int:
         """Bytes of a frame."""
-        return (CELL + 2 * MARK) * self.boxed + 3 * (4 * self.count + 2 * MARK)
+        return (CELL + 2 * MARK) * self.boxed + 3 * (4 * self.particles + 2 * MARK)
 
 
 def read(path: Path, index: int = -1) -> Particles:
     """The particles of a frame, all of one type. Raises ValueError."""
-    try:
-        with path.open("rb") as file:
-            layout = layout_of(file, path.stat().st_size)
-            file.seek(layout.start + frame_number(index, layout.frames) * layout.frame_size)
-            sides, tilted = _box(_record(file, CELL)) if layout.boxed else (None, 0.0)
-            axes = [np.frombuffer(_record(file, 4 * layout.count), "<f4") for _ in range(3)]
-    except OSError as error:
-        raise ValueError(f"cannot be read: {error.strerror or error}") from None
+    with _opened(path) as (file, layout):
+        file.seek(layout.start + frame_number(index, layout.frames) * layout.frame_size)
+        sides, tilted = _box(_record(file, CELL)) if layout.boxed else (None, 0.0)
+        axes = [np.frombuffer(_record(file, 4 * layout.particles), "<f4") for _ in range(3)]
     position = np.column_stack(axes).astype(np.float64)
     if not np.isfinite(position).all():
         raise ValueError(f"has NaN or infinity in the positions of frame {index}")
-    return Particles(("1",), np.zeros(layout.count, np.int64), position, sides=sides, tilt=tilted)
+    return Particles(("1",), np.zeros(layout.particles, np.int64), position, sides=sides, tilt=tilted)
+
+
+def frames(path: Path) -> int:
+    """The number of whole frames. Raises ValueError."""
+    with _opened(path) as (_, layout):
+        return layout.frames
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[tuple[BufferedReader, Layout]]:
+    """The file with its layout. Raises ValueError."""
+    try:
+        with path.open("rb") as file:
+            yield file, layout_of(file, path.stat().st_size)
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror or error}") from None
 
 
 def layout_of(file: BufferedReader, size: int) -> Layout:

@@ -40,13 +40,25 @@ class Table(NamedTuple):
 def read(text: str, index: int = -1) -> Particles:
     """The particles of a frame, in the order of their ids. Raises FileFault, or ValueError without a line."""
     lines = text.splitlines()
-    start, table_at = (YAML, _yaml_table) if lines[:1] == [YAML] else (START, _table)
-    starts = [place for place, line in enumerate(lines) if line.strip() == start]
-    if not starts:
-        raise ValueError("has no frame; expected a LAMMPS dump of the style atom, custom or yaml")
+    starts = _starts(lines)
     chosen = frame_number(index, len(starts))
     end = [*starts, len(lines)][chosen + 1]
+    table_at = _yaml_table if lines[0] == YAML else _table
     return _particles(table_at(lines[:end], starts[chosen]))
+
+
+def frames(text: str) -> int:
+    """The number of frames. Raises ValueError."""
+    return len(_starts(text.splitlines()))
+
+
+def _starts(lines: Sequence[str]) -> list[int]:
+    """The lines at which frames begin."""
+    start = YAML if lines[:1] == [YAML] else START
+    found = [place for place, line in enumerate(lines) if line.strip() == start]
+    if not found:
+        raise ValueError("has no frame; expected a LAMMPS dump of the style atom, custom or yaml")
+    return found
 
 
 def _table(lines: Sequence[str], place: int) -> Table:
