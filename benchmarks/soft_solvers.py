@@ -90,10 +90,10 @@ def main() -> None:
                         times[name] = float("nan")
                 iterations = kept.iterations // max(kept.systems, 1)
                 swept, factored = iterations * solvers.operations_of_iteration(kept), solvers.work(kept)
-                told = " | ".join(f"{1e3 * one:.3g}" for one in times.values())
+                output = " | ".join(f"{1e3 * one:.3g}" for one in times.values())
                 kind = "layer" if dimensions == 2 else "space"
                 print(
-                    f"| {kind} | {count:,} | {length:g} | {iterations} | {told} | {swept:.2g} | {factored:.2g} |",
+                    f"| {kind} | {count:,} | {length:g} | {iterations} | {output} | {swept:.2g} | {factored:.2g} |",
                     flush=True,
                 )
 

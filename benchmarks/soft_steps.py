@@ -42,8 +42,8 @@ def ratios(most: int) -> None:
             ours, spent = timed(lambda given=given: t1_process(**given))
             steps = ours.duration / (STEP * kappa)
             ran = [explicit(method, ours, given) for method in EXPLICIT] if steps <= most else ["not run"]
-            told = f"{gap:g} | {kappa:g} | {ours.duration:.6g} | {ours.steps} | {spent:.2f} | {steps:.2g}"
-            print(f"| {told} | {steps / ours.steps:.2g} | {'; '.join(ran)} |", flush=True)
+            output = f"{gap:g} | {kappa:g} | {ours.duration:.6g} | {ours.steps} | {spent:.2f} | {steps:.2g}"
+            print(f"| {output} | {steps / ours.steps:.2g} | {'; '.join(ran)} |", flush=True)
 
 
 def explicit(method: str, ours: T1, given: dict[str, Any]) -> str:

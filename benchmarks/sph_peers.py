@@ -47,7 +47,7 @@ class Peer(NamedTuple):
     slowness: int
     """It integrates the fewer steps"""
     extra: str = ""
-    """What its script is told besides"""
+    """Further arguments of its script"""
 
     def python(self, folder: Path) -> Path:
         """Its interpreter."""

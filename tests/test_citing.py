@@ -77,10 +77,10 @@ def test_entries_are_whole():
 def test_the_verb_prints_bibtex(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     copy_template("t1", tmp_path / "t1.toml")
-    told = CliRunner().invoke(app, ["cite", "t1.toml"])
-    assert told.exit_code == 0
-    assert told.stdout == bibtex(papers("t1"))
-    assert "@article{rognon2009," in told.stdout
+    output = CliRunner().invoke(app, ["cite", "t1.toml"])
+    assert output.exit_code == 0
+    assert output.stdout == bibtex(papers("t1"))
+    assert "@article{rognon2009," in output.stdout
 
 
 @pytest.mark.parametrize(

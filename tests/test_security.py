@@ -184,14 +184,14 @@ def test_compiled_code_in_a_folder_that_others_may_write_to_is_not_read(tmp_path
     script.write_text(PLANTED)
     environment = {**os.environ, "ECUME_CACHE_DIR": str(place), "PYTHONPATH": str(PACKAGE.parent), "PYTHONWARNINGS": ""}
 
-    def told():
+    def output():
         return subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=True)
 
-    assert (told().stdout, told().stdout) == ("42 0\n", "42 1\n")
+    assert (output().stdout, output().stdout) == ("42 0\n", "42 1\n")
     files = {path: path.stat().st_mtime_ns for path in place.rglob("*")}
     for mode in (0o770, 0o1777):
         (place / "compiled").chmod(mode)
-        done = told()
+        done = output()
         assert done.stdout == "42 0\n"
         assert done.stderr.count("can be written by others") == 1
         assert "ECUME_CACHE_DIR" in done.stderr

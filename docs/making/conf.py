@@ -1,4 +1,4 @@
-"""What Sphinx is told."""
+"""The configuration of Sphinx."""
 
 import sys
 from pathlib import Path

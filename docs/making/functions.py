@@ -113,8 +113,8 @@ def members(kind: type) -> list[str]:
     for name, value in vars(kind).items():
         called = value.fget if isinstance(value, property) else value
         if not name.startswith("_") and inspect.isfunction(called) and inspect.getdoc(called):
-            told = name if isinstance(value, property) else signature(name, called)
-            methods += [f"`{told}`", f": {first_paragraph(called)}", ""]
+            output = name if isinstance(value, property) else signature(name, called)
+            methods += [f"`{output}`", f": {first_paragraph(called)}", ""]
     return [*table, *methods]
 
 
@@ -132,15 +132,15 @@ def signature(name: str, value: Any) -> str:
     except (TypeError, ValueError):
         return name
     arguments = [one for one in asked.parameters.values() if one.name != "self"]
-    told, starred = [], False
+    output, starred = [], False
     for one in arguments:
         if one.kind is one.KEYWORD_ONLY and not starred:
-            told.append("*")
+            output.append("*")
             starred = True
         shown = f"{'*' if one.kind is one.VAR_POSITIONAL else ''}{one.name}"
-        told.append(shown if one.default is one.empty else f"{shown}={brief(one.default)}")
+        output.append(shown if one.default is one.empty else f"{shown}={brief(one.default)}")
         starred = starred or one.kind is one.VAR_POSITIONAL
-    return f"{name}({', '.join(told)})"
+    return f"{name}({', '.join(output)})"
 
 
 def brief(value: object) -> str:
@@ -152,12 +152,12 @@ def brief(value: object) -> str:
 def units(value: Any) -> list[str]:
     """The units of arguments that have some, and of what comes back."""
     hints = hints_of(inspect.unwrap(getattr(value, "py_func", value)))
-    told = [
+    output = [
         f"{'*returns*' if name == 'return' else f'`{name}`'} {unit}"
         for name, hint in hints.items()
         if (unit := unit_of(hint))
     ]
-    return ["", "Units: " + ", ".join(told) + "."] if told else []
+    return ["", "Units: " + ", ".join(output) + "."] if output else []
 
 
 def hints_of(value: Any) -> dict[str, Any]:

@@ -15,10 +15,10 @@ DOCS = Path(__file__).parents[1]
 
 def validation() -> str:
     """A summary of all cases, then each one's table."""
-    told = recorded("recorded-validation.json")
-    rows = [_summary(name, case.summary, told.get(name)) for name, case in CASES.items()]
+    reported = recorded("recorded-validation.json")
+    rows = [_summary(name, case.summary, reported.get(name)) for name, case in CASES.items()]
     head = ["| case | what is compared | met | recorded |", "|---|---|---|---|", *rows, ""]
-    return "\n".join([*head, *(_case(name, told[name]) for name in CASES if name in told)])
+    return "\n".join([*head, *(_case(name, reported[name]) for name in CASES if name in reported)])
 
 
 def _summary(name: str, says: str, entry: dict[str, Any] | None) -> str:

@@ -61,10 +61,10 @@ def open_to_others(place: Path) -> str:
     """
     if not hasattr(os, "getuid"):
         return ""
-    told = place.stat()
-    if told.st_uid not in (os.getuid(), 0):
-        return f"belongs to user {told.st_uid}"
-    return "can be written by others" if told.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
+    status = place.stat()
+    if status.st_uid not in (os.getuid(), 0):
+        return f"belongs to user {status.st_uid}"
+    return "can be written by others" if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
 
 
 def _warn_of(place: Path, fault: str) -> None:

@@ -96,10 +96,10 @@ def test_a_movie_that_became_a_webp_says_why_and_the_way_to_an_mp4(monkeypatch: 
 
     monkeypatch.setattr(ecume.show.movies, "movie", movie)
     for asked in ([], ["-o", "a.webm"]):
-        told = cli.invoke(app, ["movie", "bowl", *asked])
-        assert told.exit_code == 0
-        assert "no ffmpeg was found" in told.stderr
-        assert "install ffmpeg, or pip install 'imageio-ffmpeg" in told.stderr
+        reported = cli.invoke(app, ["movie", "bowl", *asked])
+        assert reported.exit_code == 0
+        assert "no ffmpeg was found" in reported.stderr
+        assert "install ffmpeg, or pip install 'imageio-ffmpeg" in reported.stderr
     assert not cli.invoke(app, ["movie", "bowl", "-o", "a.webp"]).stderr
 
 
@@ -133,12 +133,12 @@ def test_pictures_are_counted_on_a_terminal(
 ) -> None:
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     monkeypatch.setenv("FORCE_COLOR", "1")
-    with counted("pictures", quiet=False) as told:
-        assert told is not None
-        told(12, 300)
+    with counted("pictures", quiet=False) as reported:
+        assert reported is not None
+        reported(12, 300)
     assert "12 of 300 pictures" in capsys.readouterr().err
-    with counted("pictures", quiet=True) as told:
-        assert told is None
+    with counted("pictures", quiet=True) as reported:
+        assert reported is None
 
 
 def test_plot_wants_a_run_or_the_integrators() -> None:

@@ -113,15 +113,15 @@ def test_a_log_gets_a_plain_line_now_and_then(
 def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("FORCE_COLOR", "1")
-    with shown(quiet=False) as told:
-        assert told is not None
-        told(HALF)
+    with shown(quiet=False) as reported:
+        assert reported is not None
+        reported(HALF)
     assert "1 s of 2 s" in capsys.readouterr().err
 
 
 def test_quiet_prints_nothing() -> None:
-    with shown(quiet=True) as told:
-        assert told is None
+    with shown(quiet=True) as reported:
+        assert reported is None
 
 
 def test_wall_times_are_printed_for_readers() -> None:
@@ -151,8 +151,8 @@ def test_the_name_of_a_scene_or_of_the_folder_around_is_answered_with_the_runs()
         Path("runs", name).mkdir(parents=True)
         Path("runs", name, "manifest.json").touch()
     for words, says in ((["info"], "the current directory holds no run"), (["info", "runs"], "runs: contains no run")):
-        told = cli.invoke(app, words).stderr
-        assert told == f"ecume: {says}; there is {Path('runs/beads')}, {Path('runs/bowl')}\n"
+        reported = cli.invoke(app, words).stderr
+        assert reported == f"ecume: {says}; there is {Path('runs/beads')}, {Path('runs/bowl')}\n"
 
 
 @pytest.mark.compiled
@@ -161,10 +161,10 @@ def test_a_bead_run_is_reported_exported_and_not_replaced() -> None:
     words = ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "--quiet"]
     done = cli.invoke(app, words)
     assert done.exit_code == 0, done
-    told = cli.invoke(app, ["info", "beads"]).stdout
-    assert "state       done" in told
-    assert "frames      4" in told
-    assert "model       floating" in told
+    reported = cli.invoke(app, ["info", "beads"]).stdout
+    assert "state       done" in reported
+    assert "frames      4" in reported
+    assert "model       floating" in reported
     again = cli.invoke(app, words)
     assert again.exit_code == 2
     assert "beads: holds a run already" in again.stderr
@@ -191,11 +191,11 @@ def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytes
     clock = iter([0.0, 60.0, 60.5, 61.0])
     monkeypatch.setattr("ecume.run.progress.time.monotonic", lambda: next(clock))
     pace = Pace(duration=10.0)
-    told = [pace.progress(moment_at(step, 1001), 1) for step in (0, 1, 2, 101)]
+    reported = [pace.progress(moment_at(step, 1001), 1) for step in (0, 1, 2, 101)]
     # A first half second of small steps would say a quarter of an hour.
-    assert [progress.remaining for progress in told] == [None, None, None, 9.0]
-    assert [progress.begun for progress in told] == [False, False, True, True]
-    assert line(told[2]) == "0.01998 s of 10 s, 0.02 x real time"
+    assert [progress.remaining for progress in reported] == [None, None, None, 9.0]
+    assert [progress.begun for progress in reported] == [False, False, True, True]
+    assert line(reported[2]) == "0.01998 s of 10 s, 0.02 x real time"
     assert pace.integrating == 1.0
 
 
@@ -242,10 +242,10 @@ def test_ctrl_c_stops_with_a_checkpoint_and_says_how_to_go_on(tmp_path: Path) ->
     while not list(tmp_path.glob("long/scalars.jsonl")) and time.monotonic() < patience:
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=200)
+    _, reported = process.communicate(timeout=200)
     assert process.returncode == 75
-    assert told.startswith("ecume: stopped by SIGINT at step")
-    assert told.endswith("to continue: ecume resume long\n")
+    assert reported.startswith("ecume: stopped by SIGINT at step")
+    assert reported.endswith("to continue: ecume resume long\n")
     assert list(tmp_path.glob("long/ckpt/*.npz"))
 
 

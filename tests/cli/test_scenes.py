@@ -147,11 +147,11 @@ def test_small_scenes_are_checked_without_the_compiler_in_a_process_of_their_own
 
 def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
     cli.invoke(app, ["new", "cereal-bowl"])
-    told = subprocess.run(
+    output = subprocess.run(
         [sys.executable, "-m", "ecume", "check", "cereal-bowl.toml", "--json"],
         cwd=tmp_path, capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     here = json.loads(cli.invoke(app, ["check", "cereal-bowl.toml", "--json"]).stdout)
     measured = ("frames", "time on this machine")
-    rows = [[row for row in found if row["quantity"] not in measured] for found in (json.loads(told.stdout), here)]
+    rows = [[row for row in found if row["quantity"] not in measured] for found in (json.loads(output.stdout), here)]
     assert rows[0] == rows[1]

@@ -64,7 +64,7 @@ def test_computed_expected_and_tolerance_are_printed(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize(
-    ("words", "told", "code"),
+    ("words", "output", "code"),
     [
         (["--all"], ["good", "slow"], 1),
         (["--all", "--quick"], ["good"], 0),
@@ -72,10 +72,10 @@ def test_computed_expected_and_tolerance_are_printed(monkeypatch: pytest.MonkeyP
         (["slow", "good", "slow"], ["slow", "good"], 1),
     ],
 )
-def test_cases_are_chosen(words: list[str], told: list[str], code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cases_are_chosen(words: list[str], output: list[str], code: int, monkeypatch: pytest.MonkeyPatch) -> None:
     stand_ins(monkeypatch, case("good", GOOD), case("slow", BAD, long=True))
     done = cli.invoke(app, ["validate", *words])
-    assert [line.split(":")[0] for line in done.stdout.splitlines() if " met, " in line] == told
+    assert [line.split(":")[0] for line in done.stdout.splitlines() if " met, " in line] == output
     assert done.exit_code == code
 
 

@@ -40,7 +40,7 @@ from ecume.models.floating.forces.pair_forces import law_of
 from ecume.scenes.writing import to_toml
 def made(constants):
     return ecume.from_plain({"model": "floating", "duration": 0.1, "frame_every": 0.1,
-        "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[0.0, 0.0], [0.01, 0.0]]}],
+        "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[0.0, 0.0], [0.01, 0]]}],
         "interaction": {"law": "yukawa", "constants": constants}})
 for constants in ([], [3e-12], [3e-12, 2e-3]):
     print(tuple(law_of(MODELS["floating"].parameters(ecume.load_scene(to_toml(made(constants)))))))

@@ -20,6 +20,10 @@ EDITS = {
         ("models/sph/integration/time_stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),
         ("models/sph/integration/time_stepping.py", "end", "", block("semi-implicit-row")),
     ],
+    "integrator of floats": [
+        ("models/floating/time_integration/integrators.py", "before", "@dataclass(frozen=True", block("heun") + "\n\n"),
+        ("models/floating/time_integration/integrators.py", "after", "INTEGRATORS = {", block("heun-row")),
+    ],
     "measured quantity": [
         ("models/floating/report/frames.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
         ("models/floating/report/frames.py", "after", '        "momentum_x": ', block("gyration-value")),
@@ -56,6 +60,24 @@ def end_of_blob(integrator, steps):
 
 exact = end_of_blob("symplectic", 32)
 errors = [float(np.abs(end_of_blob("semi-implicit", steps) - exact).max()) for steps in (4, 8)]
+
+def meeting(integrator, steps, **tables):
+    scene = ecume.from_plain({
+        "model": "floating", "duration": 0.08, "frame_every": 0.08,
+        "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5,
+                       "positions": [[-1.3e-3, 0.0], [1.3e-3, 0.0]], "velocities": [[0.0, 0.01], [0.0, -0.01]]}],
+        "integration": {"integrator": integrator, "time_step": 0.08 / steps}, **tables,
+    })
+    *_, last = ecume.simulate(scene)
+    return last.arrays["position"]
+
+wanted = meeting("rk4", 640)
+heun = [float(np.abs(meeting("heun", steps) - wanted).max()) for steps in (40, 80)]
+try:
+    meeting("heun", 4, liquid={"viscosity": 1.0})
+    refused = "nothing"
+except ecume.SceneError as error:
+    refused = str(error)
 scene = ecume.from_plain({
     "model": "floating", "duration": 0.2, "frame_every": 0.1,
     "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[-3e-3, 0.0], [3e-3, 0.0]]}],
@@ -97,6 +119,8 @@ for name, tables in {"smooth": {}, "rough": {"contacts": {"friction": 0.3}}}.ite
 axes = figures_of(scene)["fastest"](frames, scene).axes[0]
 print(json.dumps({
     "errors": errors,
+    "heun": heun,
+    "refused": refused,
     "embedded": embedded,
     "gyration": [frame.numbers["radius_of_gyration"] for frame in frames],
     "unit": frames[0].units["radius_of_gyration"],
@@ -146,6 +170,13 @@ def test_a_new_integrator_moves_a_tank_with_the_order_it_has(made):
     coarse, fine = made[1]["errors"]
     assert fine > 0.0
     assert coarse / fine == pytest.approx(2.0, rel=0.15)
+
+
+def test_a_new_integrator_moves_floats_with_the_order_it_has(made):
+    coarse, fine = made[1]["heun"]
+    assert fine > 0.0
+    assert coarse / fine == pytest.approx(4.0, rel=0.15)
+    assert "'heun' needs a time step below" in made[1]["refused"]
 
 
 def test_a_new_quantity_is_in_frames_with_its_unit(made):

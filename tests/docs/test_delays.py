@@ -47,9 +47,9 @@ ROW = re.compile(r"^\| (\d+) s \| ([\d.]+) µm \| ([\d.]+) s \|((?: [\d.]+ ± [\
 
 
 def test_the_table_of_the_page_is_what_was_recorded(study, rows):
-    told = ROW.findall((DOCS / "delay-under-stress.md").read_text(encoding="utf-8"))
-    assert len(told) == len(study.AGES)
-    for age, gap, part, cells in told:
+    output = ROW.findall((DOCS / "delay-under-stress.md").read_text(encoding="utf-8"))
+    assert len(output) == len(study.AGES)
+    for age, gap, part, cells in output:
         some = [row for row in rows if row["age"] == float(age)]
         assert float(gap) == pytest.approx(1e6 * study.geometric_mean(some, "mean_gap").value, rel=0.02)
         assert float(part) == pytest.approx(study.geometric_mean(some, "separation_time").value, rel=0.02)

@@ -286,8 +286,8 @@ def test_the_errors_of_the_simpler_theories_are_those_of_the_table():
     rows = re.findall(r"^\| ([\d.]+) \|((?: *-?[\d.]+ % *\|){6})$", text, re.MULTILINE)
     assert len(rows) == 4
     for bond, cells in rows:
-        told = [float(cell) for cell in re.findall(r"(-?[\d.]+) %", cells)]
-        assert told == pytest.approx(errors_of_theories(float(bond)), rel=0.04, abs=0.06)
+        reported = [float(cell) for cell in re.findall(r"(-?[\d.]+) %", cells)]
+        assert reported == pytest.approx(errors_of_theories(float(bond)), rel=0.04, abs=0.06)
 
 
 def errors_of_theories(bond):

@@ -47,11 +47,11 @@ def test_units_defaults_and_ranges_are_the_schema_s(makers):
 
 def test_every_law_and_its_units_are_there(makers):
     pages = makers("functions").pages()
-    told = "\n".join(text for name, text in pages.items() if "ecume.laws" in name)
+    output = "\n".join(text for name, text in pages.items() if "ecume.laws" in name)
     for module in map(importlib.import_module, MODULES):
         for name in getattr(module, "__all__", ()):
             if callable(getattr(module, name)) and hasattr(getattr(module, name), "__name__"):
-                assert f"## {name}\n" in told, name
+                assert f"## {name}\n" in output, name
     drag = pages["reference/python/ecume.laws.drag.md"]
     assert "Units: `radius` m, `viscosity` Pa*s, `factor` 1, *returns* N*s/m." in drag
 

@@ -31,8 +31,8 @@ def keys_told(title):
     lines = [line for page in PAGES for line in page.read_text(encoding="utf-8").splitlines()]
     rows = [line for line in lines if line.startswith("|")]
     (row,) = [line for line in rows if line.split("|")[1].strip(" `") == title]
-    told = re.sub(r"\([^()]*\)", "", row.split("|", 2)[2])
-    return set(re.findall(r"`(\w+)`", told))
+    output = re.sub(r"\([^()]*\)", "", row.split("|", 2)[2])
+    return set(re.findall(r"`(\w+)`", output))
 
 
 def keys_known(kind):

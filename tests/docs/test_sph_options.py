@@ -49,8 +49,8 @@ def literals(spec, key):
     + [("kind", name) for name in literals(SideSpec, "kind")],
 )
 def test_every_option_stands_on_the_page(key, name):
-    assert re.search(rf"`{key}\b|\b{key}`", PAGE) or f"{key} =" in PAGE, f"{key} is not told"
-    assert f"`{name}`" in PAGE or f'"{name}"' in PAGE, f"{key} = {name} is not told"
+    assert re.search(rf"`{key}\b|\b{key}`", PAGE) or f"{key} =" in PAGE, f"{key} is not documented"
+    assert f"`{name}`" in PAGE or f'"{name}"' in PAGE, f"{key} = {name} is not documented"
 
 
 FOLDER = Path(__file__).parents[2] / "docs"
@@ -99,7 +99,7 @@ SPECS = [kind for kind in vars(sph).values() if isinstance(kind, type) and datac
     [(spec.__name__, field.name) for spec in SPECS for field in dataclasses.fields(spec) if field.name not in USUAL],
 )
 def test_every_key_stands_on_the_page(spec, key):
-    assert re.search(rf"\b{key}\b", PAGE), f"{key} of {spec} is not told"
+    assert re.search(rf"\b{key}\b", PAGE), f"{key} of {spec} is not documented"
 
 
 @pytest.mark.parametrize(

@@ -52,20 +52,20 @@ def advice_on(radius, region=BOWL, taken=NONE):
 
 @pytest.mark.compiled
 def test_a_placement_that_jams_reports_the_covered_fraction():
-    told = advice_on(np.full(90, 0.095))
-    assert "together they would cover 81% of the surface" in told
+    output = advice_on(np.full(90, 0.095))
+    assert "together they would cover 81% of the surface" in output
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("radius", [np.full(90, 0.095), np.linspace(0.04, 0.13, 90)])
 def test_what_is_said_to_fit_at_random_fits(radius):
-    told = advice_on(radius)
+    output = advice_on(radius)
     smaller, wider = (
-        float(re.search(pattern, told)[1])
+        float(re.search(pattern, output)[1])
         for pattern in (r"radii up to ([\d.]+) times", r"a dish ([\d.]+) times as wide")
     )
     if radius.min() == radius.max():
-        count = int(re.search(r"at most (\d+) floats", told)[1])
+        count = int(re.search(r"at most (\d+) floats", output)[1])
         place_at_random(radius[:count], BOWL, NONE, seed=2)
     place_at_random(smaller * radius, BOWL, NONE, seed=2)
     place_at_random(
@@ -79,8 +79,8 @@ def test_a_float_larger_than_the_dish_is_reported_in_the_same_words():
 
 @pytest.mark.compiled
 def test_a_lattice_is_recommended_only_where_all_fit_on_it():
-    told = advice_on(np.full(70, 0.1))
-    assert 'placement = "lattice" with spacing = "200.1 mm", on which all of them fit' in told
+    output = advice_on(np.full(70, 0.1))
+    assert 'placement = "lattice" with spacing = "200.1 mm", on which all of them fit' in output
     lattice = place_on_lattice(70, 0.2001, (0.0, 0.0))
     assert np.hypot(*lattice.T).max() + 0.1 < 1.0
     too_many = advice_on(np.full(85, 0.1))

@@ -214,7 +214,7 @@ def test_more_bounces_than_a_step_may_have_are_flagged_not_hidden():
 
 
 @pytest.mark.parametrize(
-    ("made", "told"),
+    ("made", "output"),
     [
         (lambda: walls.polygon([(0, 0), (2, 0), (1, 0.2), (1, 2)]), "not convex at vertex 2"),
         (lambda: walls.box((0, 0), (1, -1)), "the lower one first"),
@@ -232,8 +232,8 @@ def test_more_bounces_than_a_step_may_have_are_flagged_not_hidden():
         (lambda: walls.reflect([(0.5, math.nan)], [(0, 0)], 1.0, ROOM), "expected finite numbers"),
     ],
 )
-def test_what_makes_no_walls_is_refused_with_the_way_out(made, told):
-    with pytest.raises(BadInput, match=told):
+def test_what_makes_no_walls_is_refused_with_the_way_out(made, output):
+    with pytest.raises(BadInput, match=output):
         made()
 
 

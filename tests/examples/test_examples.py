@@ -78,8 +78,8 @@ def settling_of_the_coarse(frames):
 
 def floor_pressure(frames):
     """In the second half, over that of 40 cm of water."""
-    told = [frame.numbers["floor_pressure"] for frame in frames[len(frames) // 2 :]]
-    return float(np.mean(told)) / (1000.0 * 9.81 * 0.4)
+    output = [frame.numbers["floor_pressure"] for frame in frames[len(frames) // 2 :]]
+    return float(np.mean(output)) / (1000.0 * 9.81 * 0.4)
 
 
 def front_speed(frames):

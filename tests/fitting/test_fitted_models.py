@@ -1,4 +1,4 @@
-"""Whatever leaves positions of objects in a plane can be fitted, and what cannot is told so."""
+"""Whatever leaves positions of objects in a plane can be fitted, and what cannot is refused."""
 
 import numpy as np
 import pytest
@@ -147,10 +147,10 @@ def test_names_that_are_exchanged_are_found_and_paths_that_cross_are_not():
     assert swapped(tracks) == []
     mixed = tracks.position.copy()
     mixed[7:] = mixed[7:, ::-1]
-    told = swapped(tracks._replace(position=mixed))
-    assert told == ["objects a, b seem to swap names at t = 0.7 s; correct the tracks"]
+    output = swapped(tracks._replace(position=mixed))
+    assert output == ["objects a, b seem to swap names at t = 0.7 s; correct the tracks"]
     mixed[3] = np.nan
-    assert swapped(tracks._replace(position=mixed)) == told
+    assert swapped(tracks._replace(position=mixed)) == output
 
 
 def test_a_measurement_far_from_all_others_is_named():
@@ -188,8 +188,8 @@ def test_tracks_that_were_lost_and_found_again_are_reported(tmp_path):
     rows = "\n".join(f"{t},{x},0.05,{name}" for t, x, name in seen)
     (tmp_path / "tracks.csv").write_text(f"t,x,y,id\n{rows}\n")
     words = ["fit", str(tmp_path / "tracks.csv"), "--scene", str(tmp_path / "tr.toml"), "--free", "viscosity"]
-    told = CliRunner().invoke(app, words)
-    assert told.exit_code == 2
-    assert "2 particles in the scene; expected the same number; name those that count (--only)" in told.stderr
+    output = CliRunner().invoke(app, words)
+    assert output.exit_code == 2
+    assert "2 particles in the scene; expected the same number; name those that count (--only)" in output.stderr
     unknown = CliRunner().invoke(app, [*words, "--only", "a,d"])
     assert "no object 'd'" in unknown.stderr

@@ -120,9 +120,9 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
     ],
 )
 def test_a_table_that_cannot_be_read_is_refused_in_a_line(tmp_path, text, camera, why):
-    with pytest.raises(BadInput, match=why) as told:
+    with pytest.raises(BadInput, match=why) as reported:
         read_tracks(written(tmp_path, text), camera)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(reported.value)
 
 
 def test_a_short_name_means_the_particles_before_the_liquid():
@@ -243,8 +243,8 @@ def test_the_verb_writes_scene_numbers_and_figure(tmp_path, tracks, monkeypatch)
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
     assert "viscosity" in done.stdout
-    told = json.loads((tmp_path / "fits/tracks/fit.json").read_text())
-    low, high = told["estimates"][0]["interval"]
-    assert abs(told["estimates"][0]["value"] - 5e-3) < high - low < 1e-3
-    assert load_scene(tmp_path / "fits/tracks/fitted.toml").liquid.viscosity == told["estimates"][0]["value"]
+    reported = json.loads((tmp_path / "fits/tracks/fit.json").read_text())
+    low, high = reported["estimates"][0]["interval"]
+    assert abs(reported["estimates"][0]["value"] - 5e-3) < high - low < 1e-3
+    assert load_scene(tmp_path / "fits/tracks/fitted.toml").liquid.viscosity == reported["estimates"][0]["value"]
     assert (tmp_path / "fits/tracks/residuals.png").stat().st_size > 10_000

@@ -149,9 +149,9 @@ def test_faults_are_caught_or_survive_and_a_run_goes_on_where_it_ended(toy, tmp_
     assert rows[caught.name]["plain"]
     assert pending(mutants, rows) == []
     assert (toy.package / "energy.py").read_text() == SOURCE
-    told = results.summary(mutants, rows, {survivor.name: "at 1.0 both give 1.0"})
-    assert told.splitlines()[1].split() == ["toy", "2", "2", "1"]
-    assert "(equivalent: at 1.0 both give 1.0)" in told
+    output = results.summary(mutants, rows, {survivor.name: "at 1.0 both give 1.0"})
+    assert output.splitlines()[1].split() == ["toy", "2", "2", "1"]
+    assert "(equivalent: at 1.0 both give 1.0)" in output
     (lines,) = tmp_path.glob("copy/lines-*")
     assert selected_tests(lines, toy.package / "energy.py", [15]) == ["tests/test_energy.py::test_cap"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -36,6 +37,12 @@ PROCESSORS: dict[str, dict[str, str]] = {
 as can be: what libraries would do on the oldest processor that they support."""
 
 
+def environment_of_the_plain_pass() -> dict[str, str]:
+    """What makes the libraries compute as on the oldest processors of this kind, for tests that compile nothing."""
+    found = {} if platform.machine() not in ("x86_64", "AMD64") else PROCESSORS["openblas-prescott"]
+    return found | PROCESSORS["numpy-baseline"]
+
+
 def same_code(one: str, other: str) -> bool:
     """Whether Numba compiles the same code on both."""
     return PROCESSORS[one].get("NUMBA_CPU_NAME") == PROCESSORS[other].get("NUMBA_CPU_NAME")
@@ -52,3 +59,8 @@ def on(processor: str, words: Sequence[str], **options: object) -> subprocess.Co
     path = os.pathsep.join([str(ROOT), str(ROOT / "src"), os.environ.get("PYTHONPATH", "")])
     environment = {**environment_of(processor), "PYTHONPATH": path}
     return subprocess.run([sys.executable, *words], env=environment, cwd=ROOT, text=True, check=False, **options)  # type: ignore[call-overload,no-any-return]
+
+
+if __name__ == "__main__":
+    for name, value in environment_of_the_plain_pass().items():
+        print(f"export {name}='{value}'")

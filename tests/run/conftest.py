@@ -25,7 +25,7 @@ def _toy_among_the_models(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def scene() -> Callable[..., toy.ToyScene]:
-    """Makes toy scenes: 50 frames of ten steps, unless told otherwise."""
+    """Makes toy scenes: 50 frames of ten steps, by default."""
     return lambda **changes: toy.ToyScene(**{"duration": 0.5, "frame_every": 0.01, "seed": 7, **changes})
 
 

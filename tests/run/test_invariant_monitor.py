@@ -1,4 +1,4 @@
-"""What must hold is judged frame by frame, alike in runs that were stopped, told in a line, and may stop a run."""
+"""What must hold is judged frame by frame, alike in runs that were stopped, reported in a line, and may stop a run."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ def test_injected_work_may_raise_the_energy_and_is_not_dissipated(tmp_path: Path
     assert watch.verdicts()[0].worst == 0.0
     watch.take(0.3, {**QUIET, "total_energy": 5.0, "injected_work": 2.5}, 3)
     assert watch.verdicts()[0].worst == pytest.approx(0.5 / (1.0 + 3.0 + 2.5))
-    told = budget({"total_energy": 5.0}, {"total_energy": 4.5, "injected_work": 2.5}, closed=True)
-    assert (told["injected"], told["dissipated"]) == (2.5, 3.0)
+    output = budget({"total_energy": 5.0}, {"total_energy": 4.5, "injected_work": 2.5}, closed=True)
+    assert (output["injected"], output["dissipated"]) == (2.5, 3.0)
 
 
 def test_a_law_without_an_energy_has_no_line_of_it() -> None:

@@ -92,9 +92,9 @@ def test_a_run_goes_on_elsewhere_and_says_once_what_changed_and_by_how_much(
     home = left_at(scene(), tmp_path / "run")
     before = positions(home.path)
     processor("B", ROUNDING)
-    with pytest.warns(UserWarning, match=r"frame 18 .* in position by \d\.\de-1\d m .*processor A -> B") as told:
+    with pytest.warns(UserWarning, match=r"frame 18 .* in position by \d\.\de-1\d m .*processor A -> B") as output:
         done = resume(home.path)
-    assert len(told) == 1
+    assert len(output) == 1
     assert (done.frames, info(home.path).state) == (51, "done")
     after = positions(home.path)
     np.testing.assert_array_equal(before[: SEVENTEEN + 1], after[: SEVENTEEN + 1])

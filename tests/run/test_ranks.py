@@ -92,9 +92,9 @@ def test_a_run_stopped_on_two_ranks_and_resumed_on_one_is_that_of_one_process(tm
 @pytest.mark.compiled
 def test_a_model_that_is_not_spread_is_refused_once_by_all_ranks(tmp_path: Path) -> None:
     scene = str(files("ecume") / "templates" / "t1.toml")
-    told = ended(tmp_path, "run", scene, "--engine", "mpi")
-    assert told.returncode == 2
-    assert told.stderr == "ecume: --engine mpi: goes with the models 'floating' and 'sph', and not with 'soft'\n"
+    output = ended(tmp_path, "run", scene, "--engine", "mpi")
+    assert output.returncode == 2
+    assert output.stderr == "ecume: --engine mpi: goes with the models 'floating' and 'sph', and not with 'soft'\n"
     assert not (tmp_path / "runs").exists()
 
 
@@ -108,11 +108,11 @@ def test_the_extra_is_asked_for_where_it_is_missing(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"), [(("many", None), "expected one of local, mpi"), (("local", 3), "goes with --engine mpi")]
+    ("asked", "output"), [(("many", None), "expected one of local, mpi"), (("local", 3), "goes with --engine mpi")]
 )
-def test_engines_that_are_not_there_are_refused(asked: tuple[str, int | None], told: str) -> None:
+def test_engines_that_are_not_there_are_refused(asked: tuple[str, int | None], output: str) -> None:
     from ecume.cli.mpi_launcher import integrating
     from ecume.errors import BadInput
 
-    with pytest.raises(BadInput, match=told), integrating(*asked):
+    with pytest.raises(BadInput, match=output), integrating(*asked):
         pass

@@ -74,6 +74,6 @@ def test_what_a_run_writes_again_is_reported_and_set_aside(half, name, results):
 def test_frames_without_a_manifest_are_not_to_be_written_over(half):
     one, _ = half
     one.manifest.unlink()
-    with pytest.raises(BadInput, match=r"its manifest\.json is gone: put it back from a copy") as told:
+    with pytest.raises(BadInput, match=r"its manifest\.json is gone: put it back from a copy") as output:
         resume(one.path)
-    assert "--force" not in str(told.value)
+    assert "--force" not in str(output.value)

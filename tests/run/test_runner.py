@@ -67,12 +67,12 @@ def test_resuming_a_finished_run_changes_nothing(tmp_path: Path, scene: Scenes, 
 
 
 def test_a_run_reports_its_progress(tmp_path: Path, scene: Scenes) -> None:
-    told: list[Progress] = []
-    run(scene(), tmp_path / "run", options=RunOptions(progress=told.append))
-    assert told[0].step == 0
-    assert told[0].remaining is None
-    assert (told[-1].step, told[-1].steps, told[-1].frames, told[-1].remaining) == (500, 500, 51, 0.0)
-    assert told[-1].speed > 0
+    output: list[Progress] = []
+    run(scene(), tmp_path / "run", options=RunOptions(progress=output.append))
+    assert output[0].step == 0
+    assert output[0].remaining is None
+    assert (output[-1].step, output[-1].steps, output[-1].frames, output[-1].remaining) == (500, 500, 51, 0.0)
+    assert output[-1].speed > 0
     status = json.loads((tmp_path / "run" / "status.json").read_text())
     assert (status["state"], status["time"], status["last_checkpoint"]) == ("done", 0.5, 500)
 

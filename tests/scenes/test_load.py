@@ -51,8 +51,8 @@ def test_a_scene_is_read_in_si_with_its_defaults() -> None:
 
 def test_all_faults_are_reported_at_once_with_their_places() -> None:
     broken = BOWL.replace("1030.0", "-1").replace('"1.5 mm"', '"1.5 kg"').replace("[dish]\nradius", "[dish]\nradios")
-    told = [(fault.path, fault.line, fault.column) for fault in faults_of(broken)]
-    assert told == [("liquid.density", 6, 1), ("particles[0].radius", 10, 1), ("dish.radios", 15, 1)]
+    output = [(fault.path, fault.line, fault.column) for fault in faults_of(broken)]
+    assert output == [("liquid.density", 6, 1), ("particles[0].radius", 10, 1), ("dish.radios", 15, 1)]
 
 
 @pytest.mark.parametrize(
@@ -269,9 +269,9 @@ def test_faults_of_a_model_get_their_places_too(tmp_path: Path) -> None:
     file = tmp_path / "bowl.toml"
     file.write_text(BOWL)
     found = SceneError([Fault("particles[0].density", "sinks"), Fault("dish.law", "no such law"), Fault("", "odd")])
-    told = located(found, file)
-    assert [fault.line for fault in told.faults] == [11, 14, None]
-    assert told.source == str(file)
+    output = located(found, file)
+    assert [fault.line for fault in output.faults] == [11, 14, None]
+    assert output.source == str(file)
 
 
 def corrupted(text: str, chance: random.Random) -> bytes:
@@ -318,7 +318,7 @@ def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("spin", "told"),
+    ("spin", "output"),
     [
         ("[1.0, 2.0]", "bodies[0].spin: got a list of 2; expected a list of 3"),
         ("[]", "bodies[0].spin: got a list of 0; expected a list of 3"),
@@ -328,13 +328,13 @@ def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> N
         ("'abc'", "bodies[0].spin: got 'abc'"),
     ],
 )
-def test_a_fault_in_a_number_or_list_reports_the_expected_kind(spin: str, told: str, tmp_path: Path) -> None:
+def test_a_fault_in_a_number_or_list_reports_the_expected_kind(spin: str, output: str, tmp_path: Path) -> None:
     (file,) = copy_template("floating-bodies", tmp_path / "bodies.toml")
     text = file.read_text().replace("[[bodies]]", f"[[bodies]]\nspin = {spin}", 1)
     with pytest.raises(SceneError) as refused:
         load_scene(text)
     (fault,) = refused.value.faults
-    assert f"{fault.path}: {fault.message}".startswith(told)
+    assert f"{fault.path}: {fault.message}".startswith(output)
 
 
 @pytest.mark.parametrize("key", ["tuple[float]", "a[0]"])
@@ -357,9 +357,9 @@ def test_a_table_given_as_its_kind_alone_is_explained():
     text = text.replace("high = [1, 1] }", 'high = [1, 1], right = "outflow", left = "nonsense" }')
     with pytest.raises(SceneError) as error:
         load_scene(text)
-    told = {fault.path: fault.message for fault in error.value.faults}
-    assert told["tank.right"].endswith('expected a table of keys and values; write right = { kind = "outflow" }')
-    assert told["tank.left"].endswith("expected a table of keys and values")
+    output = {fault.path: fault.message for fault in error.value.faults}
+    assert output["tank.right"].endswith('expected a table of keys and values; write right = { kind = "outflow" }')
+    assert output["tank.left"].endswith("expected a table of keys and values")
 
 
 DEEP = {

@@ -52,9 +52,9 @@ def faults_of(text, folder: Path):
 @pytest.mark.parametrize(("old", "new", "says"), TYPOS)
 def test_a_fault_of_the_text_does_not_hide_one_of_the_physics(old, new, says, tmp_path):
     faults = faults_of(GOOD.replace(*HUGE).replace(old, new, 1), tmp_path)
-    told = [str(fault) for fault in faults]
-    assert len(told) == 2
-    assert any(says in one for one in told)
+    output = [str(fault) for fault in faults]
+    assert len(output) == 2
+    assert any(says in one for one in output)
     (physical,) = (fault for fault in faults if "in meters" in fault.message)
     assert (physical.path, physical.line) == ("particles[0].radius", 8 if "depth" in new else 7)
 

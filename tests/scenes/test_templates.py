@@ -51,11 +51,11 @@ def test_a_typo_in_any_key_of_a_template_is_refused_with_the_right_key(name: str
         file.write_text(text)
         with pytest.raises(SceneError) as caught:
             load_scene(file)
-        told = str(caught.value)
+        output = str(caught.value)
         if key == "model":
-            assert "model: is missing" in told
+            assert "model: is missing" in output
         else:
-            assert f"{typo}: no such key; did you mean {key}?" in told
+            assert f"{typo}: no such key; did you mean {key}?" in output
 
 
 def test_the_first_line_of_a_template_says_what_it_shows() -> None:

@@ -76,7 +76,7 @@ def test_who_is_followed_stays_in_the_middle_and_the_others_move():
 
 
 def test_the_scale_bar_says_what_is_seen():
-    def told(picture):
+    def output(picture):
         bar, text = picture.bars
         left, right = bar.get_xdata()
         number, unit = text.get_text().split()
@@ -85,7 +85,7 @@ def test_the_scale_bar_says_what_is_seen():
     for zoom in (1.0, 3.0, 7.0):
         picture = aimed(tracers_picture(scene(), FRAMES, SIZE), Aim(zoom))
         low, high = picture.figure.axes[0].get_xlim()
-        assert told(picture) == pytest.approx(high - low)
+        assert output(picture) == pytest.approx(high - low)
 
 
 def test_nothing_asked_is_nothing_changed():

@@ -14,6 +14,7 @@ from ecume.laws import flotation
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatSpec, InteractionSpec
 from ecume.show import curves
+from ecume.show.curves import number_over_time
 from ecume.show.figure_names import FIGURE_NAMES, require_figure
 from ecume.show.figures import FIGURES as ALL_FIGURES
 from ecume.show.figures import plot
@@ -240,6 +241,19 @@ def test_a_folder_that_is_a_file_is_a_storage_error(scene, frames, tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(StorageError, match="cannot be written"):
         save(curves.clusters(frames, scene), tmp_path / "taken" / "a.png")
+
+
+def test_any_number_of_the_frames_is_drawn_over_time(opened, tmp_path, monkeypatch):
+    monkeypatch.setattr("ecume.show.figures.open_trajectory", lambda directory: opened)
+    assert plot(tmp_path, "number:kinetic_energy").name == "kinetic_energy.png"
+    with opened as trajectory:
+        (axes,) = number_over_time(trajectory, trajectory.scene, "kinetic_energy").axes
+        wanted = [frame.numbers["kinetic_energy"] for frame in trajectory]
+    drawn = axes.lines[0].get_ydata()
+    assert drawn / max(drawn) == pytest.approx(np.array(wanted) / max(wanted))
+    assert axes.get_ylabel().startswith("kinetic energy (")
+    with pytest.raises(BadInput, match="the frames have no number 'kinetic_enrgy'; did you mean kinetic_energy"):
+        plot(tmp_path, "number:kinetic_enrgy")
 
 
 def test_names_of_figures_are_known_without_what_draws_them():

@@ -291,14 +291,14 @@ def test_its_page_receives_all_places_and_obeys(tank):
     game = game_of(scene_of())
     said = [json.loads(game.post("/do", json.dumps(body).encode()).content)["said"] for body in ASKED]
     assert [bool(text) for text in said] == REFUSED
-    told = json.loads(game.get("/now", {}).content)
+    reported = json.loads(game.get("/now", {}).content)
     tank = game.toy.moving
-    places = np.frombuffer(base64.b64decode(told["places"]), "<u2").reshape(-1, 2) / 65535.0
+    places = np.frombuffer(base64.b64decode(reported["places"]), "<u2").reshape(-1, 2) / 65535.0
     low, high = np.array([0.0, 0.0]), np.array([2.4, 1.2 * 1.35])
     assert low + places * (high - low) == pytest.approx(tank.liquid().position.T, abs=1e-4)
-    assert told["coloring"] == "pressure"
-    assert told["solids"] == []
-    assert told["opened"] == 1
+    assert reported["coloring"] == "pressure"
+    assert reported["solids"] == []
+    assert reported["opened"] == 1
     load_scene(game.get("/scene", {}).content.decode())
 
 

@@ -118,13 +118,13 @@ def test_damaged_files_of_a_sweep_are_reported_in_a_line(tmp_path, text):
     (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
     (tmp_path / "out" / "points.json").write_text(text)
     for verb in (["sweep", str(tmp_path / "out"), "--status"], ["plot", str(tmp_path / "out")]):
-        told = CliRunner().invoke(app, verb)
-        assert told.exit_code == 4
-        assert "points.json: damaged" in told.stderr
-        assert "sweep again: that makes it again" in told.stderr
+        output = CliRunner().invoke(app, verb)
+        assert output.exit_code == 4
+        assert "points.json: damaged" in output.stderr
+        assert "sweep again: that makes it again" in output.stderr
     job.asked.write_text(text)
     (again,) = laid_out(load_sweep(path), tmp_path / "out").jobs
     assert json.loads(again.asked.read_text())["settings"]["gap"] == 0.1
     job.result.write_text("3")
-    with pytest.raises(StorageError, match=r"told\.json: damaged; delete it"):
+    with pytest.raises(StorageError, match=r"result\.json: damaged; delete it"):
         open_sweep(tmp_path / "out").table()

@@ -82,8 +82,8 @@ class Wide(Made):
 
 def test_no_axis_is_averaged_over_by_curves():
     (axes, *_) = sweep_figure(Wide(), "curves").axes
-    told = {text.get_text() for text in axes.get_legend().get_texts()}
-    assert told == {f"force {force}, law {law}" for force in (1, 2) for law in ("stokes", "none")}
+    output = {text.get_text() for text in axes.get_legend().get_texts()}
+    assert output == {f"force {force}, law {law}" for force in (1, 2) for law in ("stokes", "none")}
     assert axes.get_xlabel() == "gap (m)"
     ends = sorted(float(one.lines[0].get_ydata()[-1]) for one in axes.containers)
     assert ends == [3.0, 6.0, 30.0, 60.0]

@@ -1,4 +1,4 @@
-"""A sweep runs what is missing, wherever; what is done stays, what fails is told, and the table is the same."""
+"""A sweep runs what is missing, wherever; what is done stays, failures are reported, and the table is the same."""
 
 import contextlib
 import json
@@ -102,9 +102,9 @@ def test_workers_of_dask_may_die(file, tmp_path):
     script.write_text(call)
     with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as sweeping:
         killed = _kill_a_worker(out, sweeping)
-        told = sweeping.communicate(timeout=200)[0]
+        reported = sweeping.communicate(timeout=200)[0]
     assert killed
-    assert told.strip() == "4"
+    assert reported.strip() == "4"
     sweep(file, tmp_path / "alone", ALONE)
     assert table(out) == table(tmp_path / "alone")
 
@@ -183,7 +183,7 @@ def test_what_breaks_in_a_point_is_reported_in_a_line_and_the_rest_continues(fil
     def breaks(job, plan):
         if plan["scene"]["seed"] == 2:
             raise ZeroDivisionError("nobody\nthought of it")
-        (job.folder / "told.json").write_text("{}")
+        (job.folder / "result.json").write_text("{}")
 
     monkeypatch.setattr("ecume.sweep.worker._scene", breaks)
     monkeypatch.setattr("ecume.sweep.runner.write_table", lambda sweeping: None)
@@ -218,11 +218,11 @@ def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_pat
             time.sleep(0.01)
         time.sleep(0.3)
         os.killpg(sweeping.pid, signal.SIGINT) if name == "SIGINT" else sweeping.terminate()
-        told = sweeping.communicate(timeout=200)[1]
+        reported = sweeping.communicate(timeout=200)[1]
     assert sweeping.returncode == Stopped.exit_code
-    assert f"ecume: stopped by {name}; " in told
-    assert "of 4 points are done; the same command continues" in told
-    assert "Traceback" not in told
+    assert f"ecume: stopped by {name}; " in reported
+    assert "of 4 points are done; the same command continues" in reported
+    assert "Traceback" not in reported
 
 
 def test_a_run_that_another_process_holds_is_left_to_it(file, tmp_path):
@@ -255,8 +255,8 @@ def test_the_command_reports_how_it_ends(file, tmp_path, monkeypatch):
     done = runner.invoke(app, ["sweep", "bowls.toml", "--workers", "1"])
     assert done.exit_code == 0
     assert "sweeps/bowls: 4 points done, 0 failed" in done.stdout
-    told = runner.invoke(app, ["sweep", "sweeps/bowls", "--status"])
-    assert told.stdout == "sweeps/bowls: 4 done, 0 failed, 0 running, 0 missing\n"
+    reported = runner.invoke(app, ["sweep", "sweeps/bowls", "--status"])
+    assert reported.stdout == "sweeps/bowls: 4 done, 0 failed, 0 running, 0 missing\n"
     twice = runner.invoke(app, ["sweep", "bowls.toml", "--slurm", "--workers", "2"])
     assert twice.exit_code == 2
     assert "expected one of --workers" in twice.stderr

@@ -84,13 +84,13 @@ def test_a_pace_is_of_the_last_points_and_none_without_workers():
 def test_words_on_the_way_are_for_logs_too(monkeypatch, capsys):
     clock = iter([0.0, 0.0, 0.0, 1.0, 1.0, 20.0, 20.0])
     monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(clock))
-    with counted("points", quiet=False, lines=True) as told:
-        told(10, 300)
-        told(11, 300)
-        told(20, 300)
+    with counted("points", quiet=False, lines=True) as output:
+        output(10, 300)
+        output(11, 300)
+        output(20, 300)
     assert capsys.readouterr().err == "20 of 300 points, 9.33 min left\n"
-    with counted("points", quiet=False) as told:
-        assert told is None
+    with counted("points", quiet=False) as output:
+        assert output is None
 
 
 def test_measures_are_functions_too_and_are_kept(file, tmp_path):

@@ -35,19 +35,19 @@ def caches(scale: float, folder: Path) -> Outcome:
     """The right answer, whatever became of the folder; code that is good is used, and an edited law is."""
     (folder / "law.py").write_text(LAW)
     kept = folder / "kept"
-    told = {"empty": _answer(folder, kept) == [RIGHT, "0"], "kept": _answer(folder, kept) == [RIGHT, "1"]}
+    output = {"empty": _answer(folder, kept) == [RIGHT, "0"], "kept": _answer(folder, kept) == [RIGHT, "1"]}
     for name, (spoil, hits) in SPOILED.items():
         place = folder / name
         shutil.copytree(kept, place)
         spoil(place)
-        told[name] = _answer(folder, place) == [RIGHT, hits]
-    told["nowhere"] = _answer(folder, folder / "law.py" / "below") == [RIGHT, "0"]
-    told["four at once"] = _at_once(folder)
-    told["edited"] = _edited(folder, kept)
+        output[name] = _answer(folder, place) == [RIGHT, hits]
+    output["nowhere"] = _answer(folder, folder / "law.py" / "below") == [RIGHT, "0"]
+    output["four at once"] = _at_once(folder)
+    output["edited"] = _edited(folder, kept)
     if scale >= 0.5:
-        told["integrator cut"] = _march(folder)
-    wrong = [name for name, right in told.items() if not right]
-    return Outcome(len(told), len(told) - len(wrong), f"not {', '.join(wrong)}" if wrong else ", ".join(told))
+        output["integrator cut"] = _march(folder)
+    wrong = [name for name, right in output.items() if not right]
+    return Outcome(len(output), len(output) - len(wrong), f"not {', '.join(wrong)}" if wrong else ", ".join(output))
 
 
 def _begun(folder: Path, place: Path, package: Path = PACKAGE) -> subprocess.Popen[str]:

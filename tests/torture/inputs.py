@@ -42,7 +42,7 @@ def mutated(scale: float, folder: Path) -> Outcome:
     """Bytes of scenes are changed, cut and repeated: a scene, or faults, and nothing else."""
     chance, known = random.Random(8), [text.encode() for text in texts()]
     tried = times(scale, 20_000)
-    accepted = told = 0
+    accepted = reported = 0
     file = folder / "scene.toml"
     for _ in range(tried):
         file.write_bytes(mutant(chance.choice(known), chance))
@@ -50,8 +50,8 @@ def mutated(scale: float, folder: Path) -> Outcome:
             load_scene(file)
             accepted += 1
         except SceneError as error:
-            told += bool(error.faults)
-    return Outcome(tried, accepted + told, f"{accepted} were scenes")
+            reported += bool(error.faults)
+    return Outcome(tried, accepted + reported, f"{accepted} were scenes")
 
 
 def mutant(content: bytes, chance: random.Random) -> bytes:

@@ -59,9 +59,9 @@ def killed_writing(scale: float, folder: Path) -> Outcome:
     for number in range(tried):
         home = RunDirectory(folder / str(number))
         home.path.mkdir()
-        there, told = os.pipe()
-        child = forked(lambda home=home, told=told: _write_for_ever(home, moment, told))
-        os.close(told)
+        there, output = os.pipe()
+        child = forked(lambda home=home, output=output: _write_for_ever(home, moment, output))
+        os.close(output)
         time.sleep(chance.uniform(0.0, 0.1))
         os.kill(child, signal.SIGKILL)
         ended(child)
@@ -71,16 +71,16 @@ def killed_writing(scale: float, folder: Path) -> Outcome:
     return Outcome(tried, survived, "committed frames are complete")
 
 
-def _write_for_ever(home: RunDirectory, moment: Any, told: int) -> None:
+def _write_for_ever(home: RunDirectory, moment: Any, output: int) -> None:
     with Recorder(home.trajectory) as recorder:
         for step in range(10**9):
             recorder.write(moment.frame._replace(time=float(step)), step)
-            os.write(told, b"1")
+            os.write(output, b"1")
             checkpoints.save(home, Checkpoint(moment.state, step))
 
 
 def _whole(home: RunDirectory, committed: int, kind: type) -> bool:
-    """Whether all frames that were told are there, and a checkpoint if there was time for one."""
+    """Whether all frames that were reported are there, and a checkpoint if there was time for one."""
     if not committed:
         return True
     with open_trajectory(home.trajectory) as trajectory:

@@ -115,7 +115,7 @@ strain = 0.005
 integrator = "tr-bdf2"
 tolerance = 1e-3
 """
-"""Passes over contacts take threads from 4,000 of them on; here they are told to from the first."""
+"""Passes over contacts take threads from 4,000 of them on; here the threshold is one."""
 
 
 def threads(scale: float, folder: Path) -> Outcome:
@@ -185,14 +185,14 @@ def _found_after(model: str, chance: random.Random) -> int | None:
     return None
 
 
-def _named(told: str) -> bool:
+def _named(output: str) -> bool:
     """Whether a message says who, of what, at which time and step."""
     parts = (
         r"t = [0-9.e+-]+ s \(step [0-9]+\)",
         r"(floats?|particle|spheres?) [0-9]",
         r"finite [a-z]+ |goes|overlap|gap",
     )
-    return all(re.search(part, told) for part in parts)
+    return all(re.search(part, output) for part in parts)
 
 
 def overlapping(model: str) -> Callable[[float, Path], Outcome]:

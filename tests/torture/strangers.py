@@ -61,8 +61,8 @@ def hostile(scale: float, folder: Path) -> Outcome:
     titles, survived = HOSTILE[: times(scale, len(HOSTILE))], 0
     for title in titles:
         page, home = _page(title, folder)
-        told = re.search(r'"title":("(?:[^"\\]|\\.)*")', page)
-        as_text = told is not None and json.loads(told[1]) == title
+        output = re.search(r'"title":("(?:[^"\\]|\\.)*")', page)
+        as_text = output is not None and json.loads(output[1]) == title
         survived += as_text and elements(page) == usual and plot(home, "energies").stat().st_size > 1000
     return Outcome(len(titles), survived, "as text")
 

@@ -115,8 +115,8 @@ def swept_by_dask(scale: float, folder: Path) -> Outcome:
 
 
 def points_done(directory: Path) -> int:
-    """How many points have told their numbers."""
-    return len(list(directory.glob("points/*/told.json")))
+    """How many points have a result."""
+    return len(list(directory.glob("points/*/result.json")))
 
 
 Processes = dict[str, list["subprocess.Popen[bytes]"]]

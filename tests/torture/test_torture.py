@@ -71,25 +71,25 @@ def test_the_table_names_what_was_not_survived_and_the_rest_goes_on(tmp_path, ca
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "output"),
     [
         (["R99"], "no trial is called R99"),
         (["--scale", "0"], "argument --scale"),
         (["--scal"], "expected one argument"),
     ],
 )
-def test_what_is_no_trial_is_reported_in_a_line(words, told, capsys):
+def test_what_is_no_trial_is_reported_in_a_line(words, output, capsys):
     with pytest.raises(SystemExit) as ended:
         torture.main(words)
     assert ended.value.code == 2
-    assert told in capsys.readouterr().err
+    assert output in capsys.readouterr().err
 
 
 def test_help_lists_all_trials_with_what_they_do(capsys):
     with pytest.raises(SystemExit):
         torture.main(["--help"])
-    told = capsys.readouterr().out
-    assert all(f"{trial.name} " in told and trial.says in told for trial in torture.TRIALS)
+    output = capsys.readouterr().out
+    assert all(f"{trial.name} " in output and trial.says in output for trial in torture.TRIALS)
 
 
 def test_mutants_differ_from_what_they_were_made_of():

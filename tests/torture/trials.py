@@ -150,7 +150,7 @@ def forked(work: Callable[[], object]) -> int:
         code = 0
     except EcumeError as error:
         code = error.exit_code if "\n" not in str(error) else DEFECT
-    except BaseException:  # whatever it is, it is told by the code
+    except BaseException:  # whatever it is, the exit code reports it
         code = DEFECT
     finally:
         os._exit(code)

@@ -16,7 +16,7 @@ Frames = Callable[..., list[Frame]]
 
 @pytest.fixture
 def frames() -> Frames:
-    """Makes so many frames, of six particles in two dimensions unless told otherwise."""
+    """Makes so many frames, of six particles in two dimensions by default."""
     return lambda count, **shape: [frame_at(number, **shape) for number in range(count)]
 
 

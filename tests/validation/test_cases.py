@@ -130,8 +130,8 @@ def bowl_of(monkeypatch, position=0.0, **numbers):
     well = {"total_energy": -1e-6, "largest_speed": 0.0, "deepest_overlap": 0.0, "largest_overlap": 0.0}
     well["unconverged_steps"] = 0.0
     frames = [
-        Frame(time, {"position": np.array([[place, 0.0]])}, well | told, {})
-        for time, place, told in ((0.0, 0.0, {}), (0.1, position, numbers), (0.2, position, numbers))
+        Frame(time, {"position": np.array([[place, 0.0]])}, well | output, {})
+        for time, place, output in ((0.0, 0.0, {}), (0.1, position, numbers), (0.2, position, numbers))
     ]
     monkeypatch.setattr(rest, "simulate", lambda scene: iter(frames))
     return [row.name for row in missed(rest.bowl("milk", []))]

@@ -93,7 +93,7 @@ What = Annotated[
     typer.Option(
         "--what",
         metavar="NAME",
-        help="Name of a figure, see --list; can be repeated. Default: all.",
+        help="Name of a figure, see --list, or number:NAME of frames; can be repeated. Default: all.",
         autocompletion=_figures,
         show_default=False,
     ),

@@ -150,7 +150,8 @@ def plot(
     Figures of a sweep: `curves`, `map` or `scatter` of the first measure; `map:duration` uses the measure `duration`.
 
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --list` · `ecume plot runs/bowl --what paths -o paths.pdf`
-    · `ecume plot sweeps/durations --what curves:duration` · `ecume plot --integrators`
+    · `ecume plot runs/bowl --what number:contacts` · `ecume plot sweeps/durations --what curves:duration`
+    · `ecume plot --integrators`
     · `ecume plot --force-law bowl.toml`
     """
     if force_law is not None or integrators:

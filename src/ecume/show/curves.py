@@ -16,7 +16,8 @@ from ecume.analysis.profiles import ENERGIES
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.models.invariants import INJECTED
-from ecume.show.style import INK, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.scenes.faults import suggestion
+from ecume.show.style import INK, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -73,6 +74,24 @@ def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
         axes.set_xlim(span(times(shown)))
         axes.set_yscale(scaling(seen))
         axes.set_ylabel(f"kinetic energy ({scale.unit})")
+    return drawn
+
+
+def number_over_time(frames: Frames, scene: Scene, name: str) -> Figure:
+    """A number of the frames over time. Raises BadInput if they have none of this name."""
+    shown = evolution(frames)
+    if name not in shown[0].numbers:
+        raise BadInput(f"the frames have no number {name!r}; {suggestion(name, sorted(shown[0].numbers))}")
+    (values,) = series(shown, number(name))
+    unit = shown[0].units.get(name, "1")
+    words = name.replace("_", " ")
+    scale = Scale(1.0, "") if unit == "1" else scale_for(float(np.nanmax(np.abs(values))), unit)
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, words.capitalize())
+        axes.plot(times(shown), scale.factor * values, color=PALETTE[1])
+        axes.set_xlim(span(times(shown)))
+        axes.set_ylabel(f"{words} ({scale.unit})" if scale.unit else words)
     return drawn
 
 

@@ -52,9 +52,12 @@ FIGURE_NAMES = {
 }
 """By model, what `ecume plot --what` takes."""
 
+NUMBER = "number:"
+"""Before the name of a number of frames: the figure of that number over time."""
+
 
 def require_figure(model: str, name: str) -> None:
     """Raise BadInput where a model has no figure of this name; other models than those of the table are not known."""
     known = FIGURE_NAMES.get(model, ())
-    if known and name not in known:
+    if known and name not in known and not name.startswith(NUMBER):
         raise BadInput(f"no such figure as {name!r}; {suggestion(name, known)}")

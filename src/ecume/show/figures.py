@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
-from ecume.show.curves import Frames, energies, kinetic_energy
+from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time
+from ecume.show.figure_names import NUMBER
 from ecume.show.floating.figures import FLOATING_FIGURES
 from ecume.show.samples import samples
 from ecume.show.soft.figures import SOFT_FIGURES
@@ -37,16 +38,19 @@ COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}
 def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[str] | None = None) -> Path:
     """Draw a figure of a run, one of its model's in FIGURES, into `out`; by default into a PNG among its results.
 
+    `number:NAME` draws a number of the frames over time.
     The name says the format: `energies.pdf` and `energies.svg` are vector graphics. Returns the file that was written.
     """
-    target = Path(directory) / "results" / f"{what}.png" if out is None else Path(out)
+    target = Path(directory) / "results" / f"{what.removeprefix(NUMBER)}.png" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
         scene = trajectory.scene
         known = figures_of(scene)
-        if what not in known:
+        if what not in known and not what.startswith(NUMBER):
             raise BadInput(f"no such figure as {what!r}; {suggestion(what, known)}")
         if not len(trajectory):
             raise BadInput(f"{directory}: the run has no frames yet; nothing to draw")
+        if what.startswith(NUMBER):
+            return save(number_over_time(trajectory, scene, what.removeprefix(NUMBER)), target)
         return save(known[what](trajectory, scene), target)
 
 

@@ -46,7 +46,7 @@ class Job(NamedTuple):
     @property
     def result(self) -> Path:
         """The numbers that a process returned; there when it is done."""
-        return self.folder / "told.json"
+        return self.folder / "result.json"
 
     @property
     def run(self) -> Path:

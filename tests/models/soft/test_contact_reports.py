@@ -1,5 +1,6 @@
 """What frames and messages say about contacts: complete lists, extremes, and the contact that ends a run."""
 
+import contextlib
 import math
 
 import numpy as np
@@ -86,19 +87,29 @@ def test_a_run_without_a_step_names_the_contact_and_what_to_change():
     assert 'films.tension_law = "gap"' in said
 
 
+def frames_until_it_ends(scene):
+    """The frames of a run that may diverge."""
+    with contextlib.suppress(Diverged):
+        yield from simulate(scene)
+
+
 @pytest.mark.long
 @pytest.mark.compiled
 def test_the_law_that_a_message_names_lets_the_packing_flow():
-    """A dense packing under the laws of the paper ends; under the tension law of the message it reaches its strain."""
+    """A dense packing under the laws of the paper is torn apart, and whether the run then ends is a matter of rounding;
+    under the tension law of the message it flows.
+    """
     squeeze = [{"time": 0.0}, {"time": 50.0, "scale": math.sqrt(0.8 / 0.86)}, {"time": 50.0, "shear_rate": 0.01}]
     given = {"count": 30, "filled": 0.8, "protocol": squeeze, "duration": 350.0, "frame_every": 5.0}
     films = {"tangential_law": "secant", "tension_law": "symmetric"}
     fine = {"integrator": "tr-bdf2", "tolerance": 1e-3}
-    with pytest.raises(Diverged, match=r'set films\.tension_law = "gap"'):
-        list(simulate(packing(**given, films=films, integration=fine)))
+    torn = [frame.numbers for frame in frames_until_it_ends(packing(**given, films=films, integration=fine))]
+    assert max(numbers["largest_deflection"] for numbers in torn) > 1.0
+    assert min(numbers["pressure"] for numbers in torn) < 0.0
     frames = list(simulate(packing(**given, films=films | {"tension_law": "gap"}, integration=fine)))
     assert frames[-1].numbers["strain"] == pytest.approx(3.0)
     assert min(frame.numbers["pressure"] for frame in frames if frame.numbers["strain"] > 0.5) > 0.0
+    assert max(frame.numbers["largest_deflection"] for frame in frames) < 0.5
 
 
 def beyond(normal, tangential):

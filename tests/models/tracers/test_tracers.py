@@ -233,21 +233,21 @@ def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit():
 
 
 def test_what_makes_no_sense_is_refused_with_its_place():
-    def told(**changes):
+    def output(**changes):
         scene = TracersScene(**{"duration": 1.0, "frame_every": 0.1, "particles": (QUARTZ,), **changes})
         with pytest.raises(SceneError) as error:
             MODELS["tracers"].summary(scene)
         return str(error.value)
 
-    assert "did you mean stokes?" in told(hydrodynamics=TracerHydrodynamicsSpec(drag="stoke"))
-    assert "particles[0].positions[0]: (0.5, 0.9) is" in told(tank=TankSpec(high=(0.6, 0.5)))
-    assert "needs drag" in told(hydrodynamics=TracerHydrodynamicsSpec(drag="none", brownian=True))
-    assert "longer than half a relaxation time" in told(
+    assert "did you mean stokes?" in output(hydrodynamics=TracerHydrodynamicsSpec(drag="stoke"))
+    assert "particles[0].positions[0]: (0.5, 0.9) is" in output(tank=TankSpec(high=(0.6, 0.5)))
+    assert "needs drag" in output(hydrodynamics=TracerHydrodynamicsSpec(drag="none", brownian=True))
+    assert "longer than half a relaxation time" in output(
         integration=TracerIntegrationSpec(integrator="inertial", time_step=0.1)
     )
-    assert "would fit" in told(integration=TracerIntegrationSpec(time_step=0.03))
-    assert "tank: polygon: not convex" in told(tank=TankSpec(vertices=((0, 0), (2, 0), (1, 0.2), (1, 2))))
-    assert "openings[0]: opening: got surface 7" in told(
+    assert "would fit" in output(integration=TracerIntegrationSpec(time_step=0.03))
+    assert "tank: polygon: not convex" in output(tank=TankSpec(vertices=((0, 0), (2, 0), (1, 0.2), (1, 2))))
+    assert "openings[0]: opening: got surface 7" in output(
         tank=TankSpec(high=(1.0, 1.0)), openings=(OpeningSpec(wall=7, low=(0.0, 0.0), high=(1.0, 0.0)),)
     )
 

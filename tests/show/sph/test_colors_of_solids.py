@@ -64,6 +64,6 @@ def test_rendered_solids_stand_where_they_are_in_their_colors(shapes):
 def test_the_page_receives_the_colors_of_solids(dimension, shapes):
     scene, frame = colored(dimension, *shapes)
     stage = sph_stage(scene, [frame])
-    told = looks(frame, frame, stage)
-    assert told["painted"] == [PINK] * len(stage.movers(frame))
-    assert {line["color"] for line in told["outlines"]} == {None, GREEN}
+    output = looks(frame, frame, stage)
+    assert output["painted"] == [PINK] * len(stage.movers(frame))
+    assert {line["color"] for line in output["outlines"]} == {None, GREEN}

@@ -113,9 +113,9 @@ def test_a_particle_shows_its_numbers(tab, tmp_path):
     box = tab.locator("#canvas").bounding_box()
     assert not tab.is_visible("#inspector")
     tab.mouse.click(box["x"] + 0.62 * box["width"], box["y"] + 0.5 * box["height"])
-    told = tab.inner_text("#inspector")
-    assert "particle 1" in told
-    assert "1 mm" in told
+    output = tab.inner_text("#inspector")
+    assert "particle 1" in output
+    assert "1 mm" in output
     tab.mouse.click(box["x"] + 3, box["y"] + box["height"] - 3)
     assert not tab.is_visible("#inspector")
 

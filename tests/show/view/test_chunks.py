@@ -86,26 +86,29 @@ class Links(NamedTuple):
 
 def linked(count, box=10.0):
     """Particles in a row across a border of a periodic box, each in contact with the next, fewer in each frame."""
-    rng, told = np.random.default_rng(2), {}
+    rng, frames = np.random.default_rng(2), {}
     for step in range(count):
         place = np.column_stack([(0.5 + np.arange(10) + 3.3 * step) % box, rng.uniform(0.0, 1.0, 10)])
         pairs = np.array([(i, (i + 1) % 10) for i in range(10 - step)])
         along = place[pairs[:, 1]] - place[pairs[:, 0]]
         along[:, 0] -= box * np.rint(along[:, 0] / box)
-        told[float(step)] = place, Links(pairs, along, rng.uniform(1e-6, 1e-2, len(pairs)), rng.normal(size=len(pairs)))
-    return told
+        frames[float(step)] = (
+            place,
+            Links(pairs, along, rng.uniform(1e-6, 1e-2, len(pairs)), rng.normal(size=len(pairs))),
+        )
+    return frames
 
 
 def test_contacts_come_back_from_their_particles_and_the_way_across_a_border():
-    told = linked(3)
-    given = [Frame(time, {"position": place}, {}, {}) for time, (place, _) in told.items()]
-    chunk = pack(given, PLAIN._replace(links=lambda frame: told[frame.time][1]))
+    output = linked(3)
+    given = [Frame(time, {"position": place}, {}, {}) for time, (place, _) in output.items()]
+    chunk = pack(given, PLAIN._replace(links=lambda frame: output[frame.time][1]))
     pairs, ways = unpacked(chunk, "links/pairs").reshape(-1, 2), unpacked(chunk, "links/ways")
     across = unpacked(chunk, "links/across").reshape(3, -1, 2)
     assert chunk.header["links"] == [10, 9, 8]
     assert across.shape[1] == 2
     begin = 0
-    for step, (place, links) in enumerate(told.values()):
+    for step, (place, links) in enumerate(output.values()):
         here = slice(begin, begin + len(links.gap))
         first, second = pairs[here].T
         assert place[second] - place[first] + across[step][ways[here]] == pytest.approx(links.along, abs=1e-5)
@@ -116,7 +119,7 @@ def test_contacts_come_back_from_their_particles_and_the_way_across_a_border():
 
 def test_two_thousand_spheres_in_contact_fit_into_the_page_that_is_wanted():
     """Two hundred frames of them, with all their contacts, in 8 MB: judged by thirty of a crowd that jostles."""
-    rng, told = np.random.default_rng(1), {}
+    rng, output = np.random.default_rng(1), {}
     lattice = np.stack(np.meshgrid(np.arange(45), np.arange(45)), -1).reshape(-1, 2)[:2000].astype(float)
     pairs = np.array([(i, j) for i in range(2000) for j in (i + 1, i + 45, i + 46) if j < 2000])
     place, spin, tension = lattice, np.zeros(2000), np.zeros(len(pairs))
@@ -126,9 +129,9 @@ def test_two_thousand_spheres_in_contact_fit_into_the_page_that_is_wanted():
         gone = rng.random(len(pairs)) > 0.02
         along = place[pairs[:, 1]] - place[pairs[:, 0]]
         gap = 0.01 + 0.001 * rng.random(len(pairs))
-        told[float(step)] = place, spin, Links(*(column[gone] for column in (pairs, along, gap, tension)))
-    given = [Frame(time, {"position": each[0], "spin": each[1]}, {}, {}) for time, each in told.items()]
-    chunk = pack(given, PLAIN._replace(links=lambda frame: told[frame.time][2]))
+        output[float(step)] = place, spin, Links(*(column[gone] for column in (pairs, along, gap, tension)))
+    given = [Frame(time, {"position": each[0], "spin": each[1]}, {}, {}) for time, each in output.items()]
+    chunk = pack(given, PLAIN._replace(links=lambda frame: output[frame.time][2]))
     assert len(gzip.compress(chunk.blob, 6)) * 4 / 3 * 200 / 30 < 8e6
 
 

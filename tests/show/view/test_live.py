@@ -44,17 +44,17 @@ def test_the_page_and_its_frames(asked):
     text, headers = answer(f"{asked[0]}/?token={asked[1].token}")
     assert b'"live":true' in text
     assert "connect-src 'self'" in headers["Content-Security-Policy"]
-    told, blob = frames_from(asked, 0)
-    assert told["state"] == "running"
-    assert len(told["chunk"]["times"]) == 11
-    assert len(blob) >= max(place["offset"] for place in told["chunk"]["places"].values())
+    output, blob = frames_from(asked, 0)
+    assert output["state"] == "running"
+    assert len(output["chunk"]["times"]) == 11
+    assert len(blob) >= max(place["offset"] for place in output["chunk"]["places"].values())
 
 
 def test_only_what_is_new_comes(asked):
-    told, blob = frames_from(asked, 9)
-    assert len(told["chunk"]["times"]) == 2
-    told, blob = frames_from(asked, 11)
-    assert (told, blob) == ({"state": "running", "chunk": None}, b"")
+    output, blob = frames_from(asked, 9)
+    assert len(output["chunk"]["times"]) == 2
+    output, blob = frames_from(asked, 11)
+    assert (output, blob) == ({"state": "running", "chunk": None}, b"")
 
 
 def test_the_end_is_sent_with_the_last_frames(asked, monkeypatch):

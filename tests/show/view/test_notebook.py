@@ -23,7 +23,7 @@ def document(shown):
     return html.unescape(re.search(r'srcdoc="([^"]*)"', shown)[1])
 
 
-def told(shown):
+def output(shown):
     return json.loads(re.search(r'<script type="application/json" id="run">(.*?)</script>', document(shown))[1])
 
 
@@ -32,7 +32,7 @@ def test_a_run_shows_itself_whichever_way_one_holds_it(model, tmp_path):
     folder = run_of(model, tmp_path)
     with open_trajectory(folder) as trajectory:
         shown = trajectory._repr_html_()
-    assert told(shown)["model"] == model
+    assert output(shown)["model"] == model
     assert RunResult(folder, 11, 1, 0.2, 0.1)._repr_html_() == shown == info(folder)._repr_html_()
 
 
@@ -40,7 +40,7 @@ def test_a_run_shows_itself_whichever_way_one_holds_it(model, tmp_path):
 def test_a_frame_shows_its_particles_alone(model, tmp_path):
     with open_trajectory(run_of(model, tmp_path)) as trajectory:
         frame = trajectory[-1]
-        header = told(frame._repr_html_())
+        header = output(frame._repr_html_())
     position = frame.arrays["position"]
     assert np.all(np.array(header["low"]) < position.min(axis=0))
     assert np.all(np.array(header["high"]) > position.max(axis=0))
@@ -64,7 +64,7 @@ def test_a_player_keeps_within_its_size_by_leaving_frames_out(tmp_path):
 def test_what_a_scene_is_called_cannot_leave_the_frame(tmp_path):
     hostile = '"></iframe><script>alert(1)</script>'
     with open_trajectory(run_of("floating", tmp_path, hostile)) as trajectory:
-        assert told(player(trajectory))["title"] == hostile
+        assert output(player(trajectory))["title"] == hostile
 
 
 def test_where_nothing_can_be_seen_the_notebook_prints_the_object(tmp_path):

@@ -135,8 +135,8 @@ def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[f
         raise BadInput(f"opening: got {low!r} and {high!r}; expected two corners, the lower one first")
     wide = _padded(corners)
     if not _meets(walls, number, wide):
-        told = described(walls, number)
-        raise BadInput(f"opening: {low!r} to {high!r} has no part in {told}; expected a part of that surface")
+        surface = described(walls, number)
+        raise BadInput(f"opening: {low!r} to {high!r} has no part in {surface}; expected a part of that surface")
     return walls._replace(
         hole=np.append(walls.hole, np.int64(number)),
         low=np.vstack([walls.low, wide[:1]]),

@@ -96,6 +96,7 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
         reach=max(plain.reach, *(each.reach + plain.skin for each in every)),
     )
     timed = limited._replace(**step_of(limited, scene)._asdict())
+    _require_stable_drag(chosen.integrator, timed)
     turned = next((found for row, each in zip(chosen.interactions, built, strict=False)
                    if (found := inertia_by(each.part)) is not None), None)  # fmt: skip
     contacts = chosen.contacts.at_step(touching.part, timed, turned)
@@ -104,6 +105,16 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     if scene.shaped:
         integrator = RigidKicks(parts[0].inertia, parts[0].friction)
     return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts, EveryRow()))
+
+
+def _require_stable_drag(integrator: Integrator, parameters: Parameters) -> None:
+    """Raise SceneError if the integrator is unstable with the drag of the lightest float."""
+    longest = integrator.drag_limit * float(parameters.floats.relaxation_time.min())
+    if parameters.time_step > longest:
+        raise scene_error(
+            "integration.integrator", f"{integrator.name} needs a time step below {longest:.3g} s in so viscous a "
+            f"liquid; it is {parameters.time_step:.3g} s. Set integration.time_step, or use 'velocity-verlet'"
+        )  # fmt: skip
 
 
 def inertia_by(part: Any) -> Array | None:

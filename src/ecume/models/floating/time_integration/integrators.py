@@ -251,6 +251,8 @@ class Integrator(Option):
     scheme: Scheme
     constants: type
     """the type of the part, a NamedTuple"""
+    drag_limit: float = math.inf
+    """the longest stable time step over the shortest relaxation time of drag; infinite if drag is solved exactly"""
     predict: Callable[..., None]
     """predict(part, parts, scratch, parameters, state, workspace): velocities and midstep velocities"""
     finish: Callable[..., None] = finish_kicked
@@ -296,7 +298,7 @@ INTEGRATORS = {
     ),
     "rk4": _row(
         "rk4", Scheme(False, True, False, True, True), frozenset({"keeps inertia"}),
-        constants=RungeKutta, predict=predict_runge_kutta, finish=finish_runge_kutta,
+        constants=RungeKutta, predict=predict_runge_kutta, finish=finish_runge_kutta, drag_limit=2.0,
     ),
     "overdamped": _row(
         "overdamped", Scheme(False, False, False, False, True),

@@ -181,12 +181,6 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     kick = kick_of(
         parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
     )
-    stiffest = float(parameters.floats.relaxation_time.min())
-    if scene.integration.integrator == "rk4" and time_step > 2.0 * stiffest:
-        raise scene_error(
-            "integration.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
-            f"it is {time_step:.3g} s. Set integration.time_step, or use 'velocity-verlet'"
-        )  # fmt: skip
     jump = NOISE_DEVIATIONS * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
     jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
     drift = parameters.drift._replace(jump=jump)
