@@ -1,6 +1,7 @@
 """Floats that move one another by the flow of the liquid: rafts, pairs, currents, contacts and friction."""
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -10,11 +11,15 @@ from ecume.laws.drag import pair_factor
 from ecume.laws.pair_mobility import compact_raft, raft_speed_factor, surface_mobility
 from ecume.models import MODELS
 from ecume.models.floating.coupled.films import closing_mobility, solve_with_films, subtract_far_field
-from ecume.models.floating.coupled.mobility import CoupledKicks, fill_mobility
+from ecume.models.floating.coupled.mobility import CoupledKicks, add_divergence, fill_mobility
 from ecume.models.floating.forces.films import find_films
 from ecume.models.floating.setup.hydrodynamic_interaction import ReynoldsWarning
+from ecume.models.floating.setup.scene_parameters import memory_estimate
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models.floating.bowls import WATER, scene_of
+
+# `ecume validate hydrodynamics` runs compiled code; each combination of parts is compiled by itself.
+pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
 
 FLOATING = MODELS["floating"]
 RADIUS = 3e-4
@@ -54,7 +59,7 @@ def test_the_matrix_of_a_run_is_that_of_the_law():
     dice = np.random.default_rng(2)
     position, radius = dice.normal(0.0, 2.0, (9, 2)), dice.uniform(0.3, 1.5, 9)
     mobility = np.empty((18, 18))
-    fill_mobility(CoupledKicks(radius, np.zeros(0), 0.7), position, mobility)
+    fill_mobility(CoupledKicks(radius, np.zeros(0), 0.7, 0.0), position, mobility)
     assert mobility == pytest.approx(surface_mobility(position, radius, 0.7), rel=1e-12, abs=1e-16)
 
 
@@ -67,16 +72,57 @@ def test_the_matrix_with_spins_is_symmetric_and_positive_definite_in_a_thousand_
         position = dice.normal(0.0, 10.0 ** dice.uniform(-1.5, 1.5), (count, 2))
         spin = np.zeros(count) if dice.random() < 0.7 else np.zeros(0)
         mobility = np.empty((2 * count + len(spin), 2 * count + len(spin)))
-        fill_mobility(CoupledKicks(radius, spin, 1.0), position, mobility)
+        fill_mobility(CoupledKicks(radius, spin, 1.0, 0.0), position, mobility)
         assert mobility == pytest.approx(mobility.T, rel=1e-13)
         scale = np.sqrt(np.diag(mobility))
         assert np.linalg.eigvalsh(mobility / np.outer(scale, scale)).min() > 1e-4
 
 
+@pytest.mark.parametrize("spins", [0, 5])
+def test_the_drift_is_the_divergence_of_the_matrix(spins):
+    """By differences: sum over j of dM_ij/dx_j, for separate, overlapping and enclosed spheres."""
+    position = np.array([[0.0, 0.0], [2.1, 0.3], [1.0, 1.6], [-4.0, 2.0], [0.1, 0.2]])
+    part = CoupledKicks(np.array([1.0, 0.7, 0.9, 1.3, 0.3]), np.zeros(spins), 0.7, 2.5)
+    size, step = 10 + spins, 1e-6
+    expected, sides = np.zeros(size), np.empty((2, size, size))
+    for axis in range(10):
+        for side, way in zip(sides, (step, -step), strict=True):
+            moved = position.copy()
+            moved.flat[axis] += way
+            fill_mobility(part, moved, side)
+        expected += 2.5 * (sides[0] - sides[1])[:, axis] / (2.0 * step)
+    found = np.zeros(size)
+    add_divergence(part, position, found)
+    assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("contacts", ["friction = 0.3", 'law = "none"'])
+def test_half_a_run_and_half_a_run_with_noise_are_a_run(contacts):
+    """With a new workspace in the middle, bit for bit."""
+    places = 2e-6 * 1.02 / 2.0 * compact_raft(4)
+    body = f"[[particles]]\nradius = 1e-6\ndensity = 2000.0\ncontact_angle = 1.2\npositions = {places.tolist()}\n"
+    scene = scene_of(f"{WATER}{body}{MOTION}brownian = true\n[contacts]\n{contacts}\n", duration=1.0, frame_every=1.0)
+    parameters, whole, workspace = set_up(scene)
+    assert FLOATING.advance(parameters, whole, workspace, 8) == 0
+    state = FLOATING.start(scene, parameters)
+    for _ in range(2):
+        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 4) == 0
+    assert all(np.array_equal(one, other) for one, other in zip(state, whole, strict=True))
+    assert np.ptp(whole.position - places) > 0.0
+
+
+def test_the_memory_of_the_matrix_is_counted():
+    small, large = (beads(3.0 * RADIUS * compact_raft(count)) for count in (100, 400))
+    one, other = (memory_estimate(FLOATING.parameters(scene)) for scene in (small, large))
+    assert other - 4.0 * one > 8 * (800**2 - 4 * 200**2)
+
+
 def test_the_spin_by_a_force_is_half_the_rotation_of_its_flow():
     """Rigid rotation: a far force turns a float as half the curl of a point force's flow says, and in its sense."""
     mobility = np.empty((6, 6))
-    fill_mobility(CoupledKicks(np.array([1.0, 0.5]), np.zeros(2), 1.0), np.array([[0.0, 0.0], [3.0, 4.0]]), mobility)
+    fill_mobility(
+        CoupledKicks(np.array([1.0, 0.5]), np.zeros(2), 1.0, 0.0), np.array([[0.0, 0.0], [3.0, 4.0]]), mobility
+    )
     # A force along y on the first float; the second is to its right, where the flow turns clockwise.
     assert mobility[5, 1] == pytest.approx(-2.0 * 3.0 / (8.0 * math.pi * 125.0), rel=1e-12)
     assert mobility[5, 0] == pytest.approx(2.0 * 4.0 / (8.0 * math.pi * 125.0), rel=1e-12)

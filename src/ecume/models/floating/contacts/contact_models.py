@@ -13,7 +13,12 @@ from ecume.laws import contact
 from ecume.models.floating.contacts.collisions import Impulses, collide, constrain_velocities, separate
 from ecume.models.floating.contacts.friction import Friction, friction_at_step, friction_of, make_friction_scratch
 from ecume.models.floating.contacts.springs import Springs, push_at_end, push_before_drift, spring_energies, springs_of
-from ecume.models.floating.coupled.contacts import CoupledImpulses, collide_coupled, rubbing_impulses_of
+from ecume.models.floating.coupled.contacts import (
+    CoupledImpulses,
+    collide_coupled,
+    rubbing_impulses_of,
+    smooth_impulses_of,
+)
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import Outlined, Shaped
@@ -171,7 +176,7 @@ CONTACTS = {
     ),
     "coupled": ContactModel(
         path="contacts.law", name="contacts of floats that interact through the liquid", constants=CoupledImpulses,
-        make=_simple(CoupledImpulses((0.0, 0.0), np.zeros(0))), before_drift=collide_coupled, after_drift=separate,
+        make=smooth_impulses_of, before_drift=collide_coupled, after_drift=separate,
         scratch=shared_scratch, state=with_friction_impulses,
         inertia=lambda part: np.asarray(part.inertia) if len(part.inertia) else None,
     ),

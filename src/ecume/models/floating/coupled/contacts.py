@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import dense_contacts, projected_gauss_seidel, warm_start
@@ -39,14 +41,19 @@ class CoupledImpulses(NamedTuple):
     """coefficients of friction between two floats, and at walls"""
     inertia: Array
     """(N,) kg m^2 of floats that turn; (0,) without friction"""
-    overlapping: bool = False
-    """see `collisions.Impulses`"""
+    overlapping: bool
+    """whether floats pass through one another; see also `collisions.Impulses`"""
 
 
 def rubbing_impulses_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
     """Return contacts with friction."""
     made: Friction = friction_of(parameters, scene, interactions).part
-    return Built(CoupledImpulses(made.friction, made.inertia))
+    return Built(CoupledImpulses(made.friction, made.inertia, False))
+
+
+def smooth_impulses_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """Return contacts without friction, or none."""
+    return Built(CoupledImpulses((0.0, 0.0), np.zeros(0), scene.contacts.law == "none"))
 
 
 @compiled
@@ -54,6 +61,8 @@ def collide_coupled(
     part: CoupledImpulses, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
+    if part.overlapping:
+        return
     contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop

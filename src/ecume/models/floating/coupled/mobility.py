@@ -24,6 +24,8 @@ class CoupledKicks(NamedTuple):
     spin: Array
     """(N,) 1/(N m s): what the spin of a single float has in addition to that of this sphere; (0,) if no float turns"""
     viscosity: float
+    thermal: float
+    """J: kT, of the drift kT div M; zero without thermal noise"""
 
 
 class CoupledScratch(NamedTuple):
@@ -44,6 +46,18 @@ def make_coupled_scratch(part: CoupledKicks) -> CoupledScratch:
     count = len(part.radius)
     size = 2 * count + len(part.spin)
     return CoupledScratch(np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros((count, 2)))
+
+
+def coupled_memory(part: CoupledKicks) -> float:
+    """Bytes of the matrix, and of the motion by each contact of floats in a raft (three for each float)."""
+    count, size = len(part.radius), 2 * len(part.radius) + len(part.spin)
+    contacts = 3 * count * (2 if len(part.spin) else 1)
+    return float(8 * size * (size + contacts))
+
+
+def coupled_pairs(part: CoupledKicks) -> float:
+    """The work of a time step, in pairs: to fill the matrix and to multiply by it, for thermal noise many times."""
+    return (20.0 if part.thermal > 0.0 else 2.0) * len(part.radius) ** 2
 
 
 def hydrodynamic_radius(parameters: Parameters, viscosity: float) -> Array:
@@ -108,20 +122,20 @@ def fill_spins(part: CoupledKicks, pair: tuple[int, int], way: tuple[float, floa
 
 @compiled
 def multiply(matrix: Array, vector: Array, product: Array) -> None:
-    """Write the product of a matrix and a vector."""
+    """Write the product of a symmetric matrix and a vector: row by row, since sums along a row do not vectorize."""
+    product[:] = 0.0
     for row in range(len(matrix)):
-        total = 0.0
-        for column in range(len(vector)):
-            total += matrix[row, column] * vector[column]
-        product[row] = total
+        share = vector[row]
+        for column in range(len(product)):
+            product[column] += share * matrix[row, column]
 
 
 @compiled
-def add_divergence(part: CoupledKicks, position: Array, thermal: float, motion: Array) -> None:
+def add_divergence(part: CoupledKicks, position: Array, motion: Array) -> None:
     """Add the drift kT div M: without it floats with thermal noise would gather where they move slowly. The divergence
     is known in closed form; it has no part along the spins.
     """
-    radius, unit = part.radius, thermal / (3.0 * math.pi * part.viscosity)
+    radius, unit = part.radius, part.thermal / (3.0 * math.pi * part.viscosity)
     for i in range(len(radius)):
         for j in range(i):
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]

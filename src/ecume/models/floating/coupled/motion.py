@@ -34,14 +34,14 @@ def fastest_coupled(
     part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> float:
     """Compute the velocities by forces, without the current; return the highest speed, NaN if any is NaN."""
-    count, thermal = len(part.radius), parameters.drift.thermal
+    count = len(part.radius)
     fill_mobility(part, state.position, own.mobility)
     for i in range(count):
         own.load[2 * i], own.load[2 * i + 1] = workspace.force[i, 0], workspace.force[i, 1]
     own.load[2 * count :] = 0.0
     multiply(own.mobility, own.load, own.motion)
-    if thermal > 0.0:
-        add_divergence(part, state.position, thermal, own.motion)
+    if part.thermal > 0.0:
+        add_divergence(part, state.position, own.motion)
     fill_current(own, parameters, state)
     fastest = 0.0
     for i in range(count):

@@ -18,6 +18,7 @@ from ecume.models.floating.setup.hydrodynamic_interaction import HYDRODYNAMICS
 from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
+from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
 from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import liquid_of
@@ -142,7 +143,9 @@ def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     good, steps = good_step(parameters, scene), last_step(scene, parameters.steps_per_frame)
     cost = frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS), steps)
-    summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
+    moving = parameters.parts.integrator
+    pairs = INTEGRATORS_BY_CONSTANTS[type(moving)].pairs_worth(moving)
+    summing = PER_PAIR * (pairs + sum(row.pairs_worth(part) for part, row in interactions_of(parameters)))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),

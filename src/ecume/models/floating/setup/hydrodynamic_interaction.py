@@ -89,7 +89,7 @@ def coupled_kicks_of(parameters: Parameters, scene: FloatingScene, turning: bool
     viscosity = liquid_of(scene).viscosity
     radius = hydrodynamic_radius(parameters, viscosity)
     spin = _further_spin(scene, radius, viscosity) if turning else np.zeros(0)
-    return CoupledKicks(radius, spin, viscosity)
+    return CoupledKicks(radius, spin, viscosity, parameters.drift.thermal)
 
 
 def _further_spin(scene: FloatingScene, radius: Array, viscosity: float) -> Array:
@@ -105,7 +105,8 @@ HYDRODYNAMICS = {
     "none": HydrodynamicInteraction(name="'none'"),
     "rotne-prager": HydrodynamicInteraction(
         name="'rotne-prager'", moves=lambda integrator: COUPLED, make=coupled_kicks_of,
-        contacts={"impulse": "coupled", "friction": "coupled friction"}, resistances={"films": "coupled films"},
+        contacts={"none": "coupled", "impulse": "coupled", "friction": "coupled friction"},
+        resistances={"films": "coupled films"},
         collective=lambda count: CROWD * math.sqrt(count), raft_speeds=included_in_rafts, most_reynolds=1.0,
         laws=(pair_mobility.pair_mobility,),
         needs={

@@ -47,14 +47,24 @@ from ecume.models.floating.setup.kinds import floats_of, moments_of
 from ecume.models.floating.setup.periodic_cell import boundary_of, periods_in, require_room
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
-from ecume.models.floating.time_integration.integrators import INTEGRATORS, SCHEMES, Integrator
-from ecume.models.floating.time_integration.step_size import good_step, kick_of, step_of
+from ecume.models.floating.time_integration.integrators import (
+    INTEGRATORS,
+    INTEGRATORS_BY_CONSTANTS,
+    SCHEMES,
+    Integrator,
+)
+from ecume.models.floating.time_integration.step_size import GOOD, NOISE_DEVIATIONS, good_step, kick_of, step_of
 from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.walls.wall_laws import is_far_field
 from ecume.models.limits import within_steps
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+SKIN_OVER_NOISE = 5.0 * NOISE_DEVIATIONS * GOOD
+"""The skin of neighbor lists with thermal noise, over the largest radius: a float moves at most a fifth of it in one of
+the longest steps by noise.
+"""
 
 SLOP = 1e-4
 """Tolerated overlap, over the smallest radius."""
@@ -137,7 +147,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.hydrodynamics.moves(chosen.integrator).scheme
-    skin = longer * max(0.2 * largest, min(0.4 * length, largest))
+    skin = longer * max(0.2 * largest, min(0.4 * length, largest), SKIN_OVER_NOISE * (drift.thermal > 0.0) * largest)
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     return Parameters(
         time_step=0.0,
@@ -389,7 +399,8 @@ def memory_estimate(parameters: Parameters) -> float:
     count = len(parameters.floats.radius)
     packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
     grid = BYTES_PER_POINT * sum(row.points(part) for part, row in interactions_of(parameters))
-    return grid + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
+    moving = INTEGRATORS_BY_CONSTANTS[type(parameters.parts.integrator)].memory(parameters.parts.integrator)
+    return grid + moving + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 
 def _require_memory(count: int, wanted: float) -> None:

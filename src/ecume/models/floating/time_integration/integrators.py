@@ -13,7 +13,12 @@ from ecume.laws import brownian, dish_motion, drag
 from ecume.laws.brownian import diffusivity
 from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
 from ecume.laws.drag import schiller_naumann_factor
-from ecume.models.floating.coupled.mobility import CoupledKicks, make_coupled_scratch
+from ecume.models.floating.coupled.mobility import (
+    CoupledKicks,
+    coupled_memory,
+    coupled_pairs,
+    make_coupled_scratch,
+)
 from ecume.models.floating.coupled.motion import add_coupled_work, fastest_coupled, finish_coupled, predict_coupled
 from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.forces.interactions import evaluate
@@ -271,6 +276,10 @@ class Integrator(Option):
     """add_work(part, scratch, parameters, state, workspace): the work of currents and of a moving dish in a step"""
     scratch: Callable[[Any, tuple[Any, ...]], Any] = lambda part, interactions: ()
     """scratch(part, workspaces of the interactions): the workspace"""
+    pairs_worth: Callable[[Any], float] = lambda part: 0.0
+    """pairs_worth(part): work of a time step in addition to lists, in pairs"""
+    memory: Callable[[Any], float] = lambda part: 0.0
+    """memory(part): bytes in addition to those of each float"""
 
 
 KICK_CAPABILITIES = frozenset({"kicks at the ends", "fast drag", "sways", "kicks spins", "keeps inertia"})
@@ -323,6 +332,7 @@ COUPLED = Integrator(
     scheme=INTEGRATORS["overdamped"].scheme._replace(drags_along=False),
     constants=CoupledKicks, predict=predict_coupled, finish=finish_coupled, highest_speed=fastest_coupled,
     add_work=add_coupled_work, scratch=lambda part, interactions: make_coupled_scratch(part),
+    pairs_worth=coupled_pairs, memory=coupled_memory,
 )  # fmt: skip
 """Replaces the functions of the overdamped integrator for floats that interact through the liquid."""
 
