@@ -41,8 +41,8 @@ def followed(words: list[str], known: set[str]) -> list[str]:
         needed.append(plain[0])
     if verb == "new" and plain:
         known |= {target or f"{plain[0]}.toml"}
-    if verb in ("run", "sweep") and plain:
-        known |= {target or f"{verb}s/{Path(plain[0]).stem}"}
+    if verb in ("run", "import", "sweep") and plain:
+        known |= {target or f"{verb.replace('import', 'run')}s/{Path(plain[0]).stem}"}
     if verb == "export" and target:
         known |= {target}
     if verb == "fit" and target is None and plain:

@@ -47,7 +47,7 @@ ALONE = (
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-NAMES: dict[Callable[..., None], str] = {run_lists.list_runs: "list"}
+NAMES: dict[Callable[..., None], str] = {run_lists.list_runs: "list", runs.import_run: "import"}
 """Verbs whose names are Python's own words."""
 
 MODULES = (scenes, runs, run_lists, pictures, browser, sweeps, fits, validation, benchmarks)

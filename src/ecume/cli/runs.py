@@ -175,6 +175,38 @@ def resume(
         _end(go_on(directory, extra_laws=own, actions=acting, options=options), quiet=quiet)
 
 
+def import_run(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--out",
+            metavar="DIR",
+            help="Directory of the run; default: runs/NAME for NAME.toml.",
+            show_default=False,
+        ),
+    ] = None,
+    overrides: Overrides = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing run.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Make a run of a trajectory of another program.
+
+    The scene names the file and its units in `[start_from]`, and describes the liquid and the species; `frame_every` is
+    the time between two frames of the file. Positions and velocities are read, all other quantities are computed.
+
+    Examples: `ecume import bowl.toml` · `ecume import bowl.toml -o runs/lammps --set start_from.file=run.lammpstrj`
+    """
+    from ecume.run.imports import import_run as read
+
+    changes = overrides or []
+    with placed(scene, changes), shown(quiet=quiet) as reporter:
+        done = read(scene, out or RUNS / scene.stem, overrides=changes, force=force, progress=reporter)
+    if not quiet:
+        typer.echo(f"{done.directory}: {done.frames} frames of {done.time:.6g} s imported")
+
+
 def _end(done: RunResult, *, quiet: bool) -> None:
     """Print the result of a run, and the invariants that it violated."""
     from ecume.run.directory import RunDirectory
@@ -349,4 +381,4 @@ def replacements(manifest: dict[str, Any]) -> list[str]:
     ]
 
 
-VERBS = (run, resume, info, verify, repair)
+VERBS = (run, resume, import_run, info, verify, repair)

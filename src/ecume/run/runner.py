@@ -29,9 +29,9 @@ from ecume.run.sampling import NOTHING, Kept, SampleFile
 from ecume.run.selection import require_known, require_numbers, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
-from ecume.run.verification import require_source
+from ecume.run.verification import IMPORTED, require_computed, require_source
 from ecume.trajectories.durable_files import storing, write_whole
-from ecume.trajectories.records import DONE, as_json, scene_at
+from ecume.trajectories.records import DONE, as_json, clean, scene_at
 from ecume.trajectories.repair import repair
 from ecume.trajectories.verification import good_frames
 
@@ -90,6 +90,8 @@ class RunOptions:
     """Is called with the name of the model, each frame that is computed, and its number of time steps."""
     numbers: Sequence[str] = ()
     """Numbers of frames that `on_frame` needs: unknown ones are refused before the run begins or continues."""
+    imported: str = ""
+    """The name of the file whose frames the run contains, instead of computed ones: see `ecume.run.imports`."""
     longest: float = LONGEST_RUN
     """Seconds of wall time: a run that is expected to take longer, by the speed of its first steps, is refused."""
     strict: bool = False
@@ -159,6 +161,7 @@ def resume(
     with stop_requests(PATIENT) as request, held(home):
         if (done := _completed(home)) is not None:
             return done
+        require_computed(home)
         code = UserCode(extra_laws, actions)
         require_same(home, code)
         require_source(home)
@@ -251,7 +254,8 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
         manifest.first_manifest(scene, source, plain)
         | {"constants_sha256": constants.save(home, parameters)}
         | code.entries()
-        | {"on_violation": options.on_violation or scene.on_violation},
+        | {"on_violation": options.on_violation or scene.on_violation}
+        | ({IMPORTED: clean(options.imported)} if options.imported else {}),
     )
 
 
@@ -366,7 +370,7 @@ class _Session:
         from ecume._jit import use_threads
 
         policy = self._options.on_violation or manifest_of(self._home).get("on_violation", POLICIES[0])
-        invariants = _model(self._scene).invariants(self._scene, moment.parameters)
+        invariants = _model(self._scene).invariants(self._scene, moment.parameters) * (not self._options.imported)
         if self._code.actions:
             invariants = [row for row in invariants if row.name not in CHANGED_BY_ACTIONS]
         self._watch = Watch(self._home, invariants, policy)

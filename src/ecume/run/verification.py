@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ecume.errors import EcumeError, StorageError
+from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.run import checkpoints, constants, lock
 from ecume.run.directory import RunDirectory, existing, has_checksums, manifest_of, read
 from ecume.run.manifest import changed, digest, digests
@@ -70,11 +70,26 @@ def verify(
     frames = check_trajectory(home.trajectory, trusted=trusted)
     faults += [*frames.faults, *_numbers(home, frames.good, frames.frames)]
     recomputed = None
+    if deep:
+        require_computed(home)
     if deep and not faults:
         recomputed, found = _recomputed(home, UserCode(extra_laws, actions), progress)
         faults += found
     remarks = (*frames.remarks, *_remarks(home))
     return Verification(home.path, frames.frames, size, recomputed, tuple(dict.fromkeys(faults)), remarks)
+
+
+IMPORTED = "imported"
+"""The entry of the manifest with the name of the file whose frames a run contains."""
+
+
+def require_computed(home: RunDirectory) -> None:
+    """Raise BadInput where the frames of a run were not computed, so that none can be computed again."""
+    if name := manifest_of(home).get(IMPORTED):
+        raise BadInput(
+            f"{home.path}: its frames were imported from {name}, not computed; import the file again with "
+            "`ecume import SCENE -o DIR --force`"
+        )
 
 
 def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:

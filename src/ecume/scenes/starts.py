@@ -20,13 +20,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError
 
+from ecume.errors import BadInput
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import STRICT, Duration, Name, Size
 from ecume.scenes.tables import MOST_BYTES
 from ecume.scenes.validated import dataclass
-from ecume.trajectories.foreign import gsd, lammps, xyz
+from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
+from ecume.trajectories.foreign.series import Series
 from ecume.units import Mass, Unit
 
 RUN = "start_from"
@@ -34,6 +36,7 @@ LAYOUT = ("count", "placement", "positions", "velocities", "spacing", "ring_radi
 """Keys of a species that state where its particles are."""
 FORMATS = {
     ".gsd": "gsd", ".xyz": "xyz", ".extxyz": "xyz", ".data": "lammps", ".lmp": "lammps", ".lammps": "lammps",
+    ".dump": "dump", ".lammpstrj": "dump", ".yaml": "dump", ".yml": "dump", ".dcd": "dcd",
 }  # fmt: skip
 """The format of a file, by the end of its name."""
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
@@ -50,7 +53,8 @@ class StartSpec:
 
     file: Annotated[str, Field(min_length=1, max_length=1000)]
     """The file, beside the scene's: GSD (`.gsd`), XYZ or extended XYZ (`.xyz`, `.extxyz`), LAMMPS data (`.data`,
-    `.lmp`). `NAME@FRAME` is a frame, by default the last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
+    `.lmp`), LAMMPS dumps (`.dump`, `.lammpstrj`, `.yaml`), DCD (`.dcd`). `NAME@FRAME` is a frame, by default the
+    last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
     length_unit: Size
     """The unit of length of the file, such as 1 mm where one sigma means a millimeter (m). Effect: scales positions
     and diameters."""
@@ -64,7 +68,7 @@ class StartSpec:
     """The species of the scene for each type of the file; by default the one of the same name, or, of types that are
     numbers, the one at this place. Example: `{ A = "small", B = "large" }`. Effect: determines the species of each
     particle."""
-    format: Literal["", "gsd", "xyz", "lammps"] = ""
+    format: Literal["", "gsd", "xyz", "lammps", "dump", "dcd"] = ""
     """The format of the file; by default it follows from the end of its name. Effect: selects the reader."""
 
 
@@ -111,21 +115,47 @@ def refuse_a_file(name: str) -> None:
 
 def _read(spec: StartSpec, folder: Folder) -> Particles:
     """The particles in the units of the file. Raises ValueError."""
+    path, frame = _place_in(spec, folder)
+    return _frames_of(path, spec).read(frame)
+
+
+def _place_in(spec: StartSpec, folder: Folder) -> tuple[Folder, int]:
+    """The file and the number of the frame. Raises ValueError."""
     path, frame = beside(folder, spec.file), -1
     match = ANOTHER_FRAME.fullmatch(spec.file)
     if match and not path.is_file():
         path, frame = beside(folder, match[1]), int(match[2])
     require_there(path, folder)
-    kind = spec.format or FORMATS.get(path.suffix.lower(), "")
     if not path.is_file():
         raise ValueError('is not a regular file; a run is named by text, as in start_from = "runs/bowl@-1"')
-    if kind == "gsd":
-        return gsd.read(path, frame)
-    if kind == "xyz":
-        return xyz.read(text_of(path, MOST_BYTES), frame)
-    if kind == "lammps":
-        return lammps.read(text_of(path, MOST_BYTES))
-    raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
+    return path, frame
+
+
+def _frames_of(path: Folder, spec: StartSpec) -> Series:
+    kind = spec.format or FORMATS.get(path.suffix.lower(), "")
+    if not kind:
+        raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
+    return series.FORMATS[kind](path, lambda each: text_of(each, MOST_BYTES))
+
+
+def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
+    """The file that `start_from` holds, without a number of a frame, and all its frames in SI units.
+
+    Raises BadInput, and ValueError from `read`.
+    """
+    if not isinstance(value, Mapping):
+        raise BadInput("the scene has no table [start_from] with the file and its units")
+    try:
+        spec = TypeAdapter(StartSpec).validate_python(dict(value))
+        path, _ = _place_in(spec, folder)
+        found = _frames_of(path, spec)
+        name = spec.file if beside(folder, spec.file) == path else spec.file.rpartition("@")[0]
+    except ValidationError as error:
+        (place, message), *_ = faults_of(error, StartSpec, value)
+        raise BadInput(f"{RUN}.{'.'.join(map(str, place))}: {message}") from None
+    except ValueError as fault:
+        raise BadInput(f"{RUN}.file: {value.get('file')} {fault}") from None
+    return name, Series(found.frames, lambda frame: _in_si(found.read(frame), spec))
 
 
 def _in_si(found: Particles, spec: StartSpec) -> Particles:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
 
@@ -20,10 +22,22 @@ MOST_NUMBERS = 4 * MOST_PARTICLES
 
 def read(path: Path, index: int = -1) -> Particles:
     """The particles of a frame. Raises ValueError."""
+    with _opened(path) as (file, found):
+        return _particles(file, found, frame_number(index, found.frames))
+
+
+def frames(path: Path) -> int:
+    """The number of frames. Raises ValueError."""
+    with _opened(path) as (_, index):
+        return index.frames
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[tuple[FileIO, Index]]:
+    """The file with its index. Raises ValueError."""
     try:
         with path.open("rb", buffering=0) as file:
-            found = read_whole_index(file, path)
-            return _particles(file, found, frame_number(index, found.frames))
+            yield file, read_whole_index(file, path)
     except (StorageError, OSError) as error:
         raise ValueError(f"cannot be read: {str(error).removeprefix(f'{path}: ')}") from None
 

@@ -70,6 +70,11 @@ def read(text: str, index: int = -1) -> Particles:
     return Particles(names, kind, values["position"], values.get("velocity"), diameter, mass, density, sides, tilt)
 
 
+def frames(text: str) -> int:
+    """The number of frames. Raises FileFault, or ValueError without a line."""
+    return len(_starts(text.splitlines()))
+
+
 def _starts(lines: Sequence[str]) -> list[int]:
     """The lines at which frames begin."""
     found, place = [], 0

@@ -1,0 +1,127 @@
+"""Runs from trajectories of other programs: positions and velocities are read, all other quantities are computed."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ecume.errors import BadInput, Stopped
+from ecume.models import MODELS
+from ecume.models.model import DONE, EXCHANGE, Model
+from ecume.run.directory import RunDirectory, clear, manifest_of
+from ecume.run.progress import Progress
+from ecume.run.runner import RunOptions, RunResult, run
+from ecume.run.verification import IMPORTED
+from ecume.scenes.load import load_scene, parsed, source_of
+from ecume.scenes.overrides import overridden
+from ecume.scenes.schema import Scene
+from ecume.scenes.starts import RUN, all_frames
+from ecume.trajectories.foreign.particles import Particles
+from ecume.trajectories.foreign.series import Series
+from ecume.units import Array
+
+MODELS_OF_PARTICLES = {
+    "floating": "",
+    "tracers": "",
+    "sph": "the pressure of a tank follows from densities, which such files do not contain in our definition",
+    "soft": "the forces of soft spheres follow from the history of their deflections, which such files do not contain",
+}
+"""The reason for which the frames of a model do not follow from positions and velocities, if there is one."""
+SAME = 1e-9
+"""The distance of a particle of the file from a particle of the scene that it is, over the extent of all."""
+
+
+def import_run(
+    scene: str | Path,
+    directory: str | os.PathLike[str],
+    *,
+    overrides: Sequence[str] = (),
+    force: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+) -> RunResult:
+    """Make a run of the file that `[start_from]` of a scene names: its frames, `frame_every` apart.
+
+    Raises SceneError for a scene that cannot start from the first frame, and BadInput for frames that do not fit.
+    """
+    source = source_of(scene)
+    raw = parsed(source)
+    overridden(raw, overrides)
+    name, series = all_frames(raw.get(RUN), source.folder)
+    if series.frames < 2:
+        raise BadInput(f"{RUN}.file: {name} has one frame; a scene starts from it with `ecume run`")
+    first = load_scene(scene, [*overrides, f'{RUN}.file="{name}@0"'])
+    if reason := MODELS_OF_PARTICLES[first.model]:
+        raise BadInput(f"{RUN}.file: {name} cannot become a run of the model {first.model!r}: {reason}")
+    whole = first.replace("duration", (series.frames - 1) * first.frame_every)
+    options = RunOptions(threads=1, progress=progress, engine=reader_of(whole, name, series), imported=Path(name).name)
+    try:
+        return run(whole, directory, force=force, options=options)
+    except (BadInput, Stopped):
+        _remove(RunDirectory(Path(directory)))
+        raise
+
+
+def _remove(home: RunDirectory) -> None:
+    """Remove the part of a file that became a run, and its directory if nothing else is in it."""
+    if home.path.is_dir() and manifest_of(home).get(IMPORTED):
+        clear(home)
+        home.lock.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            home.path.rmdir()
+
+
+def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:
+    """An engine that reads each frame instead of integrating up to it."""
+    order: list[NDArray[np.int64]] = []
+    before = _read(name, series, 0)
+
+    def advance(parameters: Any, state: Any, workspace: Any, steps: int) -> int:
+        if not order:
+            order.append(_matched(state, before.position, name))
+        state.step[0] += steps
+        frame, rest = divmod(int(state.step[0]), parameters.steps_per_frame)
+        if rest:
+            return DONE
+        _write(state, _read(name, series, frame), order[0], parameters, frame)
+        return EXCHANGE
+
+    def _write(state: Any, found: Particles, place: NDArray[np.int64], parameters: Any, frame: int) -> None:
+        arrays = MODELS[scene.model].access.arrays(state)
+        if len(found.position) != len(place):
+            raise BadInput(f"{name}: frame {frame} has {len(found.position)} particles; expected {len(place)}")
+        dimensions = state.position.shape[1]
+        arrays["position"][...] = found.position[place, :dimensions]
+        arrays["velocity"][...] = 0.0 if found.velocity is None else found.velocity[place, :dimensions]
+        if faults := MODELS[scene.model].access.faults(scene, parameters, state):
+            raise BadInput(f"{name}: frame {frame}: {faults[0]}")
+        MODELS[scene.model].access.changed(state, True)
+
+    return lambda model: dataclasses.replace(model, advance=advance, exchange=lambda parameters, state: state)
+
+
+def _read(name: str, series: Series, frame: int) -> Particles:
+    try:
+        return series.read(frame)
+    except ValueError as fault:
+        raise BadInput(f"{name}: {fault}") from None
+
+
+def _matched(state: Any, position: Array, name: str) -> NDArray[np.int64]:
+    """The number in the file of each particle of the state, which stands where the file says."""
+    dimensions = state.position.shape[1]
+    found = cKDTree(position[:, :dimensions]).query(state.position)
+    distance, place = np.asarray(found[0], np.float64), np.asarray(found[1], np.int64)
+    extent = float(np.ptp(position, axis=0).max())
+    if len(np.unique(place)) != len(position) or distance.max() > SAME * extent:
+        raise BadInput(
+            f"{name}: the scene starts with {len(place)} particles at other positions; expected those of the file alone"
+        )
+    return place

@@ -1,0 +1,172 @@
+"""LAMMPS dumps of the styles atom, custom and yaml: frame after frame, each with the names of its columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.trajectories.foreign.particles import (
+    FileFault,
+    Particles,
+    frame_number,
+    number,
+    numbered,
+    require_count,
+    whole,
+)
+
+START, YAML = "ITEM: TIMESTEP", "---"
+POSITIONS = (("x", "y", "z"), ("xu", "yu", "zu"), ("xs", "ys", "zs"), ("xsu", "ysu", "zsu"))
+"""The names of the columns of positions: wrapped, unwrapped, and both of them in units of the box."""
+KINDS = ("type", "element")
+DENSITIES = ("density", "rho")
+AXES = 3
+
+
+class Table(NamedTuple):
+    """A frame: its box, and the words of each particle."""
+
+    box: list[list[float]]
+    """low and high along each axis, and the tilts behind them"""
+    columns: list[str]
+    rows: list[list[str]]
+    line: int
+    """of the first row"""
+
+
+def read(text: str, index: int = -1) -> Particles:
+    """The particles of a frame, in the order of their ids. Raises FileFault, or ValueError without a line."""
+    lines = text.splitlines()
+    starts = _starts(lines)
+    chosen = frame_number(index, len(starts))
+    end = [*starts, len(lines)][chosen + 1]
+    table_at = _yaml_table if lines[0] == YAML else _table
+    return _particles(table_at(lines[:end], starts[chosen]))
+
+
+def frames(text: str) -> int:
+    """The number of frames. Raises ValueError."""
+    return len(_starts(text.splitlines()))
+
+
+def _starts(lines: Sequence[str]) -> list[int]:
+    """The lines at which frames begin."""
+    start = YAML if lines[:1] == [YAML] else START
+    found = [place for place, line in enumerate(lines) if line.strip() == start]
+    if not found:
+        raise ValueError("has no frame; expected a LAMMPS dump of the style atom, custom or yaml")
+    return found
+
+
+def _table(lines: Sequence[str], place: int) -> Table:
+    """The frame that begins at a line."""
+    items: dict[str, tuple[list[str], int]] = {}
+    while place < len(lines):
+        words = lines[place].split()
+        place += 1
+        if words[:1] != ["ITEM:"]:
+            continue
+        name = "BOX BOUNDS" if words[1:3] == ["BOX", "BOUNDS"] else words[1] if len(words) > 1 else ""
+        items[name] = words, place
+    for name, called in (("NUMBER", "NUMBER OF ATOMS"), ("BOX BOUNDS", "BOX BOUNDS"), ("ATOMS", "ATOMS")):
+        if name not in items or (name != "ATOMS" and items[name][1] >= len(lines)):
+            raise ValueError(f"has a frame without ITEM: {called}")
+    at = items["NUMBER"][1]
+    count = whole(lines[at].strip(), at + 1, least=1)
+    bounds, (head, first) = items["BOX BOUNDS"][1], items["ATOMS"]
+    require_count(count, len(lines) - first, at + 1)
+    box = [_numbers(line.split(), bounds + axis + 1) for axis, line in enumerate(lines[bounds : bounds + AXES])]
+    return Table(box, head[2:], [line.split() for line in lines[first : first + count]], first + 1)
+
+
+def _yaml_table(lines: Sequence[str], place: int) -> Table:
+    """The frame of the style yaml that begins at a line."""
+    keys = {
+        line.split(":")[0]: at for at, line in enumerate(lines[place:], place) if line[:1].isalpha() and ":" in line
+    }
+    for name in ("natoms", "box", "keywords", "data"):
+        if name not in keys:
+            raise ValueError(f"has a frame without {name}")
+    count = whole(lines[keys["natoms"]].split(":")[1].strip(), keys["natoms"] + 1, least=1)
+    first = keys["data"] + 1
+    require_count(count, len(lines) - first, keys["natoms"] + 1)
+    at = keys["box"] + 1
+    box = [_numbers(_items(line), at + axis + 1) for axis, line in enumerate(lines[at : at + AXES])]
+    rows = [_items(line) for line in lines[first : first + count]]
+    return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1)
+
+
+def _items(line: str) -> list[str]:
+    """The items of a list in brackets."""
+    inside = line.partition("[")[2].rpartition("]")[0]
+    return [word for part in inside.split(",") if (word := part.strip())]
+
+
+def _numbers(words: Sequence[str], line: int) -> list[float]:
+    if len(words) not in (2, 3):
+        raise FileFault(f"got {len(words)} numbers; expected the low and the high end of the box", line)
+    return [number(word, line) for word in words]
+
+
+def _particles(table: Table) -> Particles:
+    for place, row in enumerate(table.rows):
+        if len(row) != len(table.columns):
+            raise FileFault(f"got {len(row)} columns; expected {len(table.columns)}", table.line + place)
+    place_of = {name: place for place, name in enumerate(table.columns)}
+    order = _order(table, place_of)
+    sides, tilt = _sides(table.box)
+    kinds = next((name for name in KINDS if name in place_of), None)
+    words = [table.rows[row][place_of[kinds]] if kinds else "1" for row in order]
+    names, kind = numbered(sorted(set(words), key=lambda word: (len(word), word)) + words)
+    given = {name: _column(table, place_of, name, order) for name in ("radius", "diameter", "mass", *DENSITIES)}
+    radius, density = given["radius"], given["density"] if given["density"] is not None else given["rho"]
+    diameter = given["diameter"] if radius is None else 2.0 * radius
+    velocity = _vectors(table, place_of, ("vx", "vy", "vz"), order)
+    position = _positions(table, place_of, order)
+    return Particles(names, kind[len(names) :], position, velocity, diameter, given["mass"], density, sides, tilt)
+
+
+def _order(table: Table, place_of: Mapping[str, int]) -> NDArray[np.int64]:
+    """The rows in the order of ids: a dump holds them in any order."""
+    ids = _column(table, place_of, "id", np.arange(len(table.rows)))
+    return np.arange(len(table.rows)) if ids is None else np.argsort(ids, kind="stable")
+
+
+def _sides(box: Sequence[Sequence[float]]) -> tuple[tuple[float, float, float], float]:
+    """The sides of the box and its largest tilt. The bounds of a tilted box contain the tilts."""
+    if len(box) < AXES:
+        raise ValueError("ends in the bounds of a box")
+    x, y, z = (ends[1] - ends[0] for ends in box)
+    return (x, y, z), max((abs(ends[2]) for ends in box if len(ends) > 2), default=0.0)
+
+
+def _positions(table: Table, place_of: Mapping[str, int], order: NDArray[np.int64]) -> NDArray[np.float64]:
+    for names in POSITIONS:
+        found = _vectors(table, place_of, names, order)
+        if found is not None:
+            low = np.array([ends[0] for ends in table.box])
+            sides = np.array([ends[1] - ends[0] for ends in table.box])
+            return low + sides * found if "s" in names[0] else found
+    raise FileFault(f"got the columns {' '.join(table.columns)[:60]}; expected x y z or xs ys zs", table.line - 1)
+
+
+def _vectors(
+    table: Table, place_of: Mapping[str, int], names: Sequence[str], order: NDArray[np.int64]
+) -> NDArray[np.float64] | None:
+    """Three columns; zero for z where a dump of two dimensions has none."""
+    found = [_column(table, place_of, name, order) for name in names]
+    if found[0] is None or found[1] is None:
+        return None
+    return np.column_stack([found[0], found[1], np.zeros(len(order)) if found[2] is None else found[2]])
+
+
+def _column(
+    table: Table, place_of: Mapping[str, int], name: str, order: NDArray[np.int64]
+) -> NDArray[np.float64] | None:
+    if name not in place_of:
+        return None
+    at = place_of[name]
+    return np.array([number(row[at], table.line + place) for place, row in enumerate(table.rows)])[order]

@@ -1,0 +1,159 @@
+"""Trajectories of other programs: dumps of LAMMPS and DCD files, read frame by frame."""
+
+import struct
+
+import numpy as np
+import pytest
+
+from ecume.trajectories.foreign import dcd, dumps
+from ecume.trajectories.foreign.particles import MOST_PARTICLES
+
+PLACES = np.array(
+    [[[1.0, 2.0, 0.0], [5.0, 2.0, 0.0], [9.5, -3.0, 0.0]], [[1.5, 1.75, 0], [5.5, 1.75, 0], [10, -3.25, 0]]]
+)
+"""(frames, particles, 3), in a box from (0, -5, -0.5) to (20, 5, 0.5)."""
+LOW, SIDES = np.array([0.0, -5.0, -0.5]), np.array([20.0, 10.0, 1.0])
+HEAD = "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n0 20\n-5 5\n-0.5 0.5\n"
+
+
+def dump(columns, row):
+    """A dump with the rows of each frame from the last particle to the first."""
+    text = ""
+    for step, places in enumerate(PLACES):
+        rows = [row(number + 1, "121"[number], place) for number, place in enumerate(places)][::-1]
+        text += HEAD.format(step=5 * step) + f"ITEM: ATOMS {columns}\n" + "".join(f"{one}\n" for one in rows)
+    return text
+
+
+def as_text(values):
+    """Numbers with blanks between them."""
+    return " ".join(f"{value:.17g}" for value in values)
+
+
+ATOM = dump("id type xs ys zs", lambda number, kind, place: f"{number} {kind} {as_text((place - LOW) / SIDES)}")
+CUSTOM = dump(
+    "id element xu yu vx vy radius mass",
+    lambda number, kind, place: f"{number} {'AB'[kind == '2']} {as_text(place[:2])} 0.5 -0.25 {number}.5 {number}",
+)
+YAML = "".join(
+    f"""---
+creator: LAMMPS
+timestep: {step}
+natoms: 3
+boundary: [ p, p, p, p, p, p, ]
+thermo:
+  - keywords: [ Step, Temp, ]
+  - data: [ 0, 2.5, ]
+box:
+  - [ 0, 20 ]
+  - [ -5, 5 ]
+  - [ -0.5, 0.5 ]
+keywords: [ id, type, x, y, z, diameter,  ]
+data:
+"""
+    + "".join(
+        f"  - [ {number + 1} , {'121'[number]} , {x} , {y} , {z} , {number + 1}, ]\n"
+        for number, (x, y, z) in enumerate(places)
+    )
+    + "...\n"
+    for step, places in enumerate(PLACES)
+)
+
+
+def record(content):
+    """A record of Fortran: its length, its content, its length."""
+    return struct.pack("<i", len(content)) + content + struct.pack("<i", len(content))
+
+
+def dcd_file(*, boxed=True, count=3):
+    """A DCD file with the frames."""
+    words = [0] * 20
+    words[0], words[10] = len(PLACES), int(boxed)
+    text = record(b"CORD" + struct.pack("<20i", *words)) + record(struct.pack("<i", 1) + b" " * 80)
+    text += record(struct.pack("<i", count))
+    for places in PLACES:
+        text += record(struct.pack("<6d", 20.0, 90.0, 10.0, 90.0, 90.0, 1.0)) if boxed else b""
+        text += b"".join(record(places[:, axis].astype("<f4").tobytes()) for axis in range(3))
+    return text
+
+
+@pytest.mark.parametrize("text", [ATOM, CUSTOM, YAML], ids=["atom", "custom", "yaml"])
+@pytest.mark.parametrize("frame", [0, 1, -1])
+def test_a_dump_holds_particles_in_the_order_of_their_ids(text, frame):
+    found = dumps.read(text, frame)
+    assert found.position == pytest.approx(PLACES[frame])
+    assert found.kind.tolist() == [0, 1, 0]
+    assert found.sides == tuple(SIDES)
+    assert found.tilt == 0.0
+
+
+def test_a_dump_holds_what_its_columns_name():
+    custom, other = dumps.read(CUSTOM), dumps.read(YAML)
+    assert custom.names == ("A", "B")
+    assert custom.velocity.tolist() == [[0.5, -0.25, 0.0]] * 3
+    assert custom.diameter.tolist() == [3.0, 5.0, 7.0]
+    assert custom.mass.tolist() == [1.0, 2.0, 3.0]
+    assert other.names == ("1", "2")
+    assert other.diameter.tolist() == [1.0, 2.0, 3.0]
+    assert other.velocity is other.mass is other.density is None
+
+
+def test_a_tilted_box_is_reported():
+    tilted = ATOM.replace("BOX BOUNDS pp", "BOX BOUNDS xy xz yz pp").replace("0 20\n", "0 20 -1.5\n")
+    assert dumps.read(tilted).tilt == 1.5
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "has no frame"),
+        (
+            ATOM.replace("NUMBER OF ATOMS\n3", "NUMBER OF ATOMS\n9"),
+            "line 16: announces 9 particles",
+        ),
+        (ATOM.replace("NUMBER OF ATOMS\n3", f"NUMBER OF ATOMS\n{MOST_PARTICLES + 1}"), "at most"),
+        (ATOM.replace("0 20", "0 inf"), "line 18: got 'inf'; expected a number"),
+        (ATOM.replace("xs ys zs", "fx fy fz"), "expected x y z"),
+        (ATOM.replace("ITEM: BOX", "ITEM: BAX"), "without ITEM: BOX BOUNDS"),
+        (CUSTOM.replace(" -0.25 ", " "), "got 7 columns; expected 8"),
+        (YAML.replace("natoms", "atoms"), "without natoms"),
+        (YAML.replace("  - [ 0, 20 ]", "  - [ 0 ]"), "expected the low and the high end"),
+    ],
+)
+def test_a_fault_of_a_dump_names_its_line(text, message):
+    with pytest.raises(ValueError, match=message):
+        dumps.read(text)
+
+
+@pytest.mark.parametrize("boxed", [True, False])
+def test_a_dcd_file_holds_positions_and_the_box(tmp_path, boxed):
+    (tmp_path / "a.dcd").write_bytes(dcd_file(boxed=boxed))
+    for frame in (0, 1, -1):
+        found = dcd.read(tmp_path / "a.dcd", frame)
+        assert found.position == pytest.approx(PLACES[frame], rel=1e-6)
+    assert found.sides == (tuple(SIDES) if boxed else None)
+    assert found.names == ("1",)
+    with pytest.raises(ValueError, match="has no frame 2; there are 0 to 1"):
+        dcd.read(tmp_path / "a.dcd", 2)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_damage_of_a_file_is_a_traceback(tmp_path, seed):
+    rng = np.random.default_rng(seed)
+    refused = 0
+    for original, read in ((dcd_file(), None), *((text.encode(), dumps) for text in (ATOM, CUSTOM, YAML))):
+        for _ in range(60):
+            data = bytearray(original)
+            for place in rng.integers(0, len(data), rng.integers(1, 4)):
+                data[place] = rng.integers(0, 256) if read is None else rng.integers(32, 127)
+            data = data[: rng.integers(len(data) // 2, len(data) + 1)]
+            try:
+                if read is None:
+                    (tmp_path / "a.dcd").write_bytes(data)
+                    found = dcd.read(tmp_path / "a.dcd", 0)
+                else:
+                    found = read.read(data.decode())
+                assert np.isfinite(found.position).all()
+            except ValueError:
+                refused += 1
+    assert refused > 50
