@@ -31,6 +31,7 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "dipoles": ("dipoles", {"particles": "magnetic_moment = 1e-10\n"}),
     "shapes": ("shapes", {"more": '[[particles]]\nradius = 3e-5\ndensity = 2000.0\ncontact_angle = 1.5\n'
                'positions = [[-1.5e-4, -5e-5]]\nshape = { kind = "ellipsoid", width = 2.5e-5 }\n'}),
+    "flow of neighbors": ("flow of neighbors", {"hydrodynamics": 'interaction = "rotne-prager"\n'}),
     "films": ("films", {"hydrodynamics": "lubrication = { roughness = 1e-8 }\n"}),
     "springs": ("contacts", {"contacts": 'law = "spring-dashpot"\nstiffness = 1.0\nrestitution = 0.5\n'}),
     "no contacts": ("contacts", {"contacts": 'law = "none"\n'}),
@@ -54,7 +55,7 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "added mass": ("mass", {"hydrodynamics": "added_mass = true\n"}),
 }  # fmt: skip
 """What it is a choice of, and the lines that a scene has for it, table by table."""
-SUPPORT = {"films": 'integrator = "overdamped"\n', "noise": 'integrator = "overdamped"\n'}
+SUPPORT = dict.fromkeys(("films", "noise", "flow of neighbors"), 'integrator = "overdamped"\n')
 """The integrator that an option takes where the other one chooses none."""
 NEW = {
     ("pair-corrected", "dipoles"),

@@ -12,7 +12,7 @@ import ecume.validation
 from ecume.errors import Diverged
 from ecume.laws import drag
 from ecume.trajectories.frame import Frame
-from ecume.validation import CASES, float_motion, integrators, meeting, rest, walls
+from ecume.validation import CASES, float_motion, hydrodynamics, integrators, meeting, rest, walls
 
 HOME = Path(ecume.validation.__file__).parent
 DATA = HOME / "data"
@@ -71,6 +71,15 @@ def test_every_kernel_is_one_and_has_the_tabled_values():
 def test_two_floats_meet_when_the_equation_of_motion_says_so():
     rows = CASES["meeting"].rows()
     assert len(rows) == 18
+    assert not missed(rows)
+
+
+@pytest.mark.compiled
+def test_rafts_and_floats_with_thermal_noise_move_as_their_mobility_says(monkeypatch):
+    monkeypatch.setattr(hydrodynamics, "RAFTS", (7, 19))
+    monkeypatch.setattr(hydrodynamics, "FRAMES", 8_000)
+    rows = [*hydrodynamics.rafts(), *hydrodynamics.common_motions(), *hydrodynamics.weights()]
+    assert len(rows) == 2 + 5 + 2
     assert not missed(rows)
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.units import Array, Lengths, Number, Viscosity
+from ecume.units import Array, Length, Lengths, Number, Viscosity
 
 MOST_SOLVED = 300
 """Floats of the largest raft whose speed is computed: a dense system of twice as many unknowns."""
@@ -31,12 +31,9 @@ class PairMobility(NamedTuple):
 
 
 def pair_mobility(separation: Lengths, radius: Lengths, other_radius: Lengths, viscosity: Viscosity) -> PairMobility:
-    """The Rotne-Prager-Yamakawa mobility of two spheres in unbounded liquid, positive definite at any separation.
+    """The Rotne-Prager-Yamakawa mobility of two spheres in unbounded liquid: `rotne_prager` over 6 pi eta.
 
-    (1/(8 pi eta r)) [(1 + s/(3 r^2)) I + (1 - s/r^2) e e^T] with s = a^2 + b^2 for separate spheres
-    [rotne1969]; the forms for unequal spheres that overlap, and for one inside the other, are those of [zuk2014].
-    Errors are of order (a/r)^4: 5 % for two touching spheres that move together. Approaching spheres need a film in
-    addition. `separation` of the centers, zero or positive; numbers or arrays.
+    Numbers or arrays; `separation` of the centers, zero or positive. [rotne1969; zuk2014].
 
     >>> near = pair_mobility(2.0, 1.0, 1.0, 1.0)
     >>> round(float(6.0 * math.pi * near.along), 12), round(float(6.0 * math.pi * near.across), 12)
@@ -48,20 +45,86 @@ def pair_mobility(separation: Lengths, radius: Lengths, other_radius: Lengths, v
             f"got separation {separation!r}, radii {radius!r} and {other_radius!r}, viscosity {viscosity!r}; "
             "expected positive numbers"
         )
-    unit, nearest = 1.0 / (math.pi * viscosity), np.where(r > np.abs(a - b), r, a + b)
-    strength, squares = unit / (8.0 * nearest), (a * a + b * b) / nearest**2
-    separate = strength * (1.0 + squares / 3.0), strength * (1.0 - squares)
-    strength, difference = unit / (6.0 * (a * b)) / (32.0 * nearest**3), (a - b) ** 2
-    overlapping = (
-        strength * (16.0 * nearest**3 * (a + b) - (difference + 3.0 * nearest**2) ** 2),
-        strength * 3.0 * (difference - nearest**2) ** 2,
-    )
-    inside = unit / (6.0 * np.maximum(a, b)), np.zeros_like(r)
-    cases = [r > a + b, r > np.abs(a - b)]
-    across, beyond = (
-        np.select(cases, [one, other], last) for one, other, last in zip(separate, overlapping, inside, strict=True)
-    )
-    return PairMobility(across, across + beyond)
+    across, along = np.vectorize(rotne_prager, otypes=[np.float64, np.float64])(r, a, b)
+    unit = 1.0 / (6.0 * math.pi * viscosity)
+    return PairMobility(unit * across, unit * along)
+
+
+def rotne_prager(separation: Length, radius: Length, other_radius: Length) -> tuple[float, float]:
+    """6 pi eta times the velocity per force of one sphere by a force on another (1/m): for forces across the line of
+    centers, and along it.
+
+    3/(4 r) [(1 + s/(3 r^2)) I + (1 - s/r^2) e e^T] with s = a^2 + b^2 for separate spheres [rotne1969]; the forms for
+    unequal spheres that overlap, and for one inside the other, are those of [zuk2014]. Positive definite at any
+    separation. Errors are of order (a/r)^4: 5 % for two touching spheres that move together. Approaching spheres need
+    a film in addition.
+
+    >>> rotne_prager(2.0, 1.0, 1.0), rotne_prager(0.0, 2.0, 1.0)
+    ((0.4375, 0.625), (0.5, 0.5))
+    """
+    r, a, b = separation, radius, other_radius
+    if r > a + b:
+        squares = (a * a + b * b) / (r * r)
+        return 0.75 / r * (1.0 + squares / 3.0), 0.75 / r * (2.0 - 2.0 * squares / 3.0)
+    if r > abs(a - b):
+        cube, difference = 32.0 * r * r * r * (a * b), (a - b) * (a - b)
+        across = (16.0 * r * r * r * (a + b) - (difference + 3.0 * r * r) ** 2) / cube
+        return across, across + 3.0 * (difference - r * r) ** 2 / cube
+    return 1.0 / max(a, b), 1.0 / max(a, b)
+
+
+def surface_divergence(separation: Length, radius: Length, other_radius: Length) -> float:
+    """6 pi eta times the divergence of the mobility of two spheres whose centers stay in one plane (1/m^2).
+
+    (M_across - M_along)/r, for the velocity of one sphere by forces on the other, with respect to the place of the
+    other and along the direction to it. In 3D the divergence is zero, since liquid is incompressible: dM_along/dr =
+    -2 (M_along - M_across)/r. A plane lacks one of the two transverse directions. Negative: the drift kT div M drives
+    spheres apart. [rotne1969].
+
+    >>> surface_divergence(2.0, 1.0, 1.0)
+    -0.09375
+    """
+    if separation == 0.0:
+        return 0.0
+    across, along = rotne_prager(separation, radius, other_radius)
+    return (across - along) / separation
+
+
+def spin_by_force(separation: Length, radius: Length, other_radius: Length) -> float:
+    """6 pi eta times the spin of a sphere per force on another, across the line of centers (1/m^2).
+
+    3/(4 r^2) for separate spheres; `radius` is that of the sphere that turns. The velocity of the other by a torque on
+    this one has the same coefficient. Overlapping spheres as in [zuk2014].
+
+    >>> spin_by_force(2.0, 1.0, 1.0)
+    0.1875
+    """
+    r, a, b = separation, radius, other_radius
+    if r > a + b:
+        return 0.75 / (r * r)
+    if r > abs(a - b):
+        shape = (a - b + r) ** 2 * (b * b + 2.0 * b * (a + r) - 3.0 * (a - r) ** 2)
+        return 0.375 * shape / (8.0 * r * r * a * a * a * b)
+    return 0.75 * r / (a * a * a) if a > b else 0.0
+
+
+def spin_by_torque(separation: Length, radius: Length, other_radius: Length) -> float:
+    """6 pi eta times the spin of a sphere per torque on another, both about an axis across the line of centers (1/m^3).
+
+    -3/(8 r^3) for separate spheres; overlapping ones as in [zuk2014].
+
+    >>> spin_by_torque(2.0, 1.0, 1.0), spin_by_torque(0.0, 1.0, 1.0)
+    (-0.046875, 0.75)
+    """
+    r, a, b = separation, radius, other_radius
+    if r > a + b:
+        return -0.375 / (r * r * r)
+    if r > abs(a - b):
+        squares, cubes, difference = a * a + b * b, a * a * a + b * b * b, (a - b) * (a - b)
+        shape = 5.0 * r**6 - 27.0 * r**4 * squares + 32.0 * r**3 * cubes - 9.0 * r * r * difference * (a + b) ** 2
+        shape -= difference * difference * (squares + 4.0 * a * b)
+        return 0.75 * shape / (64.0 * r**3 * (a * b) ** 3)
+    return 0.75 / max(a, b) ** 3
 
 
 def surface_mobility(position: Array, hydrodynamic_radius: Array, viscosity: Viscosity) -> Array:

@@ -148,6 +148,7 @@ EFFECTS = {
     "hydrodynamics.drag": of("none"),
     "hydrodynamics.added_mass": of(True),
     "hydrodynamics.brownian": of(True, integration=NOISE["integration"]),
+    "hydrodynamics.interaction": of("rotne-prager", liquid={"viscosity": 1.0}, integration=NOISE["integration"]),
     "hydrodynamics.lubrication.roughness": of(1e-5, **FILMS),
     "hydrodynamics.lubrication.cutoff": of(2.5, **FILMS),
     "contacts.restitution": of(0.9, **IMPACT),

@@ -107,5 +107,9 @@ def test_the_missing_hydrodynamic_interaction_is_announced_with_its_size(count, 
     assert drift_of_rafts(count) == [f"up to {factor} times too slow"]
 
 
+def test_rafts_with_hydrodynamic_interaction_are_announced_with_their_speed():
+    assert drift_of_rafts(19, interaction="rotne-prager") == ["up to 6.1 times a single float"]
+
+
 def test_pairs_and_floats_without_drag_form_no_raft_that_is_too_slow():
     assert drift_of_rafts(2) == drift_of_rafts(19, drag="none") == []

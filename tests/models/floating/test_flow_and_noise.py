@@ -102,6 +102,18 @@ def test_warm_floats_take_steps_small_beside_their_radius():
     assert diffusion_step(FLOATING.parameters(creeping(f"[[particles]]\n{SMALL}{ALONE}"))) == math.inf
 
 
+def test_the_longest_step_of_noise_fits_into_the_neighbor_lists():
+    """In its own step, not one that short frames limit."""
+    places = [[0.0, 0.0], [1e-4, 0.0]]
+    for radius in (1e-6, 2e-5):
+        floats = f"[[particles]]\nradius = {radius}\ndensity = 1500.0\ncontact_angle = 1.2\npositions = {places}\n"
+        scene = creeping(floats + ALONE, 300.0, duration=1e4, frame_every=1e4)
+        parameters = FLOATING.parameters(scene)
+        state = FLOATING.start(scene, parameters)
+        assert parameters.time_step > 0.9 * diffusion_step(parameters)
+        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 40) == 0
+
+
 @pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])
 @pytest.mark.parametrize(
     ("flow", "velocity"),

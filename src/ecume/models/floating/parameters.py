@@ -44,6 +44,8 @@ class Scheme(NamedTuple):
     """contacts are solved a second time, on the velocity at the end of the step"""
     forces_at_end: bool
     """forces are evaluated at the end of each step"""
+    drags_along: bool = True
+    """a current acts as a force, its drag; otherwise the integrator adds it to the velocities"""
 
 
 class Kick(NamedTuple):
@@ -126,6 +128,8 @@ class Parameters(NamedTuple):
     """s: the shortest time scale of the parts, which limits the time step beside the pair law"""
     stiffer: float = 1.0
     """the stiffness of the parts over that of superposition, at most"""
+    collective: float = 1.0
+    """the speed of a raft of all floats over that of a single one under the same force per float, at most"""
     single: bool = False
     """whether pair forces are computed in single precision"""
     periods: Array = np.zeros((2, 2))

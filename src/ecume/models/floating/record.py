@@ -45,7 +45,7 @@ def laws_of(scene: Any) -> list[Source]:
         resistance = [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []
     laws += [brownian.diffusivity] if scene.hydrodynamics.brownian else []
-    return [*laws, *chosen.contacts.laws]
+    return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:

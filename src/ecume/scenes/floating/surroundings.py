@@ -259,9 +259,9 @@ class LubricationSpec:
     roughness: Size
     """The gap below which the film no longer becomes thinner (m). Effect: smaller values slow down the last
     approach: smooth spheres never touch."""
-    cutoff: Annotated[Number, Field(gt=2.0, le=1e3)] = 4.0
-    """The largest distance of two centers with a film between them, in radii. Effect: larger values include more
-    pairs and cost more time."""
+    cutoff: Annotated[Number, Field(gt=2.0, le=1e3)] | None = None
+    """The largest distance of two centers with a film between them, in radii; by default 4, and 6 with
+    `hydrodynamics.interaction`. Example: `10.0`. Effect: larger values include more pairs and cost more time."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -289,6 +289,10 @@ class HydrodynamicsSpec:
     lubrication: LubricationSpec | None = None
     """Lubrication films between approaching floats; by default the drag on each float is that of a lone one. Effect:
     slows down approach and separation at small gaps."""
+    interaction: LawName = "none"
+    """The interaction of floats through the flow of the liquid: `none`, where each float has the drag of a single one,
+    or `rotne-prager`, with the integrator `overdamped`. Example: `"rotne-prager"`. Effect: rafts move faster than
+    single floats, and floats carry their neighbors along."""
     brownian: Switch = False
     """Brownian motion at the temperature of the liquid; requires the integrator `overdamped`. Effect: adds thermal
     noise, which disperses floats below a few micrometers."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,12 @@ from ecume.laws import contact
 from ecume.models.floating.contacts.collisions import Impulses, collide, constrain_velocities, separate
 from ecume.models.floating.contacts.friction import Friction, friction_at_step, friction_of, make_friction_scratch
 from ecume.models.floating.contacts.springs import Springs, push_at_end, push_before_drift, spring_energies, springs_of
+from ecume.models.floating.coupled.contacts import (
+    CoupledImpulses,
+    collide_coupled,
+    rubbing_impulses_of,
+    smooth_impulses_of,
+)
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import Outlined, Shaped
@@ -51,21 +57,19 @@ def no_energy(part: Any, own: Any, parameters: Parameters, state: State, workspa
     return 0.0, 0.0
 
 
-def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
+def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, moving: Any) -> Any:
     """Return an empty workspace for contacts without friction."""
     return ()
 
 
-def friction_scratch(
-    part: Friction, parameters: Parameters, state: State, workspace: Workspace, interactions: Any
-) -> Any:
+def friction_scratch(part: Friction, parameters: Parameters, state: State, workspace: Workspace, moving: Any) -> Any:
     """Return the workspace for tangential impulses and spins."""
     return make_friction_scratch(part, parameters, state, workspace)
 
 
-def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
-    """Return the workspace of the floats with a shape."""
-    return interactions[0]
+def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, moving: Any) -> Any:
+    """Return the workspace of the integrator."""
+    return moving
 
 
 def unchanged_state(state: State) -> State:
@@ -100,6 +104,7 @@ class ContactModel(Option):
     find: Callable[..., int] = all_listed
     """find(part, scratch, parameters, state, workspace): list possible contacts of this step; `DONE` or `CROWDED`"""
     scratch: Callable[..., Any] = no_scratch
+    """scratch(part, parameters, state, workspace, workspace of the integrator): the workspace"""
     state: Callable[[State], State] = unchanged_state
     inertia: Callable[[Any], Array | None] = lambda part: None
     """inertia(part): of floats that contacts turn (kg m^2), (N,)"""
@@ -130,12 +135,12 @@ ENDS = "contacts act on the velocity at the ends of a step"
 CONTACTS = {
     "none": ContactModel(
         path="contacts.law", name="'none'", constants=NoContacts, make=_simple(NoContacts()),
-        gives=frozenset({"shared contacts", "lubricated"}), laws=(),
+        gives=frozenset({"shared contacts", "lubricated", "full mobility"}), laws=(),
     ),
     "impulse": ContactModel(
         path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
         before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"shared contacts", "lubricated"}),
+        gives=frozenset({"shared contacts", "lubricated", "full mobility"}),
     ),
     "legacy": ContactModel(
         path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
@@ -147,7 +152,7 @@ CONTACTS = {
         path="contacts.friction", name="friction", constants=Friction, make=friction_of, at_step=friction_at_step,
         before_drift=collide, after_drift=separate, at_end=constrain_velocities, scratch=friction_scratch,
         state=with_friction_impulses,
-        inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"lubricated"}),
+        inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"lubricated", "full mobility"}),
         needs={
             "reciprocal": "spins take what the law's momentum lacks",
             "kicks spins": "angles and spins go with the kicks of the velocities",
@@ -169,8 +174,16 @@ CONTACTS = {
         before_drift=collide_outlines, after_drift=separate_outlines, at_end=constrain_outline_velocities,
         find=find_outline_contacts, scratch=shared_scratch, gaps=_outline_gaps,
     ),
+    "coupled": ContactModel(
+        path="contacts.law", name="contacts of floats that interact through the liquid", constants=CoupledImpulses,
+        make=smooth_impulses_of, before_drift=collide_coupled, after_drift=separate,
+        scratch=shared_scratch, state=with_friction_impulses,
+        inertia=lambda part: np.asarray(part.inertia) if len(part.inertia) else None,
+    ),
 }  # fmt: skip
 """By the name of the choice."""
+
+CONTACTS["coupled friction"] = replace(CONTACTS["coupled"], path="contacts.friction", make=rubbing_impulses_of)
 
 BY_CONSTANTS: dict[type, ContactModel] = {row.constants: row for row in reversed(CONTACTS.values())}
 

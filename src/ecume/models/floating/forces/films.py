@@ -31,6 +31,9 @@ NODES = 1024
 CLOSEST = 1e-6
 """Smallest gap over R in the table for smooth floats."""
 
+REACH = 4.0
+"""Default distance of centers, in radii, beyond which there is no film."""
+
 TOLERANCE = 1e-10
 """Residual of the velocities over its initial value."""
 
@@ -78,6 +81,18 @@ def film_excess(films: Films, gap: float) -> float:
 
 
 @compiled
+def reduced_float(parameters: Parameters, i: int, j: int) -> tuple[float, float]:
+    """The radius (m) and the friction (N s/m) of the two equal floats that a pair counts as: twice the reduced radius,
+    and the mean friction per radius.
+    """
+    floats = parameters.floats
+    radius = 2.0 * floats.radius[i] * floats.radius[j] / (floats.radius[i] + floats.radius[j])
+    drag_i = floats.mass[i] / (floats.relaxation_time[i] * floats.radius[i])
+    drag_j = floats.mass[j] / (floats.relaxation_time[j] * floats.radius[j])
+    return radius, 0.5 * (drag_i + drag_j) * radius
+
+
+@compiled
 def find_films(films: Films, parameters: Parameters, position: Array, lists: NeighborLists) -> Pairs:
     """All pairs with a film, ordered by the slot of i. Unequal floats count as two of twice the reduced radius."""
     order, first, neighbor, floats = lists.cells.order, lists.rows.first, lists.rows.neighbor, parameters.floats
@@ -93,15 +108,13 @@ def find_films(films: Films, parameters: Parameters, position: Array, lists: Nei
                 j = order[neighbor[place]]
                 x, y = apart(position, i, j, periods)
                 distance = math.sqrt(x * x + y * y)
-                radius = 2.0 * floats.radius[i] * floats.radius[j] / (floats.radius[i] + floats.radius[j])
+                radius, friction = reduced_float(parameters, i, j)
                 gap = (distance - floats.radius[i] - floats.radius[j]) / radius
                 if i < j and gap < films.reach - 2.0 and distance > 0.0:
                     if writing == 1:
-                        drag_i = floats.mass[i] / (floats.relaxation_time[i] * floats.radius[i])
-                        drag_j = floats.mass[j] / (floats.relaxation_time[j] * floats.radius[j])
                         pairs.first[found], pairs.second[found] = i, j
                         pairs.along[found, 0], pairs.along[found, 1] = x / distance, y / distance
-                        pairs.friction[found] = 0.25 * (drag_i + drag_j) * radius * film_excess(films, gap)
+                        pairs.friction[found] = 0.5 * friction * film_excess(films, gap)
                     found += 1
     return pairs
 
@@ -170,7 +183,12 @@ def apply_films(part: Films, own: Any, parameters: Parameters, state: State, wor
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Return the films of a scene."""
+    films = films_within(parameters, scene, REACH)
+    return Built(films, reach=films.reach * float(parameters.floats.radius.max()))
+
+
+def films_within(parameters: Parameters, scene: FloatingScene, reach: float) -> Films:
+    """Return the table of a scene; `reach` is that of films by default, in radii."""
     given = scene.hydrodynamics.lubrication
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen films
-    largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())
-    return Built(make_films(given.roughness / smallest, given.cutoff), reach=given.cutoff * largest)
+    return make_films(given.roughness / float(parameters.floats.radius.min()), given.cutoff or reach)

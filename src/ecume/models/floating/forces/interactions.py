@@ -6,7 +6,7 @@ A part is a NamedTuple of constants, and its type is the key of its row. `evalua
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles
+from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.dipoles import (
     DipoleMoments,
     dipole_energies,
@@ -205,6 +206,8 @@ class Resistance(Option):
     """make(parameters without parts, scene). Raises SceneError"""
     slow: Callable[..., None]
     """slow(part, scratch, parameters, state, workspace): change velocities and midstep velocities after a kick"""
+    scratch: Callable[[Any], Any] = lambda moving: ()
+    """scratch(workspace of the integrator): the workspace"""
 
 
 RESISTANCES = {
@@ -221,6 +224,11 @@ RESISTANCES = {
     ),
 }  # fmt: skip
 """By the name of the choice."""
+
+RESISTANCES["coupled films"] = replace(
+    RESISTANCES["films"], constants=CoupledFilms, make=coupled_films_of, slow=apply_coupled_films,
+    scratch=lambda moving: moving,
+)  # fmt: skip
 
 RESISTANCES_BY_CONSTANTS: dict[type, Resistance] = {row.constants: row for row in RESISTANCES.values()}
 
@@ -241,7 +249,7 @@ def evaluate(
     clear(force)
     sort_positions(lists, position)
     add_forces(parts.interactions, scratch.interactions, parameters, position, lists, force)
-    if parameters.drift.flows:
+    if parameters.drift.flows and parameters.scheme.drags_along:
         add_flow(parameters, position, force)
 
 

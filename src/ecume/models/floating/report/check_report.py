@@ -10,14 +10,15 @@ import numpy as np
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS
-from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import Parameters, part_of
+from ecume.models.floating.setup.hydrodynamic_interaction import HYDRODYNAMICS
 from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
+from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
 from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import liquid_of
@@ -130,22 +131,21 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
-    """How much too slow rafts are, since each float has the drag of a single one."""
+    """The speed of rafts, with or without hydrodynamic interaction."""
     spheres = sum(species.count for species in scene.particles if species.shape is None) + len(scene.rows)
     viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
     gathers = PAIR_LAWS[str(scene.interaction.law)].menisci
     if not (viscous and gathers) or spheres < FEWEST_IN_RAFT:
         return []
-    largest = min(spheres, MOST_SOLVED)
-    slow = f"up to {raft_speed_factor(largest):.2g} times too slow"
-    why = f"compact rafts of {largest} in creeping flow: hydrodynamic interaction is not included"
-    return [("drift of rafts", slow, why)]
+    return [("drift of rafts", *HYDRODYNAMICS[scene.hydrodynamics.interaction].raft_speeds(spheres))]
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     good, steps = good_step(parameters, scene), last_step(scene, parameters.steps_per_frame)
     cost = frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS), steps)
-    summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
+    moving = parameters.parts.integrator
+    pairs = INTEGRATORS_BY_CONSTANTS[type(moving)].pairs_worth(moving)
+    summing = PER_PAIR * (pairs + sum(row.pairs_worth(part) for part, row in interactions_of(parameters)))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),

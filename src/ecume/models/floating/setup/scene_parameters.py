@@ -23,7 +23,6 @@ from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     INTERACTIONS,
     METHODS,
-    RESISTANCES,
     RESISTANCES_BY_CONSTANTS,
     Interaction,
     Resistance,
@@ -39,18 +38,33 @@ from ecume.models.floating.forces.pair_forces import (
 )
 from ecume.models.floating.options import Built, Option, faults_of, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
+from ecume.models.floating.setup.hydrodynamic_interaction import (
+    HYDRODYNAMICS,
+    HydrodynamicInteraction,
+    warn_of_fast_floats,
+)
 from ecume.models.floating.setup.kinds import floats_of, moments_of
 from ecume.models.floating.setup.periodic_cell import boundary_of, periods_in, require_room
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
-from ecume.models.floating.time_integration.integrators import INTEGRATORS, SCHEMES, Integrator
-from ecume.models.floating.time_integration.step_size import good_step, kick_of, step_of
+from ecume.models.floating.time_integration.integrators import (
+    INTEGRATORS,
+    INTEGRATORS_BY_CONSTANTS,
+    SCHEMES,
+    Integrator,
+)
+from ecume.models.floating.time_integration.step_size import GOOD, NOISE_DEVIATIONS, good_step, kick_of, step_of
 from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.walls.wall_laws import is_far_field
 from ecume.models.limits import within_steps
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+SKIN_OVER_NOISE = 5.0 * NOISE_DEVIATIONS * GOOD
+"""The skin of neighbor lists with thermal noise, over the largest radius: a float moves at most a fifth of it in one of
+the longest steps by noise.
+"""
 
 SLOP = 1e-4
 """Tolerated overlap, over the smallest radius."""
@@ -66,6 +80,7 @@ def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -
     parameters, requested = _parameters_with(scene, chosen, 1.0), scene.integration.time_step
     longer = 1.0 if requested is None else requested / good_step(parameters, scene)
     # Floats that move farther in a step require lists with a longer range.
+    warn_of_fast_floats(chosen.hydrodynamics, parameters, scene)
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
 
 
@@ -95,7 +110,8 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     turned = next((found for row, each in zip(chosen.interactions, built, strict=False)
                    if (found := inertia_by(each.part)) is not None), None)  # fmt: skip
     contacts = chosen.contacts.at_step(touching.part, timed, turned)
-    integrator = chosen.integrator.constants()
+    spinning = turned is not None or chosen.contacts.inertia(contacts) is not None
+    integrator = chosen.hydrodynamics.make(timed, scene, spinning) or chosen.integrator.constants()
     if scene.shaped:
         integrator = RigidKicks(parts[0].inertia, parts[0].friction)
     return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts, EveryRow()))
@@ -130,8 +146,8 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         raise scene_error("particles", str(error)) from None
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
-    walls, scheme = walls_of(scene.dish), chosen.integrator.scheme
-    skin = longer * max(0.2 * largest, min(0.4 * length, largest))
+    walls, scheme = walls_of(scene.dish), chosen.hydrodynamics.moves(chosen.integrator).scheme
+    skin = longer * max(0.2 * largest, min(0.4 * length, largest), SKIN_OVER_NOISE * (drift.thermal > 0.0) * largest)
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     return Parameters(
         time_step=0.0,
@@ -154,6 +170,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         slop=SLOP * smallest,
         drift=drift,
         quickest=1.0 / swings if swings > 0.0 else math.inf,
+        collective=chosen.hydrodynamics.collective(len(floats.mass)),
         single=scene.interaction.precision == "single",
         periods=periods_in(scene),
     )
@@ -169,6 +186,7 @@ def _check_names(scene: FloatingScene) -> None:
     choices = [
         ("integration.integrator", scene.integration.integrator, SCHEMES),
         ("hydrodynamics.drag", str(scene.hydrodynamics.drag), (*DRAG_LAWS, "none")),
+        ("hydrodynamics.interaction", scene.hydrodynamics.interaction, tuple(HYDRODYNAMICS)),
         ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
         ("interaction.law", str(scene.interaction.law), NAMES),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
@@ -212,6 +230,7 @@ class Chosen(NamedTuple):
     contacts: ContactModel
     """the contacts in the scene; floats with a shape have other contacts"""
     requested_contacts: ContactModel
+    hydrodynamics: HydrodynamicInteraction
     grid_allowed: bool
     """whether a grid can be chosen automatically"""
 
@@ -229,15 +248,17 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += [] if method == "superposition" and scene.shaped else [method]
     names += ["grid"] if scene.interaction.summation == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
-    films = [RESISTANCES["films"]] if scene.hydrodynamics.lubrication is not None else []
-    requested = CONTACTS[_contacts_of(scene)]
+    hydrodynamics, touching = HYDRODYNAMICS[scene.hydrodynamics.interaction], _contacts_of(scene)
+    films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
+    requested = CONTACTS[touching]
     plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
     return Chosen(
         integrator=integrator,
         interactions=tuple(INTERACTIONS[name] for name in names),
         resistances=tuple(films),
-        contacts=CONTACTS["outlines"] if scene.shaped else requested,
+        contacts=CONTACTS["outlines"] if scene.shaped else hydrodynamics.contact_model(touching),
         requested_contacts=requested,
+        hydrodynamics=hydrodynamics,
         # With forces within a step, four sums per step are still less work in compiled code.
         grid_allowed=plain and "kicks at the ends" in integrator.gives,
     )
@@ -263,7 +284,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
     """All options of a scene that have capabilities or needs."""
     hydrodynamics, law = scene.hydrodynamics, str(scene.interaction.law)
     rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.requested_contacts]
-    surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene)]
+    surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene), chosen.hydrodynamics]
     active = [
         (hydrodynamics.brownian, NOISE),
         (hydrodynamics.drag == DRAG_LAWS[1], FAST_DRAG),
@@ -378,7 +399,8 @@ def memory_estimate(parameters: Parameters) -> float:
     count = len(parameters.floats.radius)
     packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
     grid = BYTES_PER_POINT * sum(row.points(part) for part, row in interactions_of(parameters))
-    return grid + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
+    moving = INTEGRATORS_BY_CONSTANTS[type(parameters.parts.integrator)].memory(parameters.parts.integrator)
+    return grid + moving + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 
 def _require_memory(count: int, wanted: float) -> None:

@@ -10,6 +10,7 @@ random force and of the drag together along a path is -F o dx of all other force
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ecume._jit import compiled
 from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
@@ -61,9 +62,14 @@ def power_of_dish(parameters: Parameters, midstep_velocity: Array, time: float) 
 
 
 @compiled
-def add_work(parameters: Parameters, state: State, midstep_velocity: Array) -> None:
+def add_work_of_kicks(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the work of one step, by the forces at its midpoint."""
-    drift, tally, time = parameters.drift, state.tally, parameters.time_step
+    drift, tally, time, midstep_velocity = (
+        parameters.drift,
+        state.tally,
+        parameters.time_step,
+        workspace.midstep_velocity,
+    )
     # States of former versions have no such entry.
     if len(tally) <= WORK:
         return

@@ -11,7 +11,6 @@ parts select the functions of their rows when the step is compiled.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -31,17 +30,27 @@ from ecume.models.floating.contacts.contact_models import (
 )
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
+    RESISTANCES_BY_CONSTANTS,
     apply_resistances,
     evaluate,
     interactions_of,
     kick_spins,
     sort_parts,
 )
-from ecume.models.floating.parameters import Kick, Parameters, Parts, Scratch
-from ecume.models.floating.shaped.bodies import RigidKicks
+from ecume.models.floating.parameters import Parameters, Parts, Scratch
 from ecume.models.floating.state import State, Workspace, copy_rows
-from ecume.models.floating.time_integration.energy_budget import add_heat, add_work, is_driven
-from ecume.models.floating.time_integration.integrators import begin, bound_travel, finish, move, predict, store
+from ecume.models.floating.time_integration.energy_budget import add_heat, is_driven
+from ecume.models.floating.time_integration.integrators import (
+    INTEGRATORS_BY_CONSTANTS,
+    add_work,
+    begin,
+    bound_travel,
+    finish,
+    highest_speed,
+    move,
+    predict,
+    store,
+)
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 
@@ -150,24 +159,11 @@ LISTS: dict[type, Callable[..., bool]] = {EveryRow: renew_lists}
 renew = selected(lambda kind: LISTS[kind])
 
 
-@compiled
-def highest_speed(kick: Kick, velocity: Array, force: Array) -> float:
-    """The highest possible midstep speed of any float, without contacts; NaN if any speed is NaN."""
-    fastest = 0.0
-    for i in range(velocity.shape[0]):
-        # A velocity that drag stops at once moves no float.
-        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
-        speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
-        # Written so that a NaN is kept.
-        if fastest == fastest and not speed <= fastest:
-            fastest = speed
-    return fastest
-
-
 @composed
 def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """Make new lists before the old ones become invalid; only the reference positions of the state change."""
-    status = list_status(parameters, state, workspace)
+    speed = highest_speed(parts.integrator, scratch.integrator, parameters, state, workspace)
+    status = list_status(parameters, state, workspace, speed)
     if status != CROWDED:
         return status
     copy_rows(workspace.stages[0], state.reference)
@@ -179,10 +175,11 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
 
 
 @compiled_inside
-def list_status(parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Return `DONE` if lists are valid for another step, `CROWDED` if not, `DIVERGED` if no list can be."""
-    ahead = parameters.time_step * highest_speed(parameters.kick, state.velocity, workspace.force)
-    ahead += parameters.drift.jump
+def list_status(parameters: Parameters, state: State, workspace: Workspace, speed: float) -> int:
+    """Return `DONE` if lists are valid for another step at this highest speed, `CROWDED` if not, `DIVERGED` if no list
+    can be.
+    """
+    ahead = parameters.time_step * speed + parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
     workspace.travel[0] = ahead
     if not ahead <= 0.25 * parameters.skin:
@@ -200,7 +197,7 @@ def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, w
     contacts_before_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
     driven = is_driven(parameters)
     if driven:
-        add_work(parameters, state, workspace.midstep_velocity)
+        add_work(parts.integrator, scratch.integrator, parameters, state, workspace)
         add_heat(parameters, state, workspace)
     move(parts.integrator, scratch.integrator, parameters, state, workspace)
     contacts_after_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
@@ -266,10 +263,10 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
     """Allocate the workspaces of all parts."""
     parts = parameters.parts
     own = tuple(row.scratch(part, parameters, state, workspace) for part, row in interactions_of(parameters))
-    touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, own)
-    return Scratch(
-        own[0] if isinstance(parts.integrator, RigidKicks) else (), own, ((),) * len(parts.resistances), touching
-    )
+    moving = INTEGRATORS_BY_CONSTANTS[type(parts.integrator)].scratch(parts.integrator, own)
+    touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, moving)
+    slowing = tuple(RESISTANCES_BY_CONSTANTS[type(part)].scratch(moving) for part in parts.resistances)
+    return Scratch(moving, own, slowing, touching)
 
 
 def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:

@@ -13,6 +13,13 @@ from ecume.laws import brownian, dish_motion, drag
 from ecume.laws.brownian import diffusivity
 from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
 from ecume.laws.drag import schiller_naumann_factor
+from ecume.models.floating.coupled.mobility import (
+    CoupledKicks,
+    coupled_memory,
+    coupled_pairs,
+    make_coupled_scratch,
+)
+from ecume.models.floating.coupled.motion import add_coupled_work, fastest_coupled, finish_coupled, predict_coupled
 from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.forces.interactions import evaluate
 from ecume.models.floating.options import Option
@@ -27,6 +34,7 @@ from ecume.models.floating.shaped.rigid_motion import (
     store_rigid,
 )
 from ecume.models.floating.state import State, Workspace, advance_rows, clear, copy_rows
+from ecume.models.floating.time_integration.energy_budget import add_work_of_kicks
 from ecume.models.model import DONE
 from ecume.units import Array
 
@@ -206,6 +214,20 @@ def finish_stoermer(part: Any, scratch: Any, parameters: Parameters, state: Stat
 
 
 @compiled
+def fastest_kicked(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> float:
+    """The highest possible midstep speed of any float, without contacts; NaN if any speed is NaN."""
+    kick, velocity, force, fastest = parameters.kick, state.velocity, workspace.force, 0.0
+    for i in range(velocity.shape[0]):
+        # A velocity that drag stops at once moves no float.
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
+        speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
+        # Written so that a NaN is kept.
+        if fastest == fastest and not speed <= fastest:
+            fastest = speed
+    return fastest
+
+
+@compiled
 def drift_straight(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Advance positions with the midstep velocities."""
     advance_rows(state.position, workspace.midstep_velocity, parameters.time_step)
@@ -248,6 +270,16 @@ class Integrator(Option):
     """bound_travel(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED"""
     store: Callable[..., None] = no_storage
     """store(part, scratch, state): write velocities into the state at the end of a step"""
+    highest_speed: Callable[..., float] = fastest_kicked
+    """highest_speed(part, scratch, parameters, state, workspace): without contacts and noise"""
+    add_work: Callable[..., None] = add_work_of_kicks
+    """add_work(part, scratch, parameters, state, workspace): the work of currents and of a moving dish in a step"""
+    scratch: Callable[[Any, tuple[Any, ...]], Any] = lambda part, interactions: ()
+    """scratch(part, workspaces of the interactions): the workspace"""
+    pairs_worth: Callable[[Any], float] = lambda part: 0.0
+    """pairs_worth(part): work of a time step in addition to lists, in pairs"""
+    memory: Callable[[Any], float] = lambda part: 0.0
+    """memory(part): bytes in addition to those of each float"""
 
 
 KICK_CAPABILITIES = frozenset({"kicks at the ends", "fast drag", "sways", "kicks spins", "keeps inertia"})
@@ -291,20 +323,35 @@ RIGID = Integrator(
     slot="rigid integrator", path="particles", name="a float with a shape",
     scheme=Scheme(True, True, False, True, True),
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
-    bound_travel=bound_rigid_travel, store=store_rigid,
+    bound_travel=bound_rigid_travel, store=store_rigid, scratch=lambda part, interactions: interactions[0],
 )  # fmt: skip
 """Replaces the functions of an integrator for floats with a shape."""
 
-BY_CONSTANTS: dict[type, Integrator] = {row.constants: row for row in (*INTEGRATORS.values(), RIGID)}
+COUPLED = Integrator(
+    slot="coupled integrator", path="hydrodynamics.interaction", name="hydrodynamic interaction",
+    scheme=INTEGRATORS["overdamped"].scheme._replace(drags_along=False),
+    constants=CoupledKicks, predict=predict_coupled, finish=finish_coupled, highest_speed=fastest_coupled,
+    add_work=add_coupled_work, scratch=lambda part, interactions: make_coupled_scratch(part),
+    pairs_worth=coupled_pairs, memory=coupled_memory,
+)  # fmt: skip
+"""Replaces the functions of the overdamped integrator for floats that interact through the liquid."""
 
-predict = selected(lambda kind: BY_CONSTANTS[kind].predict)
+INTEGRATORS_BY_CONSTANTS: dict[type, Integrator] = {
+    row.constants: row for row in (*INTEGRATORS.values(), RIGID, COUPLED)
+}
 
-finish = selected(lambda kind: BY_CONSTANTS[kind].finish)
+predict = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].predict)
 
-move = selected(lambda kind: BY_CONSTANTS[kind].move)
+finish = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].finish)
 
-begin = selected(lambda kind: BY_CONSTANTS[kind].begin)
+move = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].move)
 
-bound_travel = selected(lambda kind: BY_CONSTANTS[kind].bound_travel)
+begin = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].begin)
 
-store = selected(lambda kind: BY_CONSTANTS[kind].store)
+bound_travel = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].bound_travel)
+
+store = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].store)
+
+highest_speed = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].highest_speed)
+
+add_work = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].add_work)

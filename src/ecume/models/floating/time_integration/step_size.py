@@ -59,7 +59,8 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     # The strongest charge with the smallest or largest radius bounds all partners: a table of a thousand floats
     # requires two thousand evaluations.
     strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
-    wall = wall_stiffness(parameters)
+    # Walls pull rafts as a whole, which the liquid lets move faster; pair forces relax by relative motion.
+    wall = parameters.collective * wall_stiffness(parameters)
     stiffness = [
         2.0 * RAFT_NEIGHBORS * max(pair_stiffness(parameters, (radius, other), (felt, strongest)) for other in extremes)
         + wall
@@ -93,7 +94,8 @@ def attraction_speed(parameters: Parameters) -> float:
     mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
     area = math.pi * float(np.sum(floats.radius**2)) / PACKED
     walls = np.abs(parameters.wall_strength).sum(axis=0) / length
-    return float(np.max(mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)))
+    pulled = mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)
+    return parameters.collective * float(np.max(pulled))
 
 
 def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:

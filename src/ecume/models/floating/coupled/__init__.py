@@ -1,0 +1,5 @@
+"""Floats that move one another by the flow of the liquid: overdamped motion with a full mobility matrix.
+
+`mobility` fills the matrix and multiplies by it (read first), `motion` is the integrator, `contacts` solves contacts
+and friction, `films` adds the near field of pairs.
+"""

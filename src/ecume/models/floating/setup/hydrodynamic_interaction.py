@@ -1,0 +1,145 @@
+"""The table of hydrodynamic interactions: whether and how floats move one another by the flow of the liquid."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ecume.laws import pair_mobility
+from ecume.laws.drag import particle_reynolds
+from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
+from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
+from ecume.models.floating.contacts.friction import turning_friction_of
+from ecume.models.floating.coupled.mobility import CoupledKicks, hydrodynamic_radius
+from ecume.models.floating.forces.interactions import RESISTANCES, Resistance
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.options import Option
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.setup.kinds import distinct_kinds
+from ecume.models.floating.time_integration.integrators import COUPLED, Integrator
+from ecume.models.liquids import liquid_of
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+CROWD = 1.7
+"""Speed of a compact raft over that of a single float, over the square root of the number of floats: that of a flat
+disc of the same area, 9 pi/16 sqrt(0.9069), which smaller rafts do not reach.
+"""
+
+
+class ReynoldsWarning(UserWarning):
+    """Floats move too fast for the flow that the mobility assumes."""
+
+
+def missing_in_rafts(count: int) -> tuple[str, str]:
+    """How much too slow rafts of all floats are, since each float has the drag of a single one."""
+    largest = min(count, MOST_SOLVED)
+    value = f"up to {raft_speed_factor(largest):.2g} times too slow"
+    return value, f"compact rafts of {largest} in creeping flow: hydrodynamic interaction is not included"
+
+
+def included_in_rafts(count: int) -> tuple[str, str]:
+    """How much faster than single floats rafts of all floats are."""
+    largest = min(count, MOST_SOLVED)
+    value = f"up to {raft_speed_factor(largest):.2g} times a single float"
+    return value, f"compact rafts of {largest}, by their flow; the flow at the walls of a dish is not included"
+
+
+@dataclass(frozen=True, kw_only=True)
+class HydrodynamicInteraction(Option):
+    """A row of the table, and everything that depends on it: which rows of other tables are replaced."""
+
+    slot: str = "hydrodynamic interaction"
+    path: str = "hydrodynamics.interaction"
+    moves: Callable[[Integrator], Integrator] = lambda integrator: integrator
+    """moves(chosen integrator): the integrator whose functions move the floats"""
+    make: Callable[[Parameters, FloatingScene, bool], Any] = lambda parameters, scene, turning: ()
+    """make(parameters, scene, turning): the constants of that integrator; `turning` if floats have spins"""
+    contacts: Mapping[str, str] = field(default_factory=dict)
+    """rows of contacts by those that they replace"""
+    resistances: Mapping[str, str] = field(default_factory=dict)
+    """rows of resistances by those that they replace"""
+    collective: Callable[[int], float] = lambda count: 1.0
+    """collective(number of floats): see `Parameters.collective`"""
+    raft_speeds: Callable[[int], tuple[str, str]] = missing_in_rafts
+    """raft_speeds(number of floats): the value and the remark of `ecume check` on the drift of rafts"""
+    most_reynolds: float = math.inf
+    """the Reynolds number of two touching floats above which a run warns"""
+    laws: tuple[Callable[..., Any], ...] = ()
+    """functions whose docstrings name the references that `ecume cite` lists"""
+
+    def contact_model(self, name: str) -> ContactModel:
+        """The row of contacts for a choice."""
+        return CONTACTS[self.contacts.get(name, name)]
+
+    def resistance(self, name: str) -> Resistance:
+        """The row of resistances for a choice."""
+        return RESISTANCES[self.resistances.get(name, name)]
+
+
+def coupled_kicks_of(parameters: Parameters, scene: FloatingScene, turning: bool) -> CoupledKicks:
+    """Return the constants of floats that interact through the liquid."""
+    viscosity = liquid_of(scene).viscosity
+    radius = hydrodynamic_radius(parameters, viscosity)
+    spin = _further_spin(scene, radius, viscosity) if turning else np.zeros(0)
+    return CoupledKicks(radius, spin, viscosity, parameters.drift.thermal)
+
+
+def _further_spin(scene: FloatingScene, radius: Array, viscosity: float) -> Array:
+    """The spin of each single float per torque, minus that of the half-immersed sphere with the same drag; zero where
+    it would be negative, since the matrix must remain positive definite.
+    """
+    kinds, number = distinct_kinds(scene)
+    friction = np.array([turning_friction_of(kind, scene) for kind in kinds])[number]
+    return np.asarray(np.maximum(1.0 / friction - 1.0 / (4.0 * math.pi * viscosity * radius**3), 0.0))
+
+
+HYDRODYNAMICS = {
+    "none": HydrodynamicInteraction(name="'none'"),
+    "rotne-prager": HydrodynamicInteraction(
+        name="'rotne-prager'", moves=lambda integrator: COUPLED, make=coupled_kicks_of,
+        contacts={"none": "coupled", "impulse": "coupled", "friction": "coupled friction"},
+        resistances={"films": "coupled films"},
+        collective=lambda count: CROWD * math.sqrt(count), raft_speeds=included_in_rafts, most_reynolds=1.0,
+        laws=(pair_mobility.pair_mobility,),
+        needs={
+            "no inertia": "the mobility is that of creeping flow, which follows the forces at once",
+            "drag": "the flow that moves other floats comes from the drag on each",
+            "round": "the mobilities of spheres are known in closed form",
+            "open": "the flow of a float decays as 1/r only, so that images at all distances move it",
+            "full mobility": "each contact moves all floats",
+        },
+    ),
+}  # fmt: skip
+"""By the name of the choice, `hydrodynamics.interaction`."""
+
+
+def touching_reynolds(parameters: Parameters, scene: FloatingScene) -> float:
+    """The Reynolds number at which two equal floats of the strongest attraction would meet, each with its own drag."""
+    row, law, floats, liquid = row_of(parameters), law_of(parameters), parameters.floats, liquid_of(scene)
+    friction, highest = floats.mass / floats.relaxation_time, 0.0
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), friction]), axis=1).T.tolist()
+    for radius, charge, drag in kinds if row.has_force else []:
+        pull = abs(float(row.force(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law)))
+        highest = max(highest, particle_reynolds(pull / drag, radius, liquid.density, liquid.viscosity))
+    return highest
+
+
+def warn_of_fast_floats(row: HydrodynamicInteraction, parameters: Parameters, scene: FloatingScene) -> None:
+    """Warn if the flow is not creeping."""
+    if row.most_reynolds == math.inf:
+        return
+    found = touching_reynolds(parameters, scene)
+    if found > row.most_reynolds:
+        message = (
+            f"{row.path}: two floats meet at a Reynolds number of {found:.2g}; {row.name} is the mobility of creeping "
+            f"flow, below {row.most_reynolds:g}. Expected smaller floats or a more viscous liquid"
+        )
+        warnings.warn(message, ReynoldsWarning, stacklevel=2)
