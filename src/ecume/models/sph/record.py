@@ -44,7 +44,7 @@ def start(scene: SphScene, parameters: Parameters) -> State:
 def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
     """What a state with as many particles looks like: openings change their number."""
     vectors, rows = np.zeros((parameters.dimension, state.mass.size)), np.zeros(state.mass.size)
-    liquid = Liquid(vectors, vectors, rows, rows, np.zeros(state.mass.size, np.int64))
+    liquid = Liquid(vectors, vectors, rows, rows, rows, np.zeros(state.mass.size, np.int64))
     return Layout(
         make_state(parameters, liquid),
         {

@@ -9,11 +9,27 @@ from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
 from ecume.laws import diffusion, viscous
-from ecume.models.sph.fields import Fields, Floats
+from ecume.models.sph.fields import ConstantDensity, EquationOfState, Fields, Floats, Tait
 from ecume.models.sph.rates.sums import sum_friction, sum_radial_friction, sum_transported_pressure
 
 Law = Callable[..., float]
 Loop = Callable[..., None]
+
+
+class PressureMethod(NamedTuple):
+    """How the pressure follows from the motion, and what that makes available to other options."""
+
+    equation: type[EquationOfState]
+    integrators: tuple[str, ...]
+    """names of `time_stepping.INTEGRATORS`, the default first"""
+    compressible: bool
+    """whether there are sound waves, and densities that are integrated in time"""
+
+
+PRESSURES: Mapping[str, PressureMethod] = {
+    "tait": PressureMethod(Tait, ("symplectic", "verlet"), compressible=True),
+    "incompressible": PressureMethod(ConstantDensity, ("projection",), compressible=False),
+}
 
 
 class PressureForce(NamedTuple):

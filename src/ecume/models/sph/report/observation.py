@@ -169,10 +169,19 @@ def pose_of(state: State, body: int, axes: str, turns: str) -> dict[str, float]:
     return {**found, **{f"{name}_q{part}": float(pose[3 + k]) for k, part in enumerate("wxyz")}}
 
 
+def pressure_in(parameters: Parameters, state: State) -> Array:
+    """(N,) Pa: Tait's, or that of the solver for incompressible liquids."""
+    material = parameters.material
+    if parameters.projection is not None:
+        return state.pressure.copy()
+    found: Array = tait_pressure(state.density, material.density, material.sound_speed, material.exponent)
+    return found
+
+
 def gauge_pressure(parameters: Parameters, state: State) -> Array:
     """(N,) Pa: Tait's, and the hydrostatic part where the forces leave it out."""
     material = parameters.material
-    pressure: Array = tait_pressure(state.density, material.density, material.sound_speed, material.exponent)
+    pressure = pressure_in(parameters, state)
     depth = parameters.surface - state.position[1]
     pressure -= material.density * parameters.hydrostatic[1] * depth
     return pressure
