@@ -56,8 +56,8 @@ def diagonal(slopes: SquaredSlopes, compact: SquaredSlopes, density: Density, ti
     """Return the diagonal of the pressure equation: the relative decrease of a particle's density in a step by its own
     pressure, per pressure, a_ii = dt^2/(2 rho) (S_i + 2 D_i).
 
-    slopes: S_i = sum_j V_i V_j |grad W_ij|^2 + |sum_j V_j grad W_ij|^2, as in Ihmsen et al. 2014, eq. (12), and, inverted,
-    in Bender and Koschier 2015, eq. (10); compact: D_i = -sum_j V_j F_ij, of [cummins1999].
+    slopes: S_i = sum_j V_i V_j |grad W_ij|^2 + |sum_j V_j grad W_ij|^2, as in Ihmsen et al. 2014, eq. (12), and,
+    inverted, in Bender and Koschier 2015, eq. (10); compact: D_i = -sum_j V_j F_ij, of [cummins1999].
     [ihmsen2014, bender2015].
 
     >>> diagonal(100.0, 50.0, 1000.0, 0.1)

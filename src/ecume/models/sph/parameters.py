@@ -149,6 +149,11 @@ class Projection(NamedTuple):
     step: float
     """of projected gradients: the inverse of the largest eigenvalue, over the diagonal"""
     full: float
+    """1/m^2: the sum of -V F over the neighbors in a lattice"""
+    steepness: Array
+    """1/m, ascending: |sum of V grad W| in rows of a lattice below a flat surface; zero below the first"""
+    missing: Array
+    """what their density lacks, over the density"""
     free_surface: bool
     """whether pressures are not negative; otherwise the liquid fills the tank, and pressures have the mean zero"""
 

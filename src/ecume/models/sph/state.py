@@ -85,8 +85,8 @@ class State(NamedTuple):
     ready: Integers
     """(1,) whether `acceleration` holds at the present positions"""
     tally: Array
-    """substeps, hits of the guard, renewals of the lists, most substeps in a step; of incompressible liquids: iterations,
-    most iterations in a substep, the last error of the solver, the particle where it is largest
+    """substeps, hits of the guard, renewals of the lists, most substeps in a step; of incompressible liquids:
+    iterations, most iterations in a substep, the last error of the solver, the particle where it is largest
     """
     hits: Integers
     """of the guard, by `Boundary.names`"""

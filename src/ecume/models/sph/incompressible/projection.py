@@ -5,8 +5,9 @@ c_i(v) by the flow, liquid with a free surface has
 
     p_i >= 0,   s_i/10 + time c_i(v) <= 0,   p_i (s_i/10 + time c_i(v)) = 0 :
 
-it resists compression, and not separation [gerszewski2013]. Particles that lack neighbors may approach others until
-their density is that at rest. Liquid that fills its tank has an equation without bounds, and the mean pressure zero.
+it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
+`missing_density`; a single drop may approach others until its density is that at rest. Liquid that fills its tank has
+an equation without bounds, and the mean pressure zero.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ from ecume.models.sph.incompressible.system import (
 )
 from ecume.models.sph.parameters import Parameters, Projection
 from ecume.models.sph.rates.right_hand_side import fill
-from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RESIDUAL, WORST, State, Workspace
+from ecume.models.sph.report.energy_budget import forces_work, power_of_forces
+from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORST, State, Workspace
 from ecume.units import Array
 
 
@@ -40,7 +42,7 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     now = instant(parameters, state)
     fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
     system = assemble(now, settings, workspace, time)
-    excess = density_excess(system.summed, settings.lattice_sum)
+    excess = density_excess(system.summed, settings.lattice_sum) + missing_density(system, settings)
     stretch = moving_compressions(system, workspace, state.velocity)
     stretch += time * known_compression(now, system, state.position)
     found = pressures(system, required_decrease(excess, stretch, time), state.pressure, settings)
@@ -49,6 +51,22 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     counted = np.maximum(excess, 0.0) if settings.free_surface else excess
     state.density[...] = now.material.density * (1.0 + counted)
     record(state, found)
+    if forces_work(parameters):
+        fill(now, state, workspace)
+        with np.errstate(over="ignore", invalid="ignore"):  # the integration reports what is not finite
+            state.books[RATE] = power_of_forces(now, state, workspace)
+
+
+def missing_density(system: System, settings: Projection) -> Array:
+    """What the density of particles at a free surface lacks because there is nothing above, over the density.
+
+    It is that of a row of a lattice below a flat surface with the same sum of gradients. Where that sum is small, as in
+    drops and between approaching surfaces, the density is low because particles are missing: these may approach.
+    """
+    if not settings.free_surface:
+        return np.zeros(len(system.summed))
+    found: Array = np.interp(system.steepness, settings.steepness, settings.missing)
+    return found
 
 
 def pressures(system: System, right: Array, guess: Array, settings: Projection) -> Solution:

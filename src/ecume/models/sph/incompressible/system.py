@@ -52,6 +52,8 @@ class System(NamedTuple):
     """(N,) 1/m^2: D_i"""
     summed: Array
     """(N,) sum of V_j W_ij, itself included"""
+    steepness: Array
+    """(N,) 1/m: |sum of V_j g_ij|, dummies included like liquid"""
     resting: Array
     """(d, N) m/s^2: the acceleration by the pressures of images and dummies where that of the liquid is zero"""
     held: Array
@@ -76,20 +78,21 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
     lists, table = workspace.lists, workspace.fields.table
     d, count, room = now.dimension, workspace.rates.shape[1], lists.neighbor.shape[1]
     gradient, closing, resting = np.empty((d + 1, count, room)), np.empty((d, count)), np.empty((d, count))
-    compact, summed, held, diagonal = np.empty((4, count))
+    compact, held, diagonal, summed = np.empty((4, count))
+    slant = np.zeros((d, count))
     pull = np.concatenate([now.gravity, now.pull_center - now.origin, [now.pull_rate]])
     sum_gradients(
         closing, table, lists, now.constants, pull,
         (now.material.density, time, settings.full if settings.free_surface else 0.0),
-        gradient, resting, compact, summed, held, diagonal,
+        gradient, resting, slant, compact, summed, held, diagonal,
     )  # fmt: skip
     root, sign = mirrored(now, workspace)
     liquid = root < count
     root = np.where(liquid, root, 0)
     volume = workspace.fields.volume[:count].astype(np.float64)
     return System(
-        gradient, closing, compact, summed, resting, held, diagonal, volume, volume[root] * liquid, root, sign * liquid,
-        lists, now.material.density, time,
+        gradient, closing, compact, summed, np.sqrt((slant**2).sum(axis=0)), resting, held, diagonal, volume,
+        volume[root] * liquid, root, sign * liquid, lists, now.material.density, time,
     )  # fmt: skip
 
 
@@ -107,8 +110,8 @@ def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
 @spread
 def sum_gradients(
     closing: Array, fields: Floats, lists: Lists, constants: Constants, pull: Array,
-    numbers: tuple[float, float, float], gradient: Array, resting: Array, compact: Array, summed: Array,
-    held: Array, diagonal: Array,
+    numbers: tuple[float, float, float], gradient: Array, resting: Array, slant: Array, compact: Array,
+    summed: Array, held: Array, diagonal: Array,
 ) -> None:  # fmt: skip
     """Fill g_ij and F_ij, T_i, D_i, the sums of kernels, the acceleration where pressures are zero, the diagonal of A.
 
@@ -149,6 +152,7 @@ def sum_gradients(
                 along = slope * (fields[FIELD.position + axis, j] - fields[FIELD.position + axis, i])
                 gradient[axis, i, k] = along
                 closing[axis, i] += (2.0 - liquid) * volume * along
+                slant[axis, i] += volume * along
                 resting[axis, i] += volume * along * push / density
         for k in range(counts[i], whole(counts[i])):
             for axis in range(dimension + 1):
@@ -216,7 +220,7 @@ def sum_pressure(
     found: Array, gradient: Array, closing: Array, compact: Array, pressure: Array, carried: Array, lists: Lists,
     density: float,
 ) -> None:  # fmt: skip
-    """Sum the accelerations a_i = [p_i T_i + sum_j V_j p_j g_ij]/rho, and l_i = (2/rho)[D_i p_i + sum_j V_j p_j F_ij]."""
+    """Sum a_i = [p_i T_i + sum_j V_j p_j g_ij]/rho, and l_i = (2/rho)[D_i p_i + sum_j V_j p_j F_ij]."""
     counts, neighbor = lists
     dimension = INDEX(closing.shape[0])
     for particle in prange(closing.shape[1]):

@@ -20,15 +20,23 @@ class PressureMethod(NamedTuple):
     """How the pressure follows from the motion, and what that makes available to other options."""
 
     equation: type[EquationOfState]
-    integrators: tuple[str, ...]
-    """names of `time_stepping.INTEGRATORS`, the default first"""
-    compressible: bool
-    """whether there are sound waves, and densities that are integrated in time"""
+    integrator: str
+    """the default, a name of `time_stepping.INTEGRATORS`"""
+    has: frozenset[str]
+    """capabilities, which `incompressible.compatibility.NEEDS` compares with what other options need"""
+
+    @property
+    def compressible(self) -> bool:
+        """Whether there are sound waves."""
+        return SOUND in self.has
 
 
+SOUND, DENSITY_RATE, BUFFERS, BODIES, DENSITY_FORCES, SOLVER = (
+    "sound", "rates of density", "buffers", "bodies", "pressure forces by density", "solver",
+)  # fmt: skip
 PRESSURES: Mapping[str, PressureMethod] = {
-    "tait": PressureMethod(Tait, ("symplectic", "verlet"), compressible=True),
-    "incompressible": PressureMethod(ConstantDensity, ("projection",), compressible=False),
+    "tait": PressureMethod(Tait, "symplectic", frozenset([SOUND, DENSITY_RATE, BUFFERS, BODIES, DENSITY_FORCES])),
+    "incompressible": PressureMethod(ConstantDensity, "projection", frozenset([SOLVER])),
 }
 
 

@@ -168,6 +168,11 @@ def add_work(
     """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
     if parameters.shake is None and not forces_work(parameters):
         return
+    if parameters.projection is not None:  # whose forces act from the start of the step to its end
+        shaken = 0.5 * (began[0] + power_of_shake(parameters, state))
+        state.books[WORK] += (float(state.books[RATE]) + shaken) * time
+        state.books[RATE] = 0.0
+        return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
         rate = power_of_forces(instant(parameters, state), state, workspace)
     before, known = began

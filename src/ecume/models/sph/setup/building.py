@@ -237,9 +237,9 @@ def speed_limit(smoothing_length: float, material: Material, courant: float) -> 
 
 def integrator_of(scene: SphScene) -> str:
     """The integration scheme by its name."""
-    fitting = pressure_of(scene).integrators
     name = scene.integration.integrator
-    return fitting[0] if name == "automatic" else chosen(name, INTEGRATORS, "integration.integrator")
+    default = pressure_of(scene).integrator
+    return default if name == "automatic" else chosen(name, INTEGRATORS, "integration.integrator")
 
 
 def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
-from ecume.laws import diffusion, kernels, states, time_step_limits, viscous
+from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import LiquidProperties
 from ecume.laws.liquids.water import ICE_POINT
@@ -269,16 +269,23 @@ def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
     ]
 
 
+PRESSURE_LAWS: dict[str, list[Source]] = {
+    "tait": [states.tait_pressure, states.numerical_sound_speed],
+    "incompressible": [incompressible.required_decrease, incompressible.decrease, incompressible.diagonal],
+}
+
+
 def laws_of(scene: Any) -> list[Source]:
     """Kernel, pressure, diffusion, friction, tension, steps: as the model chooses them."""
     liquid, name = filled(scene.liquid), diffusion_of(scene, gravity_of(scene))
     excess = DIFFUSIONS[name].excess
     form = kernels.KERNELS[scene.method.kernel]
-    laws: list[Source] = [form.value, states.tait_pressure, states.numerical_sound_speed]
+    laws: list[Source] = [form.value, *PRESSURE_LAWS[scene.method.pressure]]
     laws += [diffusion.strength, excess] if excess is not None else []
     laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
     if liquid.viscosity or turbulent(scene):
         laws += [friction_of(scene).law]
     laws += TENSIONS[tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if turbulent(scene) else []
-    return [*laws, time_step_limits.acoustic_limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]
+    limit = time_step_limits.acoustic_limit if pressure_of(scene).compressible else time_step_limits.advective_limit
+    return [*laws, limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]
