@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
+import numpy as np
+
 from ecume.units import Density, Number, Time, Unit, Value
 
 Pure = Annotated[Value, Unit("1")]
@@ -27,17 +29,29 @@ def density_excess(kernel_sum: Pure[Value], lattice_sum: Number) -> Pure[Value]:
     return kernel_sum / lattice_sum - 1.0
 
 
-def required_decrease(excess: Pure[Value], compression: PerTime[Value], time_step: Time) -> Pure[Value]:
-    """Return the relative decrease of density that pressure must cause in a step, b = s/10 + dt c.
+def correction(excess: Pure[Value]) -> Pure[Value]:
+    """Return the part of an excess of density that a step corrects in liquid that fills its tank, s/10.
 
-    s: `density_excess`; c: the compression -div v by all other forces. Corrected at once, the noise of s would be noise
-    of the pressure; a tenth in each step is small beside dt c, and enough to keep s below 1e-3. Ihmsen et al. 2014,
-    eq. (8), with all of s; a weight of s as in [asai2012].
+    All of it at once would be noise of the pressure; a tenth is small beside the compression by the flow in a step, and
+    keeps s near 1e-3. The weight is that of Asai et al. 2012. [asai2012].
 
-    >>> round(required_decrease(0.01, 2.0, 1e-3), 12)
-    0.003
+    >>> correction(0.01)
+    0.001
     """
-    return CORRECTED * excess + time_step * compression
+    return CORRECTED * excess
+
+
+def free_correction(excess: Pure[Value]) -> Pure[Value]:
+    """Return the same for liquid with a free surface, max(s, 0)/10 + min(s, 0): where particles are missing, s < 0, the
+    flow may compress until the density is that at rest.
+
+    Ihmsen et al. 2014, eq. (8), where s is negative; Asai et al. 2012 where it is positive. [ihmsen2014, asai2012].
+
+    >>> free_correction(0.01), free_correction(-0.01)
+    (0.001, -0.01)
+    """
+    corrected: Value = np.minimum(excess, CORRECTED * excess)
+    return corrected
 
 
 def decrease(exact: PerTimeSquared[Value], compact: PerTimeSquared[Value], time_step: Time) -> Pure[Value]:

@@ -111,18 +111,18 @@ def test_bounds_hold_where_the_solver_of_complementarity_ends():
 
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_pressure_at_rest_is_hydrostatic(walls):
-    """Averaged over ten steps, within half a percent of rho g H below the three uppermost rows."""
+    """Averaged over ten steps, within half a percent of rho g H below the four uppermost rows."""
     parameters, state, workspace = after(tank(12, walls=walls), 90)
     errors = []
     for _ in range(10):
         assert SPH.advance(parameters, state, workspace, 1) == DONE
         errors.append((state.pressure - (1.0 - state.position[1]))[np.argsort(state.identity)])
     numbers = SPH.observe(parameters, state, workspace).numbers
-    below = state.position[1][np.argsort(state.identity)] < 0.75
+    below = state.position[1][np.argsort(state.identity)] < 0.66
     assert np.abs(np.mean(errors, axis=0))[below].max() < 0.005
     assert numbers["density_error"] < 1e-3
     assert numbers["center_y"] == pytest.approx(0.5, abs=2e-3)
-    assert numbers["largest_speed"] < 0.04
+    assert numbers["largest_speed"] < 0.05
     if walls == "mirror":
         assert numbers["bottom_force_y"] == pytest.approx(-1.0, abs=0.01)
 

@@ -1,13 +1,13 @@
 """The part of a step that solves for the pressure: the one that keeps the density of each particle.
 
-With the excess s_i of the density over that at rest, of which a tenth is corrected in each step, and the compression
-c_i(v) by the flow, liquid with a free surface has
+With the excess s_i of the density over that at rest, and the compression c_i(v) by the flow, liquid with a free surface
+has
 
-    p_i >= 0,   s_i/10 + time c_i(v) <= 0,   p_i (s_i/10 + time c_i(v)) = 0 :
+    p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,   s' = max(s, 0)/10 + min(s, 0) :
 
 it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
 `missing_density`; a single drop may approach others until its density is that at rest. Liquid that fills its tank has
-an equation without bounds, and the mean pressure zero.
+an equation without bounds, with a tenth of s_i, and the mean pressure zero.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from ecume.laws.incompressible import density_excess, required_decrease
+from ecume.laws.incompressible import correction, density_excess, free_correction
 from ecume.models.sph.boundaries.prescribed_motion import instant
 from ecume.models.sph.incompressible.complementarity import Problem, Solution, solve
 from ecume.models.sph.incompressible.system import (
@@ -42,13 +42,15 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     now = instant(parameters, state)
     fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
     system = assemble(now, settings, workspace, time)
-    excess = density_excess(system.summed, settings.lattice_sum) + missing_density(system, settings)
+    summed = density_excess(system.summed, settings.lattice_sum)
+    excess = summed + missing_density(system, settings)
     stretch = moving_compressions(system, workspace, state.velocity)
     stretch += time * known_compression(now, system, state.position)
-    found = pressures(system, required_decrease(excess, stretch, time), state.pressure, settings)
+    corrected = free_correction(excess) if settings.free_surface else correction(excess)
+    found = pressures(system, corrected + time * stretch, state.pressure, settings)
     state.pressure[...] = found.x
     state.velocity[...] += time * (system.resting + accelerations(system, found.x))
-    counted = np.maximum(excess, 0.0) if settings.free_surface else excess
+    counted = np.maximum(summed, 0.0) if settings.free_surface else summed
     state.density[...] = now.material.density * (1.0 + counted)
     record(state, found)
     if forces_work(parameters):

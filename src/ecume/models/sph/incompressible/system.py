@@ -26,14 +26,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, prange, spread, summing
+from ecume._jit import admit, prange, summing
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.laws import incompressible
 from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters, Projection
-from ecume.models.sph.rates.kernels import slope_of, value_of
+from ecume.models.sph.rates.kernels import KernelType, kernel_type, value_of, written_slope
 from ecume.models.sph.rates.sums import INDEX, whole
 from ecume.models.sph.state import Workspace
 from ecume.units import Array
@@ -78,11 +78,10 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
     lists, table = workspace.lists, workspace.fields.table
     d, count, room = now.dimension, workspace.rates.shape[1], lists.neighbor.shape[1]
     gradient, closing, resting = np.empty((d + 1, count, room)), np.empty((d, count)), np.empty((d, count))
-    compact, held, diagonal, summed = np.empty((4, count))
-    slant = np.zeros((d, count))
+    compact, held, diagonal, summed, slant = np.empty((5, count))
     pull = np.concatenate([now.gravity, now.pull_center - now.origin, [now.pull_rate]])
     sum_gradients(
-        closing, table, lists, now.constants, pull,
+        closing, table, lists, now.constants, kernel_type(now.constants), pull,
         (now.material.density, time, settings.full if settings.free_surface else 0.0),
         gradient, resting, slant, compact, summed, held, diagonal,
     )  # fmt: skip
@@ -91,7 +90,7 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
     root = np.where(liquid, root, 0)
     volume = workspace.fields.volume[:count].astype(np.float64)
     return System(
-        gradient, closing, compact, summed, np.sqrt((slant**2).sum(axis=0)), resting, held, diagonal, volume,
+        gradient, closing, compact, summed, slant, resting, held, diagonal, volume,
         volume[root] * liquid, root, sign * liquid, lists, now.material.density, time,
     )  # fmt: skip
 
@@ -107,9 +106,9 @@ def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
     return root, sign
 
 
-@spread
+@summing
 def sum_gradients(
-    closing: Array, fields: Floats, lists: Lists, constants: Constants, pull: Array,
+    closing: Array, fields: Floats, lists: Lists, constants: Constants, kernel: KernelType, pull: Array,
     numbers: tuple[float, float, float], gradient: Array, resting: Array, slant: Array, compact: Array,
     summed: Array, held: Array, diagonal: Array,
 ) -> None:  # fmt: skip
@@ -118,48 +117,62 @@ def sum_gradients(
     `pull` is gravity, then the center and the rate of the central force; `numbers` are the density, the time, and the
     least D, dummies included.
     """
-    kernel, dimension = constants[0].kernel, closing.shape[0]
+    code, dimension = constants[0].kernel, INDEX(closing.shape[0])
     inverse, scale = constants[0].inverse_length, constants[0].slope_factor
     factor = scale / (inverse * inverse)  # of the kernel
     density, time, full = numbers
+    rate = pull[2 * dimension] * pull[2 * dimension]
+    zero, one, lighter, deep = 0.0, 1.0, 1.0 / density, closing.shape[0] == 3
     counts, neighbor = lists
-    for i in prange(closing.shape[1]):
-        own = fields[FIELD.volume, i]
-        total, squares, near, behind = own * value_of(0.0 * inverse, kernel), 0.0, 0.0, 0.0
-        held[i] = 0.0
+    for particle in prange(closing.shape[1]):
+        i = INDEX(particle)
+        count = INDEX(counts[i])
+        for k in range(whole(counts[i])):
+            gradient[dimension, i, k] = 0.0
         for axis in range(dimension):
-            closing[axis, i] = 0.0
-            resting[axis, i] = 0.0
-        for k in range(counts[i]):
-            j = neighbor[i, k]
-            volume, liquid = fields[FIELD.volume, j], fields[FIELD.liquid, j]
-            square, hydrostatic = 0.0, 0.0
-            for axis in range(dimension):
-                along = fields[FIELD.position + axis, j] - fields[FIELD.position + axis, i]
-                away = fields[FIELD.position + axis, j] - pull[dimension + axis]
-                square += along * along
-                hydrostatic += (pull[axis] - pull[2 * dimension] * pull[2 * dimension] * away) * along
-            q = math.sqrt(square) * inverse
-            slope = scale * slope_of(q, kernel)
-            total += volume * value_of(q, kernel)
-            squares += liquid * volume * slope * slope * square
-            near -= liquid * volume * slope
-            behind -= (1.0 - liquid) * volume * slope
-            push = fields[FIELD.pressure, j] if liquid > 0.0 else density * hydrostatic
-            held[i] += 2.0 * volume * slope * push / density
-            gradient[dimension, i, k] = slope
-            for axis in range(dimension):
-                along = slope * (fields[FIELD.position + axis, j] - fields[FIELD.position + axis, i])
+            x = fields[FIELD.position + axis, i]
+            for k in range(whole(counts[i])):
+                along = fields[FIELD.position + axis, INDEX(neighbor[i, k])] - x
                 gradient[axis, i, k] = along
-                closing[axis, i] += (2.0 - liquid) * volume * along
-                slant[axis, i] += volume * along
-                resting[axis, i] += volume * along * push / density
-        for k in range(counts[i], whole(counts[i])):
-            for axis in range(dimension + 1):
-                gradient[axis, i, k] = 0.0
-        closed = 0.0
-        for axis in range(dimension):
-            closed += closing[axis, i] * closing[axis, i]
+                gradient[dimension, i, k] += along * along
+        own = fields[FIELD.volume, i]
+        total = own * value_of(zero * inverse, code)
+        for k in range(count):
+            value = value_of(math.sqrt(gradient[dimension, i, k]) * inverse, code)
+            total += fields[FIELD.volume, INDEX(neighbor[i, k])] * value
+        squares, near, behind, rest = zero, zero, zero, zero
+        tx, ty, tz, sx, sy, sz, rx, ry, rz = zero, zero, zero, zero, zero, zero, zero, zero, zero
+        for k in range(count):
+            j, square = INDEX(neighbor[i, k]), gradient[dimension, i, k]
+            volume, liquid = fields[FIELD.volume, j], fields[FIELD.liquid, j]
+            slope = scale * written_slope(math.sqrt(square) * inverse, kernel)
+            counted, dummy = volume * slope, one - liquid
+            dx, dy, dz = gradient[0, i, k], gradient[1, i, k], zero
+            rise = (pull[0] - rate * (fields[FIELD.position, j] - pull[dimension])) * dx
+            rise += (pull[1] - rate * (fields[FIELD.position + 1, j] - pull[dimension + 1])) * dy
+            if deep:
+                dz = gradient[2, i, k]
+                rise += (pull[2] - rate * (fields[FIELD.position + 2, j] - pull[dimension + 2])) * dz
+                gradient[2, i, k] = slope * dz
+            gradient[0, i, k] = slope * dx
+            gradient[1, i, k] = slope * dy
+            gradient[dimension, i, k] = slope
+            push = counted * (liquid * fields[FIELD.pressure, j] * lighter + dummy * rise)
+            twice = counted * (one + dummy)
+            tx, ty, tz = tx + twice * dx, ty + twice * dy, tz + twice * dz
+            sx, sy, sz = sx + counted * dx, sy + counted * dy, sz + counted * dz
+            rx, ry, rz = rx + push * dx, ry + push * dy, rz + push * dz
+            squares += liquid * counted * slope * square
+            near -= liquid * counted
+            behind -= dummy * counted
+            rest += push
+        closing[0, i], closing[1, i] = tx, ty
+        resting[0, i], resting[1, i] = rx, ry
+        if deep:
+            closing[2, i], resting[2, i] = tz, rz
+        closed, steep = tx * tx + ty * ty + tz * tz, sx * sx + sy * sy + sz * sz
+        slant[i] = math.sqrt(steep)
+        held[i] = rest + rest
         summed[i] = factor * total
         compact[i] = max(near, full - behind)
         diagonal[i] = incompressible.diagonal(own * squares + closed, compact[i], density, time)
@@ -222,18 +235,23 @@ def sum_pressure(
 ) -> None:  # fmt: skip
     """Sum a_i = [p_i T_i + sum_j V_j p_j g_ij]/rho, and l_i = (2/rho)[D_i p_i + sum_j V_j p_j F_ij]."""
     counts, neighbor = lists
-    dimension = INDEX(closing.shape[0])
+    dimension, deep = INDEX(closing.shape[0]), closing.shape[0] == 3
     for particle in prange(closing.shape[1]):
         i = INDEX(particle)
-        for axis in range(dimension):
-            total = 0.0
-            for k in range(whole(counts[i])):
-                total += gradient[axis, i, k] * carried[INDEX(neighbor[i, k])]
-            found[axis, i] = (total + pressure[i] * closing[axis, i]) / density
-        total = 0.0
+        ax, ay, az, laplacian = 0.0, 0.0, 0.0, 0.0
         for k in range(whole(counts[i])):
-            total += gradient[dimension, i, k] * carried[INDEX(neighbor[i, k])]
-        found[dimension, i] = 2.0 * (total + pressure[i] * compact[i]) / density
+            other = carried[INDEX(neighbor[i, k])]
+            ax += gradient[0, i, k] * other
+            ay += gradient[1, i, k] * other
+            laplacian += gradient[dimension, i, k] * other
+            if deep:
+                az += gradient[2, i, k] * other
+        own = pressure[i]
+        found[0, i] = (ax + own * closing[0, i]) / density
+        found[1, i] = (ay + own * closing[1, i]) / density
+        if deep:
+            found[2, i] = (az + own * closing[2, i]) / density
+        found[dimension, i] = 2.0 * (laplacian + own * compact[i]) / density
 
 
 @summing
@@ -242,10 +260,15 @@ def sum_compression(
 ) -> None:
     """Sum the compressions c_i = sum_j V_j g_ij.v_j - T_i.v_i."""
     counts, neighbor = lists
+    deep = closing.shape[0] == 3
     for particle in prange(len(found)):
         i, total = INDEX(particle), 0.0
-        for axis in range(INDEX(closing.shape[0])):
-            for k in range(whole(counts[i])):
-                total += gradient[axis, i, k] * carried[axis, INDEX(neighbor[i, k])]
-            total -= closing[axis, i] * velocity[axis, i]
-        found[i] = total
+        for k in range(whole(counts[i])):
+            j = INDEX(neighbor[i, k])
+            total += gradient[0, i, k] * carried[0, j] + gradient[1, i, k] * carried[1, j]
+            if deep:
+                total += gradient[2, i, k] * carried[2, j]
+        own = closing[0, i] * velocity[0, i] + closing[1, i] * velocity[1, i]
+        if deep:
+            own += closing[2, i] * velocity[2, i]
+        found[i] = total - own

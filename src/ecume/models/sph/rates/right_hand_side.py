@@ -106,7 +106,8 @@ def _store_thickening(parameters: Parameters, state: State, workspace: Workspace
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Store the acceleration: pressure, gravity, friction, repulsion, bodies, surface tension, laws of the user."""
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
-    store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
+    density = workspace.fields.density[: len(state.density)].astype(np.float64, copy=False)
+    store_acceleration(state.acceleration, rates.table, density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
     if parameters.turbulence:

@@ -271,7 +271,7 @@ def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
 
 PRESSURE_LAWS: dict[str, list[Source]] = {
     "tait": [states.tait_pressure, states.numerical_sound_speed],
-    "incompressible": [incompressible.required_decrease, incompressible.decrease, incompressible.diagonal],
+    "incompressible": [incompressible.free_correction, incompressible.decrease, incompressible.diagonal],
 }
 
 
