@@ -71,8 +71,8 @@ def _contact_text(deck: DeckNumbers) -> str:
         f"{SHALLOW:g} of a radius. A single collision has the same restitution: `granular` gets "
         f"{deck.contacts.among:.6g}{f' (wall {deck.contacts.at_walls:.6g})' if at_wall else ''}, the restitution of a "
         "dashpot that may pull, and `limit_damping` ends contacts when their force does, with the restitution of the "
-        "scene up to the error of the time step (0.19 in place of 0.2). Simultaneous collisions differ: springs act one "
-        "by one, impulses of ecume are solved together."
+        "scene up to the error of the time step (0.19 in place of 0.2). Simultaneous collisions differ: springs act "
+        "one by one, impulses of ecume are solved together."
     )
 
 
