@@ -111,6 +111,21 @@ def test_half_a_run_and_half_a_run_with_noise_are_a_run(contacts):
     assert np.ptp(whole.position - places) > 0.0
 
 
+def test_the_step_follows_the_speed_of_rafts_within_the_range_of_the_forces():
+    """In a dish of many rafts the step is shorter than without the interaction, but not by all floats' number."""
+    found = {}
+    for count in (19, 91, 400):
+        places = RADIUS * compact_raft(count)
+        coupled = beads(places, around="[dish]\nradius = 0.02\n", duration=10.0, frame_every=10.0)
+        alone = MOTION.replace("rotne-prager", "none")
+        body = f"[[particles]]\nradius = {RADIUS}\ndensity = 1050.0\ncontact_angle = {0.5 * math.pi}\n"
+        body += f"positions = {places.tolist()}\n[dish]\nradius = 0.02\n{alone}"
+        single = scene_of(SYRUP + body, duration=10.0, frame_every=10.0)
+        found[count] = FLOATING.parameters(single).time_step / FLOATING.parameters(coupled).time_step
+    assert 0.9 * raft_speed_factor(19) < found[19] < 2.0 * raft_speed_factor(19)
+    assert 1.1 * found[91] > found[400] > found[19]
+
+
 def test_the_memory_of_the_matrix_is_counted():
     small, large = (beads(3.0 * RADIUS * compact_raft(count)) for count in (100, 400))
     one, other = (memory_estimate(FLOATING.parameters(scene)) for scene in (small, large))

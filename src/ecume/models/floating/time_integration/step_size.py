@@ -59,14 +59,23 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     # The strongest charge with the smallest or largest radius bounds all partners: a table of a thousand floats
     # requires two thousand evaluations.
     strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
-    # Walls pull rafts as a whole, which the liquid lets move faster; pair forces relax by relative motion.
-    wall = parameters.collective * wall_stiffness(parameters)
+    # Pair forces relax by relative motion, which is not faster than that of single floats.
+    wall = collective_speed(parameters) * wall_stiffness(parameters)
     stiffness = [
         2.0 * RAFT_NEIGHBORS * max(pair_stiffness(parameters, (radius, other), (felt, strongest)) for other in extremes)
         + wall
         for radius, felt in kinds[:, :2].tolist()
     ]
     return np.array(stiffness), kinds[:, 2]
+
+
+def collective_speed(parameters: Parameters) -> float:
+    """How many times faster than a single float a raft follows a force, at most: walls and other rafts pull what is
+    within a capillary length of them as a whole.
+    """
+    floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
+    within = PACKED * (length / float(floats.radius.min())) ** 2
+    return max(1.0, parameters.collective * math.sqrt(min(1.0, within / len(floats.radius))))
 
 
 def longest_good_step(parameters: Parameters, speed: float) -> float:
@@ -95,7 +104,7 @@ def attraction_speed(parameters: Parameters) -> float:
     area = math.pi * float(np.sum(floats.radius**2)) / PACKED
     walls = np.abs(parameters.wall_strength).sum(axis=0) / length
     pulled = mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)
-    return parameters.collective * float(np.max(pulled))
+    return collective_speed(parameters) * float(np.max(pulled))
 
 
 def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
