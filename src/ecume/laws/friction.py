@@ -130,6 +130,22 @@ def coulomb_rubbing(gap: Length, compression: Force, pull: Force, coefficient: N
     return Rubbing(held, by_pull, by_limit, by_normal, coefficient * compression * touching_power(gap, roughness))
 
 
+def critical_rubbing(
+    gap: Length, compression: Force, pull: Force, coefficient: Number, roughness: Length, critical_load: Force
+) -> Rubbing:
+    """Friction above a critical load N_c: tips hold up to mu (N - N_c) w(h). Below N_c a layer on the surfaces keeps
+    them apart, and nothing is held.
+
+    The critical load model of suspensions that thicken under shear; w is `touching`. [mari2014].
+
+    >>> critical_rubbing(0.1, 2.0, 0.9, 0.5, 1.0, 1.5).held == coulomb_rubbing(0.1, 0.5, 0.9, 0.5, 1.0).held
+    True
+    >>> critical_rubbing(0.1, 2.0, 0.9, 0.5, 1.0, 2.0).held
+    1.0
+    """
+    return coulomb_rubbing(gap, compression - critical_load, pull, coefficient, roughness)
+
+
 def _roughness_doubts(gap: Length, roughness: Length, smallest_radius: Length) -> list[str]:
     """Roughness that does not matter, or is too large."""
     found = {
@@ -160,6 +176,14 @@ FRICTIONS = {
     "coulomb": ContactFriction(
         coulomb_rubbing, (holding_force,),
         {"roughness": "contact friction acts below a gap as wide as it; got none"}, _roughness_doubts,
+    ),
+    "critical-load": ContactFriction(
+        critical_rubbing, (critical_rubbing, holding_force),
+        {
+            "roughness": "contact friction acts below a gap as wide as it; got none",
+            "critical_load": "friction begins above this compression; got none",
+        },
+        _roughness_doubts,
     ),
 }  # fmt: skip
 """Contact friction: `films.friction` of a scene."""

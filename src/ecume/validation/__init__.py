@@ -54,6 +54,7 @@ CASES: dict[str, Case] = {
         _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),
         _case("t1", "Four soft spheres that swap neighbors, against an independent solution"),
         _case("packing", "Soft packings sheared to a strain of 10: balance, pressure, stress", long=True),
+        _case("rheology", "A soft packing above jamming: its flow curve over three decades, in pieces", long=True),
         _case("tank", "A tank at rest, out of order at the start: pressure, level, speed, creep", long=True),
         _case("tank-schemes", "The tank at rest with other walls and kernels: what holds, what fails", long=True),
         _case("random-tanks", "Still water beside discs, balls and slanted surfaces in random tanks", long=True),

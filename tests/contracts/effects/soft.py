@@ -1,6 +1,6 @@
 """Effects of the keys of soft spheres."""
 
-from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, merged, of
 
 BASE = {
     "model": "soft", "duration": 1e-3, "frame_every": 1e-3,
@@ -69,6 +69,7 @@ EFFECTS = {
     "films.friction": of("coulomb", **{**COULOMB, "films": {"roughness": 0.08}}),
     "films.friction_coefficient": of(0.01, **COULOMB),
     "films.roughness": of(0.5, **COULOMB),
+    "films.critical_load": of(1.0, **merged(COULOMB, {"films": {"friction": "critical-load", "critical_load": 0.0}})),
     "films.output": of("vectors", FILES),
     "films.tangential_law": of("secant", **SHEAR),
     "films.tension_law": of("symmetric", **SHEAR),

@@ -14,7 +14,7 @@ from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import ACCEPTED, FAILED
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import FilmSpec
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force
@@ -99,7 +99,10 @@ STERIC = {"law": "steric", "steric_strength": 0.02, "steric_length": 0.04}
 
 def pressed(pull, coefficient=0.5, friction="coulomb", duration=20.0):
     """Two spheres pressed together with 0.01 onto steric layers, inside their roughness, and sheared."""
-    films = {"friction": friction, "friction_coefficient": coefficient, "roughness": 0.1, "tangential_law": "secant"}
+    films = {
+        "friction": friction, "friction_coefficient": coefficient, "roughness": 0.1, "tangential_law": "secant",
+        "critical_load": 0.0,
+    }  # fmt: skip
     ramp = [{"time": 0.0, "load": 1.0}]
     return pair((-0.01, pull), gap=0.02, duration=duration, films=films, long_range_forces=STERIC, protocol=ramp)
 
@@ -113,6 +116,15 @@ def test_pressed_spheres_stick_below_the_cone_of_friction_and_slide_above():
     assert abs(stuck.direction[0, 1]) < 1e-14
     assert slides.direction[0, 1] > 1e-3
     assert free.direction[0, 1] > 2 * slides.direction[0, 1]
+
+
+@pytest.mark.parametrize(("critical", "stuck"), [(0.002, True), (0.004, False), (0.02, False)])
+def test_friction_holds_the_load_above_the_critical_one_and_no_more(critical, stuck):
+    """Of a load of 0.01, with a coefficient of 0.7, tips hold 0.0056, 0.0042 and nothing against a pull of 0.0049."""
+    scene = to_plain(pressed(0.0049, coefficient=0.7, friction="critical-load"))
+    scene["films"] |= {"critical_load": critical}
+    state = marched(from_plain(scene))[1]
+    assert (abs(state.direction[0, 1]) < 1e-14) == stuck
 
 
 def test_what_slides_is_slowed_by_the_film_under_the_rest_of_the_pull():
@@ -173,8 +185,9 @@ BARE = [{"radius": 1.0, "positions": [[x, 0.0]]} for x in (0.0, 2.1)]
     [
         ({"films": {"surface": "jelly"}}, "films.surface", "hertz, bubble"),
         ({"films": {"interface": "oily"}}, "films.interface", "rigid, half-mobile, mobile, drop"),
-        ({"films": {"friction": "glue", "roughness": 0.1}}, "films.friction", "none, coulomb"),
+        ({"films": {"friction": "glue", "roughness": 0.1}}, "films.friction", "none, coulomb, critical-load"),
         ({"films": {"friction": "coulomb"}}, "films.roughness", "got none"),
+        ({"films": {"friction": "critical-load", "roughness": 0.1}}, "films.critical_load", "got none"),
         ({"particles": BARE}, "particles[0].modulus", "got none"),
         ({"films": {"surface": "bubble"}, "liquid": {"viscosity": 1.0}}, "liquid.surface_tension", "got none"),
     ],

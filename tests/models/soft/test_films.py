@@ -20,6 +20,7 @@ WAYS = {
     "drop": contacts(LOPSIDED, interface=3, viscosity_ratio=0.6),
     "sticking": contacts(LOPSIDED, friction=1, coefficient=50.0, roughness=0.1),
     "slipping": contacts(LOPSIDED, friction=1, coefficient=0.2, roughness=0.1),
+    "critical": contacts(LOPSIDED, friction=2, coefficient=0.4, roughness=0.1, critical_load=0.02),
     "secant": contacts(LOPSIDED, tangential_law="secant"),
     "gap": contacts(LOPSIDED, tension_law="gap"),
     "gap-bubble": contacts(LOPSIDED, tension_law="gap", surface=1, surface_tension=0.7),

@@ -16,7 +16,7 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.loading.cell import Goal
-from ecume.models.soft.loading.protocol import Drive, drive_at, protocol_of
+from ecume.models.soft.loading.protocol import Drive, drive_at, next_stop, protocol_of
 from ecume.models.soft.state import ACCEPTED, CLOCK
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import RateStepsSpec, StageSpec
@@ -313,6 +313,16 @@ def test_rate_steps_hold_each_rate_for_one_strain_and_then_the_last():
     assert [drive_at(protocol, time).strain for time in (1.2, 2.0, 2.4)] == pytest.approx([1.4, 1.0, 1.4])
     assert drive_at(protocol, 1.5).load == 3.0
     assert not protocol.jumps[1:].any()
+
+
+@pytest.mark.parametrize("turn", [0.3, 0.1 + 0.2, np.nextafter(0.3, 0.0)])
+def test_a_corner_at_the_time_of_a_frame_is_no_step_by_itself(turn):
+    protocol = protocol_of([StageSpec(time=0.0, shear_rate=1.0), StageSpec(time=turn, shear_rate=2.0)])
+    assert next_stop(protocol, 0.2, 0.3) == 0.3
+    assert next_stop(protocol, 0.2, 0.25) == 0.25
+    assert next_stop(protocol, 0.2, 0.4) == turn
+    assert drive_at(protocol, 0.3).rate == 2.0
+    assert next_stop(protocol, 0.3, 0.4) == 0.4
 
 
 def test_a_box_that_a_stress_tears_apart_ends_with_a_word():

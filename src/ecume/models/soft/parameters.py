@@ -59,6 +59,8 @@ class Contacts(NamedTuple):
     """of contact friction"""
     roughness: float
     """m: the gap below which there is contact friction"""
+    critical_load: float
+    """N: the compression above which there is contact friction"""
     tangential_law: int
     """the code of a row of `ecume.laws.deflections.TANGENTIAL`"""
     tension_law: int

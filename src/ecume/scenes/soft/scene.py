@@ -141,13 +141,16 @@ class FilmSpec:
     """The viscosity of the liquid in a drop, divided by that of the film. Effect: large ratios approach rigid
     interfaces."""
     friction: LawName = "none"
-    """Contact friction: `none`, or `coulomb` where gaps are below the roughness. Effect: friction resists shear and
-    rotation in dense packings."""
+    """Contact friction: `none`, `coulomb` where gaps are below the roughness, or `critical-load`, there and above the
+    critical load. Effect: friction resists shear and rotation in dense packings."""
     friction_coefficient: Coefficient = 0.5
     """The Coulomb friction coefficient: the largest tangential force divided by the normal one. Effect: larger
     values resist more before surfaces slide."""
     roughness: Size | None = None
     """The gap below which there is contact friction (m). Effect: larger values bring more contacts into friction."""
+    critical_load: Strength | None = None
+    """The compression of a contact above which there is friction (N); required for `friction = "critical-load"`.
+    Example: `"5 uN"`. Effect: larger values delay shear thickening to larger stresses."""
     tangential_law: LawName = "potential"
     """The tangential force of a contact: `potential`, or `secant` as in the paper on the T1 process. Effect:
     `potential` keeps the stiffness definite where neighbors change."""

@@ -15,7 +15,7 @@ from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balance, begin
 from ecume.models.soft.loading.cell import box_of
-from ecume.models.soft.loading.protocol import drive_at, interval_at, next_turn, rules_at
+from ecume.models.soft.loading.protocol import drive_at, interval_at, next_stop, rules_at
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.contact_geometry import deflections, is_beyond, remedy, worst_contact
 from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, released
@@ -250,7 +250,7 @@ def _next(parameters: Parameters, state: State) -> tuple[float, float]:
     """The largest length of the next step, and its end: not beyond the next frame or corner of the protocol."""
     now = float(state.pace[CLOCK])
     due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
-    stop = min(due, next_turn(parameters.protocol, now))
+    stop = next_stop(parameters.protocol, now, due)
     length = min(float(state.pace[LENGTH]), _longest(parameters, now))
     if now + length * (1.0 + NEARLY) >= stop:
         return stop - now, stop

@@ -17,6 +17,10 @@ LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
 """Rows of a course."""
 
 
+SAME = 1e-12
+"""Of a time: times that differ by less are one."""
+
+
 class Protocol(NamedTuple):
     """Intervals, each from its time to the next; the last has no end."""
 
@@ -81,8 +85,8 @@ SIZE_CONTROLS = {
 
 
 def interval_at(protocol: Protocol, time: float) -> int:
-    """The interval that begins at a time, or that it lies in."""
-    return max(int(np.searchsorted(protocol.times, time, side="right")) - 1, 0)
+    """The interval that begins at a time, to rounding, or that it lies in."""
+    return max(int(np.searchsorted(protocol.times, time * (1.0 + SAME), side="right")) - 1, 0)
 
 
 def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Drive:
@@ -109,8 +113,16 @@ def rules_at(protocol: Protocol, interval: int) -> Rules:
 
 def next_turn(protocol: Protocol, time: float) -> float:
     """The time of the next corner of the protocol, which no step crosses."""
-    later = protocol.times[protocol.times > time * (1.0 + 1e-12)]
+    later = protocol.times[protocol.times > time * (1.0 + SAME)]
     return float(later[0]) if len(later) else math.inf
+
+
+def next_stop(protocol: Protocol, time: float, due: float) -> float:
+    """The end of the longest step: a frame, or a corner before it. A corner at the time of the frame, to rounding, is
+    at the frame, since a step from one to the other would be too short for its equations.
+    """
+    turn = next_turn(protocol, time)
+    return due if abs(turn - due) <= SAME * due else min(due, turn)
 
 
 class Course(NamedTuple):

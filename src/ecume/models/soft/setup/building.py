@@ -233,6 +233,7 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         friction=code_of(FRICTIONS, films.friction),
         coefficient=films.friction_coefficient,
         roughness=films.roughness or 0.0,
+        critical_load=films.critical_load or 0.0,
         tangential_law=code_of(TANGENTIAL, films.tangential_law),
         tension_law=code_of(TENSION, tension_law_of(scene)),
         cavitation_pressure=films.cavitation_pressure or 0.0,
@@ -259,6 +260,7 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
         "surface_tension": [("liquid", scene.liquid)],
         "modulus": spheres,
         "roughness": [("films", scene.films)],
+        "critical_load": [("films", scene.films)],
         "cavitation_pressure": [("films", scene.films)],
     }
     return [
