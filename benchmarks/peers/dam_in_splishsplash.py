@@ -1,6 +1,6 @@
 """SPlisHSPlasH: DFSPH with walls of particles, in single precision. Its support is twice the spacing.
 
-    python dam_in_splishsplash.py DEEP
+python dam_in_splishsplash.py DEEP
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ with contextlib.suppress(OSError):
     # The wheel's copy of this library does not get on with a newer system's graphics libraries.
     ctypes.CDLL("libGLdispatch.so.0", ctypes.RTLD_GLOBAL)
 
-import pysplishsplash  # noqa: E402
+import pysplishsplash
 
 DFSPH = 4
 COURANT = 0.5
