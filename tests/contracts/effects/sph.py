@@ -17,6 +17,7 @@ DEEP = {"gravity": [0.0, -1.0, 0.0], "tank": {"high": [1.0, 1.0, 1.0]},
         "fluid": [{"low": [0.0, 0.0, 0.0], "high": [1.0, 0.5, 1.0], "velocity": [0.3, 0.1, 0.2]}]}  # fmt: skip
 FULL = {"tank": {"top": {"kind": "wall"}}, "fluid": [{"high": [1.0, 1.0]}]}
 VISCOUS = {"liquid": {"viscosity": 0.02}}
+SOLVED = {"method": {"pressure": "incompressible", "jitter": 0.2}, "liquid": {"sound_speed": None}}
 WATER = {"liquid": {"name": "water", "density": None}}
 TENSE = {"liquid": {"surface_tension": 0.02}}
 SINE = {"amplitude": 0.05, "frequency": 1.0}
@@ -168,6 +169,7 @@ EFFECTS = {
     "base_excitation.accelerations": of([[0.0, 0.0], [0.6, 0.0]], **TABULATED),
     "central_force.angular_frequency": of(2.0, **PULL),
     "central_force.center": of([0.4, 0.5], **PULL),
+    "method.pressure": of("incompressible", liquid={"sound_speed": None}),
     "method.kernel": of("wendland-c4"),
     "method.smoothing_ratio": of(1.8),
     "method.nonnegative_wall_pressure": of(False, tank={"walls": "dummy"}, fluid=[{"velocity": [3.0, 0.0]}]),
@@ -188,4 +190,6 @@ EFFECTS = {
     "integration.integrator": of("verlet"),
     "integration.time_step": of(0.005),
     "integration.courant_number": of(0.2),
+    "integration.pressure_tolerance": of(1e-9, **SOLVED),
+    "integration.pressure_iterations": of(1, STOPS, **SOLVED),
 }

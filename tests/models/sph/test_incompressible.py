@@ -7,6 +7,7 @@ import pytest
 
 from ecume._jit import use_threads
 from ecume.errors import SceneError
+from ecume.laws.kernels import kernel as named_kernel
 from ecume.models.model import DIVERGED, DONE
 from ecume.models.sph import SPH
 from ecume.models.sph.boundaries.prescribed_motion import instant
@@ -76,6 +77,7 @@ TANKS = {
 }
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("scene", TANKS.values(), ids=TANKS)
 def test_the_equation_is_symmetric_and_not_negative(scene):
     """With the volumes as weights: the divergence is the adjoint of the gradient at walls, too."""
@@ -86,6 +88,36 @@ def test_the_equation_is_symmetric_and_not_negative(scene):
     assert np.linalg.eigvalsh(matrix).min() > -1e-12 * np.abs(matrix).max()
 
 
+@pytest.mark.parametrize("scene", [TANKS["mirrors"], TANKS["dummies"]], ids=["mirrors", "dummies"])
+def test_loops_agree_with_the_formulas(scene):
+    """Each sum once more, particle by particle, without the loops."""
+    equation = equation_of(scene)
+    parameters, state, workspace = begun(scene)
+    now = instant(parameters, state)
+    fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
+    fields, h = workspace.fields, float(now.numbers.smoothing_length)
+    pressure = np.random.default_rng(2).uniform(0.0, 1.0, len(state.mass))
+    laplacian = equations._sums_of_pressure(equation, pressure)[-1]
+    push = equations.accelerations(equation, pressure)
+    kernel = named_kernel("wendland-c2", dim=2)
+    for i in (0, 7, len(state.mass) - 1):
+        j = workspace.lists.neighbor[i, : workspace.lists.counts[i]]
+        away = fields.position[:2, j] - fields.position[:2, i : i + 1]
+        distance, volume, liquid = np.hypot(*away), fields.volume[j], fields.liquid[j]
+        slope = np.array([kernel.slope(r, h) / r if r < 2.0 * h else 0.0 for r in distance])
+        value = np.array([kernel.value(r, h) for r in distance])
+        other = np.where(liquid > 0.0, pressure[equation.root[j]], pressure[i])
+        rise = np.where(liquid > 0.0, fields.pressure[j], now.gravity @ away)
+        assert equation.summed[i] == pytest.approx(volume @ value + fields.volume[i] * kernel.value(0.0, h))
+        np.testing.assert_allclose(push[:, i], (volume * slope * (pressure[i] + other)) @ away.T, atol=1e-11)
+        np.testing.assert_allclose(equation.resting[:, i], (volume * slope * rise) @ away.T, atol=1e-11)
+        assert equation.held[i] == pytest.approx(2.0 * (volume * slope) @ rise, abs=1e-9)
+        own = max(-(volume * slope) @ liquid, now.projection.full + (volume * slope) @ (1.0 - liquid))
+        there = 2.0 * (own * pressure[i] + (volume * slope * liquid) @ other)
+        assert laplacian[i] == pytest.approx(there)
+
+
+@pytest.mark.compiled
 def test_the_diagonal_is_that_of_the_equation():
     scene = tank(18)
     equation, state = equation_of(scene), begun(scene)[1]
@@ -109,6 +141,7 @@ def test_bounds_hold_where_the_solver_of_complementarity_ends():
     assert abs(found.x @ slack) < 1e-8
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_pressure_at_rest_is_hydrostatic(walls):
     """Averaged over ten steps, within half a percent of rho g H below the four uppermost rows."""
@@ -127,6 +160,7 @@ def test_pressure_at_rest_is_hydrostatic(walls):
         assert numbers["bottom_force_y"] == pytest.approx(-1.0, abs=0.01)
 
 
+@pytest.mark.compiled
 def test_vortices_fade_as_the_viscosity_has_it_and_keep_their_momentum():
     parameters, state, workspace = begun(whirl(24))
     start = SPH.observe(parameters, state, workspace).numbers
@@ -140,6 +174,7 @@ def test_vortices_fade_as_the_viscosity_has_it_and_keep_their_momentum():
         assert abs(momentum) < 1e-12
 
 
+@pytest.mark.compiled
 def test_a_drop_falls_freely_and_without_pressure():
     scene = tank(8, fluid=[{"center": [0.5, 1.4], "radius": 0.3}], method={"jitter": 0.0}, tank={"walls": "mirror"})
     parameters, state, _ = after(scene, 5)
@@ -155,6 +190,7 @@ def test_steps_are_longer_by_the_mach_number():
     assert SPH.parameters(scene).time_step > 7.0 * SPH.parameters(slow).time_step
 
 
+@pytest.mark.compiled
 def test_threads_do_not_change_bits():
     found = []
     for threads in (1, 2):
@@ -165,6 +201,7 @@ def test_threads_do_not_change_bits():
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
 
 
+@pytest.mark.compiled
 def test_half_a_run_and_half_a_run_are_a_run():
     scene = tank(8)
     whole = after(scene, 12)[1]
@@ -183,6 +220,7 @@ def test_a_step_without_convergence_is_an_error_that_says_so():
         assert part in message
 
 
+@pytest.mark.compiled
 def test_the_solver_starts_from_the_pressure_before():
     parameters, state, workspace = after(tank(), 30)
     settled = state.tally[ITERATIONS]
@@ -233,6 +271,7 @@ def test_check_reports_the_solver_and_no_sound():
     assert "mean of zero" in {row[0]: row for row in SPH.summary(whirl())}["pressure"][2]
 
 
+@pytest.mark.compiled
 def test_a_3d_tank_is_at_rest():
     scene = from_plain(
         {
