@@ -18,6 +18,7 @@ from figures_crowds import FIGURES as CROWD_FIGURES
 from figures_fits import FIGURES as FIT_FIGURES
 from figures_floating import FIGURES as FLOATING_FIGURES
 from figures_flows import FIGURES as FLOW_FIGURES
+from figures_incompressible import FIGURES as INCOMPRESSIBLE_FIGURES
 from figures_many import FIGURES as MANY_FIGURES
 from figures_shapes import FIGURES as SHAPE_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
@@ -270,6 +271,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     **SPH_FIGURES,
     **SURFACE_FIGURES,
     **TANK_FIGURES,
+    **INCOMPRESSIBLE_FIGURES,
     **TRACER_FIGURES,
     **TUTORIAL_FIGURES,
 }

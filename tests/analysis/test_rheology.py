@@ -6,14 +6,22 @@ import numpy as np
 import pytest
 
 from ecume.analysis.rheology import (
+    creep_flow,
     flow_point,
+    herschel_bulkley,
+    mean_stress,
     moduli,
     normal_stress_differences,
+    over_seeds,
+    power_fit,
     shear_rates,
+    steady_part,
+    steady_state,
     stress_tensor,
+    viscosity_divergence,
     viscous_number,
 )
-from ecume.analysis.series import steady_mean
+from ecume.analysis.series import Mean, steady_mean
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 
@@ -127,3 +135,108 @@ def test_a_stress_is_the_sum_of_its_parts():
     assert normal_stress_differences(frame) == pytest.approx((1.8, 1.2))
     with pytest.raises(BadInput, match="squeeze, sliding, remote"):
         stress_tensor(frame, "elastic")
+
+
+def test_a_transient_is_cut_and_a_drift_is_no_steady_state():
+    noise, step = np.random.default_rng(1).normal(size=(40, 400)), np.arange(400)
+    found = [steady_state(5.0 + 20.0 * np.exp(-step / 20.0) + row) for row in noise]
+    assert all(60 <= one.first <= 266 for one in found)
+    assert sum(one.settled for one in found) >= 36
+    values = np.array([one.mean.value for one in found])
+    errors = np.array([one.mean.error for one in found])
+    assert (np.abs(values - 5.0) < 4.0 * errors).mean() > 0.9
+    assert values.mean() == pytest.approx(5.0, abs=0.03)
+    assert not any(steady_state(0.02 * step + row).settled for row in noise)
+    assert steady_state(np.full(40, 0.1)).settled
+
+
+def test_the_later_of_two_transients_decides():
+    frames = [
+        frame._replace(
+            numbers=frame.numbers | {"normal_stress": frame.numbers["normal_stress"] + 9 * math.exp(-n / 15)}
+        )
+        for n, frame in enumerate(flow(noise=0.02))
+    ]
+    steady, settled = steady_part(frames)
+    assert settled
+    assert 130 <= len(steady) < 320
+
+
+def test_mean_stresses_have_the_errors_of_their_fluctuations():
+    random, frames = np.random.default_rng(2), []
+    for time in range(800):
+        xx, yy, zz = np.array([-7.0, -4.0, -1.0]) + random.normal(size=3)
+        tensor = {"xx": xx, "yy": yy, "zz": zz, "xy": 2.0 + random.normal()}
+        tensor |= dict.fromkeys(("xz", "yx", "yz", "zx", "zy"), 0.0)
+        numbers = {f"stress_squeeze_{axes}": value for axes, value in tensor.items()}
+        frames.append(Frame(float(time), {"position": np.zeros((1, 3))}, numbers, {}))
+    found = mean_stress(frames)
+    wanted = {"shear": (2.0, 1.0), "pressure": (4.0, 3**-0.5), "first_difference": (-3.0, 2**0.5)}
+    for name, (value, spread) in (wanted | {"second_difference": (-3.0, 2**0.5)}).items():
+        mean = getattr(found, name)
+        assert mean.value == pytest.approx(value, abs=4.0 * spread / math.sqrt(800))
+        assert mean.error == pytest.approx(spread / math.sqrt(800), rel=0.6)
+
+
+def test_a_fitted_yield_stress_lies_within_its_error_of_the_true_one():
+    random, rates = np.random.default_rng(3), np.geomspace(1e-2, 1e2, 9)
+    exact = 3.0 + 0.7 * rates**0.45
+    fits = [
+        herschel_bulkley(-rates, [Mean(s + 0.02 * s * random.normal(), 0.02 * s) for s in exact]) for _ in range(60)
+    ]
+    for name, wanted in (("offset", 3.0), ("factor", 0.7), ("exponent", 0.45)):
+        values, errors = np.array([getattr(one, name) for one in fits]).T
+        assert np.abs((values - wanted) / errors).mean() < 1.3
+        assert errors.mean() == pytest.approx(values.std(), rel=0.45)
+    assert np.mean([one.misfit for one in fits]) == pytest.approx(1.0, abs=0.3)
+    assert fits[0](rates) == pytest.approx(exact, rel=0.05)
+
+
+def test_points_without_errors_have_those_of_their_scatter():
+    random, x = np.random.default_rng(4), np.geomspace(0.1, 10.0, 30)
+    fit = power_fit(x, [Mean(1.0 + 2.0 * one**0.5 + 0.05 * random.normal(), math.nan) for one in x])
+    assert fit.exponent.value == pytest.approx(0.5, abs=4.0 * fit.exponent.error)
+    assert 0.005 < fit.exponent.error < 0.1
+
+
+def test_where_a_viscosity_diverges():
+    phi, random = np.linspace(0.3, 0.6, 9), np.random.default_rng(5)
+    exact = 2.0 * (1.0 - phi / 0.64) ** -1.8
+    found = viscosity_divergence(phi, [Mean(value * (1.0 + 0.01 * random.normal()), 0.01 * value) for value in exact])
+    assert found.fraction.value == pytest.approx(0.64, abs=4.0 * found.fraction.error)
+    assert found.exponent.value == pytest.approx(1.8, abs=4.0 * found.exponent.error)
+    assert 0.0 < found.fraction.error < 0.02
+
+
+def test_fits_of_too_little_are_refused():
+    with pytest.raises(BadInput, match="4 points"):
+        power_fit(np.array([1.0, 2.0, 3.0]), [Mean(1.0, 0.1)] * 3)
+    with pytest.raises(BadInput, match="positive arguments"):
+        power_fit(np.array([0.0, 1.0, 2.0, 3.0]), [Mean(1.0, 0.1)] * 4)
+    with pytest.raises(BadInput, match="do not determine"):
+        power_fit(np.array([1.0, 2.0, 3.0, 4.0]), [Mean(x, 0.1) for x in np.exp([1.0, 2.0, 3.0, 40.0])])
+
+
+def test_the_error_of_seeds_is_that_of_their_scatter():
+    random = np.random.default_rng(6)
+    found = over_seeds([Mean(value, 1e-3) for value in random.normal(size=400)])
+    assert found.error == pytest.approx(1 / math.sqrt(400), rel=0.15)
+    assert over_seeds([Mean(2.0, 0.3)]) == Mean(2.0, 0.3)
+    with pytest.raises(BadInput, match="one run"):
+        over_seeds([])
+
+
+def creeping(strain):
+    return [Frame(time, {}, {"strain": strain(max(time - 2.0, 0.0))}, {}) for time in np.linspace(0.0, 42.0, 421)]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_creep_that_flows_and_creep_that_stops(sign):
+    flows = creep_flow(creeping(lambda since: sign * (0.03 * since + 0.1 * (1.0 - math.exp(-since)))), 2.0)
+    assert flows.flows
+    assert flows.rate.value == pytest.approx(0.03, rel=1e-3)
+    assert flows.strain == pytest.approx(1.3)
+    stops = creep_flow(creeping(lambda since: sign * 0.1 * math.log1p(since)), 2.0)
+    assert not stops.flows
+    assert stops.slowing == pytest.approx(1.0, abs=0.05)
+    assert not creep_flow(creeping(lambda since: -0.01 * since * (since < 5.0)), 2.0).flows

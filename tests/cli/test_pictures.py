@@ -22,9 +22,9 @@ cli = CliRunner()
 
 
 def test_export_offers_what_trajectories_can_be_written_as() -> None:
-    elsewhere = {"pvd", "heights", "heights-vtk", "ro-crate"}
+    elsewhere = {"pvd", "heights", "heights-vtk", "ro-crate", "lammps"}
     assert {kind.value for kind in Format} == {*ecume.trajectories.exports.EXPORTS, *elsewhere}
-    assert set(ENDINGS) == {*Format} - {Format.RO_CRATE}
+    assert set(ENDINGS) == {*Format} - {Format.RO_CRATE, Format.LAMMPS}
 
 
 @pytest.fixture(autouse=True)

@@ -13,7 +13,7 @@ from ecume.errors import SceneError
 from ecume.laws.kernels import KERNELS
 from ecume.models.model import DONE, EXCHANGE
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
-from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, PRESSURES
 from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.record import SPH
@@ -40,6 +40,7 @@ FAMILIES = {
     "kernel": methods("kernel", [name for name in KERNELS if name != "wendland-c2"]),
     "density_diffusion": {**methods("density_diffusion", DIFFUSIONS), "density_diffusion = none":
                           {"method": {"density_diffusion": "none"}}},
+    "pressure": methods("pressure", ["incompressible"], liquid={"sound_speed": None}),
     "viscosity_model": methods("viscosity_model", FRICTIONS, **DRAG),
     "pressure_force": {**methods("pressure_force", ["monaghan"]), **methods("pressure_force", ["transport"], **FULL)},
     "pressure_split": methods("pressure_split", ["modified"], **FULL),
@@ -47,7 +48,8 @@ FAMILIES = {
     "surface_tension_model": methods("surface_tension_model", TENSIONS, **TENSE),
     "turbulence": methods("turbulence", TURBULENCES),
     "integrator": {
-        f"integrator = {name}": {"integration": {"integrator": name}} for name in INTEGRATORS if name != "symplectic"
+        f"integrator = {name}": {"integration": {"integrator": name}} for name in INTEGRATORS
+        if name not in ("symplectic", "projection")
     },
     "precision": methods("precision", ["single"]),
     "dimension": {"3D": {}},
@@ -196,8 +198,18 @@ def test_a_motion_does_not_depend_on_the_unit_of_mass(names):
 
 
 def test_every_row_of_the_tables_is_among_the_options():
-    for table in (KERNELS, DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, SHIFTINGS, TENSIONS, TURBULENCES, INTEGRATORS):
-        defaults = {"wendland-c2", "sum", "none", "symplectic"}
+    for table in (
+        KERNELS,
+        DIFFUSIONS,
+        FRICTIONS,
+        PRESSURES,
+        PRESSURE_FORCES,
+        SHIFTINGS,
+        TENSIONS,
+        TURBULENCES,
+        INTEGRATORS,
+    ):
+        defaults = {"wendland-c2", "sum", "none", "symplectic", "projection", "tait"}
         assert all(any(name.endswith(f"= {row}") for name in OPTIONS) for row in table if row not in defaults)
 
 

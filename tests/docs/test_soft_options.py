@@ -21,6 +21,7 @@ TABLES = {
     "[[walls]]": soft.WallSpec,
     "[[protocol]]": soft.StageSpec,
     "[protocol.oscillation]": soft.OscillationSpec,
+    "[protocol.rate_steps]": soft.RateStepsSpec,
     "[integration]": soft.IntegrationSpec,
 }
 """The tables of a scene, and the part of the schema that each is."""

@@ -8,14 +8,27 @@ import pytest
 
 from ecume.analysis.boxes import Box, at_home, box_of, nearest
 from ecume.errors import BadInput
-from ecume.scenes.soft import CellSpec, OscillationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, WallSpec
+from ecume.scenes.soft import (
+    CellSpec,
+    OscillationSpec,
+    RateStepsSpec,
+    SoftLiquid,
+    SoftScene,
+    SphereSpec,
+    StageSpec,
+    WallSpec,
+)
 from ecume.show.movies import film
 from ecume.show.soft.figures import SOFT_FIGURES
-from ecume.show.soft.measures import flow_points, oscillations
+from ecume.show.soft.flow_figures import oscillations, steady_flows
 from ecume.show.soft.packing import PULL, PUSH, Packing, links_around, links_of
 from ecume.trajectories.frame import Frame
 
-OF_BOXES = ("stress", "viscosity", "nonaffine", "flow-curve", "moduli")
+OF_BOXES = (
+    "stress", "viscosity", "nonaffine", "steady-state", "flow-curve", "viscous-number", "normal-stresses",
+    "viscosity-fraction", "creep", "moduli",
+)  # fmt: skip
+OF_PROTOCOLS = ("creep", "moduli")
 UNITS = {"gap": "m", "tension": "N", "elastic_energy": "J"}
 
 
@@ -70,7 +83,9 @@ def _sheared(time):
     numbers = {
         "elastic_energy": 1e-9, "coordination": 5 / 3, "mean_gap": 2e-5, "smallest_gap": 1e-5, "pressure": 0.2,
         "shear_stress": 0.1 + 0.01 * time, "normal_stress": 0.3, "viscosity": 1.0 + time if time else math.nan,
-        "stress_squeeze_xy": 0.08, "stress_sliding_xy": 0.02, "strain": strain, "volume_fraction": 0.78,
+        "stress_squeeze_xy": 0.08, "stress_sliding_xy": 0.02, "stress_squeeze_yx": 0.08, "stress_sliding_yx": 0.02,
+        "stress_squeeze_xx": -0.4, "stress_sliding_xx": 0.3, "stress_squeeze_yy": -0.3, "stress_sliding_yy": 0.0,
+        "strain": strain, "volume_fraction": 0.78,
         "box_width": 6e-3, "box_height": 4e-3,
     }  # fmt: skip
     return Frame(time, arrays, numbers, UNITS | {"shear_stress": "N/m", "viscosity": "N*s/m"})
@@ -86,7 +101,7 @@ def test_every_figure_can_be_drawn_or_says_why_not(name, scene, frames, boxed):
             SOFT_FIGURES[name](frames, walled)
     elif name not in ("coordination", "swaps"):
         SOFT_FIGURES[name](frames, scene).canvas.draw()
-    if name != "moduli":
+    if name not in OF_PROTOCOLS:
         SOFT_FIGURES[name](boxed[1], boxed[0]).canvas.draw()
 
 
@@ -107,13 +122,65 @@ def test_moduli_are_those_of_the_oscillations_in_the_protocol(boxed):
     SOFT_FIGURES["moduli"](frames, scene).canvas.draw()
 
 
-def test_a_flow_is_averaged_over_the_second_half_of_each_part_of_the_protocol(boxed):
-    scene, frames = boxed
-    fine = [_sheared(time) for time in np.linspace(0.0, 3.0, 31)]
-    (point,) = flow_points(fine, scene)
-    assert point.shear_stress.value == pytest.approx(0.1 + 0.01 * 2.3, abs=1e-3)
-    assert point.viscous_number.value == pytest.approx(1.0 * 0.1 * 2e-3 / 0.3)
-    assert flow_points(frames[:1] * 2, scene) == []
+STEPS = {0.02: 0.14, 0.1: 0.3, 0.5: 1.1, 2.5: 5.1}
+"""Stresses s = 0.1 + 2 rate."""
+
+
+@pytest.fixture
+def stepped(boxed):
+    """A run of four rates, each held for a strain of 0.5, whose stress is stationary from a third of each on."""
+    scene, (first, *_) = boxed
+    steps = RateStepsSpec(rates=tuple(STEPS), strain=0.5)
+    scene = dataclasses.replace(scene, duration=31.2, protocol=(StageSpec(time=0.0, rate_steps=steps),))
+    frames, start, strain, noise = [first], 0.0, 0.0, np.random.default_rng(1)
+    for rate, span in zip(steps.rates, steps.spans, strict=True):
+        for part in np.arange(1, 61) / 60:
+            shear = STEPS[rate] * (1.0 + math.exp(-20.0 * part) + 0.01 * noise.normal())
+            now = {"strain": strain + 0.5 * part, "shear_stress": shear, "normal_stress": 3.0 * shear}
+            frames.append(first._replace(time=start + part * span, numbers=first.numbers | now))
+        start, strain = start + span, strain + 0.5
+    return scene, frames
+
+
+def test_each_step_of_the_rate_is_a_point_of_the_flow_curve_after_its_transient(stepped):
+    scene, frames = stepped
+    flows = steady_flows(frames, scene)
+    assert [flow.point.rate.value for flow in flows] == pytest.approx(list(STEPS))
+    for flow, wanted in zip(flows, STEPS.values(), strict=True):
+        assert flow.settled
+        assert 30 <= len(flow.steady) < 60
+        assert flow.point.shear_stress.value == pytest.approx(wanted, rel=0.01)
+        assert flow.stress.first_difference.value == pytest.approx(0.2)
+    shown = SOFT_FIGURES["flow-curve"](frames, scene)
+    (label,) = [text.get_text() for text in shown.axes[0].get_legend().get_texts() if "rate^n" in text.get_text()]
+    assert float(label.split()[0]) == pytest.approx(0.1, abs=0.003)
+    assert "n = 1.0" in label
+    assert steady_flows(frames[:1] * 2, scene) == []
+
+
+def test_a_drift_is_marked_as_not_stationary(boxed):
+    scene, _ = boxed
+    frames = [_sheared(time) for time in np.linspace(0.0, 3.0, 61)]
+    (flow,) = steady_flows(frames, scene)
+    assert not flow.settled
+    shown = SOFT_FIGURES["flow-curve"](frames, scene)
+    assert "not stationary" in [text.get_text() for text in shown.axes[0].get_legend().get_texts()]
+
+
+def test_creep_is_drawn_for_each_step_of_the_stress(boxed):
+    scene, (first, *_) = boxed
+    with pytest.raises(BadInput, match="no shear_stress"):
+        SOFT_FIGURES["creep"](boxed[1], scene)
+    moments = (StageSpec(time=0.0, shear_stress=0.1), StageSpec(time=3.0, shear_stress=0.4))
+    now = np.linspace(0.0, 6.0, 121)
+    crept = 0.01 * np.minimum(now, 3.0) ** 0.1 + 0.2 * np.maximum(now - 3.0, 0.0)
+    frames = [
+        first._replace(time=time, numbers=first.numbers | {"strain": strain})
+        for time, strain in zip(now, crept, strict=True)
+    ]
+    shown = SOFT_FIGURES["creep"](frames, dataclasses.replace(scene, duration=6.0, protocol=moments))
+    labels = [text.get_text() for text in shown.axes[0].get_legend().get_texts()]
+    assert [label.split(", ")[1] for label in labels] == ["no steady flow", "0.2 /s"]
 
 
 def test_a_box_shows_its_copies_beside_it_and_its_outline(boxed):

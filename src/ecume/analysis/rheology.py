@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ecume.analysis.boxes import Integers
 from ecume.analysis.series import Mean, number, series, steady_mean, times
@@ -44,6 +45,81 @@ def normal_stress_differences(frame: Frame, part: str = "total") -> tuple[float,
     return float(normal[0] - normal[1]), float(normal[1] - normal[2]) if len(normal) == 3 else 0.0
 
 
+class SteadyState(NamedTuple):
+    """The stationary part of a series."""
+
+    first: int
+    """the index at which it begins"""
+    mean: Mean
+    """of the values from there on"""
+    settled: bool
+    """whether the transient ends within the first third, and both halves of the steady part have the same mean, within
+    three standard errors"""
+
+
+SURE = 3.0
+"""Standard errors by which the means of two halves may differ."""
+
+
+def steady_state(values: Array) -> SteadyState:
+    """Detect the transient of an evenly spaced series: twice the cut in its first third that leaves the mean of the
+    rest with the smallest standard error, sum (y - mean)^2 / n^2 [white1997]. At that cut the remaining transient
+    changes the mean by about its error; at twice the cut it has decayed.
+
+    >>> steady_state(np.array([9.0, 5.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0])).first
+    4
+    """
+    count = len(values)
+    left = count - np.arange(count // 3 + 1)
+    shifted = values - values.mean()
+    total, square = (np.cumsum(part[::-1])[::-1][: len(left)] for part in (shifted, shifted**2))
+    cut = int(np.argmin((square - total**2 / left) / left**2))
+    rest = values[2 * cut :]
+    early, late = steady_mean(rest[: len(rest) // 2]), steady_mean(rest[len(rest) // 2 :])
+    apart, spread = abs(late.value - early.value), math.hypot(early.error, late.error)
+    alike = apart <= SURE * spread + 1e-12 * abs(early.value)
+    return SteadyState(2 * cut, steady_mean(rest), cut < len(left) - 1 and alike)
+
+
+def steady_part(frames: Sequence[Frame]) -> tuple[Sequence[Frame], bool]:
+    """The frames from where shear stress and normal stress are stationary, and whether they have become so."""
+    found = [steady_state(values) for values in series(frames, number("shear_stress"), number("normal_stress"))]
+    return frames[max(one.first for one in found) :], all(one.settled for one in found)
+
+
+class MeanStress(NamedTuple):
+    """Means over frames, each with its standard error from block means; Pa, in a layer N/m."""
+
+    shear: Mean
+    pressure: Mean
+    """in compression positive"""
+    first_difference: Mean
+    """N_1 = s_xx - s_yy"""
+    second_difference: Mean
+    """N_2 = s_yy - s_zz; 0 in a layer"""
+
+
+def mean_stress(frames: Sequence[Frame], part: str = "total") -> MeanStress:
+    """The means of the stress over frames of a steady flow, evenly spaced in time."""
+    tensors = [stress_tensor(frame, part) for frame in frames]
+    differences = [normal_stress_differences(frame, part) for frame in frames]
+    shear = steady_mean(np.array([tensor[0, 1] for tensor in tensors]))
+    pressure = steady_mean(np.array([-np.trace(tensor) / len(tensor) for tensor in tensors]))
+    first, second = (steady_mean(values) for values in np.array(differences).T)
+    return MeanStress(shear, pressure, first, second)
+
+
+def over_seeds(means: Sequence[Mean]) -> Mean:
+    """The mean of runs that differ in their seed, with its standard error from their scatter; of one run, its own.
+
+    >>> over_seeds([Mean(1.0, 0.1), Mean(3.0, 0.1)])
+    Mean(value=2.0, error=1.0)
+    """
+    if not means:
+        raise BadInput("expected one run or more; got none")
+    return _over_periods(np.array([one.value for one in means]), means[0].error)
+
+
 def shear_rates(frames: Sequence[Frame]) -> Array:
     """The rate of shear between the frames around each, (T,) 1/s."""
     if len(frames) < 2:
@@ -69,6 +145,11 @@ class FlowPoint(NamedTuple):
     def viscosity(self) -> Viscosity:
         """Shear stress over shear rate; in a layer N s/m."""
         return self.shear_stress.value / self.rate.value
+
+    @property
+    def shear_viscosity(self) -> Mean:
+        """The viscosity with its standard error."""
+        return _quotient(self.shear_stress, self.rate, 1.0)
 
 
 def viscous_number(viscosity: Viscosity, rate: Rate, normal_stress: Pressure) -> Number:
@@ -108,6 +189,131 @@ def _quotient(above: Mean, below: Mean, factor: float) -> Mean:
     value = abs(above.value) * factor / below.value
     error = math.hypot(above.error / above.value if above.value else 0.0, below.error / below.value)
     return Mean(value, value * error if above.value else above.error * factor / below.value)
+
+
+class CurveFit(NamedTuple):
+    """A fit by weighted least squares to points with errors. Where points scatter by more than their errors, the errors
+    of the fit are larger by the square root of the misfit.
+    """
+
+    offset: Mean
+    factor: Mean
+    exponent: Mean
+    misfit: float
+    """chi^2 per degree of freedom: about 1 where the curve and the errors are right"""
+
+    def __call__(self, argument: Array) -> Array:
+        """The fitted power law, offset + factor x^exponent."""
+        return np.asarray(self.offset.value + self.factor.value * np.asarray(argument) ** self.exponent.value)
+
+
+EXPONENTS = np.geomspace(0.05, 4.0, 80)
+"""Among which a fit begins to look for the best one."""
+FEWEST_POINTS = 4
+"""Of a fit: three parameters, and one more for the errors."""
+
+
+def power_fit(argument: Array, values: Sequence[Mean]) -> CurveFit:
+    """Fit offset + factor x^exponent to points: a flow curve, the friction mu(J), or the volume fraction phi(J).
+
+    >>> fit = power_fit(np.array([0.1, 1.0, 4.0, 9.0]), [Mean(2.0 + 3.0 * x**0.5, 0.1) for x in (0.1, 1.0, 4.0, 9.0)])
+    >>> [round(one.value, 4) for one in (fit.offset, fit.factor, fit.exponent)]
+    [2.0, 3.0, 0.5]
+    """
+    x = np.asarray(argument, dtype=float)
+    if not (x > 0.0).all():
+        raise BadInput("a power law is fitted to positive arguments; got others")
+    middle = float(np.exp(np.log(x).mean()))
+    fit = _separable(lambda power: (x / middle) ** power, values, EXPONENTS)
+    # The factor of x instead of x over its mean: f m^-n, with the error of both.
+    scale = middle ** -fit.best[2]
+    slope = np.array([0.0, scale, -fit.best[1] * scale * math.log(middle)])
+    factor = Mean(float(fit.best[1] * scale), math.sqrt(max(float(slope @ fit.covariance @ slope), 0.0)))
+    return CurveFit(fit.mean(0), factor, fit.mean(2), fit.misfit)
+
+
+def herschel_bulkley(rates: Array, stresses: Sequence[Mean]) -> CurveFit:
+    """Fit a flow curve s = s_y + K |rate|^n; the offset is the yield stress s_y (Pa; in a layer N/m), the factor the
+    consistency K, the exponent n. [herschel1926].
+
+    >>> fit = herschel_bulkley(np.array([1.0, 2.0, 4.0, 8.0]), [Mean(1.0 + r, 0.1) for r in (1.0, 2.0, 4.0, 8.0)])
+    >>> round(fit.offset.value, 4), round(fit.exponent.value, 4)
+    (1.0, 1.0)
+    """
+    return power_fit(np.abs(rates), stresses)
+
+
+class Divergence(NamedTuple):
+    """The viscosity eta = A (1 - phi/phi_J)^-b that diverges at a volume fraction."""
+
+    fraction: Mean
+    """phi_J"""
+    exponent: Mean
+    """b"""
+    factor: Mean
+    """A (Pa s; in a layer N s/m)"""
+    misfit: float
+
+
+FURTHEST = np.geomspace(1e-3, 1.0, 80)
+"""By how much of the largest fraction the divergence may lie above it."""
+
+
+def viscosity_divergence(fractions: Array, viscosities: Sequence[Mean]) -> Divergence:
+    """Fit where a viscosity diverges over the volume fraction, by least squares of its logarithm. [krieger1959].
+
+    >>> fit = viscosity_divergence(np.arange(0.5, 0.8, 0.05), [Mean(3.0 * (1 - p / 0.85) ** -2, 0.1)
+    ...     for p in np.arange(0.5, 0.8, 0.05)])
+    >>> [round(one.value, 4) for one in fit[:3]]
+    [0.85, 2.0, 3.0]
+    """
+    phi = np.asarray(fractions, dtype=float)
+    if not all(one.value > 0.0 for one in viscosities):
+        raise BadInput("expected positive viscosities")
+    logarithms = [Mean(math.log(one.value), one.error / one.value) for one in viscosities]
+    fit = _separable(lambda end: -np.log1p(-phi / end), logarithms, phi.max() * (1.0 + FURTHEST))
+    size = math.exp(fit.best[0])
+    return Divergence(fit.mean(2), fit.mean(1), Mean(size, size * fit.mean(0).error), fit.misfit)
+
+
+class _Fit(NamedTuple):
+    """Offset, factor and the parameter of the column, with their covariance."""
+
+    best: Array
+    covariance: Array
+    misfit: float
+
+    def mean(self, place: int) -> Mean:
+        """One of them with its error."""
+        return Mean(float(self.best[place]), math.sqrt(max(float(self.covariance[place, place]), 0.0)))
+
+
+def _separable(column: Callable[[float], Array], values: Sequence[Mean], candidates: Array) -> _Fit:
+    """Least squares of offset + factor column(p): for each p the other two follow from a linear fit."""
+    y, error = np.array([one.value for one in values]), np.array([one.error for one in values])
+    if len(y) < FEWEST_POINTS:
+        raise BadInput(f"a fit of three parameters takes {FEWEST_POINTS} points or more; got {len(y)}")
+    known = bool((np.isfinite(error) & (error > 0.0)).all())
+    weight = 1.0 / error if known else np.ones(len(y))
+
+    def linear(p: float) -> tuple[Array, float]:
+        terms = np.column_stack([np.ones(len(y)), column(p)])
+        answer = np.linalg.lstsq(weight[:, None] * terms, weight * y, rcond=None)[0]
+        return answer, float(((weight * (y - terms @ answer)) ** 2).sum())
+
+    costs = [linear(float(p))[1] for p in candidates]
+    lowest = int(np.argmin(costs))
+    if lowest in (0, len(candidates) - 1):
+        raise BadInput("the points do not determine the three parameters of the curve; use more of them, further apart")
+    ends = float(candidates[lowest - 1]), float(candidates[lowest + 1])
+    p = float(minimize_scalar(lambda one: linear(one)[1], bounds=ends, method="bounded", options={"xatol": 1e-10}).x)
+    (offset, factor), cost = linear(p)
+    step = 1e-5 * p
+    slope = factor * (column(p + step) - column(p - step)) / (2.0 * step)
+    terms = weight[:, None] * np.column_stack([np.ones(len(y)), column(p), slope])
+    misfit = cost / (len(y) - 3)
+    covariance = np.linalg.pinv(terms.T @ terms, rcond=1e-15) * (max(misfit, 1.0) if known else misfit)
+    return _Fit(np.array([offset, factor, p]), covariance, misfit)
 
 
 class Moduli(NamedTuple):
@@ -214,3 +420,47 @@ def creep(frames: Sequence[Frame], step: Time) -> tuple[Array, Array]:
         raise BadInput(f"expected two frames or more from the step at {step:g} s on; got {int(after.sum())}")
     crept = strain[after] - strain[after][0]
     return now[after] - step, math.copysign(1.0, crept[-1]) * crept
+
+
+class CreepFlow(NamedTuple):
+    """The end of a creep test."""
+
+    strain: float
+    """since the step of stress, at the end"""
+    rate: Mean
+    """of the strain in the second half of the time since the step (1/s)"""
+    slowing: float
+    """the exponent n of a rate that falls as t^-n in the second half: 0 for a steady flow, near 1 for a packing that
+    stops"""
+
+    @property
+    def flows(self) -> bool:
+        """Whether the packing flows steadily: the rate is above three of its errors, and falls slower than t^-1/2."""
+        return self.rate.value > SURE * self.rate.error and self.slowing < STOPPING
+
+
+STOPPING = 0.5
+"""Of that exponent: where the rate falls faster, the strain grows by less than the root of time."""
+
+
+def creep_flow(frames: Sequence[Frame], step: Time) -> CreepFlow:
+    """The creep under a constant shear stress since its step: how far, how fast and whether it slows down.
+
+    >>> frames = [Frame(t, {}, {"strain": 0.05 * t + 0.1}, {}) for t in np.arange(0.0, 8.1, 0.1)]
+    >>> flow = creep_flow(frames, step=0.0)
+    >>> round(flow.rate.value, 6), flow.flows
+    (0.05, True)
+    """
+    time, crept = creep(frames, step)
+    rates, middle = np.diff(crept) / np.diff(time), 0.5 * (time[1:] + time[:-1])
+    late = middle >= 0.5 * time[-1]
+    if late.sum() < FEWEST_POINTS:
+        raise BadInput(
+            f"expected {FEWEST_POINTS} frames or more in the second half of the creep; got {int(late.sum())}"
+        )
+    half = len(rates[late]) // 2
+    early_rate, late_rate = rates[late][:half].mean(), rates[late][-half:].mean()
+    early_time, late_time = middle[late][:half].mean(), middle[late][-half:].mean()
+    positive = early_rate > 0.0 and late_rate > 0.0
+    slowing = -math.log(late_rate / early_rate) / math.log(late_time / early_time) if positive else math.inf
+    return CreepFlow(float(crept[-1]), steady_mean(rates[late]), slowing)

@@ -31,8 +31,10 @@ from ecume.cli.picture_options import (
     Workers,
     Zoom,
 )
+from ecume.cli.plain_python import without_compiler
 from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
+from ecume.cli.scenes import Overrides, placed
 from ecume.errors import BadInput
 
 RESULTS = "results"
@@ -40,7 +42,7 @@ RESULTS = "results"
 
 
 class Format(StrEnum):
-    """The formats of an export: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, and heights."""
+    """The formats of an export: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, heights, and decks."""
 
     CSV = "csv"
     NUMBERS = "numbers"
@@ -52,6 +54,7 @@ class Format(StrEnum):
     HEIGHTS = "heights"
     HEIGHTS_VTK = "heights-vtk"
     RO_CRATE = "ro-crate"
+    LAMMPS = "lammps"
 
 
 Authors = Annotated[
@@ -259,8 +262,18 @@ def _list(directory: Path) -> None:
         typer.echo(f"{name:{width}}  {shows}")
 
 
+RunOrScene = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR",
+        help="Directory of a run, or a scene file for lammps; default: the current directory.",
+        show_default=False,
+    ),
+]
+
+
 def export(
-    directory: RunFolder = HERE,
+    directory: RunOrScene = HERE,
     *,
     to: Annotated[
         Format,
@@ -269,30 +282,38 @@ def export(
             help="csv, xyz: text; numbers: CSV of energies, gauges ...; samples: numbers sampled between frames; "
             "vtk: ParaView (pvd: before 5.12); npz: NumPy; "
             "heights, heights-vtk: the surface around floats on a grid, for NumPy (.npz, or -o FILE.npy) and ParaView; "
-            "ro-crate: metadata of the run in its directory.",
+            "ro-crate: metadata of the run in its directory; lammps: a scene as a folder with an input script.",
             show_default=False,
         ),
     ],
     out: Out = None,
+    overrides: Overrides = None,
     authors: Authors = None,
     license_name: License = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write the frames of a run in another format. OVITO and HOOMD read the GSD files in DIR/traj directly.
+    """Write the frames of a run in another format, or a scene as input for LAMMPS. OVITO and HOOMD read the GSD files
+    in DIR/traj directly.
 
     Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf` ·
     `ecume export runs/bowl --to numbers -o - | head` (text formats only) ·
+    `ecume export bowl.toml --to lammps -o deck` ·
     `ecume export runs/bowl --to ro-crate --author "Ada Lovelace (0000-0002-1825-0097)" --license CC-BY-4.0`
     """
     from ecume.run.directory import existing
     from ecume.trajectories.exports import export as write
 
+    if (authors or license_name) and to is not Format.RO_CRATE:
+        raise BadInput("--author and --license are metadata of a run; use them with --to ro-crate")
+    if overrides and to is not Format.LAMMPS:
+        raise BadInput("--set changes a scene; use it with --to lammps")
+    if to is Format.LAMMPS:
+        wrote(_deck(directory, out, overrides or []), quiet=quiet)
+        return
     existing(directory)
     if to is Format.RO_CRATE:
         wrote(_crate(directory, out, authors or [], license_name or ""), quiet=quiet)
         return
-    if authors or license_name:
-        raise BadInput("--author and --license are metadata of a run; use them with --to ro-crate")
     if out == Path("-"):
         to_stdout(directory, to.value)
         return
@@ -305,6 +326,23 @@ def export(
         wrote(export_heights(directory, path), quiet=quiet)
         return
     wrote(write(directory, to.value, path), quiet=quiet)
+
+
+def _deck(scene: Path, out: Path | None, changes: list[str]) -> Path:
+    """Write the deck of a scene file into a folder, `SCENE-lammps` by default."""
+    from ecume.lammps.decks import write_deck
+    from ecume.scenes.load import load_scene
+
+    if out == Path("-"):
+        raise BadInput("-o -: a deck is a folder; expected the name of one")
+    if scene.is_dir():
+        raise BadInput(f"--to lammps: got the folder {scene}; expected a scene file, which a deck is made of")
+    asked = load_scene(scene, changes)
+    folder = out or Path(f"{scene.stem}-lammps")
+    require_folder(folder)
+    without_compiler(asked)
+    with placed(scene, changes):
+        return write_deck(asked, folder)
 
 
 def _crate(directory: Path, out: Path | None, authors: list[str], license_name: str) -> Path:

@@ -344,6 +344,7 @@ def _spent(done: RunResult) -> str:
 
 def described(run: Info) -> list[tuple[str, str]]:
     """The information about a run, as names and values."""
+    imported = run.manifest.get("imported", "")
     rows = [
         ("run", str(run.directory)),
         ("model", str(run.manifest.get("model", ""))),
@@ -351,7 +352,8 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
-        ("steps", str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),
+        ("imported", f"from {imported}" if imported else ""),
+        ("steps", "" if imported else str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),
         ("frames", str(run.frames)),
         ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
         ("wall time", _wall_time(run.manifest.get("sessions", []))),

@@ -33,6 +33,15 @@ def acoustic_limit(smoothing_length: Length, sound_speed: Speed, speed: Speed, c
     return courant * smoothing_length / (sound_speed + speed)
 
 
+def advective_limit(smoothing_length: Length, speed: Speed, courant: Number = COURANT) -> Time:
+    """0.25 h / u: the liquid moves by a quarter of a smoothing length; no sound crosses it. [ihmsen2014].
+
+    >>> advective_limit(0.1, 1.0)
+    0.025
+    """
+    return courant * smoothing_length / speed if speed > 0.0 else math.inf
+
+
 def viscous_limit(smoothing_length: Length, viscosity: KinematicViscosity) -> Time:
     """0.125 h^2 / nu: momentum diffuses no farther than particles see. [morris1997].
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume.analysis.rheology import steady_state
 from ecume.errors import BadInput
 from ecume.scenes.faults import echo
 from ecume.units import Array
@@ -43,12 +44,24 @@ def spread(times: Array, values: Array) -> float:
     return float(np.std(values))
 
 
+def steady(times: Array, values: Array) -> float:
+    """The mean of the frames after the transient, which is detected; NaN where the number does not become stationary.
+
+    >>> now = np.arange(12.0)
+    >>> steady(now, np.array([9.0, 5.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0])), steady(now, now)
+    (2.0, nan)
+    """
+    found = steady_state(values)
+    return found.mean.value if found.settled else math.nan
+
+
 MEASURES: dict[str, Callable[[Array, Array], float]] = {
     "final": final,
     "mean": mean,
     "min": least,
     "max": largest,
     "std": spread,
+    "steady": steady,
 }
 """By name: from times and values to a number."""
 FIRST = re.compile(r"first\s+(\w+)\s*([<>])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")

@@ -59,6 +59,11 @@ CASES: dict[str, Case] = {
         _case("tank-schemes", "The tank at rest with other walls and kernels: what holds, what fails", long=True),
         _case("random-tanks", "Still water beside discs, balls and slanted surfaces in random tanks", long=True),
         _case("dam-break", "Dam breaks, against other codes' fronts and pressures and three experiments", long=True),
+        _case(
+            "incompressible",
+            "Liquids without sound waves: rest, vortices, a dam break, beside tait",
+            long=True,
+        ),
         _case("standing-wave", "How fast a wave in a viscous liquid swings and dies, against exact roots", long=True),
         _case("sloshing", "How a tank that is shaken a little rises at its walls, against potential flow", long=True),
         _case("taylor-green", "Vortices that fade, against the exact flow and another package", long=True),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,8 +24,9 @@ COARSEST = 0.2
 """Four times ecume's choice."""
 DEEPEST, RISES, DRIFT = 1e-3, 1e-5, 1e-12
 """What is allowed: overlaps over a radius, rises of the energy over its whole change, momentum over all floats' own."""
-SEEDS = (4, 1, 2, 3, 5)
-"""Starts: how pairs roll over each other while a raft folds is chaos; the last bits of a force change rises tenfold."""
+SEEDS = range(1, 26)
+"""Starts: how pairs roll over each other while a raft folds is chaos; the last bits of a force change rises tenfold.
+The median of 25 starts drawn from 40 stayed below three quarters of its limit 400 times, that of five did not."""
 COARSE_RISES = RISES * (COARSEST / 0.05) ** 2
 """The scheme's own swings of the energy grow as the square of the step."""
 
@@ -63,9 +65,9 @@ def rises_of(frames: list[Frame]) -> float:
     return float(steps_up[steps_up > 0].sum() / np.ptp(energies))
 
 
-def raft(step: float, friction: float, rises_allowed: float = RISES) -> list[Row]:
+def raft(step: float, friction: float, rises_allowed: float = RISES, seeds: Sequence[int] = SEEDS) -> list[Row]:
     """Rafts from these starts: energies of all, and whatever else of the first."""
-    frames, *others = [gathered(step, friction, seed) for seed in SEEDS]
+    frames, *others = [gathered(step, friction, seed) for seed in seeds]
     rises = float(np.median([rises_of(each) for each in (frames, *others)]))
     arrays, last = frames[-1].arrays, frames[-1].numbers
     momentum = math.hypot(last["momentum_x"], last["momentum_y"])
@@ -73,7 +75,7 @@ def raft(step: float, friction: float, rises_allowed: float = RISES) -> list[Row
     name = f"19 floats, {UNITS:g} units of time, step {step:g}, mu={friction:g}"
     found = [
         below(f"{name}: deepest overlap over R", last["deepest_overlap"] / float(arrays["radius"][0]), DEEPEST),
-        below(f"{name}: rises of energy over its change, median of {len(SEEDS)} starts", rises, rises_allowed),
+        below(f"{name}: rises of energy over its change, median of {len(seeds)} starts", rises, rises_allowed),
         below(f"{name}: momentum over that of all floats", momentum / float(largest), DRIFT),
         below(f"{name}: rafts", last["clusters"], 1.5),
     ]

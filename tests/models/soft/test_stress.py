@@ -19,7 +19,7 @@ from ecume.models.soft.loading.cell import Goal
 from ecume.models.soft.loading.protocol import Drive, drive_at, protocol_of
 from ecume.models.soft.state import ACCEPTED, CLOCK
 from ecume.scenes.schema import from_plain, to_plain
-from ecume.scenes.soft import StageSpec
+from ecume.scenes.soft import RateStepsSpec, StageSpec
 from ecume.simulation import simulate
 
 from .clusters import marched
@@ -259,6 +259,17 @@ PROTOCOLS = [
         [{"time": 0.0, "oscillation": {"frequency": 1.0, "amplitude": 0.1}}, {"time": 1.5}],
         "frequency", "makes 1.5 cycles",
     ),
+    ([{"time": 0.0, "shear_rate": 1.0, "rate_steps": {"rates": [1.0], "strain": 0.1}}], "rate_steps", "shear_rate"),
+    ([{"time": 0.0, "rate_steps": {"rates": [1.0, 0.0], "strain": 0.1}}], "rates[1]", "reaches no strain"),
+    (
+        [{"time": 0.0, "rate_steps": {"rates": [2.0, -1.0], "strain": 0.2}}, {"time": 0.25, "shear_rate": 0.0}],
+        "time", "end at 0.3 s",
+    ),
+    ([{"time": 0.0, "rate_steps": {"rates": [1e-3], "strain": 0.2}}], "rate_steps", "end at 200 s"),
+    (
+        [{"time": 0.0, "rate_steps": {"rates": [2.0, 1.0], "strain": 0.2}}, {"time": 0.4, "strain": 3.0}],
+        "[1].strain", "a shear_rate rules",
+    ),
 ]  # fmt: skip
 
 
@@ -292,6 +303,16 @@ def test_a_protocol_goes_evenly_jumps_at_doubled_times_and_keeps_what_is_left_ou
     assert at(9.0)[:3] == pytest.approx((3.0, 1.2, 0.1))
     assert protocol.jumps.tolist()[1:] == [1, 1, 0]
     assert isinstance(at(0.0), Drive)
+
+
+def test_rate_steps_hold_each_rate_for_one_strain_and_then_the_last():
+    steps = RateStepsSpec(rates=(2.0, -0.5, 1.0), strain=0.4)
+    protocol = protocol_of([StageSpec(time=0.0, shear_rate=1.0), StageSpec(time=1.0, rate_steps=steps, load=3.0)])
+    assert protocol.times == pytest.approx([0.0, 1.0, 1.2, 2.0])
+    assert [drive_at(protocol, time).rate for time in (0.5, 1.1, 1.9, 2.1, 9.0)] == [1.0, 2.0, -0.5, 1.0, 1.0]
+    assert [drive_at(protocol, time).strain for time in (1.2, 2.0, 2.4)] == pytest.approx([1.4, 1.0, 1.4])
+    assert drive_at(protocol, 1.5).load == 3.0
+    assert not protocol.jumps[1:].any()
 
 
 def test_a_box_that_a_stress_tears_apart_ends_with_a_word():

@@ -34,7 +34,7 @@ def test_dummies_of_an_accelerated_body_have_the_hydrostatic_pressure_of_its_fra
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
     state.felt[:2, 0] = ACCELERATION
-    tait = parameters.tait
+    tait = parameters.equation_of_state
     # The enthalpy of a liquid at rest in that frame is (g - a).x, whatever its law.
     head = (GRAVITY - ACCELERATION) @ state.position
     state.density[...] = tait.density * (1.0 + 6.0 * head / tait.sound_speed**2) ** (1.0 / 6.0)
@@ -119,7 +119,7 @@ def swing(scene):
     shape = kernel(scene.method.kernel, 2)
     gradient = shape.gradient(apart, parameters.support / shape.support)
     slope = np.einsum("a,iab->ib", dummies.volume[bodies.first :], gradient)
-    stiffness = 2.0 * parameters.tait.sound_speed**2 * np.einsum("i,ia,ib->ab", state.mass, slope, slope)
+    stiffness = 2.0 * parameters.equation_of_state.sound_speed**2 * np.einsum("i,ia,ib->ab", state.mass, slope, slope)
     return np.sqrt(np.linalg.eigvalsh(stiffness)[-1] / bodies.mass[0]), parameters
 
 

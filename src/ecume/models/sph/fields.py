@@ -202,3 +202,15 @@ class Tait(NamedTuple):
     exponent: float
     density: float
     """at zero gauge pressure"""
+
+
+class ConstantDensity(NamedTuple):
+    """A liquid whose density does not depend on the pressure: fields named as those of `Tait`."""
+
+    sound_speed: float
+    """infinite"""
+    exponent: float
+    density: float
+
+
+EquationOfState = Tait | ConstantDensity

@@ -28,6 +28,8 @@ def require_spreadable(parameters: Parameters) -> None:
         raise BadInput(
             "--engine mpi: does not support transport velocity, shifting, and density diffusion with gradients"
         )
+    if parameters.projection is not None:
+        raise BadInput("--engine mpi: does not support incompressible liquids: each iteration would exchange all sums")
     if parameters.tension != "none" or parameters.turbulence or parameters.carried.start[-1]:
         raise BadInput("--engine mpi: does not support surface tension, turbulence, and passive tracers")
 

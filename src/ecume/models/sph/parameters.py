@@ -8,8 +8,8 @@ from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import Shape
 from ecume.engine.walls import Sheet
-from ecume.models.sph.fields import Constants, Numbers, Precision, Tait
-from ecume.models.sph.rates.methods import DensityDiffusion, Friction, PressureForce
+from ecume.models.sph.fields import Constants, EquationOfState, Numbers, Precision
+from ecume.models.sph.rates.methods import DensityDiffusion, Friction, PressureForce, PressureMethod
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ class Material(NamedTuple):
     density: float
     """kg/m^3, the reference"""
     sound_speed: float
+    """m/s; infinite if the liquid is incompressible"""
     exponent: float
     viscosity: float
     surface_tension: float
@@ -136,6 +137,27 @@ class Gate(NamedTuple):
     """Pa of an outflow, at the top of that part"""
 
 
+class Projection(NamedTuple):
+    """Constants of the solver for the pressure of an incompressible liquid."""
+
+    tolerance: float
+    """the r.m.s. error of the density after a step, over the density"""
+    iterations: int
+    """at most, in a step"""
+    lattice_sum: float
+    """the sum of volumes times kernel in a lattice"""
+    step: float
+    """of projected gradients: the inverse of the largest eigenvalue, over the diagonal"""
+    full: float
+    """1/m^2: the sum of -V F over the neighbors in a lattice"""
+    steepness: Array
+    """1/m, ascending: |sum of V grad W| in rows of a lattice below a flat surface; zero below the first"""
+    missing: Array
+    """what their density lacks, over the density"""
+    free_surface: bool
+    """whether pressures are not negative; otherwise the liquid fills the tank, and pressures have the mean zero"""
+
+
 class Liquid(NamedTuple):
     """The liquid's particles at the start: `State` holds where they are later."""
 
@@ -143,6 +165,8 @@ class Liquid(NamedTuple):
     """(d, N)"""
     velocity: Array
     density: Array
+    pressure: Array
+    """(N,) Pa, the first guess of the solver for incompressible liquids"""
     mass: Array
     region: Integers
     """(N,) the table of the scene that each belongs to"""
@@ -205,7 +229,7 @@ class Parameters(NamedTuple):
     dimension: int
     spacing: float
     material: Material
-    tait: Tait
+    equation_of_state: EquationOfState
     gravity: Array
     """(d,) what pulls"""
     hydrostatic: Array
@@ -213,6 +237,9 @@ class Parameters(NamedTuple):
     surface: float
     """m along y, from where a modified pressure's hydrostatic part counts"""
     constants: Constants
+    pressure_method: PressureMethod
+    projection: Projection | None
+    """of an incompressible liquid"""
     pressure_force: PressureForce
     density_diffusion: DensityDiffusion
     friction: Friction | None

@@ -18,6 +18,7 @@ from ecume.models.sph.access import TANKS
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.prescribed_motion import at_reference
 from ecume.models.sph.fields import FIELDS, RATES
+from ecume.models.sph.incompressible.projection import failed
 from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.models.sph.report.check_report import advice
@@ -27,7 +28,16 @@ from ecume.models.sph.setup.building import parameters_of
 from ecume.models.sph.setup.choices import kernel_of, laws_of, require_right_split, smoothing_of
 from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.models.sph.setup.shapes import part_of
-from ecume.models.sph.state import MOST_SKIN, State, Workspace, likely_neighbors, make_state, workspace_at
+from ecume.models.sph.state import (
+    MOST_SKIN,
+    RESIDUAL,
+    WORST,
+    State,
+    Workspace,
+    likely_neighbors,
+    make_state,
+    workspace_at,
+)
 from ecume.models.state_layout import Layout
 from ecume.scenes.sph import SphScene
 from ecume.value_texts import with_prefix
@@ -44,7 +54,7 @@ def start(scene: SphScene, parameters: Parameters) -> State:
 def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
     """What a state with as many particles looks like: openings change their number."""
     vectors, rows = np.zeros((parameters.dimension, state.mass.size)), np.zeros(state.mass.size)
-    liquid = Liquid(vectors, vectors, rows, rows, np.zeros(state.mass.size, np.int64))
+    liquid = Liquid(vectors, vectors, rows, rows, rows, np.zeros(state.mass.size, np.int64))
     return Layout(
         make_state(parameters, liquid),
         {
@@ -104,6 +114,8 @@ def bytes_per_particle(scene: SphScene) -> float:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """The particle that failed first, the time, and the remedy."""
+    if failed(parameters, state):
+        return unsolved(parameters, state)
     with np.errstate(over="ignore"):  # a diverged particle may have an infinite speed
         speed = np.sqrt((state.velocity**2).sum(axis=0))
     terms = {"position": state.position.T, "density": state.density, "velocity": state.velocity.T, "speed": speed}
@@ -121,6 +133,21 @@ def diagnosis(parameters: Parameters, state: State) -> str:
         f"speed is {expected}. Set liquid.maximum_speed to a speed that the flow reaches, or "
         f"integration.courant_number to {0.5 * parameters.courant:.2g}, or look for liquid that starts inside of "
         "other liquid or of a wall"
+    )
+
+
+def unsolved(parameters: Parameters, state: State) -> str:
+    """Where the solver for the pressure did not converge, and the remedy."""
+    settings = parameters.projection
+    assert settings is not None  # noqa: S101  # only a solver fails
+    worst = int(np.flatnonzero(state.identity == int(state.tally[WORST]))[0])
+    where = ", ".join(f"{x:.4g}" for x in state.position[:, worst])
+    return (
+        f"{when(parameters, state)} the pressure did not converge: got an error of {state.tally[RESIDUAL]:.2g} of the "
+        f"density after {settings.iterations} iterations, the largest at particle {int(state.identity[worst])} (at "
+        f"{where} m); expected {settings.tolerance:.2g} or less. Set integration.pressure_iterations to "
+        f"{2 * settings.iterations}, integration.pressure_tolerance to {10.0 * settings.tolerance:.2g}, or "
+        f"integration.courant_number to {0.5 * parameters.courant:.2g}"
     )
 
 

@@ -17,7 +17,7 @@ from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
-SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS = range(4)
+SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, ITERATIONS, MOST_ITERATIONS, RESIDUAL, WORST = range(8)
 """Places in `State.tally`."""
 WORK, RATE = range(2)
 """Places in `State.books`."""
@@ -46,6 +46,8 @@ class State(NamedTuple):
     """(d, N) m/s: what particles move with beside the velocity"""
     density: Array
     """(N,) kg/m^3"""
+    pressure: Array
+    """(N,) Pa, of incompressible liquids alone; the first guess of the next step"""
     thickening: Array
     """(N,) kg/(m^3 s): the rate of density, of the Verlet scheme alone"""
     mass: Array
@@ -83,7 +85,9 @@ class State(NamedTuple):
     ready: Integers
     """(1,) whether `acceleration` holds at the present positions"""
     tally: Array
-    """substeps, hits of the guard, renewals of the lists, most substeps in a step"""
+    """substeps, hits of the guard, renewals of the lists, most substeps in a step; of incompressible liquids:
+    iterations, most iterations in a substep, the last error of the solver, the particle where it is largest
+    """
     hits: Integers
     """of the guard, by `Boundary.names`"""
     crowd: Integers
@@ -135,6 +139,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         acceleration=none,
         transport=none.copy(),
         density=liquid.density.copy(),
+        pressure=np.zeros(count) if parameters.projection is None else liquid.pressure.copy(),
         thickening=np.zeros(count),
         mass=liquid.mass.copy(),
         identity=np.arange(count),
@@ -153,7 +158,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         clock=np.zeros(2),
         step=np.zeros(1, np.int64),
         ready=np.zeros(1, np.int64),
-        tally=np.zeros(4),
+        tally=np.zeros(8),
         hits=np.zeros(len(parameters.boundary.names), np.int64),
         crowd=np.array([0, 0, 0, count]),
         books=np.zeros(2),
@@ -166,6 +171,7 @@ PER_PARTICLE = (
     "acceleration",
     "transport",
     "density",
+    "pressure",
     "thickening",
     "mass",
     "identity",

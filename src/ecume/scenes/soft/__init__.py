@@ -3,7 +3,7 @@
 `scene.SoftScene` is the whole; start there. `walls` describes plane walls, `protocol` what is done over time.
 """
 
-from ecume.scenes.soft.protocol import OscillationSpec, StageSpec
+from ecume.scenes.soft.protocol import OscillationSpec, RateStepsSpec, StageSpec, expanded
 from ecume.scenes.soft.scene import (
     CellSpec,
     FilmSpec,
@@ -26,6 +26,7 @@ __all__ = [
     "IntegrationSpec",
     "LongRangeSpec",
     "OscillationSpec",
+    "RateStepsSpec",
     "SoftHydrodynamicsSpec",
     "SoftLiquid",
     "SoftScene",
@@ -33,6 +34,7 @@ __all__ = [
     "StageSpec",
     "WallSpec",
     "dimensions_of",
+    "expanded",
     "sides_of",
     "tension_law_of",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Sequence
 from typing import Annotated, Self
@@ -17,6 +18,7 @@ Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
 Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Scale = Annotated[Number, Field(ge=1e-3, le=1e3)]
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e9)]
+HeldStrain = Annotated[Number, Field(gt=0.0, le=1e6)]
 StrainRate = Annotated[Rate, Field(ge=-1e9, le=1e9)]
 
 MOST_STRESS = 1e15
@@ -72,6 +74,39 @@ class OscillationSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class RateStepsSpec:
+    """Shear rates one after the other, from the moment on, each up to the same strain: the steps of a flow curve."""
+
+    rates: Annotated[tuple[StrainRate, ...], Field(min_length=1)]
+    """The shear rates in their order (1/s), none of them 0; the last one continues. Example: `[10.0, 1.0, 0.1]`.
+    Effect: each is a point of the flow curve."""
+    strain: HeldStrain
+    """The strain for which each rate is held. Example: `10.0`. Effect: larger strains leave more of the steady state
+    after the transient."""
+
+    @model_validator(mode="after")
+    def _moving(self) -> Self:
+        still = [place for place, rate in enumerate(self.rates) if rate == 0.0]
+        if still:
+            cause = "got 0, which reaches no strain; expected a rate"
+            raise Inconsistent([(("rates", place), cause) for place in still])
+        return self
+
+    @property
+    def spans(self) -> tuple[float, ...]:
+        """How long each rate is held (s)."""
+        return tuple(self.strain / abs(rate) for rate in self.rates)
+
+
+EXCLUSIVE = (
+    ("shear_rate", "shear_stress", "rate_steps"),
+    ("oscillation", "rate_steps"),
+    ("height_rate", "normal_stress", "pressure"),
+)
+"""Keys of a moment that exclude one another."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class StageSpec:
     """A moment of the protocol. Load, wall shear, strain and scale are reached at it, evenly from the moment before;
     rates and stresses apply from it on. Omitted quantities stay as they were. A repeated time is a jump.
@@ -89,6 +124,8 @@ class StageSpec:
     """The shear strain of the cell along x, reached at this time. Effect: shears the packing."""
     shear_rate: StrainRate | None = None
     """The shear rate from this time on (1/s); 0 holds the strain. Effect: faster shear increases the viscous stress."""
+    rate_steps: RateStepsSpec | None = None
+    """Shear rates one after the other from this time on. Effect: one run gives several points of a flow curve."""
     shear_stress: Stress | None = None
     """The shear stress from this time on (Pa; N/m in 2D), positive where the top is pulled along x; the strain
     follows. Example: `"10 Pa"`. Effect: above the yield stress the packing flows."""
@@ -108,11 +145,7 @@ class StageSpec:
 
     @model_validator(mode="after")
     def _one_each(self) -> Self:
-        found = [
-            complaint
-            for names in (("shear_rate", "shear_stress"), ("height_rate", "normal_stress", "pressure"))
-            for complaint in self._too_many(names)
-        ]
+        found = [complaint for names in EXCLUSIVE for complaint in self._too_many(names)]
         if found:
             raise Inconsistent(found)
         return self
@@ -125,8 +158,31 @@ class StageSpec:
         return [((name,), cause) for name in given[1:]]
 
 
-OF_BOX = ("strain", "shear_rate", "shear_stress", "oscillation", "scale", "height_rate", "normal_stress", "pressure")
+OF_BOX = (
+    "strain", "shear_rate", "rate_steps", "shear_stress", "oscillation", "scale", "height_rate", "normal_stress",
+    "pressure",
+)  # fmt: skip
 STRESSES = ("shear_stress", "normal_stress", "pressure")
+
+
+def steps_of(stage: StageSpec) -> tuple[StageSpec, ...]:
+    """A moment as moments of one shear rate each."""
+    steps = stage.rate_steps
+    if steps is None:
+        return (stage,)
+    begins = itertools.accumulate(steps.spans, initial=stage.time)
+    first, *others = (StageSpec(time=time, shear_rate=rate) for time, rate in zip(begins, steps.rates, strict=False))
+    return (dataclasses.replace(stage, rate_steps=None, shear_rate=first.shear_rate), *others)
+
+
+def expanded(stages: Sequence[StageSpec]) -> tuple[StageSpec, ...]:
+    """A protocol with each rate of `rate_steps` as a moment."""
+    return tuple(step for stage in stages for step in steps_of(stage))
+
+
+def end_of(stage: StageSpec) -> float:
+    """The time at which the rates of a moment have been held (s); without `rate_steps` its own."""
+    return stage.time + (0.0 if stage.rate_steps is None else sum(stage.rate_steps.spans))
 
 
 def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -> Complaints:
@@ -142,7 +198,22 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
             cause = "is that of a [cell] without walls; walls have a pressure, a shear_stress and a velocity"
             found += [((index, name), cause) for name in given]
         found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]
-    return found if found else [*_unreachable(stages), *_broken_waves(stages)]
+    found = found or _short_steps(stages)
+    if found:
+        return found
+    origin = [index for index, stage in enumerate(stages) for _ in steps_of(stage)]
+    steps = expanded(stages)
+    beside = [*_unreachable(steps), *_broken_waves(steps)]
+    return [((origin[int(place)], *path), cause) for (place, *path), cause in beside]
+
+
+def _short_steps(stages: Sequence[StageSpec]) -> Complaints:
+    """Moments before the rates of the moment before have been held."""
+    return [
+        ((index, "time"), f"got {later.time:g} s; the rate_steps of the moment before end at {end_of(earlier):g} s")
+        for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
+        if later.time < end_of(earlier) * (1.0 - WHOLE)
+    ]
 
 
 def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:

@@ -25,7 +25,7 @@ from ecume.scenes.quantities import (
     Switch,
     downwards,
 )
-from ecume.scenes.soft.protocol import StageSpec, protocol_faults
+from ecume.scenes.soft.protocol import StageSpec, end_of, protocol_faults
 from ecume.scenes.soft.walls import SIDES, WallSpec, wall_faults
 from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
@@ -374,6 +374,11 @@ def _protocol(scene: SoftScene) -> Complaints:
     if all(wall.shear_stress is None for wall in scene.walls):
         given = [index for index, stage in enumerate(scene.protocol) if stage.wall_shear is not None]
         found += [((index, "wall_shear"), "multiplies the shear_stress of walls; no wall has one") for index in given]
+    found += [
+        ((index, "rate_steps"), f"end at {end_of(stage):g} s; expected a duration of that, got {scene.duration:g} s")
+        for index, stage in enumerate(scene.protocol)
+        if end_of(stage) > max(scene.duration * (1.0 + 1e-9), stage.time)
+    ]
     return [(("protocol", *path), message) for path, message in found]
 
 

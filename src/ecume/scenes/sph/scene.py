@@ -125,6 +125,10 @@ class CentralForceSpec:
 class MethodSpec:
     """The method of solution. The defaults are those that keep a tank at rest best."""
 
+    pressure: LawName = "tait"
+    """How the pressure is computed: `tait`, from the density of a weakly compressible liquid; or `incompressible`, by
+    solving for the pressure that keeps the density, without sound waves. Effect: `incompressible` allows time steps
+    about ten times as long, which cost more each."""
     kernel: LawName = "wendland-c2"
     """The smoothing kernel, a name of `ecume.laws.kernels.KERNELS`, such as `wendland-c4`. Effect: wider kernels are
     smoother and cost more."""
@@ -182,15 +186,22 @@ class MethodSpec:
 class IntegrationSpec:
     """The time integration."""
 
-    integrator: LawName = "symplectic"
-    """The integration scheme: `symplectic` (density at mid-step) or `verlet` (one sum per step). Effect: `verlet` is
-    cheaper per step and less accurate."""
+    integrator: LawName = "automatic"
+    """The integration scheme: `symplectic` (density at mid-step, the default) or `verlet` (one sum per step) for
+    weakly compressible liquids, `projection` for incompressible ones. Effect: `verlet` is cheaper per step and less
+    accurate."""
     time_step: Duration | None = None
     """The time step (s); by default the largest that the Courant number and the viscosity allow. Effect: smaller
     steps cost more; larger ones are refused."""
     courant_number: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
     """The time step, divided by smoothing length over sound speed plus maximum speed. Effect: smaller values are
     more accurate and cost more."""
+    pressure_tolerance: Annotated[Number, Field(gt=0.0, le=0.1)] | None = None
+    """The r.m.s. error of the density that a step of an incompressible liquid may leave, divided by the density; by
+    default 1e-4. Example: `1e-5`. Effect: smaller values need more iterations."""
+    pressure_iterations: Annotated[int, Field(ge=1, le=100000)] | None = None
+    """The largest number of iterations for the pressure of an incompressible liquid in a step; by default 500. Effect:
+    a step that needs more ends the run with an error."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -62,6 +62,7 @@ def require_playable(scene: SphScene) -> None:
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
     present = {
         "bodies": bool(scene.bodies),
+        "incompressible liquids": scene.method.pressure != "tait",
         "[[passive_tracers]]": bool(scene.passive_tracers),
         "[base_excitation]": scene.base_excitation is not None,
         "[central_force]": scene.central_force is not None,
@@ -106,7 +107,8 @@ def poured(scene: SphScene, material: Material, points: Array) -> Liquid:
     count = len(points)
     mass = np.full(count, material.density * scene.spacing**2)
     region = np.full(count, len(scene.fluid), np.int64)
-    return Liquid(points.T.copy(), np.zeros((2, count)), np.full(count, material.density), mass, region)
+    density = np.full(count, material.density)
+    return Liquid(points.T.copy(), np.zeros((2, count)), density, np.zeros(count), mass, region)
 
 
 def joined(first: Liquid, second: Liquid) -> Liquid:

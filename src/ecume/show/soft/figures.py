@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from ecume.analysis.series import number, series, times
 from ecume.show.curves import Frames, evolution, over_time, scaling, span
+from ecume.show.soft.flow_figures import FLOW_FIGURES
 from ecume.show.soft.measures import MEASURE_FIGURES, require_box
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, style
@@ -121,5 +122,6 @@ SOFT_FIGURES = {
     "elastic-energy": elastic_energy,
     "stress": stress,
     **MEASURE_FIGURES,
+    **FLOW_FIGURES,
     "packing": picture,
 }

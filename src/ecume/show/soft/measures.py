@@ -1,8 +1,7 @@
-"""Figures of what is measured in a sheared packing: gaps, coordination, flow, T1 events, non-affine motion, moduli."""
+"""Figures of what is measured in a sheared packing: gaps, coordination, stress, T1 events, non-affine motion."""
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -14,10 +13,8 @@ from ecume.analysis.boxes import copies
 from ecume.analysis.contacts import films, gap_distribution
 from ecume.analysis.non_affine_motion import local_deformation, nonaffine_displacement
 from ecume.analysis.rearrangements import Swaps, neighbor_swaps
-from ecume.analysis.rheology import FlowPoint, Moduli, flow_point, moduli
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
-from ecume.models.liquids import material_of
 from ecume.scenes.soft import SoftScene
 from ecume.show.curves import Frames, evolution, scaling, span, steps, titled
 from ecume.show.soft.packing import flat_box
@@ -220,89 +217,6 @@ def _strain_apart(frames: Frames) -> tuple[Frame, Frame]:
     return frames[int(far[-1]) if len(far) else len(frames) - 2], frames[-1]
 
 
-def flow_points(frames: Frames, scene: SoftScene) -> list[FlowPoint]:
-    """The flow in the second half of each time between two moments of the protocol, where it is sheared and pressed."""
-    now = times(frames)
-    turns = sorted({0.0, *(stage.time for stage in scene.protocol), float(now[-1])})
-    thickness = 2.0 * float(frames[0].arrays["radius"].mean()) if frames[0].arrays["position"].shape[1] == 2 else 1.0
-    found = []
-    for start, end in itertools.pairwise(turns):
-        inside = np.flatnonzero((now > 0.5 * (start + end)) & (now <= end))
-        part = [frames[int(index)] for index in inside]
-        if len(part) < 4 or part[-1].numbers["strain"] == part[0].numbers["strain"]:
-            continue
-        if series(part, number("normal_stress")).mean() > 0.0:
-            found.append(flow_point(part, material_of(scene.liquid).viscosity, thickness))
-    return found
-
-
-def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
-    """Friction and volume fraction over the viscous number: a point for each part of the protocol."""
-    require_box(scene, "flow")
-    found = flow_points(frames, scene)
-    if not found:
-        raise BadInput("nowhere in this run is the packing sheared while its normal stress is a compression")
-    with style():
-        drawn = figure(6.4, 4.8)
-        above, below = drawn.subplots(2, 1, sharex=True)
-        number_ = [point.viscous_number.value for point in found]
-        spread = [point.viscous_number.error for point in found]
-        for axes, name, label in ((above, "friction", "friction μ"), (below, "fraction", "volume fraction φ")):
-            values = [getattr(point, name) for point in found]
-            axes.errorbar(
-                number_, [one.value for one in values], [one.error for one in values], spread, "o", color=PALETTE[1]
-            )
-            axes.set_ylabel(label)
-        above.set_title(titled("Flow curve", scene))
-        below.set(xlabel="viscous number J = η |rate| / P", xscale=scaling(number_))
-    return drawn
-
-
-def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]:
-    """The frequency (1/s) and the moduli of each oscillation of the protocol; of several periods, but the first."""
-    now, strain, stress = times(frames), *series(frames, number("strain"), number("shear_stress"))
-    ends = [*(stage.time for stage in scene.protocol[1:]), float(now[-1])]
-    found = []
-    for stage, end in zip(scene.protocol, ends, strict=True):
-        if stage.oscillation is None:
-            continue
-        period = 1.0 / stage.oscillation.frequency
-        start = stage.time + (period if end - stage.time >= 2.0 * period * (1.0 - 1e-9) else 0.0)
-        inside = (now >= start * (1.0 - 1e-9)) & (now <= end * (1.0 + 1e-9))
-        if inside.any() and now[inside][-1] - now[inside][0] >= period * (1.0 - 1e-9):
-            found.append((stage.oscillation.frequency, moduli(now[inside], strain[inside], stress[inside], period)))
-    return found
-
-
-def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
-    """Stress over strain, and the storage and loss moduli of each oscillation in the protocol over its frequency."""
-    require_box(scene, "stress")
-    found = oscillations(frames, scene)
-    if not found:
-        raise BadInput("the protocol has no oscillation of a whole period; see protocol.oscillation")
-    strain, stress = series(frames, number("strain"), number("shear_stress"))
-    unit = frames[0].units["shear_stress"]
-    with style():
-        drawn = figure(8.4, 3.8)
-        loops, spectrum = drawn.subplots(1, 2)
-        scale = scale_for(float(np.abs(stress).max()), unit)
-        loops.plot(strain, scale.factor * stress, color=PALETTE[1], linewidth=0.9)
-        loops.set(xlabel="strain", ylabel=f"shear stress ({scale.unit})", title=titled("Stress over strain", scene))
-        frequency = [one for one, _ in found]
-        levels = scale_for(max(abs(answer.storage.value) for _, answer in found), unit)
-        for name, label, mark, color in (("storage", "G′", "o", PALETTE[0]), ("loss", "G″", "s", PALETTE[2])):
-            values = [getattr(answer, name) for _, answer in found]
-            spectrum.errorbar(
-                frequency, [levels.factor * one.value for one in values], [levels.factor * one.error for one in values],
-                fmt=mark + "-", color=color, label=label, markersize=4,
-            )  # fmt: skip
-        heights = [abs(getattr(one, name).value) for _, one in found for name in ("storage", "loss")]
-        spectrum.set(xlabel="frequency (1/s)", ylabel=f"modulus ({levels.unit})", title="Storage and loss moduli")
-        spectrum.set(xscale=scaling(frequency), yscale=scaling(heights))
-        spectrum.legend()
-    return drawn
-
-
 def require_box(scene: SoftScene, what: str) -> None:
     """A box between walls has no strain and no stress: frames contain neither."""
     if scene.cell is None or scene.walls:
@@ -315,6 +229,4 @@ MEASURE_FIGURES = {
     "viscosity": viscosity,
     "swaps": swaps,
     "nonaffine": nonaffine,
-    "flow-curve": flow_curve,
-    "moduli": storage_and_loss,
 }

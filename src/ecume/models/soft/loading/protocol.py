@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.scenes.soft import StageSpec
+from ecume.scenes.soft import StageSpec, expanded
 from ecume.units import Array
 
 LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
@@ -131,6 +131,7 @@ class Course(NamedTuple):
 
 def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
     """Moments as intervals."""
+    stages = expanded(stages)
     if not stages or stages[0].time > 0.0:
         first = stages[0] if stages else StageSpec(time=0.0)
         reached = {name: getattr(first, name) for name in ("load", "strain", "scale", "wall_shear")}

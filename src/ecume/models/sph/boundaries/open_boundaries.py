@@ -9,7 +9,7 @@ they are removed.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -107,7 +107,7 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
 
 def set_buffer_pressures(parameters: Parameters, state: State) -> None:
     """Set the pressures of buffers: hydrostatic, from the liquid at an inflow, or as specified at an outflow."""
-    pull, tait = parameters.gravity, parameters.tait
+    pull, tait = parameters.gravity, cast(Tait, parameters.equation_of_state)
     for gate in parameters.gates:
         head = gate.pressure / parameters.material.density - float(pull[1] * gate.high[1])
         if gate.enters:

@@ -12,6 +12,7 @@ guard.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -129,7 +130,8 @@ def repel(position: Array, kind: Integers, number: Array, reach: float, speed: f
 
 def speed_of(parameters: Parameters) -> float:
     """The approach velocity that the repulsion just stops (m/s)."""
-    return FASTEST * parameters.material.sound_speed
+    sound = parameters.material.sound_speed
+    return FASTEST * sound if math.isfinite(sound) else parameters.material.fastest
 
 
 def repel_from_walls(parameters: Parameters, state: State) -> None:

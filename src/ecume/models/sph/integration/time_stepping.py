@@ -11,13 +11,14 @@ import math
 import numpy as np
 
 from ecume._portable import product
-from ecume.laws.time_step_limits import force_limit
+from ecume.laws.time_step_limits import acoustic_limit, advective_limit, force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.boundaries.open_boundaries import exchange_due, set_buffer_pressures
 from ecume.models.sph.boundaries.prescribed_motion import at_reference, displacement_of_sides, instant
 from ecume.models.sph.boundaries.rigid_bodies import collide, expel_liquid, largest_displacement, move_bodies
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import number
+from ecume.models.sph.incompressible.projection import failed, project
 from ecume.models.sph.integration.particle_loops import (
     correct,
     drift,
@@ -29,7 +30,7 @@ from ecume.models.sph.integration.particle_loops import (
 )
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_other_forces, take_thickening
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,
@@ -74,6 +75,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             began = power_of_shake(parameters, state) + float(state.books[RATE]), bool(state.ready[0])
             step(parameters, state, workspace, parameters.time_step / divisions)
             add_work(parameters, state, workspace, began, parameters.time_step / divisions)
+            if failed(parameters, state):
+                return DIVERGED
             if parameters.carried.start[-1]:
                 move_passive_particles(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
@@ -93,8 +96,11 @@ def divisions_needed(parameters: Parameters, state: State) -> int:
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
         return MOST_DIVISIONS + 1
-    sound = parameters.courant * h / (parameters.material.sound_speed + speed)
-    longest = min(sound, force_limit(h, force))
+    sound = parameters.material.sound_speed
+    if math.isfinite(sound):
+        longest = min(acoustic_limit(h, sound, speed, parameters.courant), force_limit(h, force))
+    else:
+        longest = min(advective_limit(h, speed, parameters.courant), force_limit(h, force))
     return min(max(1, math.ceil(parameters.time_step / longest * (1.0 - 1e-9) - 0.1)), MOST_DIVISIONS + 1)
 
 
@@ -131,6 +137,19 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     add_diffusion_work(parameters, state, workspace, time)
     correct(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * (state.push - bodies_before)
+    state.ready[0] = 1
+
+
+def projection_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Kick by all forces but the pressure, kick by the pressure that keeps the density, drift: the symplectic Euler
+    scheme, of first order (Ihmsen et al. 2014, algorithm 1; Bender and Koschier 2015). [ihmsen2014, bender2015]
+    """
+    if not state.ready[0]:
+        renew(parameters, state, workspace)
+    take_other_forces(parameters, state, workspace, time)
+    kick_all(state, time)
+    project(parameters, state, workspace, time)
+    move(parameters, state, workspace, time)
     state.ready[0] = 1
 
 
@@ -201,5 +220,5 @@ def wrap(parameters: Parameters, state: State) -> None:
         state.position[:, out] += sides.shift[side][:, None]
 
 
-INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step}
+INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step, "projection": projection_step}
 """By name."""

@@ -7,47 +7,82 @@ eqs. 22, 23 and 27. [adami2012]
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from ecume._jit import admit, compiled_inside, inlined, prange, spread
+from ecume._jit import admit, by_type, compiled_inside, inlined, prange, spread
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws import states
-from ecume.models.sph.fields import FIELD, Constants, Floats, Tait
+from ecume.models.sph.fields import FIELD, ConstantDensity, Constants, EquationOfState, Floats, Tait
 from ecume.models.sph.rates.kernels import value_of
 from ecume.units import Array
 
 admit(states, enthalpies)
 
 
+@compiled_inside
+def tait_state(density: float, pressure: float, tait: Tait) -> tuple[float, float, float]:
+    """Density, pressure and enthalpy: the density determines the others."""
+    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
+    enthalpy = enthalpies.tait_enthalpy(density, rho0, c0, gamma)
+    return density, states.tait_pressure(density, rho0, c0, gamma), enthalpy
+
+
+@compiled_inside
+def constant_state(density: float, pressure: float, liquid: ConstantDensity) -> tuple[float, float, float]:
+    """Density, pressure and enthalpy: the solver of the pressure determines it."""
+    return liquid.density, pressure, pressure / liquid.density
+
+
+@compiled_inside
+def tait_at_enthalpy(enthalpy: float, tait: Tait) -> tuple[float, float]:
+    """Density and pressure."""
+    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
+    density = enthalpies.density_at_enthalpy(enthalpy, rho0, c0, gamma)
+    return density, states.tait_pressure(density, rho0, c0, gamma)
+
+
+@compiled_inside
+def constant_at_enthalpy(enthalpy: float, liquid: ConstantDensity) -> tuple[float, float]:
+    """Density and pressure."""
+    return liquid.density, liquid.density * enthalpy
+
+
+STATES: dict[type, Callable[..., tuple[float, float, float]]] = {Tait: tait_state, ConstantDensity: constant_state}
+STATES_AT_ENTHALPY: dict[type, Callable[..., tuple[float, float]]] = {
+    Tait: tait_at_enthalpy, ConstantDensity: constant_at_enthalpy,
+}  # fmt: skip
+state_of = by_type(STATES.__getitem__)
+state_at_enthalpy = by_type(STATES_AT_ENTHALPY.__getitem__)
+
+
 @spread
 def fill_liquid(
-    fields: Floats, position: Array, velocity: Array, density: Array, mass: Array, tait: Tait, origin: Array,
-    by_mass: bool,
+    fields: Floats, position: Array, velocity: Array, density: Array, pressure: Array, mass: Array,
+    origin: Array, by_mass: bool, liquid: EquationOfState,
 ) -> None:  # fmt: skip
     """Everything that sums read of the liquid, from its state."""
     dimension, count = position.shape
-    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
     for i in prange(count):
         for axis in range(dimension):
             fields[FIELD.position + axis, i] = position[axis, i] - origin[axis]
             fields[FIELD.velocity + axis, i] = velocity[axis, i]
             fields[FIELD.friction_velocity + axis, i] = velocity[axis, i]
-        own = density[i]
-        pressure = states.tait_pressure(own, rho0, c0, gamma)
+        own, push, enthalpy = state_of(density[i], pressure[i], liquid)
         fields[FIELD.density, i] = own
         fields[FIELD.volume, i] = mass[i] / own
-        fields[FIELD.pressure, i] = pressure
-        fields[FIELD.enthalpy, i] = enthalpies.tait_enthalpy(own, rho0, c0, gamma)
-        fields[FIELD.force_term, i] = pressure / (own * own) if by_mass else pressure
+        fields[FIELD.pressure, i] = push
+        fields[FIELD.enthalpy, i] = enthalpy
+        fields[FIELD.force_term, i] = push / (own * own) if by_mass else push
         fields[FIELD.weight, i] = mass[i] if by_mass else mass[i] / own
 
 
 @spread
 def fill_images(
-    source: Integers, fields: Floats, first: int, start: Integers, sides: Array, pull: Array, tait: Tait
+    source: Integers, fields: Floats, first: int, start: Integers, sides: Array, pull: Array, liquid: EquationOfState
 ) -> None:
     """Images, side by side in order: an image may be the source of another.
 
@@ -59,7 +94,7 @@ def fill_images(
         mirrors, holds = sides[side, 3 * dimension] != 0.0, sides[side, 3 * dimension + 1] != 0.0
         for k in prange(start[side], start[side + 1]):
             if mirrors:
-                _mirror(fields, source[k], first + k, sides[side], holds, pull, tait)
+                _mirror(fields, source[k], first + k, sides[side], holds, pull, liquid)
             else:
                 _shift(fields, source[k], first + k, sides[side], dimension)
 
@@ -73,13 +108,13 @@ def _shift(fields: Floats, i: int, image: int, side: Array, dimension: int) -> N
 
 
 @inlined
-def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: Array, tait: Tait) -> None:
+def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: Array, liquid: EquationOfState) -> None:
     """The mirrored particle, at rest under gravity where its source is: its enthalpy is the source's, and what the
     way between adds. A wall that holds the liquid turns the velocity around for friction, and lets only the normal
     part turn for the equation of continuity.
     """
     dimension = len(pull)
-    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
+    c0, rho0 = liquid.sound_speed, liquid.density
     away, through, drift, pull_through, steep = 0.0, 0.0, 0.0, 0.0, 0.0
     for axis in range(dimension):
         normal = side[dimension + axis]
@@ -101,10 +136,10 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         )
     enthalpy = fields[FIELD.enthalpy, i] - 2.0 * away * pull_through
     mass = fields[FIELD.volume, i] * fields[FIELD.density, i]
-    density = enthalpies.density_at_enthalpy(enthalpy, rho0, c0, gamma)
+    density, push = state_at_enthalpy(enthalpy, liquid)
     fields[FIELD.enthalpy, image] = enthalpy
     fields[FIELD.density, image] = density
-    fields[FIELD.pressure, image] = states.tait_pressure(density, rho0, c0, gamma)
+    fields[FIELD.pressure, image] = push
     fields[FIELD.volume, image] = mass / density
     fields[FIELD.viscosity, image] = fields[FIELD.viscosity, i]
     fields[FIELD.liquid, image] = fields[FIELD.liquid, i]
@@ -134,7 +169,7 @@ def read_liquid(
     constants: Constants,
     pull: Array,
     clip: bool,
-    tait: Tait,
+    liquid: EquationOfState,
 ) -> None:
     """Fill the columns of dummies, from `first` on, out of the liquid in their rows.
 
@@ -159,16 +194,15 @@ def read_liquid(
                 speed[axis] += weight * fields[FIELD.friction_velocity + axis, j]
         near = total > NOTHING
         enthalpy = enthalpy / total if near else 0.0
-        _set_state(fields, dummy, max(enthalpy, 0.0) if clip else enthalpy, tait)
+        _set_state(fields, dummy, max(enthalpy, 0.0) if clip else enthalpy, liquid)
         for axis in range(dimension):
             wall = fields[FIELD.velocity + axis, dummy]
             fields[FIELD.friction_velocity + axis, dummy] = 2.0 * wall - speed[axis] / total if near else wall
 
 
 @compiled_inside
-def _set_state(fields: Floats, i: int, enthalpy: float, tait: Tait) -> None:
-    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
-    density = enthalpies.density_at_enthalpy(enthalpy, rho0, c0, gamma)
+def _set_state(fields: Floats, i: int, enthalpy: float, liquid: EquationOfState) -> None:
+    density, push = state_at_enthalpy(enthalpy, liquid)
     fields[FIELD.enthalpy, i] = enthalpy
     fields[FIELD.density, i] = density
-    fields[FIELD.pressure, i] = states.tait_pressure(density, rho0, c0, gamma)
+    fields[FIELD.pressure, i] = push

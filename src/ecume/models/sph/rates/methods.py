@@ -9,11 +9,35 @@ from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
 from ecume.laws import diffusion, viscous
-from ecume.models.sph.fields import Fields, Floats
+from ecume.models.sph.fields import ConstantDensity, EquationOfState, Fields, Floats, Tait
 from ecume.models.sph.rates.sums import sum_friction, sum_radial_friction, sum_transported_pressure
 
 Law = Callable[..., float]
 Loop = Callable[..., None]
+
+
+class PressureMethod(NamedTuple):
+    """How the pressure follows from the motion, and what that makes available to other options."""
+
+    equation: type[EquationOfState]
+    integrator: str
+    """the default, a name of `time_stepping.INTEGRATORS`"""
+    has: frozenset[str]
+    """capabilities, which `incompressible.compatibility.NEEDS` compares with what other options need"""
+
+    @property
+    def compressible(self) -> bool:
+        """Whether there are sound waves."""
+        return SOUND in self.has
+
+
+SOUND, DENSITY_RATE, BUFFERS, BODIES, DENSITY_FORCES, SOLVER = (
+    "sound", "rates of density", "buffers", "bodies", "pressure forces by density", "solver",
+)  # fmt: skip
+PRESSURES: Mapping[str, PressureMethod] = {
+    "tait": PressureMethod(Tait, "symplectic", frozenset([SOUND, DENSITY_RATE, BUFFERS, BODIES, DENSITY_FORCES])),
+    "incompressible": PressureMethod(ConstantDensity, "projection", frozenset([SOLVER])),
+}
 
 
 class PressureForce(NamedTuple):

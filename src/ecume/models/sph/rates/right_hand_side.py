@@ -38,6 +38,17 @@ def take_forces(parameters: Parameters, state: State, workspace: Workspace, time
     _store_acceleration(parameters, state, workspace, time)
 
 
+def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """The acceleration at the present positions without the pressure, and the transport for the next drift."""
+    parameters = instant(parameters, state)
+    fill(parameters, state, workspace)
+    workspace.fields.force_term[...] = 0.0
+    workspace.rates.acceleration[...] = 0.0
+    if number(parameters.constants, "alpha") > 0.0:
+        sum_momentum(*_summed(parameters, workspace), kernel_type(parameters.constants), workspace.rates.table)
+    _store_acceleration(parameters, state, workspace, time)
+
+
 def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
     parameters = instant(parameters, state)
@@ -95,7 +106,8 @@ def _store_thickening(parameters: Parameters, state: State, workspace: Workspace
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Store the acceleration: pressure, gravity, friction, repulsion, bodies, surface tension, laws of the user."""
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
-    store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
+    density = workspace.fields.density[: len(state.density)].astype(np.float64, copy=False)
+    store_acceleration(state.acceleration, rates.table, density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
     if parameters.turbulence:
@@ -152,12 +164,12 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     count = state.position.shape[1]
     real = len(lists.counts)
     by_mass, gradients = parameters.pressure_force.by_mass, parameters.density_diffusion.gradients
-    of_liquid = state.position, state.velocity, state.density, state.mass
-    fill_liquid(table, *of_liquid, parameters.tait, parameters.origin, by_mass)
+    of_liquid = state.position, state.velocity, state.density, state.pressure, state.mass
+    fill_liquid(table, *of_liquid, parameters.origin, by_mass, parameters.equation_of_state)
     if parameters.background > 0.0:
         fields.transport[: parameters.dimension, :count] = state.transport
     images = workspace.images
-    of_images = table, real, images.start, table_of(parameters), parameters.gravity, parameters.tait
+    of_images = table, real, images.start, table_of(parameters), parameters.gravity, parameters.equation_of_state
     if parameters.moves:
         put_dummies(parameters, fields, count)
     if len(images.source):
@@ -165,10 +177,10 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if gradients:
         fill_density_gradients(table, count, lists, constants)
     if real > count:
-        clip, tait, dummies = parameters.walls_clip, parameters.tait, parameters.boundary.dummies
+        clip, equation, dummies = parameters.walls_clip, parameters.equation_of_state, parameters.boundary.dummies
         pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
-        read_liquid(table, count, lists, constants, pulls, clip, tait)
+        read_liquid(table, count, lists, constants, pulls, clip, equation)
     if len(images.source) and (real > count or gradients):
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:

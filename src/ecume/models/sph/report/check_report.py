@@ -11,7 +11,7 @@ from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row
 from ecume.models.frame_cost import Content, frame_cost
-from ecume.models.sph.parameters import Material, Parameters
+from ecume.models.sph.parameters import Material, Parameters, Projection
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.report.regimes import regime_rows
 from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
@@ -26,6 +26,8 @@ from ecume.value_texts import duration_text, size_text, with_prefix
 
 PAIRS_PER_SECOND = 1.5e8
 """Of the sums, on one core: a rough figure."""
+LIKELY_ITERATIONS = 10
+"""For the pressure of an incompressible liquid, in a step."""
 NODES_PER_SECOND = 1e8
 """Of the color and its forces."""
 OVERHEAD = 3e-4
@@ -129,7 +131,6 @@ def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     material = parameters.material
-    mach = material.fastest / material.sound_speed
     return [
         *material_rows(scene.liquid),
         (
@@ -137,9 +138,26 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
             with_prefix(material.fastest, "m/s"),
             "" if scene.liquid.maximum_speed else "estimated; liquid.maximum_speed sets it",
         ),
+        *(sound_rows(scene, material) if parameters.projection is None else solver_rows(parameters.projection)),
+    ]
+
+
+def sound_rows(scene: SphScene, material: Material) -> list[Row]:
+    """Sound, and how much the liquid is compressed."""
+    return [
         ("sound speed", with_prefix(material.sound_speed, "m/s"), "of the numerical liquid"),
-        ("Mach number", f"{mach:.2g}", "to be expected"),
+        ("Mach number", f"{material.fastest / material.sound_speed:.2g}", "to be expected"),
         compression_row(weight_enthalpy(scene), material),
+    ]
+
+
+def solver_rows(settings: Projection) -> list[Row]:
+    """What replaces sound in an incompressible liquid."""
+    bounds = "zero at the free surface, not negative" if settings.free_surface else "the tank is full: a mean of zero"
+    remark = f"r.m.s. error of a step, within {settings.iterations} iterations"
+    return [
+        ("pressure", "incompressible", f"no sound; {bounds}"),
+        ("solver", f"{settings.tolerance:.2g} of the density", remark),
     ]
 
 
@@ -189,7 +207,8 @@ def seconds_a_step(scene: SphScene, parameters: Parameters, count: int) -> float
     neighbors = lattice_neighbors(parameters.dimension, parameters.support / scene.spacing)
     reach = parameters.color_reach / (NODES * scene.spacing)
     nodes = math.pi * reach**2 * (1.0 if parameters.dimension == 2 else 4.0 / 3.0 * reach)
-    return 2.0 * (count * (neighbors / PAIRS_PER_SECOND + nodes / NODES_PER_SECOND) + OVERHEAD)
+    sums = 2.0 if parameters.projection is None else 2.0 * LIKELY_ITERATIONS
+    return sums * (count * (neighbors / PAIRS_PER_SECOND + nodes / NODES_PER_SECOND) + OVERHEAD)
 
 
 def particles_across(scene: SphScene) -> float:

@@ -50,11 +50,12 @@ def energies(parameters: Parameters, state: State, propped: float, surface: floa
     """Kinetic, potential (a shaken tank is counted as work), elastic (with the repulsion of walls) and surface energy,
     and the energy of the bodies (J).
     """
-    material = parameters.material
+    material, waves = parameters.material, parameters.pressure_method.compressible
     laws = material.density, material.sound_speed, material.exponent
     kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
     potential = potential_of(parameters, state.mass, state.position)
-    elastic = float(np.sum(state.mass * elastic_energies(state.density, *laws))) + propped
+    stored = float(np.sum(state.mass * elastic_energies(state.density, *laws))) if waves else 0.0
+    elastic = stored + propped
     bodies = energy_of_bodies(parameters, state.pose, state.motion)
     return {
         "kinetic_energy": kinetic,
@@ -115,7 +116,8 @@ def forces_work(parameters: Parameters) -> bool:
 
 def dummies_work(parameters: Parameters) -> bool:
     """Whether there are dummies; the work of their pressure is known for forces that are sums of two pressures."""
-    return bool(parameters.boundary.dummies.position.shape[1]) and parameters.pressure_force.loop is None
+    compressed = parameters.pressure_method.compressible and parameters.pressure_force.loop is None
+    return bool(parameters.boundary.dummies.position.shape[1]) and compressed
 
 
 def may_lose_liquid(parameters: Parameters) -> bool:
@@ -165,6 +167,11 @@ def add_work(
 ) -> None:
     """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
     if parameters.shake is None and not forces_work(parameters):
+        return
+    if parameters.projection is not None:  # whose forces act from the start of the step to its end
+        shaken = 0.5 * (began[0] + power_of_shake(parameters, state))
+        state.books[WORK] += (float(state.books[RATE]) + shaken) * time
+        state.books[RATE] = 0.0
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
         rate = power_of_forces(instant(parameters, state), state, workspace)
@@ -249,7 +256,7 @@ def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> flo
     if len(images.source):
         table = now.boundary.table.copy()
         table[:, :d] -= now.origin
-        fill_images(images.source, fields.table, real, images.start, table, now.gravity, now.tait)
+        fill_images(images.source, fields.table, real, images.start, table, now.gravity, now.equation_of_state)
     counted = fields.liquid.copy()
     if now.gates:
         root = np.concatenate([np.arange(real), roots_of(images, real)])

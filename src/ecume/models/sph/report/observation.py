@@ -18,7 +18,19 @@ from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import surface_energy
 from ecume.models.sph.report.energy_budget import energies, has_external_work, liquid_alone
 from ecume.models.sph.report.gauges import readings
-from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, SUBSTEPS, WORK, State, Workspace
+from ecume.models.sph.state import (
+    CAME,
+    GUARD_HITS,
+    ITERATIONS,
+    LEFT,
+    LOST,
+    MOST_ITERATIONS,
+    MOST_SUBSTEPS,
+    SUBSTEPS,
+    WORK,
+    State,
+    Workspace,
+)
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -106,6 +118,9 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
     if parameters.bodies.shapes:
         listed["bodies_energy"] = energy["bodies_energy"]
+    if parameters.projection is not None:
+        listed |= of_solver(parameters, state)
+        units |= dict.fromkeys(of_solver(parameters, state), "1")
     if has_external_work(parameters):
         listed[INJECTED] = float(state.books[WORK])
     units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
@@ -169,10 +184,29 @@ def pose_of(state: State, body: int, axes: str, turns: str) -> dict[str, float]:
     return {**found, **{f"{name}_q{part}": float(pose[3 + k]) for k, part in enumerate("wxyz")}}
 
 
+def of_solver(parameters: Parameters, state: State) -> dict[str, float]:
+    """Iterations since the start, the most in a substep, and the mean of what the density is too large by."""
+    excess = np.maximum(state.density / parameters.material.density - 1.0, 0.0)
+    return {
+        "iterations": float(state.tally[ITERATIONS]),
+        "most_iterations": float(state.tally[MOST_ITERATIONS]),
+        "density_error": float(np.mean(excess)),
+    }
+
+
+def pressure_in(parameters: Parameters, state: State) -> Array:
+    """(N,) Pa: Tait's, or that of the solver for incompressible liquids."""
+    material = parameters.material
+    if parameters.projection is not None:
+        return state.pressure.copy()
+    found: Array = tait_pressure(state.density, material.density, material.sound_speed, material.exponent)
+    return found
+
+
 def gauge_pressure(parameters: Parameters, state: State) -> Array:
     """(N,) Pa: Tait's, and the hydrostatic part where the forces leave it out."""
     material = parameters.material
-    pressure: Array = tait_pressure(state.density, material.density, material.sound_speed, material.exponent)
+    pressure = pressure_in(parameters, state)
     depth = parameters.surface - state.position[1]
     pressure -= material.density * parameters.hydrostatic[1] * depth
     return pressure

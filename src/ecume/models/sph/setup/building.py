@@ -13,13 +13,14 @@ from ecume.errors import Fault, SceneError
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.time_step_limits import (
     acoustic_limit,
+    advective_limit,
     body_drag_limit,
     body_sound_limit,
     radial_excess,
     tension_limit,
     viscous_limit,
 )
-from ecume.models.sph.fields import Tait
+from ecume.models.sph.incompressible.compatibility import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import Carried, CarriedGroup, Material, Parameters
 from ecume.models.sph.rates.methods import DIFFUSIONS
@@ -42,6 +43,7 @@ from ecume.models.sph.setup.choices import (
     kernel_of,
     modified,
     pressure_force_of,
+    pressure_of,
     shifting_of,
     sides_of,
     smoothing_of,
@@ -72,7 +74,8 @@ def material_of(scene: SphScene) -> Material:
     """The liquid, with a sound speed for the numerics."""
     given = filled(scene.liquid)
     fastest = given.maximum_speed or fastest_of(scene)
-    sound = given.sound_speed or fastest / NUMERICAL_MACH
+    waves = pressure_of(scene).compressible
+    sound = given.sound_speed or (fastest / NUMERICAL_MACH if waves else math.inf)
     return Material(
         density=given.density or 0.0,
         sound_speed=sound,
@@ -132,7 +135,8 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
 
 def parameters_of(scene: SphScene) -> Parameters:
     """The parameters of a scene."""
-    material, method = material_of(scene), scene.method
+    material, method, pressure = material_of(scene), scene.method, pressure_of(scene)
+    require_suitable(scene, pressure)
     shape, smoothing = kernel_of(scene), smoothing_of(scene)
     support = shape.support * smoothing
     time_step, per_frame = steps_of(scene, material)
@@ -146,11 +150,13 @@ def parameters_of(scene: SphScene) -> Parameters:
         dimension=len(scene.tank.low),
         spacing=scene.spacing,
         material=material,
-        tait=Tait(material.sound_speed, material.exponent, material.density),
+        equation_of_state=pressure.equation(material.sound_speed, material.exponent, material.density),
         gravity=gravity_of(scene) * (not modified(scene)),
         hydrostatic=gravity_of(scene) * (method.pressure_split != "none"),
         surface=max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid),
         constants=constants_of(scene, material, held),
+        pressure_method=pressure,
+        projection=None if pressure.compressible else projection_of(scene, free_surface(scene)),
         pressure_force=pressure_force_of(scene),
         density_diffusion=DIFFUSIONS[diffusion_of(scene, held)],
         friction=acting_friction(scene),
@@ -166,7 +172,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         pull_rate=rate,
         pull_center=center,
         moves=bool(bodies.shapes or drives or shake),
-        integrator=chosen(scene.integration.integrator, INTEGRATORS, "integration.integrator"),
+        integrator=integrator_of(scene),
         shifting=shifting_of(scene),
         background=background_of(scene, material),
         tension=tension_of(scene),
@@ -215,11 +221,25 @@ def limits_of(scene: SphScene, material: Material) -> dict[str, float]:
     h, courant = smoothing_of(scene), scene.integration.courant_number
     tension = material.surface_tension if tension_of(scene) != "none" else 0.0
     return {
-        "sound": acoustic_limit(h, material.sound_speed, material.fastest, courant),
+        **speed_limit(h, material, courant),
         "viscosity": viscous_limit(h, material.viscosity / material.density),
         "surface tension": tension_limit(h, material.density, tension),
         BODIES: min((body_limit(scene, spec, material) for spec in scene.bodies), default=math.inf),
     }
+
+
+def speed_limit(smoothing_length: float, material: Material, courant: float) -> dict[str, float]:
+    """The limit by sound, or by the flow where there is no sound."""
+    if math.isfinite(material.sound_speed):
+        return {"sound": acoustic_limit(smoothing_length, material.sound_speed, material.fastest, courant)}
+    return {"the maximum speed": advective_limit(smoothing_length, material.fastest, courant)}
+
+
+def integrator_of(scene: SphScene) -> str:
+    """The integration scheme by its name."""
+    name = scene.integration.integrator
+    default = pressure_of(scene).integrator
+    return default if name == "automatic" else chosen(name, INTEGRATORS, "integration.integrator")
 
 
 def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:

@@ -7,13 +7,14 @@ sums read.
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any, cast
 
 import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
-from ecume.laws import diffusion, kernels, states, time_step_limits, viscous
+from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import LiquidProperties
 from ecume.laws.liquids.water import ICE_POINT
@@ -22,7 +23,15 @@ from ecume.models.liquids import correlations_of, named_liquid
 from ecume.models.model import Source
 from ecume.models.sph.fields import Constants, Precision, constants_from
 from ecume.models.sph.parameters import Material
-from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, Friction, PressureForce
+from ecume.models.sph.rates.methods import (
+    DIFFUSIONS,
+    FRICTIONS,
+    PRESSURE_FORCES,
+    PRESSURES,
+    Friction,
+    PressureForce,
+    PressureMethod,
+)
 from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of
@@ -32,6 +41,7 @@ from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
 """Whether eddies add a viscosity: see `gradients.set_eddy_viscosity`."""
+NUMERICAL_MACH = 0.1
 PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
 """Coefficient of the artificial viscosity where the scene gives the liquid no viscosity."""
@@ -69,6 +79,11 @@ def held_pull(scene: SphScene) -> Array:
     return pull
 
 
+def pressure_of(scene: SphScene) -> PressureMethod:
+    """How the pressure is computed."""
+    return PRESSURES[chosen(scene.method.pressure, PRESSURES, "method.pressure")]
+
+
 def modified(scene: SphScene) -> bool:
     """Whether gravity is omitted from the motion, and the hydrostatic pressure added in frames."""
     return scene.method.pressure_split == "modified"
@@ -90,6 +105,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     """The constants that sums read; `pull` is the gravity that pressure balances at rest."""
     shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
     spring = material.density / material.sound_speed**2
+    damping_speed = material.sound_speed if math.isfinite(material.sound_speed) else material.fastest / NUMERICAL_MACH
     term = DIFFUSIONS[diffusion_of(scene, pull)]
     delta = 0.0
     if term.excess is not None:
@@ -114,7 +130,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
         "inverse_length": 1.0 / smoothing,
         "slope_factor": shape.normalization / smoothing ** (dimension + 2),
         "softening": 0.01 * smoothing**2,
-        "sound_speed": material.sound_speed,
+        "sound_speed": damping_speed,
         "alpha": artificial_viscosity_of(scene),
         # By volume the viscosity's term is not per density squared.
         "damping_divisor": material.density if by_mass else 1.0 / material.density,
@@ -130,12 +146,16 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
 def artificial_viscosity_of(scene: SphScene) -> float:
     """Its alpha."""
     given = scene.method.artificial_viscosity
-    return USUAL_ALPHA * (not scene.liquid.viscosity) if given is None else given
+    if given is None:
+        return USUAL_ALPHA * (not scene.liquid.viscosity)
+    return given
 
 
 def diffusion_of(scene: SphScene, pull: Array) -> str:
     """The density diffusion by its name."""
     name = scene.method.density_diffusion
+    if name == "automatic" and not pressure_of(scene).compressible:
+        return "none"
     if name == "automatic":
         uniform = pull.any() or scene.base_excitation
         return "hydrostatic" if uniform and scene.central_force is None else "antuono"
@@ -249,16 +269,23 @@ def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
     ]
 
 
+PRESSURE_LAWS: dict[str, list[Source]] = {
+    "tait": [states.tait_pressure, states.numerical_sound_speed],
+    "incompressible": [incompressible.free_correction, incompressible.decrease, incompressible.diagonal],
+}
+
+
 def laws_of(scene: Any) -> list[Source]:
     """Kernel, pressure, diffusion, friction, tension, steps: as the model chooses them."""
     liquid, name = filled(scene.liquid), diffusion_of(scene, gravity_of(scene))
     excess = DIFFUSIONS[name].excess
     form = kernels.KERNELS[scene.method.kernel]
-    laws: list[Source] = [form.value, states.tait_pressure, states.numerical_sound_speed]
+    laws: list[Source] = [form.value, *PRESSURE_LAWS[scene.method.pressure]]
     laws += [diffusion.strength, excess] if excess is not None else []
     laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
     if liquid.viscosity or turbulent(scene):
         laws += [friction_of(scene).law]
     laws += TENSIONS[tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if turbulent(scene) else []
-    return [*laws, time_step_limits.acoustic_limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]
+    limit = time_step_limits.acoustic_limit if pressure_of(scene).compressible else time_step_limits.advective_limit
+    return [*laws, limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]

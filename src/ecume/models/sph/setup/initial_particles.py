@@ -292,4 +292,5 @@ def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Ar
     density = np.array([density_at_enthalpy(each, *laws) for each in head])
     mass = density * volume
     region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
-    return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, mass, region)
+    pressure = material.density * head
+    return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, pressure, mass, region)

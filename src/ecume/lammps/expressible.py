@@ -1,0 +1,157 @@
+"""What a deck for LAMMPS can contain: one record for each choice of a scene of floats.
+
+A scene is refused if a record does not hold for it; all reasons are in one error.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ecume.errors import Fault, SceneError
+from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.models.floating.setup.kinds import distinct_kinds, moments_of
+from ecume.models.floating.walls.shapes import name_of
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+MOST_KINDS = 32
+"""Kinds of floats in a deck: each pair of them has its own table."""
+
+MOST_GROUPS = 31
+"""Groups of LAMMPS beside `all`."""
+
+LEAST_RESTITUTION = math.ceil(1e3 * math.exp(-2.0)) * 1e-3
+"""The contacts of LAMMPS state a damping below the critical one; at critical damping the restitution is exp(-2)."""
+
+UNEQUAL = tuple(name for name, law in PAIR_LAWS.items() if not law.reciprocal)
+
+
+def shape_of(scene: FloatingScene) -> str:
+    """The shape of the dish; "none" without one."""
+    return "none" if scene.dish is None else name_of(scene.dish)
+
+
+class Expressible(NamedTuple):
+    """One choice of a scene, the values that a deck can express, and the reason why it cannot express others."""
+
+    path: str
+    """the key of the scene"""
+    got: Callable[[FloatingScene], Any]
+    """the value of the scene"""
+    accepts: Callable[[Any], bool]
+    """whether a deck can express this value"""
+    expected: str
+    reason: str
+
+
+def _names(*names: str) -> Callable[[Any], bool]:
+    return lambda got: got in names
+
+
+def _zero(got: Any) -> bool:
+    return bool(got == 0)
+
+
+NONE = _names("none")
+
+
+def _whether(there: bool, name: str) -> str:
+    """The name of a choice that a scene can lack."""
+    return name if there else "none"
+
+
+def _of_dish(key: str, default: Any) -> Callable[[FloatingScene], Any]:
+    """The value of this key of the dish; the default without a dish."""
+    return lambda scene: default if scene.dish is None else getattr(scene.dish, key)
+
+
+def _films(scene: FloatingScene) -> str:
+    return _whether(scene.hydrodynamics.lubrication is not None, "films")
+
+
+def _tabulated_flow(scene: FloatingScene) -> str:
+    return _whether(scene.flow is not None and scene.flow.nodes is not None, "a table")
+
+
+def _motion(scene: FloatingScene) -> str:
+    return _whether(scene.dish is not None and scene.dish.motion is not None, "a moving dish")
+
+
+def _rotation(scene: FloatingScene) -> str:
+    """What a rotating float has in addition to the inertia of a sphere."""
+    other = bool(scene.hydrodynamics.added_mass) or any(one.disc is not None for one in scene.given)
+    return _whether(scene.rubs and other, "friction of discs or with added mass")
+
+
+def _overdamped_kinds(scene: FloatingScene) -> int:
+    """The number of kinds of floats without inertia, each of which has another friction."""
+    return len(distinct_kinds(scene)[0]) if scene.integration.integrator == "overdamped" else 0
+
+
+def _bounces(scene: FloatingScene) -> float:
+    """The restitution of contacts between floats; that of an elastic collision without contacts."""
+    return 1.0 if scene.contacts.law == "none" else scene.contacts.restitution
+
+
+def _above_critical(restitution: Any) -> bool:
+    return bool(restitution >= LEAST_RESTITUTION)
+
+
+FLOATS = (
+    Expressible("interaction.law", lambda scene: str(scene.interaction.law), lambda law: law not in UNEQUAL,
+                "a law with equal and opposite forces", "tables of LAMMPS act on both floats alike"),
+    Expressible("interaction.method", lambda scene: scene.interaction.method, _names("superposition"),
+                "superposition", "tables of LAMMPS know pairs only"),
+    Expressible("particles.shape", lambda scene: sum(one.shape is not None for one in scene.given), _zero,
+                "none with a shape", "atoms of the deck are spheres"),
+    Expressible("particles.magnetic_moment", lambda scene: int((moments_of(scene) != 0.0).sum()), _zero,
+                "none with a magnetic moment", "the tables hold the capillary law alone"),
+    Expressible("particles", lambda scene: len(distinct_kinds(scene)[0]), lambda count: count <= MOST_KINDS,
+                f"at most {MOST_KINDS} kinds of floats", "each pair of kinds has its own table"),
+    Expressible("integration.integrator", _overdamped_kinds, lambda count: count <= MOST_GROUPS,
+                f"at most {MOST_GROUPS} kinds of overdamped floats", "each kind has a group, and LAMMPS has no more"),
+    Expressible("user_laws", lambda scene: len(scene.user_laws), _zero,
+                "none", "its function is not part of the scene"),
+    Expressible("hydrodynamics.drag", lambda scene: str(scene.hydrodynamics.drag), _names("stokes", "none"),
+                "stokes or none", "fix viscous is proportional to the velocity"),
+    Expressible("hydrodynamics.lubrication", _films, NONE, "none",
+                "the films of LAMMPS are those of spheres deep in a liquid"),
+    Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",
+                "a formula of LAMMPS has no table over two coordinates"),
+    Expressible("dish.law", _of_dish("law", "none"), _names("meniscus", "linear", "none"),
+                "meniscus, linear or none", "the deck contains formulas of far fields only"),
+    Expressible("dish.image", _of_dish("image", "none"), NONE,
+                "none", "the deck contains formulas of far fields only"),
+    Expressible("dish.shape", shape_of, _names("none", "round", "rectangle"),
+                "round or rectangle", "other walls have no region in the deck"),
+    Expressible("dish.motion", _motion, NONE, "a dish at rest",
+                "the deck describes the frame of the dish without inertial forces"),
+    Expressible("contacts.legacy_coefficient", lambda scene: scene.contacts.legacy_coefficient, lambda got: got is None,
+                "none, and a restitution", "springs separate floats; these contacts let them sink into one another"),
+    Expressible("contacts.restitution", _bounces, _above_critical, f"{LEAST_RESTITUTION:g} or more",
+                "the dashpots of LAMMPS's granular contacts stay below critical damping"),
+    Expressible("dish.restitution", _of_dish("restitution", 1.0), _above_critical, f"{LEAST_RESTITUTION:g} or more",
+                "the dashpots of LAMMPS's granular contacts stay below critical damping"),
+    Expressible("contacts.friction", _rotation, NONE, "friction of spheres without added mass",
+                "rotation in LAMMPS has the moment of inertia of a homogeneous sphere"),
+)  # fmt: skip
+"""Everything that can be missing in LAMMPS."""
+
+
+def faults_of(scene: FloatingScene) -> list[Fault]:
+    """A fault for each choice of the scene that a deck cannot express."""
+    checked = [(row, row.got(scene)) for row in FLOATS]
+    return [
+        Fault(row.path, f"got {got}, which a deck for LAMMPS cannot express; expected {row.expected}: {row.reason}")
+        for row, got in checked
+        if not row.accepts(got)
+    ]
+
+
+def require_expressible(scene: FloatingScene) -> None:
+    """Raise SceneError with everything that a deck cannot express."""
+    if faults := faults_of(scene):
+        raise SceneError(faults)

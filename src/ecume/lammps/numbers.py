@@ -1,0 +1,147 @@
+"""The numbers of a deck: kinds of floats, contacts as springs and dashpots, time step, and the first state."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.models.floating.contacts.friction import float_inertia, turning_friction_of
+from ecume.models.floating.contacts.springs import Springs
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.setup.initial_state import start
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
+from ecume.models.floating.setup.scene_parameters import parameters_of
+from ecume.models.floating.state import State
+from ecume.models.step_counts import last_step
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+DRAG_STEP = 0.1
+"""The longest time step over the shortest relaxation time: LAMMPS applies drag as an explicit force."""
+
+ROLLING = 2.0 / 7.0
+"""Tangential over normal stiffness and damping: the reduced mass at the surface of a homogeneous sphere is 2/7 of that
+of its center, and this stiffness lets a sticking contact rebound along the surface within the time of the normal one.
+"""
+
+
+class Contacts(NamedTuple):
+    """Contacts as springs and dashpots."""
+
+    stiffness: float
+    """N/m"""
+    among: float
+    """the number e* of `damping coeff_restitution` between floats"""
+    at_walls: float
+    """the same at walls"""
+    friction: tuple[float, float]
+    """Coulomb's coefficients between floats and at walls"""
+
+
+class Turning(NamedTuple):
+    """Rotation of floats by friction."""
+
+    friction: list[float]
+    """N m s, of each kind"""
+    quickest: float
+    """s: the shortest time in which the liquid slows a spin"""
+
+
+class DeckNumbers(NamedTuple):
+    """All that a deck says about a scene."""
+
+    scene: FloatingScene
+    parameters: Parameters
+    """with springs and dashpots, and the time step that they need"""
+    state: State
+    kinds: list[FloatKind]
+    kind: Integers
+    """(N,) the kind of each float, from 0"""
+    first: Integers
+    """the first float of each kind: its properties are those of the kind"""
+    contacts: Contacts | None
+    turning: Turning | None
+    time_step: float
+    steps: int
+    steps_per_frame: int
+
+
+def numbers_of(scene: FloatingScene) -> DeckNumbers:
+    """The numbers of the deck of a scene that a deck can express. Raises SceneError."""
+    parameters = parameters_of(with_springs(scene))
+    kinds, kind = distinct_kinds(scene)
+    turning = _turning(scene, kinds)
+    per_frame = _steps_per_frame(scene, parameters, turning)
+    return DeckNumbers(
+        scene=scene,
+        parameters=parameters,
+        state=start(scene, parameters),
+        kinds=kinds,
+        kind=kind,
+        first=np.unique(kind, return_index=True)[1].astype(np.int64),
+        contacts=_contacts(scene, parameters),
+        turning=turning,
+        time_step=scene.frame_every / per_frame,
+        steps=last_step(scene, per_frame),
+        steps_per_frame=per_frame,
+    )
+
+
+def with_springs(scene: FloatingScene) -> FloatingScene:
+    """The scene with springs and dashpots in place of rigid contacts, and with the integrator of LAMMPS."""
+    law = "none" if scene.contacts.law == "none" else "spring-dashpot"
+    slow = scene.integration.integrator == "overdamped"
+    return dataclasses.replace(
+        scene,
+        contacts=dataclasses.replace(scene.contacts, law=law, friction=0.0),
+        dish=None if scene.dish is None else dataclasses.replace(scene.dish, friction=0.0),
+        integration=dataclasses.replace(
+            scene.integration, integrator="overdamped" if slow else "velocity-verlet", time_step=None
+        ),
+        interaction=dataclasses.replace(scene.interaction, summation="cells", precision="double"),
+    )
+
+
+def _contacts(scene: FloatingScene, parameters: Parameters) -> Contacts | None:
+    """The springs and dashpots of the scene; None without contacts."""
+    springs = parameters.parts.contacts
+    if not isinstance(springs, Springs):
+        return None
+    rubbing = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
+    return Contacts(springs.stiffness, nominal(springs.damping), nominal(springs.wall_damping), rubbing)
+
+
+def nominal(damping: float) -> float:
+    """The number e* = exp(-pi zeta/sqrt(1 - zeta^2)) with which LAMMPS gets the damping zeta over the critical one.
+
+    It is the restitution of a contact that ends when the overlap does. Contacts of the deck end when their force does
+    (`limit_damping`), with a larger restitution: `ecume.laws.contact.dashpot_restitution`.
+
+    >>> nominal(0.0), round(nominal(0.5), 6)
+    (1.0, 0.163034)
+    """
+    return math.exp(-math.pi * damping / math.sqrt(1.0 - damping * damping))
+
+
+def _turning(scene: FloatingScene, kinds: list[FloatKind]) -> Turning | None:
+    """The drag on spins; None if no float turns."""
+    if not scene.rubs:
+        return None
+    friction = [turning_friction_of(kind, scene) for kind in kinds]
+    times = [float_inertia(kind) / each for kind, each in zip(kinds, friction, strict=True) if each > 0.0]
+    return Turning(friction, min(times, default=math.inf))
+
+
+def _steps_per_frame(scene: FloatingScene, parameters: Parameters, turning: Turning | None) -> int:
+    """Steps from frame to frame, short enough for springs and for explicit drag."""
+    if not parameters.scheme.inertia:
+        return parameters.steps_per_frame
+    quickest = min(float(parameters.floats.relaxation_time.min()), turning.quickest if turning else math.inf)
+    longest = min(parameters.time_step, DRAG_STEP * quickest)
+    times = math.ceil(parameters.time_step / longest * (1.0 - 1e-9))
+    return times * parameters.steps_per_frame

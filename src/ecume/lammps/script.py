@@ -1,0 +1,162 @@
+"""The input script of a deck, section by section."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ecume.lammps.numbers import ROLLING, DeckNumbers
+from ecume.lammps.pair_tables import ACCURACY, PairTable, lookup_of
+from ecume.lammps.walls import Formula, flow_of, meniscus_of, region_of
+
+DATA, TABLES = "floats.data", "pairs.table"
+
+FAR = "zero"
+"""The pair style of floats without any force."""
+
+
+def script_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
+    """The input script; `tables` are those of the file beside it."""
+    formulas = {name: found for name, found in (("meniscus", meniscus_of(deck)), ("flow", flow_of(deck))) if found}
+    sections = (
+        _head(deck),
+        _atoms(deck, formulas),
+        _pairs(deck, tables),
+        _walls(deck),
+        *(_formula(name, formula) for name, formula in formulas.items()),
+        _motion(deck),
+        _output(deck),
+    )
+    return "\n\n".join(text for text in ("\n".join(section) for section in sections) if text) + "\n"
+
+
+def _head(deck: DeckNumbers) -> Iterator[str]:
+    bounds = "p p" if deck.scene.cell is not None else "m m"
+    yield f"# {deck.scene.title or 'Floats'}, written by ecume: see README.md. Run it in this folder:"
+    yield "#   lmp -in in.lammps    or    mpiexec -n 8 lmp -in in.lammps"
+    yield "units           si"
+    yield "dimension       2"
+    yield f"boundary        {bounds} p"
+    yield "atom_style      sphere"
+    yield "newton          on"
+    yield "comm_modify     vel yes"
+    yield ""
+    yield "# Time steps, time steps between frames, and the time step (s): -var steps N changes the first, and so on."
+    yield f"variable        steps index {deck.steps}"
+    yield f"variable        frame index {deck.steps_per_frame}"
+    yield f"variable        step index {deck.time_step!r}"
+
+
+def _atoms(deck: DeckNumbers, formulas: dict[str, Formula]) -> Iterator[str]:
+    names = [name for formula in formulas.values() for name in formula.properties]
+    if names:
+        yield f"fix             numbers all property/atom {' '.join(names)}"
+    yield f"read_data       {DATA}"
+    for name, value in _named(formulas):
+        for kind, number in enumerate(value, 1):
+            yield f"set             type {kind} {name} {number!r}"
+
+
+def _named(formulas: dict[str, Formula]) -> Iterator[tuple[str, list[float]]]:
+    """The names of all numbers of atoms, each with its value for each kind."""
+    for formula in formulas.values():
+        yield from zip(formula.properties, formula.values, strict=True)
+
+
+def contact_model(deck: DeckNumbers, restitution: float, friction: float) -> str:
+    """The arguments of `pair_style granular` and `fix wall/gran/region granular` for a contact."""
+    assert deck.contacts is not None  # noqa: S101  # asked with contacts only
+    stiffness = deck.contacts.stiffness
+    sliding = (
+        f"linear_history {ROLLING * stiffness!r} {ROLLING!r} {friction!r}"
+        if friction > 0.0
+        else "linear_nohistory 0.0 0.0"
+    )
+    normal = f"hooke {stiffness!r} {restitution!r}"
+    return f"{normal} tangential {sliding} damping coeff_restitution limit_damping"
+
+
+def _pairs(deck: DeckNumbers, tables: list[PairTable]) -> Iterator[str]:
+    cutoff = deck.parameters.cutoff
+    styles = [f"table {lookup_of(deck.parameters)}"] if tables else []
+    styles += ["granular"] if deck.contacts is not None else []
+    styles = styles or [f"{FAR} {cutoff!r}"]
+    if tables:
+        yield f"# Tables of our pair law, to {ACCURACY:g} of each force."
+    yield f"pair_style      hybrid/overlay {' '.join(styles)}"
+    for table in tables:
+        i, j = (kind + 1 for kind in table.kinds)
+        yield f"pair_coeff      {i} {j} table {TABLES} {table.name} {cutoff!r}"
+    if deck.contacts is not None:
+        model = contact_model(deck, deck.contacts.among, deck.contacts.friction[0])
+        yield f"pair_coeff      * * granular {model}"
+    elif not tables:
+        yield f"pair_coeff      * * {FAR}"
+    yield f"neighbor        {deck.parameters.skin!r} bin"
+    yield "neigh_modify    every 1 delay 0 check yes"
+
+
+def _walls(deck: DeckNumbers) -> Iterator[str]:
+    if deck.scene.dish is None or deck.contacts is None:
+        return
+    yield region_of(deck)
+    model = contact_model(deck, deck.contacts.at_walls, deck.contacts.friction[1])
+    yield f"fix             wall all wall/gran/region granular {model} region dish"
+
+
+def _formula(name: str, formula: Formula) -> Iterator[str]:
+    yield from formula.lines
+    yield f"fix             {name} all addforce v_{name}_x v_{name}_y 0.0"
+
+
+def _motion(deck: DeckNumbers) -> Iterator[str]:
+    if deck.parameters.scheme.inertia:
+        yield from _inertial(deck)
+    else:
+        yield from _overdamped(deck)
+    yield "fix             flat all enforce2d"
+    yield "timestep        ${step}"
+
+
+def _inertial(deck: DeckNumbers) -> Iterator[str]:
+    """Velocity Verlet with drag as a force."""
+    friction = _friction(deck)
+    if any(friction):
+        yield f"fix             drag all viscous {_scaled(friction)}"
+    turning = deck.turning.friction if deck.turning is not None else []
+    if any(turning):
+        yield f"fix             spin_drag all viscous/sphere {_scaled(turning)}"
+    yield f"fix             move all {'nve' if deck.turning is None else 'nve/sphere'}"
+
+
+def _overdamped(deck: DeckNumbers) -> Iterator[str]:
+    """Velocities from forces and drag alone, with noise if the scene has it."""
+    noise, seed = "gaussian" if deck.parameters.drift.thermal > 0.0 else "none", deck.scene.seed % 900_000_000 + 1
+    for kind, friction in enumerate(_friction(deck), 1):
+        group = "all"
+        if len(deck.kinds) > 1:
+            group = f"kind_{kind}"
+            yield f"group           {group} type {kind}"
+        model = f"brownian {deck.scene.liquid.temperature!r} {seed + kind} gamma_t {friction!r} rng {noise}"
+        yield f"fix             move_{kind} {group} {model}"
+
+
+def _friction(deck: DeckNumbers) -> list[float]:
+    """N s/m, of each kind; zero without drag."""
+    floats = deck.parameters.floats
+    found: list[float] = (floats.mass / floats.relaxation_time)[deck.first].tolist()
+    return found
+
+
+def _scaled(values: list[float]) -> str:
+    """The arguments of a viscous fix: the first value, and the others over it."""
+    scales = [f"scale {kind} {value / values[0]!r}" for kind, value in enumerate(values[1:], 2)]
+    return " ".join([repr(values[0]), *scales])
+
+
+def _output(deck: DeckNumbers) -> Iterator[str]:
+    yield "thermo_style    custom step time pe ke"
+    yield "thermo_modify   lost error"
+    yield "thermo          ${frame}"
+    yield "dump            frames all custom ${frame} frames.dump id type x y vx vy fx fy radius"
+    yield "dump_modify     frames sort id format float %.17g time yes"
+    yield "run             ${steps}"
