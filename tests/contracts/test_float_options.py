@@ -19,7 +19,7 @@ from ecume.models.model import DONE
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 # Each combination is compiled by itself: as plain Python all of them take a minute.
 plain_only = pytest.mark.skipif(not PLAIN, reason="every pair is tried as plain Python")
-OUTSIDE = {"one-sided law", "round dish", "square dish", "wall profile", "dish in motion", "flow"}
+OUTSIDE = {"one-sided law", "round dish", "square dish", "wall profile", "dish in motion", "flow", "active forces"}
 """Options with which momentum is not kept."""
 STEP = 1e-9
 """m, of differences"""
@@ -61,7 +61,7 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(pair):
     workspace = FLOATING.workspace(parameters, state, 1.0)
     force = forces_at(parameters, state.position, workspace).copy()
     largest = np.abs(force).max()
-    if not {"one-sided law", "flow"} & set(pair):
+    if not {"one-sided law", "flow", "active forces"} & set(pair):
         assert force == pytest.approx(minus_slope(parameters, state, workspace), abs=2e-3 * largest + 1e-18)
     if "one-sided law" not in pair and not {
         "round dish",
@@ -69,6 +69,7 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(pair):
         "wall profile",
         "dish in motion",
         "flow",
+        "active forces",
     } & set(pair):
         assert np.abs(force.sum(axis=0)).max() <= 1e-5 * largest + 1e-24
     assert FLOATING.advance(parameters, state, workspace, 3) == DONE

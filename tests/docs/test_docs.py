@@ -49,6 +49,7 @@ SECTIONS = {
     "[integration]": floating.IntegrationSpec,
     "[hydrodynamics]": floating.HydrodynamicsSpec,
     "[hydrodynamics.lubrication]": floating.LubricationSpec,
+    "[activity]": floating.ActivitySpec,
     "[contacts]": floating.ContactSpec,
     "[interaction]": floating.InteractionSpec,
 }

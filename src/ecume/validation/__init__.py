@@ -49,6 +49,7 @@ CASES: dict[str, Case] = {
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
         _case("raft", "Nineteen floats gather to a raft: overlap, energy, momentum at two steps", long=True),
         _case("hydrodynamics", "Floats that move one another by the flow: rafts, pairs, diffusion, thermal weights"),
+        _case("activity", "Active floats: mean squared displacement of persistent and of circling motion"),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),
         _case("integrators", "The orders of the integrators, and the energy over a million steps"),
         _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),

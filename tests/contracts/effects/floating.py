@@ -41,6 +41,7 @@ FILMS = {
     "hydrodynamics": {"lubrication": {"roughness": 1e-6}},
     "integration": {"integrator": "overdamped", "time_step": 5e-5},
 }
+ACTIVE = {"activity": {"force": 1e-8, "persistence": 1e-3, "propulsion": 1e-8}}
 SPRINGS = {"contacts": {"law": "spring-dashpot", "stiffness": 1.0}, "integration": {"time_step": None}, **IMPACT}
 RING = {"particles": [{"positions": None, "count": 3, "placement": "ring", "ring_radius": 5e-3}]}
 LATTICE = {"particles": [{"positions": None, "count": 3, "placement": "lattice", "spacing": 3e-3}]}
@@ -151,6 +152,19 @@ EFFECTS = {
     "hydrodynamics.interaction": of("rotne-prager", liquid={"viscosity": 1.0}, integration=NOISE["integration"]),
     "hydrodynamics.lubrication.roughness": of(1e-5, **FILMS),
     "hydrodynamics.lubrication.cutoff": of(2.5, **FILMS),
+    "activity.force": of(2e-8, **ACTIVE),
+    "activity.persistence": of(2e-3, **ACTIVE),
+    "activity.propulsion": of(2e-8, **ACTIVE),
+    "activity.rotational_diffusion": of(100.0, **ACTIVE),
+    "activity.torque": of(1e-9, **ACTIVE),
+    "activity.species": of(
+        ["passive"],
+        particles=[
+            {"name": "swimmer"},
+            {"name": "passive", "radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "positions": [[8e-3, 0.0]]},
+        ],
+        activity=ACTIVE["activity"] | {"species": ["swimmer"]},
+    ),
     "contacts.restitution": of(0.9, **IMPACT),
     "contacts.friction": of(0.5, **IMPACT),
     "contacts.legacy_coefficient": of(0.8, **IMPACT),

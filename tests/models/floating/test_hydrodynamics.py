@@ -229,6 +229,17 @@ def test_touching_floats_do_not_overlap_and_the_energy_budget_of_a_current_close
         assert np.abs(state.turning[:, 1]).max() > 0.0
 
 
+def test_a_current_along_a_force_takes_its_work():
+    """A float that a wall pulls drifts faster with the current: the energy falls by more than drag dissipates."""
+    around = '[dish]\nsize = [0.02, 0.06]\ncontact_angle = "100 deg"\n[flow]\nvelocity = [1e-3, 0.0]\n'
+    parameters, state, workspace = set_up(beads([(0.006, 0.0)], around=around, density=1300.0))
+    pull = forces_at(parameters, state.position, workspace)[0, 0]
+    assert FLOATING.advance(parameters, state, workspace, 1) == 0
+    injected = FLOATING.observe(parameters, state, workspace).numbers["injected_work"]
+    assert injected == pytest.approx(-pull * 1e-3 * parameters.time_step, rel=1e-9, abs=0.0)
+    assert pull > 0.0
+
+
 def test_a_sticking_pair_turns_as_one_body():
     """With strong friction two floats that are sheared against each other roll together: no sliding at the contact."""
     places = [(0.0, 0.0), (2.0 * RADIUS, 0.0)]

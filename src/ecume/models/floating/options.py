@@ -60,6 +60,8 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "shared films": ("resistance", "resistances that ranks can share out"),
     "independent": ("resistance", "floats that drag slows one by one"),
     "lubricated": ("contacts", "contacts that stop floats at once"),
+    "single drag": ("hydrodynamic interaction", "floats that turn without turning others"),
+    "no spins": ("contacts", "contacts without friction"),
     "full mobility": ("contacts", "contacts that are solved as impulses"),
     "shared contacts": ("contacts", "contacts that ranks can share out"),
     "stokes": ("drag", "a drag that is proportional to the velocity"),

@@ -92,6 +92,8 @@ class Drift(NamedTuple):
     jump: float
     """m: the longest displacement of a float in one step by noise (all but one in a billion) and by the dish"""
     sway: Sway
+    active: bool = False
+    """whether floats have active forces"""
 
 
 class Parameters(NamedTuple):

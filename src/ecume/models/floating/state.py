@@ -45,6 +45,9 @@ class State(NamedTuple):
     tally: Array
     """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m), and the work
     done from outside (J)"""
+    active: Array = np.zeros((0, 3))
+    """(N, 3) the random force on each active float along x and y, over its root mean square, and the heading (rad);
+    (0, 3) without activity"""
 
 
 class Workspace(NamedTuple):

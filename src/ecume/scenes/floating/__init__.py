@@ -7,6 +7,7 @@ dish, currents, contacts and interactions, and `sources` reads floats from table
 from ecume.scenes.floating.floats import DiscSpec, FloatRow, FloatSpec, ShapeSpec, SurfaceEnergies
 from ecume.scenes.floating.scene import FloatingScene, species_of
 from ecume.scenes.floating.surroundings import (
+    ActivitySpec,
     CellSpec,
     ContactSpec,
     DishMotionSpec,
@@ -21,6 +22,7 @@ from ecume.scenes.floating.surroundings import (
 )
 
 __all__ = [
+    "ActivitySpec",
     "CellSpec",
     "ContactSpec",
     "DiscSpec",

@@ -12,6 +12,7 @@ from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.floating.floats import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import (
+    ActivitySpec,
     CellSpec,
     ContactSpec,
     DishSpec,
@@ -81,6 +82,8 @@ class FloatingScene(Common):
     """The time stepping. Effect: determines the error per step and the cost."""
     hydrodynamics: HydrodynamicsSpec = HydrodynamicsSpec()
     """The forces of the liquid on moving floats. Effect: they damp the motion or make it overdamped."""
+    activity: ActivitySpec | None = None
+    """Active forces and torques on floats. Effect: floats move without attraction or noise; requires drag."""
     contacts: ContactSpec = ContactSpec()
     """The contacts between floats. Effect: they determine collisions and the structure of rafts."""
     interaction: InteractionSpec = InteractionSpec()

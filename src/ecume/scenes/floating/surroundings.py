@@ -38,8 +38,9 @@ from ecume.scenes.quantities import (
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
 from ecume.scenes.user_laws import Constant
 from ecume.scenes.validated import dataclass
-from ecume.units import ROOM, Number
+from ecume.units import ROOM, Force, Number, Rate, Unit
 
+Torque = Annotated[float, Unit("N*m")]
 TABLE = "velocity_from"
 COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
 EVEN = 1e-6
@@ -301,6 +302,36 @@ class HydrodynamicsSpec:
     def resists(self) -> bool:
         """Whether there is drag."""
         return self.drag != "none"
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ActivitySpec:
+    """Forces that drive floats: a random force with a memory, propulsion along a heading, and a torque."""
+
+    force: Annotated[Force, Field(ge=0.0, le=1.0)] = 0.0
+    """The root mean square of a random force on each float (N), an Ornstein-Uhlenbeck process with the correlation time
+    `persistence`. Example: `"2 nN"`. Effect: floats move straight for about the persistence, then at random."""
+    persistence: Duration | None = None
+    """The correlation time of the random force (s); needed with `force`. Example: `"0.5 s"`. Effect: longer times give
+    longer straight paths, and drive the floats farther from equilibrium."""
+    propulsion: Annotated[Force, Field(ge=0.0, le=1.0)] = 0.0
+    """A constant force on each float along its heading (N), which is random at the start. Example: `"1 nN"`. Effect:
+    floats swim at this force over their drag."""
+    rotational_diffusion: Annotated[Rate, Field(ge=0.0, le=1e6)] = 0.0
+    """The diffusion coefficient of the headings (1/s). Example: `0.2`. Effect: headings are forgotten after its
+    inverse."""
+    torque: Annotated[Torque, Field(ge=-1.0, le=1.0)] = 0.0
+    """A constant torque on each float (N m), positive counterclockwise. Example: `1e-14`. Effect: turns the headings
+    against the drag of the liquid, so that floats swim in circles."""
+    species: tuple[Name, ...] = ()
+    """The active species; by default all. Example: `["swimmer"]`. Effect: other species are passive."""
+
+    @model_validator(mode="after")
+    def _remembered(self) -> Self:
+        if (self.force > 0.0) != (self.persistence is not None):
+            missing = "persistence" if self.persistence is None else "force"
+            raise Inconsistent([((missing,), "expected force and persistence together; got one of them")])
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

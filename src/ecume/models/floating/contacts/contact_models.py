@@ -135,17 +135,17 @@ ENDS = "contacts act on the velocity at the ends of a step"
 CONTACTS = {
     "none": ContactModel(
         path="contacts.law", name="'none'", constants=NoContacts, make=_simple(NoContacts()),
-        gives=frozenset({"shared contacts", "lubricated", "full mobility"}), laws=(),
+        gives=frozenset({"shared contacts", "lubricated", "full mobility", "no spins"}), laws=(),
     ),
     "impulse": ContactModel(
         path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
         before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"shared contacts", "lubricated", "full mobility"}),
+        gives=frozenset({"shared contacts", "lubricated", "full mobility", "no spins"}),
     ),
     "legacy": ContactModel(
         path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
         make=_simple(Impulses(True)), before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"shared contacts", "lubricated"}),
+        gives=frozenset({"shared contacts", "lubricated", "no spins"}),
         needs={"round": "the original program knows spheres only"},
     ),
     "friction": ContactModel(
@@ -162,7 +162,7 @@ CONTACTS = {
     "spring-dashpot": ContactModel(
         path="contacts.law", name="'spring-dashpot'", constants=Springs, make=springs_of,
         before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies,
-        laws=(contact.spring_push, contact.dashpot_restitution),
+        laws=(contact.spring_push, contact.dashpot_restitution), gives=frozenset({"no spins"}),
         needs={
             "reciprocal": "its energy is compared with that of the pair law",
             "springs": "others gain energy from springs, or see their forces within a step",

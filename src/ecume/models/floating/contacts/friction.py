@@ -20,12 +20,12 @@ from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.friction import FrictionRows, Motion
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
-from ecume.laws import drag, flotation, rotation
+from ecume.laws import flotation, rotation
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
+from ecume.models.floating.setup.turning_friction import turning_frictions
 from ecume.models.floating.state import State, Workspace
-from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
     """Return contacts with friction; `friction_at_step` adds what depends on the time step."""
     kinds, number = distinct_kinds(scene)
     inertia = np.array([float_inertia(kind) for kind in kinds])[number]
-    friction = np.array([turning_friction_of(kind, scene) for kind in kinds])[number]
+    friction = turning_frictions(scene)
     coefficients = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
     return Built(Friction(coefficients, inertia, friction, friction))
 
@@ -170,15 +170,6 @@ def float_inertia(kind: FloatKind) -> float:
     if isinstance(kind.body, flotation.Disc):
         return rotation.disc_inertia(kind.mass, kind.body.radius)
     return rotation.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
-
-
-def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
-    """The torque of the liquid on one float, per spin (N m s)."""
-    viscosity = liquid_of(scene).viscosity if scene.hydrodynamics.resists else 0.0
-    if isinstance(kind.body, flotation.Disc):
-        return drag.disc_turning_friction(kind.body.radius, viscosity)
-    depth = min(max(math.pi - kind.equilibrium.filling_angle, 0.0), math.pi)
-    return rotation.sphere_turning_friction(kind.radius, viscosity, float(rotation.turning_factor(depth)))
 
 
 def spin_kick(parameters: Parameters, inertia: Array, friction: Array) -> tuple[Array, Array]:

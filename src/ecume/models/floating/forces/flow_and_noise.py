@@ -29,7 +29,9 @@ def drift_of(scene: FloatingScene) -> Drift:
     slowing = liquid.density / liquid.viscosity if fast else 0.0
     thermal = brownian.thermal_energy(scene.liquid.temperature) if scene.hydrodynamics.brownian else 0.0
     flows = bool(np.any(rates)) or bool(np.any(nodes))
-    return Drift(rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene))
+    return Drift(
+        rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene), scene.activity is not None
+    )
 
 
 def sway_of(scene: FloatingScene) -> Sway:

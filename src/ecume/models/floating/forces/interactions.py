@@ -15,6 +15,16 @@ from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles
 from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
+from ecume.models.floating.forces.activity import (
+    Activity,
+    activity_forces,
+    activity_of,
+    add_work_of_activity,
+    make_activity_scratch,
+    no_activity_energy,
+    renew_activity,
+    with_activity,
+)
 from ecume.models.floating.forces.dipoles import (
     DipoleMoments,
     dipole_energies,
@@ -79,6 +89,11 @@ def no_turning(part: Any, own: Any, parameters: Parameters, state: State, first:
     """Do nothing: the forces act through the centers."""
 
 
+@composed
+def no_work(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Do nothing: the energy contains the work of the forces."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Interaction(Option):
     """A row of the table, and everything that depends on it."""
@@ -103,6 +118,8 @@ class Interaction(Option):
     """sort(part, scratch, parameters, lists): called after new lists"""
     kick_spins: Callable[..., None] = no_turning
     """kick_spins(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
+    add_work: Callable[..., None] = no_work
+    """add_work(part, scratch, parameters, state, workspace): the work in a step of forces that have no energy"""
     state: Callable[[Any, State], State] = lambda part, state: state
     """state(part, state): the state with what the part needs"""
     inertia: Callable[[Any], Array | None] = lambda part: None
@@ -186,6 +203,17 @@ INTERACTIONS = {
             "open": "its waves decay toward borders without floats behind them",
         },
     ),
+    "activity": Interaction(
+        path="activity", name="an active force", constants=Activity, make=activity_of, add_forces=activity_forces,
+        energy=no_activity_energy, scratch=make_activity_scratch, kick_spins=renew_activity,
+        add_work=add_work_of_activity, state=with_activity,
+        gives=ROUND | {"pair sum", "shared", "grid", "superposed", "undulations"},
+        needs={
+            "drag": "drag limits the speed that an active force gives",
+            "kicks at the ends": "active forces are renewed once per step",
+            "round": "rotational diffusion and torques turn the heading only, not the outline of a float",
+        },
+    ),
 }  # fmt: skip
 """By the name of the choice."""
 
@@ -235,6 +263,8 @@ RESISTANCES_BY_CONSTANTS: dict[type, Resistance] = {row.constants: row for row i
 add_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_forces)
 
 sort_parts = each_by_type(lambda kind: BY_CONSTANTS[kind].sort)
+
+add_work_of_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_work)
 
 kick_spins = each_by_type(lambda kind: BY_CONSTANTS[kind].kick_spins)
 

@@ -14,13 +14,12 @@ from ecume.laws import pair_mobility
 from ecume.laws.drag import particle_reynolds
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
-from ecume.models.floating.contacts.friction import turning_friction_of
 from ecume.models.floating.coupled.mobility import CoupledKicks, hydrodynamic_radius
 from ecume.models.floating.forces.interactions import RESISTANCES, Resistance
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.setup.kinds import distinct_kinds
+from ecume.models.floating.setup.turning_friction import turning_frictions
 from ecume.models.floating.time_integration.integrators import COUPLED, Integrator
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
@@ -96,13 +95,11 @@ def _further_spin(scene: FloatingScene, radius: Array, viscosity: float) -> Arra
     """The spin of each single float per torque, minus that of the half-immersed sphere with the same drag; zero where
     it would be negative, since the matrix must remain positive definite.
     """
-    kinds, number = distinct_kinds(scene)
-    friction = np.array([turning_friction_of(kind, scene) for kind in kinds])[number]
-    return np.asarray(np.maximum(1.0 / friction - 1.0 / (4.0 * math.pi * viscosity * radius**3), 0.0))
+    return np.asarray(np.maximum(1.0 / turning_frictions(scene) - 1.0 / (4.0 * math.pi * viscosity * radius**3), 0.0))
 
 
 HYDRODYNAMICS = {
-    "none": HydrodynamicInteraction(name="'none'"),
+    "none": HydrodynamicInteraction(name="'none'", gives=frozenset({"single drag"})),
     "rotne-prager": HydrodynamicInteraction(
         name="'rotne-prager'", moves=lambda integrator: COUPLED, make=coupled_kicks_of,
         contacts={"none": "coupled", "impulse": "coupled", "friction": "coupled friction"},

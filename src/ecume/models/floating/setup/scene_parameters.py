@@ -248,6 +248,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += [] if method == "superposition" and scene.shaped else [method]
     names += ["grid"] if scene.interaction.summation == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
+    names += ["activity"] if scene.activity is not None else []
     hydrodynamics, touching = HYDRODYNAMICS[scene.hydrodynamics.interaction], _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]
@@ -293,6 +294,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
         (bool(hydrodynamics.added_mass), ADDED_MASS),
         (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
         (_turned_by_menisci(scene), TURNING),
+        (scene.activity is not None and scene.activity.torque != 0.0, TORQUE),
     ]
     return [*rows, *surroundings, *boundary_of(scene), *(option for there, option in active if there)]
 
@@ -345,6 +347,15 @@ TURNING = Option(
     needs={
         "kicks spins": "its spin goes with the kicks of the velocities",
         "keeps inertia": "the law for its spin has a moment of inertia",
+    },
+)  # fmt: skip
+
+
+TORQUE = Option(
+    slot="torque", path="activity.torque", name="a torque",
+    needs={
+        "single drag": "the flow of a float that turns moves its neighbors",
+        "no spins": "a torque on floats that rub is transmitted by their contacts",
     },
 )  # fmt: skip
 

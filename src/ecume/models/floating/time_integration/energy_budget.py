@@ -25,7 +25,7 @@ from ecume.units import Array
 def is_driven(parameters: Parameters) -> bool:
     """Whether external forces do work on the floats."""
     drift = parameters.drift
-    return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0)
+    return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0 or drift.active)
 
 
 @compiled

@@ -31,6 +31,7 @@ from ecume.models.floating.contacts.contact_models import (
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     RESISTANCES_BY_CONSTANTS,
+    add_work_of_forces,
     apply_resistances,
     evaluate,
     interactions_of,
@@ -198,6 +199,7 @@ def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, w
     driven = is_driven(parameters)
     if driven:
         add_work(parts.integrator, scratch.integrator, parameters, state, workspace)
+        add_work_of_forces(parts.interactions, scratch.interactions, parameters, state, workspace)
         add_heat(parameters, state, workspace)
     move(parts.integrator, scratch.integrator, parameters, state, workspace)
     contacts_after_drift(parts.contacts, scratch.contacts, parameters, state, workspace)

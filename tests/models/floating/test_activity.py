@@ -1,0 +1,121 @@
+"""Active floats: how far they move, how they turn, what work they take."""
+
+import math
+import os
+
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.models import MODELS
+from ecume.models.floating.forces.activity import Activity, ActivityScratch, renew_activity
+from tests.models.floating.bowls import WATER, scene_of
+
+# `ecume validate activity` runs compiled code; each combination of parts is compiled by itself.
+pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
+
+FLOATING = MODELS["floating"]
+RADIUS = 1e-5
+ALONE = '[interaction]\nlaw = "none"\n[contacts]\nlaw = "none"\n'
+SLOW = '[integration]\nintegrator = "overdamped"\n'
+
+
+def swimmers(activity, *, count=1, more=SLOW + ALONE, **times):
+    floats = f"[[particles]]\ncount = {count}\nradius = {RADIUS}\ndensity = 1500.0\ncontact_angle = 1.2\n"
+    floats += 'placement = "lattice"\nspacing = 1e-3\n'
+    return scene_of(f"{WATER}{floats}[activity]\n{activity}{more}", **times)
+
+
+def set_up(scene):
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
+
+
+def test_a_random_force_is_stationary_and_forgets_at_its_rate():
+    dice, count = np.random.default_rng(1), 20_000
+    part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), 0.4, np.full(count, 1.5), 5)
+    own = ActivityScratch(dice.normal(size=(count, 3)), np.zeros((count, 0)), np.zeros((count, 2)))
+    parameters, state, _ = set_up(swimmers("propulsion = 1e-12\n"))
+    parameters = parameters._replace(time_step=0.3)
+    first = own.active.copy()
+    for step in range(3):
+        state.step[0] = step
+        renew_activity(part, own, parameters, state, True)
+        renew_activity(part, own, parameters, state, False)
+    kept = math.exp(-3 * 0.3 / 0.7)
+    assert np.mean(first[:, :2] * own.active[:, :2]) == pytest.approx(kept, abs=0.03)
+    assert np.var(own.active[:, :2]) == pytest.approx(1.0, abs=0.03)
+    turned = own.active[:, 2] - first[:, 2]
+    assert turned.mean() == pytest.approx(1.5 * 0.9, abs=0.03)
+    assert turned.var() == pytest.approx(2.0 * 0.4 * 0.9, rel=0.04)
+
+
+def test_a_torque_makes_a_float_swim_in_a_circle():
+    """Its radius is that of the speed p/zeta over the rate T/zeta_r."""
+    from ecume.models.floating.setup.turning_friction import turning_frictions
+
+    scene = swimmers("propulsion = 1e-12\ntorque = 1e-17\n", duration=1.0, frame_every=0.01)
+    parameters, state, workspace = set_up(scene)
+    rate = 1e-17 / turning_frictions(scene)[0]
+    turn = 2.0 * math.pi / rate
+    parameters = parameters._replace(time_step=turn / 400)
+    places = []
+    for _ in range(400):
+        assert FLOATING.advance(parameters, state, workspace, 1) == 0
+        places.append(state.position[0].copy())
+    speed = 1e-12 * float(parameters.kick.gain[0])
+    assert np.ptp(places, axis=0) == pytest.approx(np.full(2, 2.0 * speed / rate), rel=1e-3)
+    assert places[-1] == pytest.approx(places[0], abs=0.03 * speed / rate)
+
+
+@pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet", "semi-implicit-euler"])
+def test_all_work_of_active_forces_is_injected(integrator):
+    """Without other forces the energy never exceeds it; in steady motion drag takes it."""
+    more = f'[integration]\nintegrator = "{integrator}"\n{ALONE}'
+    activity = "force = 1e-12\npersistence = 0.05\npropulsion = 1e-12\n"
+    scene = swimmers(activity, count=3, more=more, duration=0.2, frame_every=0.2)
+    parameters, state, workspace = set_up(scene)
+    dissipated = 0.0
+    for _ in range(60):
+        before = state.position.copy()
+        assert FLOATING.advance(parameters, state, workspace, 1) == 0
+        speed = (state.position - before) / parameters.time_step
+        dissipated += parameters.time_step * float(np.sum(speed**2)) / parameters.kick.gain[0]
+    numbers = FLOATING.observe(parameters, state, workspace).numbers
+    if integrator == "overdamped":
+        assert numbers["injected_work"] == pytest.approx(dissipated, rel=0.1, abs=0.0)
+    assert numbers["injected_work"] > 0.0
+
+
+def test_only_the_active_species_moves_and_a_resumed_run_has_the_same_bits():
+    floats = "".join(
+        f'[[particles]]\nname = "{name}"\nradius = {RADIUS}\ndensity = 1500.0\ncontact_angle = 1.2\n'
+        f"positions = [[{place}, 0.0]]\n"
+        for name, place in (("swimmer", 0.0), ("passive", 1e-3))
+    )
+    activity = '[activity]\nforce = 1e-12\npersistence = 0.5\nrotational_diffusion = 1.0\nspecies = ["swimmer"]\n'
+    scene = scene_of(WATER + floats + activity + SLOW + ALONE, duration=1.0, frame_every=0.1)
+    parameters, whole, workspace = set_up(scene)
+    assert FLOATING.advance(parameters, whole, workspace, 10) == 0
+    state = FLOATING.start(scene, parameters)
+    for _ in range(2):
+        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 5) == 0
+    assert all(np.array_equal(one, other) for one, other in zip(state, whole, strict=True))
+    assert np.hypot(*state.position[0]) > 0.0
+    assert state.position[1].tolist() == [1e-3, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("activity", "more", "reason"),
+    [
+        ("torque = 1e-17\n", SLOW + "[contacts]\nfriction = 0.3\n", "transmitted by their contacts"),
+        ("torque = 1e-17\n", SLOW + '[hydrodynamics]\ninteraction = "rotne-prager"\n', "moves its neighbors"),
+        ("propulsion = 1e-12\n", '[hydrodynamics]\ndrag = "none"\n', "drag limits the speed"),
+        ("force = 1e-12\n", SLOW, "force and persistence together"),
+        ('propulsion = 1e-12\nspecies = ["fish"]\n', SLOW, "fish"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_the_reason(activity, more, reason):
+    with pytest.raises(SceneError, match=reason):
+        FLOATING.parameters(swimmers(activity, more=more))
