@@ -16,6 +16,7 @@ from ecume.models.floating.record import FLOATING
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
+from ecume.simulation import simulate
 from tests.lammps.test_decks import BASIN, DISH, scene_of
 
 
@@ -125,3 +126,18 @@ velocities = [[0.3, -0.1]]
     rebound = found[5] / 0.1
     assert rebound == pytest.approx(0.6, rel=0.02)
     assert 0.3 - found[4] == pytest.approx(0.1 * 0.1 * (1.0 + rebound), rel=1e-6)
+
+
+def test_overdamped_floats_move_as_ours(tmp_path: Path) -> None:
+    scene = scene_of(DISH + """
+[integration]
+integrator = "overdamped"
+[contacts]
+law = "spring-dashpot"
+stiffness = 0.1
+""").replace({"duration": 0.05, "frame_every": 0.05})  # fmt: skip
+    first, last = frames_of(scene, tmp_path / "deck")
+    *_, ours = simulate(scene)
+    moved = np.abs(ours.arrays["position"] - first[:, 2:4]).max()
+    assert moved > 1e-5
+    assert np.abs(last[:, 2:4] - ours.arrays["position"]).max() < 1e-4 * moved
