@@ -58,6 +58,31 @@ def test_export_writes_text_to_the_standard_output(monkeypatch: pytest.MonkeyPat
     assert "binary" in refused.stderr
 
 
+def test_export_writes_decks_of_scenes(tmp_path: Path) -> None:
+    cli.invoke(app, ["new", "two-spheres"])
+    assert cli.invoke(app, ["export", "two-spheres.toml", "--to", "lammps"]).stdout == "wrote two-spheres-lammps\n"
+    words = ["export", "two-spheres.toml", "--to", "lammps", "-o", "deck", "--set", "title=Mine"]
+    assert cli.invoke(app, words).exit_code == 0
+    assert (tmp_path / "deck" / "in.lammps").read_text().startswith("# Mine, written by ecume")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["bowl", "--to", "lammps"], "got the folder bowl; expected a scene file"),
+        (["two-spheres.toml", "--to", "lammps", "-o", "-"], "a deck is a folder; expected the name of one"),
+        (["two-spheres.toml", "--to", "lammps", "--license", "MIT"], "use them with --to ro-crate"),
+        (["two-spheres.toml", "--to", "lammps", "--set", "contacts.restitution=0"], "expected 0.136 or more"),
+        (["bowl", "--to", "csv", "--set", "title=Mine"], "--set changes a scene; use it with --to lammps"),
+    ],
+)
+def test_impossible_decks_are_refused(words: list[str], expected: str) -> None:
+    cli.invoke(app, ["new", "two-spheres"])
+    refused = cli.invoke(app, ["export", *words])
+    assert refused.exit_code == 2
+    assert expected in refused.stderr
+
+
 def test_export_makes_no_folder_that_was_perhaps_misspelt(tmp_path: Path) -> None:
     refused = cli.invoke(app, ["export", "bowl", "--to", "csv", "-o", "nodir/a.csv"])
     assert refused.exit_code == 2

