@@ -187,6 +187,8 @@ REFUSED = {
     "user_laws": {"more": '[[user_laws]]\nlaw = "spring"\nspecies = ["light", "heavy"]'},
     "hydrodynamics.drag": {"more": '[hydrodynamics]\ndrag = "schiller-naumann"'},
     "hydrodynamics.lubrication": {"more": "[hydrodynamics.lubrication]\nroughness = 1e-6"},
+    "hydrodynamics.interaction": {"more": '[hydrodynamics]\ninteraction = "rotne-prager"'},
+    "activity": {"more": "[activity]\ntorque = 1e-9"},
     "flow.nodes": {"more": FLOW_TABLE},
     "dish.law": {"more": DISH + 'law = "profile"'},
     "dish.image": {"more": DISH + 'image = "pinned"'},

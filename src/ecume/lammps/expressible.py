@@ -72,6 +72,10 @@ def _films(scene: FloatingScene) -> str:
     return _whether(scene.hydrodynamics.lubrication is not None, "films")
 
 
+def _active(scene: FloatingScene) -> str:
+    return _whether(scene.activity is not None, "active forces")
+
+
 def _tabulated_flow(scene: FloatingScene) -> str:
     return _whether(scene.flow is not None and scene.flow.nodes is not None, "a table")
 
@@ -119,6 +123,9 @@ FLOATS = (
                 "stokes or none", "fix viscous is proportional to the velocity"),
     Expressible("hydrodynamics.lubrication", _films, NONE, "none",
                 "the films of LAMMPS are those of spheres deep in a liquid"),
+    Expressible("hydrodynamics.interaction", lambda scene: scene.hydrodynamics.interaction, NONE,
+                "none", "the drag of each atom is its own"),
+    Expressible("activity", _active, NONE, "none", "LAMMPS has no such forces with persistence"),
     Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",
                 "a formula of LAMMPS has no table over two coordinates"),
     Expressible("dish.law", _of_dish("law", "none"), _names("meniscus", "linear", "none"),

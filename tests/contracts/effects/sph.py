@@ -44,7 +44,6 @@ ROW = {"gauges": [{"name": "P", "position": [0.2, 0.1], "end": [0.8, 0.1], "coun
 PULL = {"central_force": {"angular_frequency": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]}
 TRANSPORT = {"method": {"pressure_force": "transport"}, **FULL}
 LID = {"tank": {"bottom": {"velocity": [0.2, 0.0]}}, **VISCOUS}
-INCOMPRESSIBLE = {"method": {"pressure": "incompressible"}, "liquid": {"sound_speed": None}, "spacing": 0.125}
 SIDES = ("left", "right", "bottom", "top", "front", "back")
 
 REGIONS = {"fluid": [{"high": [0.5, 0.5]}, {"low": [0.5, 0.0], "high": [1.0, 0.5]}]}
@@ -59,9 +58,6 @@ EFFECTS = {
     "user_laws.constants": of([2e-3], **PUSH),
     "model": of("tracers", REFUSED),
     "title": of("another", PICTURE),
-    "method.pressure": of("incompressible", liquid={"sound_speed": None}),
-    "integration.pressure_tolerance": of(1e-7, **INCOMPRESSIBLE),
-    "integration.pressure_iterations": of(1, STOPS, **INCOMPRESSIBLE),
     "duration": of(0.1),
     "frame_every": of(0.025),
     "seed": of(1, method={"jitter": 0.2}),
