@@ -64,6 +64,8 @@ BENCHES: dict[str, Bench] = {
               ("--most", "10000"), long=True),
         Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
               (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), long=True),
+        Bench("incompressible", "A dam break with Tait pressure, with incompressible liquid and in SPlisHSPlasH",
+              "incompressible.py", (PEERS, "--deep", "20", "--rounds", "1"), long=True),
         Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
         Bench("ranks", "100,000 floats on one rank of MPI and on two", "ranks.py",
               ("--steps", "8"), needs=("mpi4py",), long=True),

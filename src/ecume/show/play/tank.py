@@ -55,7 +55,6 @@ SOON = 0.2
 """s after which liquid that was calmed and breaks again is not worth keeping."""
 CALMED = "The liquid went too fast for its time step: it was brought to rest where it stood."
 ANEW = "The liquid could not be brought to rest: the tank was restarted."
-PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
 
 
 class Tank:
@@ -161,7 +160,7 @@ class Tank:
         """The particles as they are now, in the order of their numbers."""
         state = self.integration.state
         order = np.argsort(state.identity)
-        return Liquid(*(np.ascontiguousarray(getattr(state, name)[..., order]) for name in PER_PARTICLE))
+        return Liquid(*(np.ascontiguousarray(getattr(state, name)[..., order]) for name in Liquid._fields))
 
     @property
     def width(self) -> float:
