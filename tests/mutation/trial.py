@@ -1,7 +1,8 @@
 """One trial: put a fault into the copy and run the tests of its package until one fails.
 
 First the tests that run the faulty line as plain Python, for which nothing is compiled; then, with the compiler, all
-tests of the package, those first that are likeliest to fail.
+tests of the package, those first that are likeliest to fail: those of the package's own folder, then those that run
+least besides.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ def trial(
     """Whether the tests of some folders catch a changed file, whose changes begin at these lines."""
     folders = [folder for folder in folders if (tree.folder / folder).is_dir()]
     tests = selected_tests(record_of_lines(tree, folders), tree.package / path, lines)
+    tests = sorted(tests, key=lambda test: not test.startswith(f"{folders[0]}/"))
     passes = [(tests[:AT_MOST], True)] if tests else []
     if compiled:
         files = list(dict.fromkeys(test.split("::")[0] for test in tests))
