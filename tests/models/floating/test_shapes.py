@@ -274,6 +274,23 @@ def test_outlines_reach_to_the_circle_around_them(kind):
     assert np.hypot(*silhouette(figure.skeleton, 720).T).max() == pytest.approx(RADIUS, rel=1e-4)
 
 
+@pytest.mark.parametrize(("length", "width"), [(2e-3, 0.2e-3), (1e-3, 0.9e-3)])
+def test_a_needle_has_the_mass_and_the_inertia_of_a_rod_with_round_ends(length, width):
+    scene = scene_of(
+        LIQUID.format(viscosity=1.0)
+        + f"[[particles]]\nradius = {0.5 * length!r}\ndensity = 1100.0\npositions = [[0.0, 0.0]]\n"
+        + f'contact_angle = "80 deg"\nshape = {{ kind = "needle", width = {width!r} }}\n'
+    )
+    (kind,) = float_kinds(scene)
+    # Slices across the needle: discs of a radius r at x, each with the inertia m (x^2 + r^2/4).
+    x, step = np.linspace(-0.5 * length, 0.5 * length, 200_001, retstep=True)
+    beyond = np.maximum(np.abs(x) - 0.5 * (length - width), 0.0)
+    square = 0.25 * width**2 - beyond**2
+    slices = 1100.0 * math.pi * square * step
+    assert kind.mass == pytest.approx(slices.sum(), rel=1e-8)
+    assert kind.figure.inertia == pytest.approx((slices * (x**2 + 0.25 * square)).sum(), rel=1e-8)
+
+
 def test_areas_and_moments_of_outlines():
     ellipse = moments(silhouette(Skeleton(axes=(2.0, 1.0)), 2000))
     assert ellipse == pytest.approx((2.0 * math.pi, 2.0 * math.pi * 5.0 / 4.0), rel=1e-5)

@@ -87,6 +87,15 @@ def test_a_tabled_dish_is_its_meniscus_and_its_image(r, image):
 
 
 @pytest.mark.parametrize("image", images.WALLS)
+@pytest.mark.parametrize("distance", [1.2e-3, 1.9e-3, 1.99e-3, 2.01e-3, 2.1e-3, 4e-3])
+def test_beside_the_wall_of_a_wide_dish_its_image_is_that_of_a_plane_wall(image, distance):
+    parameters, force = at_the_law("none", image, (0.2 - distance, 0.0), "radius = 0.2")
+    assert force[0] == pytest.approx(
+        images.image_force(parameters.floats.charge[0], 0.2 - distance, 0.2, LIQUID, image), rel=0.011
+    )
+
+
+@pytest.mark.parametrize("image", images.WALLS)
 def test_a_tabled_rectangle_has_an_image_behind_each_wall(image):
     place = 0.037, 0.005
     parameters, force = at_the_law("none", image, place, RECTANGLE)

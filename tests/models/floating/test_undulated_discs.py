@@ -1,5 +1,7 @@
 """Floats whose rims undulate: they turn, and meet rise to rise."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,25 @@ def test_forces_and_torques_of_the_integration_are_those_of_the_solver():
     found = multipole.solve(state.position, bodies, liquid_of(scene), 8)
     assert workspace.force == pytest.approx(found.forces, rel=1e-6)
     assert workspace.scratch.interactions[0].torque == pytest.approx(found.torques, rel=1e-6)
+
+
+@pytest.mark.parametrize(("mode", "slowest", "quickest"), [(2, 0.5, 0.8), (3, 0.8, 2.0)])
+def test_the_step_follows_the_stiffest_rotation_of_a_disc_and_its_six_neighbors(mode, slowest, quickest):
+    scene = pair((0.0, 0.0), mode=mode, drag=False)
+    parameters, liquid = FLOATING.parameters(scene), liquid_of(scene)
+    corners = np.exp(1j * math.pi / 3.0 * np.arange(6))
+    position = 2.0001 * RADIUS * np.array([[0.0, 0.0], *zip(corners.real, corners.imag, strict=True)])
+    disc = float_kinds(scene)[0].body
+
+    def torques(angles):
+        bodies = [multipole.Undulated(disc, ((mode, HEIGHT, angle),)) for angle in angles]
+        return multipole.solve(position, bodies, liquid, 16).torques
+
+    at, turned = np.random.default_rng(0).uniform(0.0, 2.0 * math.pi, 7), 1e-4 * np.eye(7)
+    stiffness = np.array([torques(at - by) - torques(at + by) for by in turned]) / 2e-4
+    largest = np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).max()
+    inertia = 0.5 * parameters.floats.mass[0] * RADIUS**2
+    assert slowest < math.sqrt(largest / inertia) * parameters.quickest < quickest
 
 
 @pytest.mark.compiled

@@ -8,6 +8,7 @@ import pytest
 import ecume
 from ecume.laws import flows
 from ecume.laws.kernels import kernel
+from ecume.models.sph.setup.initial_particles import velocity_in
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
@@ -70,6 +71,23 @@ def test_vortices_fade_as_they_should(method):
     assert np.abs(speed - exact).mean() < 0.03 * exact.mean()
     assert speed.max() == pytest.approx(faded, rel=0.03)
     assert last.numbers["kinetic_energy"] == pytest.approx(0.25 * faded**2, rel=0.04)
+
+
+@pytest.mark.parametrize("width", [1.0, 2.0, 0.5])
+def test_vortices_start_without_divergence_in_any_rectangle(width):
+    case = scene(
+        tank={"low": [0.0, 0.0], "high": [width, 1.0], **AROUND},
+        fluid=[{"low": [0.0, 0.0], "high": [width, 1.0], "flow": "taylor-green"}],
+        method={"jitter": 0.0},
+    )
+    (region,), h = case.fluid, 1e-6
+    places = np.random.default_rng(0).uniform(size=(50, 2)) * [width, 1.0]
+    slopes = [
+        (velocity_in(region, case, places + by) - velocity_in(region, case, places - by))[:, k] / (2.0 * h)
+        for k, by in enumerate(h * np.eye(2))
+    ]
+    assert np.abs(slopes[0]).max() > 1.0
+    np.testing.assert_allclose(slopes[0], -slopes[1], rtol=0.0, atol=1e-8 * np.abs(slopes[0]).max())
 
 
 def test_vortices_start_with_the_pressure_that_keeps_them():

@@ -1,5 +1,7 @@
 """What the sums over neighbors must keep."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from ecume.laws.viscous import friction_left
 from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
 from ecume.models.sph.rates.sums import sum_radial_friction
 from ecume.models.sph.record import SPH
+from ecume.models.sph.state import likely_neighbors
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 
@@ -16,6 +19,15 @@ def at_start(scene):
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
     return parameters, state, workspace
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("reach", [1.5, 2.2, 3.0, 4.3])
+def test_as_many_neighbors_as_a_full_lattice_has_are_likely_and_not_many_more(dimension, reach):
+    steps = np.arange(-math.ceil(reach), math.ceil(reach) + 1)
+    nodes = np.stack(np.meshgrid(*[steps] * dimension), axis=-1).reshape(-1, dimension)
+    neighbors = np.count_nonzero((nodes**2).sum(axis=1) <= reach**2) - 1
+    assert neighbors <= likely_neighbors(dimension, reach) <= 1.6 * neighbors + 16
 
 
 @pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])

@@ -59,6 +59,17 @@ def pulled(scene):
     return state.position, state.mass, state.acceleration
 
 
+@pytest.mark.parametrize("model", ["cohesion", "csf"])
+def test_the_sound_of_a_drop_follows_the_speed_of_its_tension(model):
+    """Rho c^2 goes as the pressure in the drop: a density nine times as high has a third of the speed."""
+    fluid = {"center": [0.0, 0.0], "radius": 1.0}
+    light, heavy = (
+        SPH.parameters(drop(model, fluid, liquid={"density": density, "surface_tension": 1.0})).material.sound_speed
+        for density in (1.0, 9.0)
+    )
+    assert light == pytest.approx(3.0 * heavy, rel=1e-12)
+
+
 DISC = {"center": [0.0, 0.0], "radius": 1.0}
 
 

@@ -9,6 +9,7 @@ import ecume
 from ecume.errors import Diverged, SceneError
 from ecume.laws import brownian, drag
 from ecume.models import MODELS, limits
+from ecume.models.tracers.initial_state import bounds
 from ecume.scenes.tracers import (
     FlowSpec,
     FluidSpec,
@@ -255,6 +256,20 @@ def test_what_makes_no_sense_is_refused_with_its_place():
 @pytest.mark.parametrize(("text", "kelvin"), [("20 degC", 293.15), ("300 K", 300.0), (280.0, 280.0), ("-5 °C", 268.15)])
 def test_a_temperature_may_be_in_degrees(text, kelvin):
     assert FluidSpec(temperature=text).temperature == pytest.approx(kelvin)
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_round_tank_is_filled_to_its_radius_along_each_axis(dimensions):
+    scene = TracersScene(
+        tank=TankSpec(radius=0.3, dimensions=dimensions),
+        particles=(ParticleSpec(radius=1e-3, density=2500.0, count=200),),
+        **STILL,
+    )
+    assert bounds(scene) == ((-0.3,) * dimensions, (0.3,) * dimensions)
+    position = MODELS["tracers"].start(scene, MODELS["tracers"].parameters(scene)).position
+    assert position.shape == (200, dimensions)
+    assert np.linalg.norm(position, axis=1).max() <= 0.299
+    assert (np.ptp(position, axis=0) > 0.5).all()
 
 
 def test_each_tracer_may_start_with_a_velocity_of_its_own():

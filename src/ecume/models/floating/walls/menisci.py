@@ -34,7 +34,8 @@ NODES = 600
 FAR = 30.0
 """In capillary lengths: cutoff of plane walls, counted from contact with the largest float."""
 HUGGING = 0.01
-"""Distance from the wall over the radius of the dish below which the image force is that of a plane wall."""
+"""Distance from the wall over the radius of the dish below which the image force is that of a plane wall. It is up to
+one percent too weak there, where the sums over images are too long."""
 
 
 class Meniscus(NamedTuple):
