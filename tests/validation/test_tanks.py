@@ -79,3 +79,37 @@ def test_what_lasts_of_a_creep_is_the_decay_of_a_quarter():
     frames = [WELL._replace(center=0.5 - 1e-3 * math.exp(-k / 50)) for k in range(200)]
     assert tank.lasting(frames) == pytest.approx(math.exp(-1.0))
     assert tank.lasting([WELL._replace(center=0.5 - 1e-6 * k) for k in range(200)]) == pytest.approx(1.0)  # a drift
+
+
+def test_a_wall_that_is_struck_as_in_the_experiment_meets_all_but_the_other_code():
+    times = np.arange(0.0, 3.6, dam.INSTANT)
+    pressures = np.stack([sensor(k, times) for k in (1, 2, 3)], axis=1)
+    rows = dam.impact(dam.Impact(times, pressures), 40)
+    assert [row.name for row in rows if not row.met] == [rows[-1].name]
+    assert "another code" in rows[-1].name
+
+
+@pytest.mark.parametrize(
+    ("fault", "named"),
+    [
+        (lambda p, t: np.where(abs(t - 2.46) < 2e-3, 30.0, p), {"highest reading"}),
+        (lambda p, t: np.where(abs(t - 2.6) < 2e-3, -3.0, p), {"lowest reading"}),
+        (lambda p, t: np.where(abs(t - 2.6) < 0.03, -1.0, p), {"lowest reading", "lowest average"}),
+        (lambda p, t: 2.0 * p, {"highest average", "highest reading", "impulse"}),
+        (lambda p, t: np.interp(t - 0.25, t, p), {"time at half"}),
+    ],
+)
+def test_each_fault_of_an_impact_is_seen(fault, named):
+    times = np.arange(0.0, 3.6, dam.INSTANT)
+    pressures = np.stack([fault(sensor(k, times), times) for k in (1, 2, 3)], axis=1)
+    rows = dam.impact(dam.Impact(times, pressures), 40)[:-1]
+    assert {what for row in rows if not row.met for what in named if what in row.name} == named
+    assert all(any(what in row.name for what in named) for row in rows if not row.met)
+
+
+def sensor(k, times):
+    """The published readings of a sensor, with the rise to its peak."""
+    parts = [dam.published(f"sensor_{what}S{k}", "peak-event") for what in ("half_rise_", "peak_", "")]
+    known = sorted({(float(t), float(p)) for part in parts for t, p in zip(*part, strict=True)})
+    when, values = np.array([(known[0][0] - 0.01, 0.0), *known]).T
+    return np.interp(times, when, values, left=0.0)

@@ -34,6 +34,18 @@ TALL = ("fluid[0].high=[1.0, 2.0]", "tank.high=[4.5, 5.0]", "liquid.sound_speed=
 TALL_SPACING = 0.04
 
 
+IMPACTS = (20, 40)
+"""Particles in the column's height of the runs whose impact on the far wall is compared."""
+DIAMETER = 0.014
+"""Of the experiment's sensors over H: 4.2 mm."""
+INSTANT, WINDOW = 0.002, 29
+"""Time between readings, and how many are averaged: 0.35 ms and 10 ms in the experiment."""
+MOST_PEAK, LEAST_PRESSURE, MOST_DELAY, MOST_IMPULSE = 1.5, -0.5, 0.08, 0.2
+"""Over the measured peak, over rho g H, and relative."""
+LATER, UNTIL = 2.5, 3.5
+"""Times between which impulses are compared: the other code's are published after the peak."""
+
+
 class Broken(NamedTuple):
     """A run: one entry an instant."""
 
@@ -49,13 +61,22 @@ class Broken(NamedTuple):
     """level at the back wall, over the start's"""
 
 
+class Impact(NamedTuple):
+    """The readings of three sensors in the far wall."""
+
+    times: Array
+    pressures: Array
+    """(times, sensors), over rho g H"""
+
+
 def rows() -> list[Row]:
     """The wide column at two resolutions, then the tall one."""
     runs = {deep: broken([f"spacing={1.0 / deep!r}"], 4.0 / deep) for deep in MOST_FRONT}
     fronts = [row for deep, run in runs.items() for row in front(run, deep)]
     sharper = [order(runs[40], runs[80])]
     others = [row for deep, run in runs.items() for row in (*pressure(run, deep), *level(run, deep), volume(run, deep))]
-    return [*fronts, *sharper, *others, *tall()]
+    struck = [row for deep in IMPACTS for row in impact(struck_wall(deep), deep)]
+    return [*fronts, *sharper, *others, *struck, *tall()]
 
 
 def broken(changes: Sequence[str], reach: float) -> Broken:
@@ -136,6 +157,58 @@ def level(run: Broken, deep: int) -> list[Row]:
 def volume(run: Broken, deep: int) -> Row:
     """The largest change of the volume."""
     return below(f"H/{deep}: change of volume", float(np.abs(run.volumes - 1.0).max()), MOST_VOLUME)
+
+
+def struck_wall(deep: int) -> Impact:
+    """Run the scene beyond the impact with sensors as large as those of the experiment."""
+    gauges = ", ".join(
+        f"{{name = 'S{k}', position = [{FAR_WALL}, {height}], diameter = {DIAMETER}}}"
+        for k, height in enumerate(list(SENSORS.values())[:3], 1)
+    )
+    changes = [f"spacing={1.0 / deep!r}", f"gauges=[{gauges}]", "duration=3.6", f"frame_every={INSTANT}"]
+    numbers = [
+        (frame.time, *(frame.numbers[f"S{k}_pressure"] for k in (1, 2, 3)))
+        for frame in simulate(sph_scene("dam_break", changes))
+    ]
+    times, *pressures = np.array(numbers).T
+    return Impact(times, np.stack(pressures, axis=1))
+
+
+def impact(run: Impact, deep: int) -> list[Row]:
+    """Peaks and arrivals at the sensors, averaged over 10 ms of the experiment; the peak without averages; impulses."""
+    even = np.full(WINDOW, 1.0 / WINDOW)
+    averaged = np.stack([np.convolve(column, even, "same") for column in run.pressures.T], axis=1)
+    name, lowest = f"H/{deep}: S", run.pressures[:, 0]
+    (peak,) = published("sensor_peak_S1", "peak-event")[1]
+    found = [
+        below(f"{name}1: highest average over 10 ms, over rho g H", float(averaged[:, 0].max()), MOST_PEAK * peak),
+        below(f"{name}1: highest reading over rho g H", float(lowest.max()), MOST_PEAK * peak),
+        above(f"{name}1: lowest average over 10 ms, over rho g H", float(averaged.min()), LEAST_PRESSURE),
+        above(f"{name}1: lowest reading over rho g H", float(lowest.min()), LEAST_PRESSURE),
+    ]
+    for k in range(3):
+        (when,), (half,) = published(f"sensor_half_rise_S{k + 1}", "peak-event")
+        there = float(run.times[np.argmax(averaged[:, k] > half)])
+        found.append(within(f"{name}{k + 1}: time at half the measured peak", there, when, MOST_DELAY * when))
+    times, pressures = published("sensor_S1", "peak-event")
+    first, top = (published(f"sensor_{what}_S1", "peak-event") for what in ("half_rise", "peak"))
+    times = np.concatenate([first[0], top[0], times])
+    measured = impulse(times, np.concatenate([first[1], top[1], pressures]), times[0])
+    other = impulse(*published("pressure_P1", "delta-sph-400"), LATER)
+    for who, begin, expected in (
+        ("that of the experiment", times[0], measured),
+        ("that of another code", LATER, other),
+    ):
+        ours = impulse(run.times, lowest, begin)
+        label = f"{name}1: impulse from T = {begin:.3g} to {UNTIL}, beside {who}"
+        found.append(within(label, ours, expected, MOST_IMPULSE * expected))
+    return found
+
+
+def impulse(times: Array, pressures: Array, begin: float) -> float:
+    """The integral of the pressure from then until T = 3.5, by the trapezoidal rule."""
+    during = (times >= begin) & (times <= UNTIL)
+    return float(np.trapezoid(pressures[during], times[during]))
 
 
 def tall() -> list[Row]:

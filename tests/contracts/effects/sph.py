@@ -155,6 +155,7 @@ EFFECTS = {
     "passive_tracers.color": of("orange", PICTURE, **TRACERS),
     "gauges.name": of("Q", **GAUGE),
     "gauges.position": of([0.5, 0.2], **GAUGE),
+    "gauges.diameter": of(0.2, **GAUGE),
     "gauges.end": of([0.7, 0.1], **ROW),
     "gauges.count": of(3, **ROW),
     "gauges.quantities": of(["absolute_pressure"], **GAUGE),

@@ -8,8 +8,9 @@ import pytest
 from ecume.analysis import gauges as readers
 from ecume.errors import SceneError
 from ecume.models.sph.record import SPH, start
-from ecume.models.sph.report.gauges import gauges_of, readings
+from ecume.models.sph.report.gauges import gauges_of, readings, sensing_area
 from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.sph.tank import TankSpec
 
 from .scenes import tank
 
@@ -38,6 +39,26 @@ def test_a_probe_at_a_wall_reads_the_pressure_of_its_depth():
     numbers, units = read(with_gauges(PRESSURE))
     assert numbers == {"P_pressure": pytest.approx(0.75, abs=1e-9)}
     assert units == {"P_pressure": "Pa"}
+
+
+def test_a_sensor_averages_over_its_part_in_the_tank():
+    whole, cut = {**PRESSURE, "diameter": 0.2}, {"name": "C", "position": [1.0, 0.05], "diameter": 0.2}
+    half_dry = {"name": "D", "position": [1.0, 1.0], "diameter": 0.4}
+    numbers, _ = read(with_gauges(whole, cut, half_dry))
+    assert numbers["P_pressure"] == pytest.approx(0.75, abs=1e-9)
+    assert numbers["C_pressure"] == pytest.approx(0.925, abs=0.01)  # from the floor to 0.15
+    assert numbers["D_pressure"] == pytest.approx(0.05, abs=0.03)  # 0.1 where it is wet
+
+
+@pytest.mark.parametrize(("place", "across"), [((0.0, 0.5, 0.6), 0), ((0.5, 0.5, 2.0), 2), ((0.5, 0.03, 0.6), 1)])
+def test_the_area_of_a_sensor_in_3d_is_a_disc_along_the_nearest_side(place, across):
+    area = sensing_area(TankSpec(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 2.0)), np.array(place), 0.2)
+    away = np.delete(area - place, across, axis=1)
+    assert (area[:, across] == place[across]).all()
+    np.testing.assert_allclose(away.mean(axis=0), 0.0, atol=1e-15)
+    assert np.linalg.norm(away, axis=1).max() < 0.1
+    # The mean square distance of a disc of radius a is a^2/2.
+    assert (away**2).sum(axis=1).mean() == pytest.approx(0.005)
 
 
 def test_a_row_reads_the_level_up_to_the_walls():

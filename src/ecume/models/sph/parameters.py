@@ -178,6 +178,8 @@ class Gauge(NamedTuple):
     name: str
     place: Array
     """(d,) m"""
+    area: Array
+    """(n, d) m, the points over which pressures and velocities are averaged"""
     measures: tuple[str, ...]
     ground: float
     """how much of its surroundings, as seen from above, is in the tank: less than 1 near a wall"""

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from ecume.scenes.faults import Complaints, Inconsistent, Path
-from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Proportion, Pull
+from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Proportion, Pull, Size
 from ecume.scenes.sph.solids import Slip
 from ecume.scenes.validated import dataclass
 from ecume.units import Angle, Pressure, Rate, Speed, Time
@@ -98,6 +98,10 @@ class GaugeSpec:
     """The position of the last gauge of a row (m). Effect: extends the row."""
     count: Annotated[int, Field(strict=True, ge=2, le=1000)] | None = None
     """The number of gauges in a row, both ends included. Example: `8`. Effect: more gauges resolve a profile better."""
+    diameter: Size | None = None
+    """The diameter of the sensing area (m), a disc along the nearest side of the tank, in 2D a line: pressures and
+    velocities are averages over the part of it within the tank. By default those at the position. Example: `4.2e-3`.
+    Effect: a wider sensor has lower and longer peaks."""
     quantities: Annotated[tuple[Measure, ...], Field(min_length=1)] = ("pressure",)
     """The recorded quantities: any of `pressure` (gauge pressure), `hydrostatic_pressure` (of liquid at rest up to the
     initial level), `dynamic_pressure` (the difference of both), `absolute_pressure`, `velocity`, and `level`, the depth

@@ -12,11 +12,14 @@ from ecume.models.sph.parameters import Gauge, PressureReference
 from ecume.models.sph.report.pressures import PRESSURES
 from ecume.models.sph.state import State
 from ecume.scenes.sph import SphScene
+from ecume.scenes.sph.tank import TankSpec
 from ecume.units import Array
 
 KERNEL = "wendland-c2"
 QUADRATURE = 200
 """Points an axis for how much of a gauge's surroundings is in the tank."""
+ACROSS = 6
+"""Points along the line of a sensor, or along a radius and around a disc."""
 
 Readings = tuple[dict[str, float], dict[str, str]]
 """Numbers, and their units."""
@@ -30,8 +33,29 @@ def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
         places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
         for number, place in enumerate(places, 1):
             name = spec.name if spec.end is None else f"{spec.name}_{number}"
-            found.append(Gauge(name, place, spec.quantities, _ground(scene, place, reach)))
+            area = sensing_area(scene.tank, place, spec.diameter or 0.0)
+            found.append(Gauge(name, place, area, spec.quantities, _ground(scene, place, reach)))
     return tuple(found)
+
+
+def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
+    """(n, d) points that share the sensing area of a sensor evenly, along the nearest side of the tank and within it;
+    the place alone without a diameter.
+    """
+    if diameter == 0.0:
+        return place[None]
+    low, high = np.array(tank.low), np.array(tank.high)
+    across = int(np.argmin(np.minimum(place - low, high - place)))
+    along = [axis for axis in range(len(place)) if axis != across]
+    points = np.tile(place, (ACROSS * (ACROSS if len(along) > 1 else 1), 1))
+    share = (np.arange(ACROSS) + 0.5) / ACROSS
+    if len(along) == 1:
+        points[:, along[0]] += (share - 0.5) * diameter
+    else:  # rings of equal areas
+        radius, angle = np.meshgrid(0.5 * diameter * np.sqrt(share), 2.0 * np.pi * share)
+        points[:, along] += np.stack([(radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()], axis=1)
+    inside: Array = points[((points >= low) & (points <= high)).all(axis=1)]
+    return inside if len(inside) else place[None]
 
 
 def _ground(scene: SphScene, place: Array, reach: float) -> float:
@@ -69,9 +93,12 @@ def _read(
     dimension = position.shape[1]
     kinds = [name for name in PRESSURES if name in gauge.measures]
     if kinds or "velocity" in gauge.measures:
-        *velocity, pressure = _at_place(gauge.place, position, table, reach)
+        *velocity, pressure = np.mean(
+            [_at_place(point, position, table, reach) for point in gauge.area], axis=0
+        ).tolist()
+        middle = gauge.area.mean(axis=0, keepdims=True)
         for name in kinds:
-            yield name, float(PRESSURES[name](reference, np.array([pressure]), gauge.place[None])[0]), "Pa"
+            yield name, float(PRESSURES[name](reference, np.array([pressure]), middle)[0]), "Pa"
         if "velocity" in gauge.measures:
             yield from ((f"velocity_{axis}", value, "m/s") for axis, value in zip("xyz", velocity, strict=False))
     if "level" in gauge.measures:
