@@ -70,8 +70,8 @@ def test_six_spheres_have_three_ground_states_with_published_symmetries_and_weig
     assert {each.contacts for each in found.values()} == {9}
     assert {name: each.symmetry for name, each in found.items()} == {"triangle": 6, "parallelogram": 2, "chevron": 2}
     weights = np.array([rigid_weight(places(name), pairs_of(places(name))) for name in GROUND_STATES])
-    # Symmetry alone gives 1 : 3 : 3; moments of inertia and vibrations change that little [perry2015].
-    assert weights / weights[0] == pytest.approx([1.0, 3.0, 3.0], rel=0.12)
+    # Each is a pair to which spheres are added at two contacts that meet at 60 degrees: only the symmetry differs.
+    assert weights / weights[0] == pytest.approx([1.0, 3.0, 3.0])
 
 
 def test_a_weight_does_not_depend_on_units_and_a_chain_has_none():

@@ -26,7 +26,7 @@ def test_transitions_are_counted_from_row_to_column():
 
 def test_a_driven_ring_produces_the_entropy_of_its_current_and_affinity():
     forward, backward, every = 0.3, 0.1, 0.5
-    found = entropy_production(chain(forward, backward, 40_000), every)
+    found = entropy_production([chain(forward, backward, 40_000)], every)
     expected = (forward - backward) * np.log(forward / backward) / every
     assert found.error < 0.03 * expected
     assert abs(found.value - expected) < 3.0 * found.error + 0.01 * expected
@@ -37,14 +37,21 @@ def test_a_driven_ring_produces_the_entropy_of_its_current_and_affinity():
 
 def test_a_ring_in_equilibrium_produces_no_entropy_on_average():
     """The plain sum over the same counts is positive in every sequence."""
-    found = [entropy_production(chain(0.2, 0.2, 2000, seed), 1.0).value for seed in range(60)]
+    found = [entropy_production([chain(0.2, 0.2, 2000, seed)], 1.0).value for seed in range(60)]
     assert abs(np.mean(found)) < 3.0 * np.std(found) / np.sqrt(len(found))
     assert np.mean(np.array(found) > 0.0) < 0.8
 
 
 def test_too_short_a_sequence_is_refused():
-    with pytest.raises(BadInput, match="got 20 states for 8 blocks"):
-        entropy_production(["a", "b"] * 10, 1.0)
+    with pytest.raises(BadInput, match="the shortest of 20 states, for 8 blocks"):
+        entropy_production([["a", "b"] * 10], 1.0)
+
+
+def test_several_sequences_are_blocks_without_transitions_between_them():
+    every = [[0] * 50 + [1] * 50] * 4
+    found = entropy_production(every, 1.0, blocks=1)
+    assert found.value == pytest.approx(np.log((3 + 0.5) / 0.5) / 99)
+    assert found.error == 0.0
 
 
 def test_the_fractal_dimension_of_rows_is_one_and_of_discs_two():

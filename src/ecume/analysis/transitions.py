@@ -45,26 +45,32 @@ def transitions(sequence: Sequence[Hashable]) -> Transitions:
     return Transitions(tuple(map(str, states)), visits, _counts(numbers, len(states)))
 
 
-def entropy_production(sequence: Sequence[Hashable], every: float, blocks: int = BLOCKS) -> Mean:
-    """The entropy production rate of a steady sequence of states at distances of `every` seconds (k_B/s).
+def entropy_production(sequences: Sequence[Sequence[Hashable]], every: float, blocks: int = BLOCKS) -> Mean:
+    """The entropy production rate of steady sequences of states at distances of `every` seconds (k_B/s).
 
     The rate is the sum over pairs of states of the net current times ln(n_ij/n_ji), with the numbers n_ij of changes
     [schnakenberg1976]. It is a lower bound: what the states do not resolve is not counted. The product of a
-    current and a ratio from the same changes is positive even in equilibrium. Therefore the current of each block of
-    the sequence is multiplied by the ratio, with 1/2 added to each count, of the others. In equilibrium the mean is
-    zero if blocks are longer than the memory of the sequence; the error is that of the mean over blocks.
+    current and a ratio from the same changes is positive even in equilibrium. Therefore each sequence is cut into
+    blocks, and the current of each block is multiplied by the ratio, with 1/2 added to each count, of all others. In
+    equilibrium the mean is zero if blocks are longer than the memory of the sequences. The error is that of the mean
+    over blocks; one block suffices where there are several independent sequences.
     """
-    if blocks < 2 or len(sequence) < 4 * blocks:
-        raise BadInput(f"got {len(sequence)} states for {blocks} blocks; expected at least 2 blocks, 4 states for each")
-    states, numbers, _ = _numbered(sequence)
-    parts = [_counts(part, len(states)) for part in np.array_split(numbers, blocks)]
-    total = sum(parts)
+    if blocks * len(sequences) < 2 or any(len(each) < 4 * blocks for each in sequences):
+        raise BadInput(
+            f"got {len(sequences)} sequences, the shortest of {min(map(len, sequences), default=0)} states, for {blocks} "
+            "blocks each; expected 2 blocks or more, and 4 states for each"
+        )
+    states, numbers, _ = _numbered([state for each in sequences for state in each])
+    ends = np.cumsum([len(each) for each in sequences])[:-1]
+    cut = [part for each in np.split(numbers, ends) for part in np.array_split(each, blocks)]
+    parts = [_counts(part, len(states)) for part in cut]
+    total = np.sum(parts, axis=0)
     rates = []
     for part in parts:
         other = total - part + 0.5
         affinity = np.log(other / other.T)
-        rates.append(0.5 * float(np.sum((part - part.T) * affinity)) / (every * (int(part.sum()) or 1)))
-    return Mean(float(np.mean(rates)), float(np.std(rates, ddof=1) / np.sqrt(blocks)))
+        rates.append(0.5 * float(np.sum((part - part.T) * affinity)) / (every * int(part.sum())))
+    return Mean(float(np.mean(rates)), float(np.std(rates, ddof=1) / np.sqrt(len(rates))))
 
 
 class Cycle(NamedTuple):

@@ -111,7 +111,7 @@ def transition_figure(frames: Frames, scene: Any) -> Figure:
     note = ""
     if len(sequence) >= 4 * BLOCKS:
         every = (shown[-1].time - shown[0].time) / (len(shown) - 1)
-        rate = entropy_production(sequence, every)
+        rate = entropy_production([sequence], every)
         note = f"entropy production ({rate.value:.2g} ± {rate.error:.1g}) k$_B$/s"
     with style():
         drawn = figure(6.4, 5.2)
