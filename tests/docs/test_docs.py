@@ -50,6 +50,8 @@ SECTIONS = {
     "[hydrodynamics]": floating.HydrodynamicsSpec,
     "[hydrodynamics.lubrication]": floating.LubricationSpec,
     "[activity]": floating.ActivitySpec,
+    "[waves]": floating.WavesSpec,
+    "[[waves.sources]]": floating.WaveSourceSpec,
     "[contacts]": floating.ContactSpec,
     "[interaction]": floating.InteractionSpec,
 }

@@ -27,7 +27,7 @@ class Transitions(NamedTuple):
     def probabilities(self) -> Array:
         """(S, S): the chance of the column's state at the next instant; rows of states without a successor are 0."""
         total = self.counts.sum(axis=1, keepdims=True)
-        return np.divide(self.counts, total, out=np.zeros(self.counts.shape), where=total > 0)
+        return np.asarray(np.divide(self.counts, total, out=np.zeros(self.counts.shape), where=total > 0))
 
     @property
     def currents(self) -> Integers:
@@ -57,8 +57,8 @@ def entropy_production(sequences: Sequence[Sequence[Hashable]], every: float, bl
     """
     if blocks * len(sequences) < 2 or any(len(each) < 4 * blocks for each in sequences):
         raise BadInput(
-            f"got {len(sequences)} sequences, the shortest of {min(map(len, sequences), default=0)} states, for {blocks} "
-            "blocks each; expected 2 blocks or more, and 4 states for each"
+            f"got {len(sequences)} sequences, the shortest of {min(map(len, sequences), default=0)} states, for "
+            f"{blocks} blocks each; expected 2 blocks or more, and 4 states for each"
         )
     states, numbers, _ = _numbered([state for each in sequences for state in each])
     ends = np.cumsum([len(each) for each in sequences])[:-1]

@@ -19,6 +19,8 @@ from ecume.scenes.floating.surroundings import (
     LiquidSpec,
     LubricationSpec,
     NodesSpec,
+    WaveSourceSpec,
+    WavesSpec,
 )
 
 __all__ = [
@@ -40,5 +42,7 @@ __all__ = [
     "NodesSpec",
     "ShapeSpec",
     "SurfaceEnergies",
+    "WaveSourceSpec",
+    "WavesSpec",
     "species_of",
 ]

@@ -335,6 +335,39 @@ class ActivitySpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class WaveSourceSpec:
+    """A point of each float of a species that presses on the liquid at the frequency of the waves."""
+
+    species: Name = ""
+    """The species that has this source; by default all. Example: `"surfer"`. Effect: floats without sources neither
+    radiate waves nor feel them."""
+    place: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+    """The place of the source in the frame of the float (m): along its heading, and to the left. Example: `["1.5 mm",
+    "0 mm"]`. Effect: sources beside the center turn the float."""
+    force: Annotated[Force, Field(gt=0.0, le=1.0)]
+    """The amplitude of the vertical force on the liquid (N): mass times amplitude times the square of the angular
+    frequency. Example: `"0.1 mN"`. Effect: forces between floats grow with the product of two of them."""
+    phase: Direction = 0.0
+    """The phase of the force (rad). Example: `"90 deg"`. Effect: the forces of two sources that differ in phase are not
+    opposite."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class WavesSpec:
+    """Waves of floats that oscillate up and down, as on a vibrated bath."""
+
+    frequency: Frequency
+    """The frequency of the oscillation (1/s). Example: `"100 Hz"`. Effect: sets the wavelength, and with it the
+    distances of bound floats."""
+    sources: Annotated[tuple[WaveSourceSpec, ...], Field(min_length=1)]
+    """The sources of waves, in the frame of each float. Effect: floats attract and repel one another at distances that
+    alternate with the wavelength, and turn."""
+    headings: tuple[Direction, ...] = ()
+    """The heading of each float at the start from the x axis (rad); by default random. Example: `["0 deg", "180 deg"]`.
+    Effect: sets the directions of sources and of propulsion."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class ContactSpec:
     """The contacts between floats."""
 

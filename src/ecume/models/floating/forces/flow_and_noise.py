@@ -30,7 +30,16 @@ def drift_of(scene: FloatingScene) -> Drift:
     thermal = brownian.thermal_energy(scene.liquid.temperature) if scene.hydrodynamics.brownian else 0.0
     flows = bool(np.any(rates)) or bool(np.any(nodes))
     return Drift(
-        rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene), scene.activity is not None
+        rates,
+        nodes,
+        frame,
+        flows,
+        thermal,
+        scene.seed,
+        slowing,
+        0.0,
+        sway_of(scene),
+        scene.activity is not None or scene.waves is not None,
     )
 
 

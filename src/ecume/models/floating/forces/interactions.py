@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles
+from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles, radiated_waves
 from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
@@ -62,6 +62,16 @@ from ecume.models.floating.forces.pair_forces import (
     superposed_energy,
     superposed_forces,
     superposed_of,
+)
+from ecume.models.floating.forces.waves import (
+    Waves,
+    kick_wave_spins,
+    make_waves_scratch,
+    no_wave_energy,
+    wave_forces,
+    wave_lines,
+    waves_of,
+    with_headings,
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
@@ -212,6 +222,24 @@ INTERACTIONS = {
             "drag": "drag limits the speed that an active force gives",
             "kicks at the ends": "active forces are renewed once per step",
             "round": "rotational diffusion and torques turn the heading only, not the outline of a float",
+        },
+    ),
+    "waves": Interaction(
+        path="waves", name="a source of waves", constants=Waves, make=waves_of, add_forces=wave_forces,
+        energy=no_wave_energy, scratch=make_waves_scratch, kick_spins=kick_wave_spins, state=with_headings,
+        inertia=lambda part: np.asarray(part.inertia), lines=wave_lines,
+        pairs_worth=lambda part: 2.0 * float(len(part.owner)) ** 2,
+        gives=ROUND | {"pair sum", "grid", "superposed", "undulations"},
+        laws=(radiated_waves.slope_per_force, radiated_waves.mean_force),
+        needs={
+            "drag": "waves take their energy from outside, and drag takes it from the floats",
+            "kicks at the ends": "the torques of waves turn a float once per step",
+            "kicks spins": "the torques of waves turn floats",
+            "round": "the sources are points of a float whose outline does not turn",
+            "superposed": "menisci that turn floats and waves that turn them are not combined",
+            "open": "waves of images would overlap to infinity",
+            "single drag": "the flow of a float that turns moves its neighbors",
+            "no spins": "a torque on floats that rub is transmitted by their contacts",
         },
     ),
 }  # fmt: skip

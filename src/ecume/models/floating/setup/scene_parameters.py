@@ -249,6 +249,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += ["grid"] if scene.interaction.summation == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
     names += ["activity"] if scene.activity is not None else []
+    names += ["waves"] if scene.waves is not None else []
     hydrodynamics, touching = HYDRODYNAMICS[scene.hydrodynamics.interaction], _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]
