@@ -86,7 +86,8 @@ def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     replace(multipoles, "ORDER", 2)
 
 
-TABLES = ("liquid", "flow", "activity", "waves", "dish", "cell", "integration", "hydrodynamics", "contacts", "interaction")
+DRIVEN = ("cell", "flow", "activity", "waves")
+TABLES = ("liquid", *DRIVEN, "dish", "integration", "hydrodynamics", "contacts", "interaction")
 
 
 def scene_with(*names: str) -> Any:
@@ -103,7 +104,7 @@ def scene_with(*names: str) -> Any:
         for place, radius, density in zip(PLACES, (3e-5, 3e-5, 2.7e-5), (2000.0, 200.0, 1500.0), strict=True)
     )
     dish = f"[dish]\n{tables['dish']}" if tables["dish"] else ""
-    dish += "".join(f"[{table}]\n{tables[table]}" for table in ("cell", "flow", "activity", "waves") if tables[table])
+    dish += "".join(f"[{table}]\n{tables[table]}" for table in DRIVEN if tables[table])
     rest = "".join(
         f"[{table}]\n{tables[table]}" for table in ("integration", "hydrodynamics", "contacts", "interaction")
     )

@@ -59,7 +59,7 @@ def _codes(neighbors: Neighbors, colors: list[int]) -> Counter[int]:
     """The adjacency of each numbering that the search reaches, as one integer, with how often it is reached.
 
     Colors are refined until floats of one color have the same numbers of neighbors of each color. A float of the first
-    color that several share then gets a color of its own, each of them in turn. Numberings with the same adjacency
+    color that several share then gets a separate color, each of them in turn. Numberings with the same adjacency
     differ by an automorphism.
     """
     colors = _refined(neighbors, colors)
