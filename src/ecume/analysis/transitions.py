@@ -25,7 +25,7 @@ class Transitions(NamedTuple):
 
     @property
     def probabilities(self) -> Array:
-        """(S, S): the probability of the column's state at the next instant; rows of states without a successor are 0."""
+        """(S, S): the probability of the column's state at the next instant; 0 for states without a successor."""
         total = self.counts.sum(axis=1, keepdims=True)
         return np.asarray(np.divide(self.counts, total, out=np.zeros(self.counts.shape), where=total > 0))
 

@@ -31,7 +31,7 @@ BOND = 1.25
 GROUPS, SPREAD = 49, 1.2e-4
 """Independent groups of six in a run, and their distance (m)."""
 STEP, STEPS, FRAMES = 5e-4, 150, 2500
-"""Time step (s), steps in a frame, frames."""
+"""Time step (s), steps in a frame, frames in equilibrium; with persistence twice as many."""
 FORCE, PERSISTENCE = 3.6e-14, 0.6
 """Of the active force (N, s): as large as the attraction, with a correlation time of many vibrations."""
 LATTICE = np.array([[1.0, 0.0], [0.5, math.sqrt(0.75)]])
@@ -62,7 +62,7 @@ def attraction(distance: Any, parameters: Any) -> Any:
 
 def equilibrium() -> Iterator[Row]:
     """Shares of the rigid clusters, beside their weights, and entropy production, for Brownian spheres."""
-    found = sequences({"hydrodynamics": {"brownian": True}})
+    found = sequences({"hydrodynamics": {"brownian": True}}, FRAMES)
     weights = weights_of_ground_states()
     total = sum(weights.values())
     names = dict(zip(weights, GROUND_STATES, strict=True))
@@ -77,12 +77,12 @@ def equilibrium() -> Iterator[Row]:
 
 def persistence() -> Iterator[Row]:
     """Entropy production of spheres with a persistent random force instead of noise."""
-    found = sequences({"activity": {"force": FORCE, "persistence": PERSISTENCE}})
+    found = sequences({"activity": {"force": FORCE, "persistence": PERSISTENCE}}, 2 * FRAMES)
     rate = entropy_production(found, STEP * STEPS, blocks=1)
     yield above("with persistence: entropy production, over its standard error", rate.value / rate.error, 2.0)
 
 
-def sequences(driving: dict[str, Any]) -> list[list[str]]:
+def sequences(driving: dict[str, Any], frames: int) -> list[list[str]]:
     """The labels of each group over the frames, without the first fifth. Groups start as rigid clusters in the shares
     of equilibrium, so that relaxation makes no currents.
     """
@@ -95,7 +95,7 @@ def sequences(driving: dict[str, Any]) -> list[list[str]]:
     ]
     thermal = thermal_energy(TEMPERATURE)
     scene = from_plain({
-        "model": "floating", "duration": FRAMES * STEPS * STEP, "frame_every": STEPS * STEP, "seed": 3,
+        "model": "floating", "duration": frames * STEPS * STEP, "frame_every": STEPS * STEP, "seed": 3,
         "liquid": {"density": 1000.0, "viscosity": 1e-3, "surface_tension": 1e-7, "temperature": TEMPERATURE},
         "particles": [{"radius": RADIUS, "density": 1000.0, "contact_angle": 0.5 * math.pi,
                        "positions": np.concatenate(places).tolist()}],
