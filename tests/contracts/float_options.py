@@ -52,6 +52,7 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "flow": ("flow", {"flow": "rotation_rate = 1.0\n"}),
     "active forces": ("activity", {"activity": "force = 1e-12\npersistence = 0.1\npropulsion = 1e-12\n"}),
     "waves": ("waves", {"waves": "frequency = 100.0\n[[waves.sources]]\nplace = [1e-5, 0.0]\nforce = 1e-7\n"}),
+    "magnetic field": ("dipoles", {"magnetic_field": "constant = [1e-3, 0.0, 2e-3]\nsusceptibility = 10.0\n"}),
     "noise": ("noise", {"hydrodynamics": "brownian = true\n", "liquid": "temperature = 300.0\n"}),
     "fast drag": ("drag", {"hydrodynamics": 'drag = "schiller-naumann"\n'}),
     "added mass": ("mass", {"hydrodynamics": "added_mass = true\n"}),
@@ -86,7 +87,7 @@ def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     replace(multipoles, "ORDER", 2)
 
 
-DRIVEN = ("cell", "flow", "activity", "waves")
+DRIVEN = ("cell", "flow", "activity", "magnetic_field", "waves")
 TABLES = ("liquid", *DRIVEN, "dish", "integration", "hydrodynamics", "contacts", "interaction")
 
 
