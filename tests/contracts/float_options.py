@@ -51,6 +51,8 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "periodic cell": ("dish", {"cell": "size = [0.1, 0.1]\n", "interaction": "accuracy = 1e-2\n"}),
     "flow": ("flow", {"flow": "rotation_rate = 1.0\n"}),
     "active forces": ("activity", {"activity": "force = 1e-12\npersistence = 0.1\npropulsion = 1e-12\n"}),
+    "waves": ("waves", {"waves": "frequency = 100.0\n[[waves.sources]]\nplace = [1e-5, 0.0]\nforce = 1e-7\n"}),
+    "magnetic field": ("dipoles", {"magnetic_field": "constant = [1e-3, 0.0, 2e-3]\nsusceptibility = 10.0\n"}),
     "noise": ("noise", {"hydrodynamics": "brownian = true\n", "liquid": "temperature = 300.0\n"}),
     "fast drag": ("drag", {"hydrodynamics": 'drag = "schiller-naumann"\n'}),
     "added mass": ("mass", {"hydrodynamics": "added_mass = true\n"}),
@@ -85,7 +87,8 @@ def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     replace(multipoles, "ORDER", 2)
 
 
-TABLES = ("liquid", "flow", "activity", "dish", "cell", "integration", "hydrodynamics", "contacts", "interaction")
+DRIVEN = ("cell", "flow", "activity", "magnetic_field", "waves")
+TABLES = ("liquid", *DRIVEN, "dish", "integration", "hydrodynamics", "contacts", "interaction")
 
 
 def scene_with(*names: str) -> Any:
@@ -102,7 +105,7 @@ def scene_with(*names: str) -> Any:
         for place, radius, density in zip(PLACES, (3e-5, 3e-5, 2.7e-5), (2000.0, 200.0, 1500.0), strict=True)
     )
     dish = f"[dish]\n{tables['dish']}" if tables["dish"] else ""
-    dish += "".join(f"[{table}]\n{tables[table]}" for table in ("cell", "flow", "activity") if tables[table])
+    dish += "".join(f"[{table}]\n{tables[table]}" for table in DRIVEN if tables[table])
     rest = "".join(
         f"[{table}]\n{tables[table]}" for table in ("integration", "hydrodynamics", "contacts", "interaction")
     )

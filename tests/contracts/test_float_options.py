@@ -19,6 +19,8 @@ from ecume.models.model import DONE
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 # Each combination is compiled by itself: as plain Python all of them take a minute.
 plain_only = pytest.mark.skipif(not PLAIN, reason="every pair is tried as plain Python")
+WITHOUT_ENERGY = {"one-sided law", "flow", "active forces", "waves"}
+"""Options whose forces have no potential."""
 OUTSIDE = {"one-sided law", "round dish", "square dish", "wall profile", "dish in motion", "flow", "active forces"}
 """Options with which momentum is not kept."""
 STEP = 1e-9
@@ -61,16 +63,9 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(pair):
     workspace = FLOATING.workspace(parameters, state, 1.0)
     force = forces_at(parameters, state.position, workspace).copy()
     largest = np.abs(force).max()
-    if not {"one-sided law", "flow", "active forces"} & set(pair):
+    if not WITHOUT_ENERGY & set(pair):
         assert force == pytest.approx(minus_slope(parameters, state, workspace), abs=2e-3 * largest + 1e-18)
-    if "one-sided law" not in pair and not {
-        "round dish",
-        "square dish",
-        "wall profile",
-        "dish in motion",
-        "flow",
-        "active forces",
-    } & set(pair):
+    if not OUTSIDE & set(pair):
         assert np.abs(force.sum(axis=0)).max() <= 1e-5 * largest + 1e-24
     assert FLOATING.advance(parameters, state, workspace, 3) == DONE
     assert all(np.all(np.isfinite(array)) for array in state)

@@ -50,6 +50,9 @@ SECTIONS = {
     "[hydrodynamics]": floating.HydrodynamicsSpec,
     "[hydrodynamics.lubrication]": floating.LubricationSpec,
     "[activity]": floating.ActivitySpec,
+    "[magnetic_field]": floating.MagneticFieldSpec,
+    "[waves]": floating.WavesSpec,
+    "[[waves.sources]]": floating.WaveSourceSpec,
     "[contacts]": floating.ContactSpec,
     "[interaction]": floating.InteractionSpec,
 }

@@ -189,6 +189,8 @@ REFUSED = {
     "hydrodynamics.lubrication": {"more": "[hydrodynamics.lubrication]\nroughness = 1e-6"},
     "hydrodynamics.interaction": {"more": '[hydrodynamics]\ninteraction = "rotne-prager"'},
     "activity": {"more": "[activity]\ntorque = 1e-9"},
+    "magnetic_field": {"more": "[magnetic_field]\nsusceptibility = 1.0"},
+    "waves": {"more": "[waves]\nfrequency = 100.0\n[[waves.sources]]\nforce = 1e-4"},
     "flow.nodes": {"more": FLOW_TABLE},
     "dish.law": {"more": DISH + 'law = "profile"'},
     "dish.image": {"more": DISH + 'image = "pinned"'},

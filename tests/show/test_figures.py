@@ -30,12 +30,19 @@ PURE_NUMBERS = {
     r"hexatic order $|\psi_6|$",
     "pair distribution g(r)",
     "elongation (10 and more)",
+    "share of the floats",
+    "share of the clusters",
+    "share of the changes",
+    "from",
+    "to",
 }
 MULTIPLES = re.compile(r".*, in (mean radii|capillary lengths)$")
-OVER_TIME = ("energies", "kinetic-energy", "clusters", "order", "approach")
-NOTHING_TO_DRAW = {"displacement": "three frames", "shapes": "no floats are in contact"} | dict.fromkeys(
-    OVER_TIME, "single frame, at 0 s"
-)
+OVER_TIME = ("energies", "kinetic-energy", "clusters", "order", "approach", "raft-sizes", "transitions")
+NOTHING_TO_DRAW = {
+    "displacement": "three frames",
+    "shapes": "no floats are in contact",
+    "topologies": "no clusters",
+} | dict.fromkeys(OVER_TIME, "single frame, at 0 s")
 
 
 def curve(axes, label):

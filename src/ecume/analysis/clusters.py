@@ -74,12 +74,29 @@ def touching_clusters(frame: Frame, *, tolerance: float = TOLERANCE, period: Seq
     if period is None and (box := box_of(frame)) is not None and box.strain == 0.0:
         period = box.sides.tolist()
     pairs = touching_pairs(position, radius, tolerance=tolerance, period=period)
-    return _components(pairs, len(position))
+    return components(pairs, len(position))
 
 
-def _components(pairs: Integers, count: int) -> Clusters:
-    """Pairs are the edges of a graph, and clusters its connected parts."""
+def components(pairs: Integers, count: int) -> Clusters:
+    """The connected parts of the graph whose edges are these pairs, of `count` floats."""
     edges: Any = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     clusters, found = connected_components(edges, directed=False)
     labels: Integers = np.asarray(found, dtype=np.int64)
     return Clusters(labels, np.bincount(labels, minlength=clusters).astype(np.int64))
+
+
+def mean_raft(clusters: Clusters) -> float:
+    """The mean number of floats in the cluster of a float, sum n^2/sum n: large rafts count by their floats."""
+    return float(np.sum(clusters.sizes**2) / max(int(clusters.sizes.sum()), 1))
+
+
+def shares_by_size(clusters: Clusters, edges: Sequence[int]) -> Array:
+    """The share of the floats that are in clusters of edges[k] to edges[k + 1] - 1 floats; the last class has no end.
+
+    >>> shares_by_size(Clusters(np.array([0, 0, 0, 1]), np.array([3, 1])), [1, 2, 4]).tolist()
+    [0.25, 0.75, 0.0]
+    """
+    classes = np.searchsorted(np.asarray(edges), clusters.sizes, side="right") - 1
+    counted = classes >= 0
+    floats = np.bincount(classes[counted], clusters.sizes[counted], len(edges))
+    return np.asarray(floats / max(int(clusters.sizes.sum()), 1))

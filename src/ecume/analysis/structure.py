@@ -1,4 +1,4 @@
-"""The arrangement of floats, and their paths: hexatic order, pair distribution, shapes of rafts."""
+"""The arrangement of floats, and their paths: hexatic order, pair distribution, shapes and dimension of rafts."""
 
 from __future__ import annotations
 
@@ -176,6 +176,30 @@ def shapes_of(frame: Frame, clusters: Clusters) -> Shapes:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(mean > 0.0, (mean + apart) / np.maximum(mean - apart, 0.0), 1.0)
     return Shapes(center, np.sqrt(2.0 * mean), np.sqrt(ratio), 0.5 * np.arctan2(2.0 * xy, xx - yy))
+
+
+class Fit(NamedTuple):
+    """A fitted exponent and its standard error."""
+
+    value: float
+    error: float
+
+
+def fractal_dimension(sizes: Integers, gyration_radius: Array) -> Fit:
+    """The exponent D of N ~ r^D with the number of floats N of rafts and their radius of gyration r (m): 2 for
+    compact rafts, 1 for rows. A least-squares fit of ln N over ln r; single floats do not count.
+
+    >>> fractal_dimension(np.array([1, 2, 8, 32]), np.array([0.0, 1.0, 2.0, 4.0]))
+    Fit(value=2.0, error=0.0)
+    """
+    several = (sizes > 1) & (gyration_radius > 0.0)
+    x, y = np.log(gyration_radius[several]), np.log(sizes[several])
+    if len(np.unique(sizes[several])) < 3:
+        raise BadInput("a fractal dimension needs rafts of three sizes or more")
+    x, y = x - x.mean(), y - y.mean()
+    slope = float(x @ y) / float(x @ x)
+    rest = float(np.sum((y - slope * x) ** 2))
+    return Fit(slope, float(np.sqrt(rest / (len(x) - 2) / (x @ x))))
 
 
 def whole(frame: Frame, clusters: Clusters) -> Array:

@@ -76,6 +76,14 @@ def _active(scene: FloatingScene) -> str:
     return _whether(scene.activity is not None, "active forces")
 
 
+def _waves(scene: FloatingScene) -> str:
+    return _whether(scene.waves is not None, "waves")
+
+
+def _magnetic_field(scene: FloatingScene) -> str:
+    return _whether(scene.magnetic_field is not None, "a field")
+
+
 def _tabulated_flow(scene: FloatingScene) -> str:
     return _whether(scene.flow is not None and scene.flow.nodes is not None, "a table")
 
@@ -125,6 +133,8 @@ FLOATS = (
                 "the films of LAMMPS are those of spheres deep in a liquid"),
     Expressible("hydrodynamics.interaction", lambda scene: scene.hydrodynamics.interaction, NONE,
                 "none", "the drag of each atom is its own"),
+    Expressible("magnetic_field", _magnetic_field, NONE, "none", "the tables hold the capillary law alone"),
+    Expressible("waves", _waves, NONE, "none", "LAMMPS has no such forces"),
     Expressible("activity", _active, NONE, "none", "LAMMPS has no such forces with persistence"),
     Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",
                 "a formula of LAMMPS has no table over two coordinates"),

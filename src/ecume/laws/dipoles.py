@@ -12,6 +12,7 @@ from ecume.units import Energy, Force, Length, Number, Unit
 
 Moment = Annotated[float, Unit("A*m^2")]
 DipoleStrength = Annotated[float, Unit("J*m^3")]
+FluxDensity = Annotated[float, Unit("T")]
 
 PERMEABILITY = 1.25663706127e-6
 """N/A^2, of the vacuum; liquids that are no magnets change it by 1e-5."""
@@ -45,6 +46,29 @@ def dipole_force(distance: Length, strength: DipoleStrength) -> Force:
     3.0
     """
     return 3.0 * strength / distance**4
+
+
+def oblique_dipole_energy(distance: Length, product: DipoleStrength, along: DipoleStrength) -> Energy:
+    """Energy of two moments of any directions: E = (P - 3 A)/l^3 with P = mu_0 m_i.m_j/(4 pi) and
+    A = mu_0 (m_i.n)(m_j.n)/(4 pi), where n is the direction from one to the other. [jackson1999, par. 5.7].
+
+    Along the line of centers two moments attract twice as strongly as they repel across it.
+
+    >>> oblique_dipole_energy(1.0, 1.0, 0.0), oblique_dipole_energy(1.0, 1.0, 1.0)
+    (1.0, -2.0)
+    """
+    return (product - 3.0 * along) / distance**3
+
+
+def induced_moment(radius: Length, susceptibility: Number, field: FluxDensity) -> Moment:
+    """The moment of a sphere in a field: m = V chi_e B/mu_0, chi_e = 3 chi/(3 + chi), with the demagnetizing factor 1/3
+    of a sphere; at most 3 for soft iron. [jackson1999, par. 5.11].
+
+    >>> round(induced_moment(1e-3, 1e9, 1e-3) * 1e6, 3)
+    10.0
+    """
+    volume = 4.0 / 3.0 * math.pi * radius**3
+    return volume * 3.0 * susceptibility / (3.0 + susceptibility) * field / PERMEABILITY
 
 
 def neglected_dipoles(cutoff: Number) -> Number:

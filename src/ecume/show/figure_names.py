@@ -18,6 +18,9 @@ FIGURE_NAMES = {
         "displacement",
         "approach",
         "shapes",
+        "raft-sizes",
+        "topologies",
+        "transitions",
         "samples",
     ),
     "sph": (

@@ -50,6 +50,12 @@ CASES: dict[str, Case] = {
         _case("raft", "Nineteen floats gather to a raft: overlap, energy, momentum at two steps", long=True),
         _case("hydrodynamics", "Floats that move one another by the flow: rafts, pairs, diffusion, thermal weights"),
         _case("activity", "Active floats: mean squared displacement of persistent and of circling motion"),
+        _case("waves", "Floats that radiate waves: dispersion, bound surfers, spinners beside measured phases"),
+        _case(
+            "clusters",
+            "Six small spheres: weights of rigid clusters, entropy production with and without persistence",
+            long=True,
+        ),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),
         _case("integrators", "The orders of the integrators, and the energy over a million steps"),
         _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),

@@ -42,6 +42,13 @@ FILMS = {
     "integration": {"integrator": "overdamped", "time_step": 5e-5},
 }
 ACTIVE = {"activity": {"force": 1e-8, "persistence": 1e-3, "propulsion": 1e-8}}
+SOURCE = {"place": [5e-4, 0.0], "force": 1e-4, "phase": 0.2}
+RADIATED = {"waves": {"frequency": 100.0, "headings": [0.0, 1.0, 2.0], "sources": [SOURCE, {"force": 1e-4}]}}
+MAGNETIZED = {
+    "magnetic_field": {
+        "constant": [1e-3, 2e-3, 4e-3], "amplitude": [2e-3, 1e-3, 0.0], "frequency": 200.0, "susceptibility": 5.0,
+    }
+}  # fmt: skip
 SPRINGS = {"contacts": {"law": "spring-dashpot", "stiffness": 1.0}, "integration": {"time_step": None}, **IMPACT}
 RING = {"particles": [{"positions": None, "count": 3, "placement": "ring", "ring_radius": 5e-3}]}
 LATTICE = {"particles": [{"positions": None, "count": 3, "placement": "lattice", "spacing": 3e-3}]}
@@ -164,6 +171,32 @@ EFFECTS = {
             {"name": "passive", "radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "positions": [[8e-3, 0.0]]},
         ],
         activity=ACTIVE["activity"] | {"species": ["swimmer"]},
+    ),
+    "magnetic_field.constant": of([2e-3, 2e-3, 4e-3], **MAGNETIZED),
+    "magnetic_field.amplitude": of([2e-3, 2e-3, 0.0], **MAGNETIZED),
+    "magnetic_field.frequency": of(300.0, **MAGNETIZED),
+    "magnetic_field.phase": of([0.5, 0.0, 0.0], **MAGNETIZED),
+    "magnetic_field.susceptibility": of(6.0, **MAGNETIZED),
+    "magnetic_field.species": of(
+        ["plastic"],
+        particles=[
+            {"name": "steel"},
+            {"name": "plastic", "radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "positions": [[8e-3, 0.0]]},
+        ],
+        magnetic_field=MAGNETIZED["magnetic_field"] | {"species": ["steel"]},
+    ),
+    "waves.frequency": of(140.0, **RADIATED),
+    "waves.headings": of([0.0, 1.0, 3.0], **RADIATED),
+    "waves.sources.place": of([0.0, 5e-4], **RADIATED),
+    "waves.sources.force": of(2e-4, **RADIATED),
+    "waves.sources.phase": of(1.0, **RADIATED),
+    "waves.sources.species": of(
+        "still",
+        particles=[
+            {"name": "oscillating"},
+            {"name": "still", "radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "positions": [[8e-3, 0.0]]},
+        ],
+        waves={"frequency": 100.0, "headings": [0.0, 1.0, 2.0, 0.0], "sources": [SOURCE, {"force": 1e-4}]},
     ),
     "contacts.restitution": of(0.9, **IMPACT),
     "contacts.friction": of(0.5, **IMPACT),

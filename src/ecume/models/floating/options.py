@@ -56,6 +56,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "undulations": ("interaction", "forces that know contact lines which undulate"),
     "grid": ("interaction", "pair forces whose long-range part is smooth"),
     "pair sum": ("interaction", "forces that are a sum of the pair law over pairs of floats"),
+    "no torques": ("interaction", "forces that do not turn floats"),
     "shared": ("interaction", "forces that ranks can share out"),
     "shared films": ("resistance", "resistances that ranks can share out"),
     "independent": ("resistance", "floats that drag slows one by one"),

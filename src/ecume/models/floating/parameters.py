@@ -93,7 +93,7 @@ class Drift(NamedTuple):
     """m: the longest displacement of a float in one step by noise (all but one in a billion) and by the dish"""
     sway: Sway
     active: bool = False
-    """whether floats have active forces"""
+    """whether floats have active forces, or forces by waves or a magnetic field"""
 
 
 class Parameters(NamedTuple):

@@ -18,7 +18,10 @@ from ecume.scenes.floating.surroundings import (
     InteractionSpec,
     LiquidSpec,
     LubricationSpec,
+    MagneticFieldSpec,
     NodesSpec,
+    WaveSourceSpec,
+    WavesSpec,
 )
 
 __all__ = [
@@ -37,8 +40,11 @@ __all__ = [
     "InteractionSpec",
     "LiquidSpec",
     "LubricationSpec",
+    "MagneticFieldSpec",
     "NodesSpec",
     "ShapeSpec",
     "SurfaceEnergies",
+    "WaveSourceSpec",
+    "WavesSpec",
     "species_of",
 ]

@@ -21,6 +21,8 @@ from ecume.scenes.floating.surroundings import (
     IntegrationSpec,
     InteractionSpec,
     LiquidSpec,
+    MagneticFieldSpec,
+    WavesSpec,
 )
 from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT, Gravity
 from ecume.scenes.validated import dataclass
@@ -84,6 +86,12 @@ class FloatingScene(Common):
     """The forces of the liquid on moving floats. Effect: they damp the motion or make it overdamped."""
     activity: ActivitySpec | None = None
     """Active forces and torques on floats. Effect: floats move without attraction or noise; requires drag."""
+    magnetic_field: MagneticFieldSpec | None = None
+    """A magnetic field, constant or oscillating, that induces moments. Effect: floats attract and repel one another by
+    induced and permanent moments."""
+    waves: WavesSpec | None = None
+    """Waves radiated by floats that oscillate up and down. Effect: floats push and turn one another across many
+    wavelengths; requires drag."""
     contacts: ContactSpec = ContactSpec()
     """The contacts between floats. Effect: they determine collisions and the structure of rafts."""
     interaction: InteractionSpec = InteractionSpec()

@@ -41,6 +41,7 @@ from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Force, Number, Rate, Unit
 
 Torque = Annotated[float, Unit("N*m")]
+FluxDensity = Annotated[float, Unit("T"), Field(ge=-10.0, le=10.0)]
 TABLE = "velocity_from"
 COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
 EVEN = 1e-6
@@ -332,6 +333,63 @@ class ActivitySpec:
             missing = "persistence" if self.persistence is None else "force"
             raise Inconsistent([((missing,), "expected force and persistence together; got one of them")])
         return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MagneticFieldSpec:
+    """A uniform magnetic field, constant and oscillating, and the moments that it induces in spheres."""
+
+    constant: tuple[FluxDensity, FluxDensity, FluxDensity] = (0.0, 0.0, 0.0)
+    """The constant part along x, y and upward (T). Example: `["0 mT", "0 mT", "5 mT"]`. Effect: a vertical field makes
+    floats repel one another, a horizontal one makes them attract along it."""
+    amplitude: tuple[FluxDensity, FluxDensity, FluxDensity] = (0.0, 0.0, 0.0)
+    """The amplitudes of the oscillating part along x, y and upward (T). Example: `["2 mT", "0 mT", "0 mT"]`. Effect:
+    floats oscillate toward one another."""
+    frequency: Frequency = 1.0
+    """The frequency f of the oscillating part, B cos(2 pi f t + phase) (1/s). Example: `"2 Hz"`. Effect: sets the
+    period of the motion."""
+    phase: tuple[Direction, Direction, Direction] = (0.0, 0.0, 0.0)
+    """The phases of the three components (rad). Example: `["0 deg", "-90 deg", "0 deg"]`. Effect: with 90 degrees
+    between two components the field rotates."""
+    susceptibility: Annotated[Number, Field(ge=0.0, le=1e6)] = 0.0
+    """The magnetic susceptibility of the spheres; 1,000 or more for soft iron. Effect: the induced moments grow as
+    3 chi/(3 + chi)."""
+    species: tuple[Name, ...] = ()
+    """The species with this susceptibility; by default all. Example: `["steel"]`. Effect: others have no induced
+    moment."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class WaveSourceSpec:
+    """A point of each float of a species that presses on the liquid at the frequency of the waves."""
+
+    species: Name = ""
+    """The species that has this source; by default all. Example: `"surfer"`. Effect: floats without sources neither
+    radiate waves nor feel them."""
+    place: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+    """The place of the source in the frame of the float (m): along its heading, and to the left. Example: `["1.5 mm",
+    "0 mm"]`. Effect: sources beside the center turn the float."""
+    force: Annotated[Force, Field(gt=0.0, le=1.0)]
+    """The amplitude of the vertical force on the liquid (N): mass times amplitude times the square of the angular
+    frequency. Example: `"0.1 mN"`. Effect: forces between floats grow with the product of two of them."""
+    phase: Direction = 0.0
+    """The phase of the force (rad). Example: `"90 deg"`. Effect: the forces of two sources that differ in phase are not
+    opposite."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class WavesSpec:
+    """Waves of floats that oscillate up and down, as on a vibrated bath."""
+
+    frequency: Frequency
+    """The frequency of the oscillation (1/s). Example: `"100 Hz"`. Effect: sets the wavelength, and with it the
+    distances of bound floats."""
+    sources: Annotated[tuple[WaveSourceSpec, ...], Field(min_length=1)]
+    """The sources of waves, in the frame of each float. Effect: floats attract and repel one another at distances that
+    alternate with the wavelength, and turn."""
+    headings: tuple[Direction, ...] = ()
+    """The heading of each float at the start from the x axis (rad); by default random. Example: `["0 deg", "180 deg"]`.
+    Effect: sets the directions of sources and of propulsion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -15,6 +15,7 @@ from ecume.analysis.series import times, tracks
 from ecume.analysis.structure import (
     Region,
     approach,
+    fractal_dimension,
     hexatic_order,
     mean_square_displacement,
     pair_distribution,
@@ -31,6 +32,8 @@ from ecume.trajectories.frame import Frame
 
 MOST_PAIRS = 12
 BINS = 120
+MOST_FOR_NO_FIT = 3
+"""Sizes of rafts up to which no fractal dimension is fitted."""
 SHELLS = 12.0
 """How far the pair distribution is drawn, in mean radii."""
 
@@ -141,7 +144,9 @@ def approaches(frames: Frames, scene: Any) -> Figure:
 
 
 def shapes(frames: Frames, scene: Any) -> Figure:
-    """The rafts of the last frame: radius of gyration over number, beside that of a round, close-packed raft."""
+    """The rafts of the last frame: radius of gyration over number, beside that of a round, close-packed raft, and the
+    fitted fractal dimension.
+    """
     clusters = touching_clusters(frames[-1])
     found = shapes_of(frames[-1], clusters)
     several = clusters.sizes > 1
@@ -161,6 +166,12 @@ def shapes(frames: Frames, scene: Any) -> Figure:
         axes.plot(round_ones, np.sqrt((round_ones**2 - 1.0) / 3.0), "--", color=MUTED, label="a straight row")
         axes.set_ylabel("radius of gyration, in mean radii")
         axes.set(xscale=scaling([2.0, *sizes]), yscale=scaling(gyration))
+        if len(np.unique(sizes)) > MOST_FOR_NO_FIT:
+            fit = fractal_dimension(sizes, gyration)
+            middle = np.exp(np.mean(np.log(gyration)) + np.log(round_ones / np.exp(np.mean(np.log(sizes)))) / fit.value)
+            axes.plot(
+                round_ones, middle, ":", color=PALETTE[0], label=f"fit, dimension {fit.value:.2f} ± {fit.error:.2f}"
+            )
         if axes.get_xscale() == "log":
             axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.xaxis.set_major_formatter("{x:g}")

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene, NodesSpec
 
 
+def _driven(scene: FloatingScene) -> bool:
+    """Whether floats have active forces, or forces by waves or a magnetic field."""
+    return scene.activity is not None or scene.waves is not None or scene.magnetic_field is not None
+
+
 def drift_of(scene: FloatingScene) -> Drift:
     """The flow and the noise of a scene; both need drag."""
     flow, liquid = scene.flow, liquid_of(scene)
@@ -30,7 +35,16 @@ def drift_of(scene: FloatingScene) -> Drift:
     thermal = brownian.thermal_energy(scene.liquid.temperature) if scene.hydrodynamics.brownian else 0.0
     flows = bool(np.any(rates)) or bool(np.any(nodes))
     return Drift(
-        rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene), scene.activity is not None
+        rates,
+        nodes,
+        frame,
+        flows,
+        thermal,
+        scene.seed,
+        slowing,
+        0.0,
+        sway_of(scene),
+        _driven(scene),
     )
 
 

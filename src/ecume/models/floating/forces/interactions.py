@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles
+from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles, radiated_waves
 from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
@@ -43,6 +43,15 @@ from ecume.models.floating.forces.ewald_grid import (
 )
 from ecume.models.floating.forces.films import Films, apply_films, films_of
 from ecume.models.floating.forces.flow_and_noise import add_flow
+from ecume.models.floating.forces.magnetic_fields import (
+    MagneticField,
+    magnetic_energy,
+    magnetic_field_of,
+    magnetic_forces,
+    magnetic_lines,
+    make_magnetic_scratch,
+    renew_field,
+)
 from ecume.models.floating.forces.multipoles import (
     Multipoles,
     PairTables,
@@ -62,6 +71,16 @@ from ecume.models.floating.forces.pair_forces import (
     superposed_energy,
     superposed_forces,
     superposed_of,
+)
+from ecume.models.floating.forces.waves import (
+    Waves,
+    kick_wave_spins,
+    make_waves_scratch,
+    no_wave_energy,
+    wave_forces,
+    wave_lines,
+    waves_of,
+    with_headings,
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
@@ -150,7 +169,7 @@ INTERACTIONS = {
     "superposition": Interaction(
         path="interaction.method", name="'superposition'", constants=Superposed, make=superposed_of,
         add_forces=superposed_forces, energy=superposed_energy, scratch=make_sorted, sort=sort_floats,
-        gives=ROUND | {"pair sum", "shared", "grid", "superposed"},
+        gives=ROUND | {"pair sum", "shared", "grid", "superposed", "no torques"},
     ),
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
@@ -177,7 +196,8 @@ INTERACTIONS = {
     ),
     "pair-corrected": Interaction(
         path="interaction.method", name="'pair-corrected'", constants=PairTables, make=corrections_of,
-        add_forces=correction_forces, energy=correction_energy, adds_to_pairs=True, gives=ROUND | {"pair sum"},
+        add_forces=correction_forces, energy=correction_energy, adds_to_pairs=True,
+        gives=ROUND | {"pair sum", "no torques"},
         laws=(multipole.solve,),
         needs={"menisci": "tables hold what two menisci do beyond their sum"},
     ),
@@ -185,17 +205,30 @@ INTERACTIONS = {
         path="particles", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
         energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
-        gives=ROUND | {"pair sum", "undulations", "grid"}, laws=(dipoles.dipole_force,),
+        gives=ROUND | {"pair sum", "undulations", "grid", "no torques"}, laws=(dipoles.dipole_force,),
         needs={
             "reciprocal": "the energy of the dipoles is kept together with that of the law",
             "round": "a dipole is taken to be at the center, which elongated floats come nearer to than they touch",
+        },
+    ),
+    "magnetic field": Interaction(
+        path="magnetic_field", name="a magnetic field", constants=MagneticField, make=magnetic_field_of,
+        add_forces=magnetic_forces, energy=magnetic_energy, scratch=make_magnetic_scratch, kick_spins=renew_field,
+        lines=magnetic_lines, arrays=lambda part: {"magnetic_moment": (part.permanent.copy(), "A*m^2")},
+        gives=ROUND | {"pair sum", "undulations", "grid", "no torques"},
+        laws=(dipoles.oblique_dipole_energy, dipoles.induced_moment),
+        needs={
+            "reciprocal": "the energy of the moments is kept together with that of the law",
+            "round": "induced moments are those of spheres",
+            "kicks at the ends": "the field is renewed once per step",
         },
     ),
     "grid": Interaction(
         path="interaction.summation", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
         add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
         lines=split_lines,
-        pairs_worth=lambda part: part.work[1], points=lambda part: part.points, gives=ROUND | {"shared", "superposed"},
+        pairs_worth=lambda part: part.work[1], points=lambda part: part.points,
+        gives=ROUND | {"shared", "superposed", "no torques"},
         laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
         needs={
             "menisci": "its waves are those of the liquid's surface",
@@ -207,11 +240,29 @@ INTERACTIONS = {
         path="activity", name="an active force", constants=Activity, make=activity_of, add_forces=activity_forces,
         energy=no_activity_energy, scratch=make_activity_scratch, kick_spins=renew_activity,
         add_work=add_work_of_activity, state=with_activity,
-        gives=ROUND | {"pair sum", "shared", "grid", "superposed", "undulations"},
+        gives=ROUND | {"pair sum", "shared", "grid", "superposed", "undulations", "no torques"},
         needs={
             "drag": "drag limits the speed that an active force gives",
             "kicks at the ends": "active forces are renewed once per step",
             "round": "rotational diffusion and torques turn the heading only, not the outline of a float",
+        },
+    ),
+    "waves": Interaction(
+        path="waves", name="a source of waves", constants=Waves, make=waves_of, add_forces=wave_forces,
+        energy=no_wave_energy, scratch=make_waves_scratch, kick_spins=kick_wave_spins, state=with_headings,
+        inertia=lambda part: np.asarray(part.inertia), lines=wave_lines,
+        pairs_worth=lambda part: 2.0 * float(len(part.owner)) ** 2,
+        gives=ROUND | {"pair sum", "grid", "superposed", "undulations"},
+        laws=(radiated_waves.slope_per_force, radiated_waves.mean_force),
+        needs={
+            "drag": "waves take their energy from outside, and drag takes it from the floats",
+            "kicks at the ends": "the torques of waves turn a float once per step",
+            "kicks spins": "the torques of waves turn floats",
+            "round": "the sources are points of a float whose outline does not turn",
+            "no torques": "menisci that turn floats and waves that turn them are not combined",
+            "open": "waves of images would overlap to infinity",
+            "single drag": "the flow of a float that turns moves its neighbors",
+            "no spins": "a torque on floats that rub is transmitted by their contacts",
         },
     ),
 }  # fmt: skip

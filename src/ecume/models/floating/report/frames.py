@@ -130,7 +130,9 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     units = dict(ARRAY_UNITS)
     if inertia_of(parameters) is not None:
-        arrays |= {"angle": state.turning[:, 0].copy(), "spin": state.turning[:, 1].copy()}
+        # Torques and rotational diffusion of active floats turn their headings.
+        heading = state.turning[:, 0] + (state.active[:, 2] if len(state.active) else 0.0)
+        arrays |= {"angle": heading, "spin": state.turning[:, 1].copy()}
         units |= {"angle": "rad", "spin": "rad/s"}
     for part, row in interactions_of(parameters):
         for name, (values, unit) in row.arrays(part).items():

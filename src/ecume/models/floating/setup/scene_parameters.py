@@ -247,8 +247,10 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += ["superposition"] if INTERACTIONS[method].adds_to_pairs and not scene.shaped else []
     names += [] if method == "superposition" and scene.shaped else [method]
     names += ["grid"] if scene.interaction.summation == "grid" else []
-    names += ["dipoles"] if np.any(moments_of(scene)) else []
+    field = scene.magnetic_field is not None
+    names += ["magnetic field"] if field else ["dipoles"] if np.any(moments_of(scene)) else []
     names += ["activity"] if scene.activity is not None else []
+    names += ["waves"] if scene.waves is not None else []
     hydrodynamics, touching = HYDRODYNAMICS[scene.hydrodynamics.interaction], _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]

@@ -1,0 +1,215 @@
+"""Floats in a uniform magnetic field that may oscillate: induced moments along the field, and permanent vertical ones.
+
+The force on j by i at the distance l in the direction n is
+F = (3 mu_0/(4 pi l^4)) [(m_i.m_j - 5 (m_i.n)(m_j.n)) n + (m_i.n) m_j + (m_j.n) m_i] [jackson1999, par. 5.7].
+The surface carries its vertical part. At given positions the energy is a polynomial of second degree in the field; its
+coefficients are summed with the forces, and its change with the field is the injected work.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume.engine.contact.contacts import apart
+from ecume.engine.neighbors import NeighborLists
+from ecume.laws.dipoles import dipole_strength, induced_moment
+from ecume.models.floating.options import Built, scene_error
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.setup.kinds import moments_of
+from ecume.models.floating.state import WORK, State, Workspace
+from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+PER_PERIOD = 100.0
+"""Time steps in a period of the field, at least."""
+CHANGES = 10
+"""Coefficients of the energy: of B_x^2, B_y^2, B_z^2, B_x B_y, B_x B_z, B_y B_z, B_x, B_y, B_z, 1."""
+
+
+class MagneticField(NamedTuple):
+    """Constants of the field and of the floats."""
+
+    constant: Array
+    """(3,) T"""
+    amplitude: Array
+    """(3,) T"""
+    turning: float
+    """rad/s"""
+    phase: Array
+    """(3,) rad"""
+    induced: Array
+    """(N,) A m^2/T"""
+    permanent: Array
+    """(N,) A m^2, upward"""
+    strength: float
+    """mu_0/(4 pi)"""
+    cutoff: float
+    """m"""
+
+
+class MagneticScratch(NamedTuple):
+    """The field now and a step before, and the energy as a polynomial of it."""
+
+    field: Array
+    """(2, 3) T: now, and at the beginning of the step"""
+    energy: Array
+    """(10,) J by powers of T: see `CHANGES`"""
+
+
+def make_magnetic_scratch(
+    part: MagneticField, parameters: Parameters, state: State, workspace: Workspace
+) -> MagneticScratch:
+    """Return the workspace with the field at the time of the state."""
+    own = MagneticScratch(np.zeros((2, 3)), np.zeros(CHANGES))
+    set_field(part, own, int(state.step[0]) * parameters.time_step)
+    return own
+
+
+@compiled
+def set_field(part: MagneticField, own: MagneticScratch, time: float) -> None:
+    """Store the field of the last time, and compute that of a time."""
+    for axis in range(3):
+        own.field[1, axis] = own.field[0, axis]
+        swing = part.amplitude[axis] * math.cos(part.turning * time + part.phase[axis])
+        own.field[0, axis] = part.constant[axis] + swing
+
+
+@compiled_inside
+def energy_in(energy: Array, field: Array) -> float:
+    """The polynomial of the energy (J)."""
+    x, y, z = field[0], field[1], field[2]
+    squares = energy[0] * x * x + energy[1] * y * y + energy[2] * z * z
+    products = energy[3] * x * y + energy[4] * x * z + energy[5] * y * z
+    return float(squares + products + energy[6] * x + energy[7] * y + energy[8] * z + energy[9])
+
+
+@compiled
+def magnetic_forces(
+    part: MagneticField,
+    own: MagneticScratch,
+    parameters: Parameters,
+    position: Array,
+    lists: NeighborLists,
+    force: Array,
+) -> None:
+    """Add the forces of all pairs within the cutoff, and sum the coefficients of the energy."""
+    rows, order = lists.rows, lists.cells.order
+    first, neighbor, periods = rows.first, rows.neighbor, rows.periods
+    x, y, z = own.field[0, 0], own.field[0, 1], own.field[0, 2]
+    for k in range(CHANGES):
+        own.energy[k] = 0.0
+    for slot in range(len(order)):
+        i = order[slot]
+        a, p = part.induced[i], part.permanent[i]
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            if not i < j:
+                continue
+            dx, dy = apart(position, i, j, periods)
+            square = dx * dx + dy * dy
+            if not 0.0 < square < part.cutoff * part.cutoff:
+                continue
+            distance = math.sqrt(square)
+            nx, ny, b, q = dx / distance, dy / distance, part.induced[j], part.permanent[j]
+            add_energy(own.energy, part.strength / (square * distance), (nx, ny), (a, p), (b, q))
+            scale = 3.0 * part.strength / (square * square)
+            along = x * nx + y * ny
+            product = a * b * (x * x + y * y) + (a * z + p) * (b * z + q)
+            radial = scale * (product - 5.0 * a * b * along * along)
+            sideways = scale * 2.0 * a * b * along
+            fx, fy = radial * nx + sideways * x, radial * ny + sideways * y
+            force[j, 0] += fx
+            force[j, 1] += fy
+            force[i, 0] -= fx
+            force[i, 1] -= fy
+
+
+@compiled_inside
+def add_energy(
+    energy: Array, scale: float, n: tuple[float, float], one: tuple[float, float], other: tuple[float, float]
+) -> None:
+    """Add the coefficients of a pair: of its energy (m_i.m_j - 3 (m_i.n)(m_j.n)) times `scale`."""
+    a, p = one
+    b, q = other
+    induced = scale * a * b
+    energy[0] += induced * (1.0 - 3.0 * n[0] * n[0])
+    energy[1] += induced * (1.0 - 3.0 * n[1] * n[1])
+    energy[2] += induced
+    energy[3] -= induced * 6.0 * n[0] * n[1]
+    energy[8] += scale * (a * q + b * p)
+    energy[9] += scale * p * q
+
+
+@compiled
+def renew_field(part: MagneticField, own: MagneticScratch, parameters: Parameters, state: State, first: bool) -> None:
+    """Advance the field by one time step, before it, and add half of the work of its change at the positions before;
+    after the step, add the other half, at the positions then.
+    """
+    if first:
+        set_field(part, own, (state.step[0] + 1) * parameters.time_step)
+    change = energy_in(own.energy, own.field[0]) - energy_in(own.energy, own.field[1])
+    state.tally[WORK] += 0.5 * change
+
+
+def magnetic_energy(
+    part: MagneticField, own: MagneticScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """The energy of all pairs (J) in the field of this time."""
+    scratch = MagneticScratch(own.field.copy(), np.zeros(CHANGES))
+    set_field(part, scratch, int(state.step[0]) * parameters.time_step)
+    magnetic_forces(
+        part, scratch, parameters._replace(parts=()), state.position, workspace.lists, np.zeros_like(state.position)
+    )
+    return float(energy_in(scratch.energy, scratch.field[0])), 0.0
+
+
+def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """Return the magnetic field of a scene. Two touching floats are a spring of 4 F/l, as for dipoles."""
+    given, floats = scene.magnetic_field, parameters.floats
+    assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
+    names = [name for name, *_ in scene.kinds]
+    if unknown := [name for name in given.species if name not in names]:
+        raise scene_error(
+            "magnetic_field.species", f"got {unknown[0]!r}; expected names among {', '.join(map(repr, names))}"
+        )
+    if any(one.disc is not None for one in scene.given) and given.susceptibility > 0.0:
+        raise scene_error("magnetic_field.susceptibility", "induced moments are those of spheres; got a disc")
+    chosen = np.array([not given.species or names[number] in given.species for number in floats.species], np.float64)
+    induced = np.array([induced_moment(r, given.susceptibility, 1.0) for r in floats.radius.tolist()]) * chosen
+    permanent, turning = moments_of(scene), 2.0 * math.pi * given.frequency
+    constant, amplitude = np.array(given.constant), np.array(given.amplitude)
+    touching = 2.0 * float(floats.radius.min())
+    cutoff = touching / math.sqrt(scene.interaction.accuracy)
+    part = MagneticField(
+        constant, amplitude, turning, np.array(given.phase), induced, permanent, dipole_strength(1.0, 1.0), cutoff
+    )
+    strongest = float(np.max(induced * float(np.linalg.norm(np.abs(constant) + np.abs(amplitude))) + np.abs(permanent)))
+    at_contact = 6.0 * dipole_strength(strongest, strongest) / touching**4
+    spring = 2.0 * RAFT_NEIGHBORS * 4.0 * at_contact / touching
+    quickest = math.inf
+    if spring > 0.0:
+        friction = floats.mass / floats.relaxation_time
+        times = np.sqrt(floats.mass / spring) if parameters.scheme.inertia else friction / spring
+        quickest = float(np.min(times))
+    if np.any(amplitude):
+        quickest = min(quickest, 20.0 * 2.0 * math.pi / turning / PER_PERIOD)
+    return Built(part, quickest, reach=cutoff)
+
+
+def magnetic_lines(part: MagneticField, parameters: Parameters) -> list[tuple[str, str, str]]:
+    """Lines of `ecume check`: the induced moment, and how much two touching spheres change each other's."""
+    volume = 4.0 / 3.0 * math.pi * parameters.floats.radius**3
+    effective = float(np.max(part.induced * 4.0 * math.pi * part.strength / volume))
+    # The field of a moment on the line of centers at the distance 2 R, over that which induces it.
+    mutual = effective / 12.0
+    return [
+        ("induced moment", f"{float(part.induced.max()):.3g} A m^2/T", f"effective susceptibility {effective:.3g}"),
+        ("mutual induction", f"up to {100.0 * mutual:.2g} %", "of touching spheres; not included"),
+    ]

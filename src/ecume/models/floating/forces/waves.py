@@ -1,0 +1,293 @@
+"""Floats that oscillate up and down: the mean forces and torques by the waves of others.
+
+Each float carries points that press on the liquid, at places fixed in its own frame. The slope of the wave of a unit
+force is tabulated once for a run, times the distance, which makes it smooth at small distances.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume.engine.cells import Integers
+from ecume.engine.neighbors import NeighborLists
+from ecume.errors import BadInput
+from ecume.laws import radiated_waves
+from ecume.laws.radiated_waves import Ripples, slope_per_force
+from ecume.models.floating.contacts.friction import float_inertia
+from ecume.models.floating.options import Built, scene_error
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.setup.kinds import distinct_kinds
+from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.state import WORK, State, Workspace
+from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
+from ecume.models.liquids import liquid_of
+from ecume.units import Array
+from ecume.value_texts import with_prefix
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+PER_WAVELENGTH = 64
+"""Nodes of the table."""
+MOST_WAVELENGTHS = 400.0
+"""Length of the table, in wavelengths, at most."""
+STEEP = 0.3
+"""Wavenumber times amplitude above which waves are not small."""
+CLOSEST = 1.0 / 16.0
+"""Distance of two sources, in wavelengths, down to which the time step resolves their force."""
+
+
+class Waves(NamedTuple):
+    """Constants of floats that oscillate."""
+
+    owner: Integers
+    """(M,) the float of each source"""
+    place: Array
+    """(M, 2) m, in the frame of the float"""
+    press: Array
+    """(M, 2) N: real and imaginary part of the force on the liquid"""
+    table: Array
+    """(2, K) m/N: real and imaginary part of distance times slope"""
+    spacing: float
+    """m, of the table"""
+    inertia: Array
+    """(N,) kg m^2"""
+    friction: Array
+    """(N,) N m s, against turning"""
+    wavelength: float
+    """m"""
+    decay_length: float
+    """m"""
+    steepness: float
+    """the largest wavenumber times amplitude, one wavelength from a source"""
+
+
+class WavesScratch(NamedTuple):
+    """Arrays of the state, and forces and torques."""
+
+    turning: Array
+    active: Array
+    spot: Array
+    """(M, 2) m: where the sources are"""
+    force: Array
+    """(N, 2) N"""
+    torque: Array
+    """(N,) N m"""
+    before: Array
+    """(N, 6) at the beginning of the step: force, torque, position, angle"""
+
+
+def make_waves_scratch(part: Waves, parameters: Parameters, state: State, workspace: Workspace) -> WavesScratch:
+    """Return the workspace."""
+    count = len(state.position)
+    spots, zeros = np.zeros((len(part.owner), 2)), np.zeros
+    return WavesScratch(state.turning, state.active, spots, zeros((count, 2)), zeros(count), zeros((count, 6)))
+
+
+def with_headings(part: Waves, state: State) -> State:
+    """Return the state with the headings of propulsion along those of the floats."""
+    active = state.active.copy()
+    active[:, 2] = 0.0
+    return state._replace(active=active)
+
+
+@compiled_inside
+def tabled(table: Array, place: float) -> tuple[float, float]:
+    """The complex number at this place of the table, in nodes, by cubic interpolation; zero beyond its end."""
+    nodes = table.shape[1]
+    first = min(max(int(place) - 1, 0), nodes - 4)
+    s = place - first
+    if s > 3.0:
+        return 0.0, 0.0
+    a, b, c = s - 1.0, s - 2.0, s - 3.0
+    w0, w1, w2, w3 = -a * b * c / 6.0, 0.5 * s * b * c, -0.5 * s * a * c, s * a * b / 6.0
+    real = w0 * table[0, first] + w1 * table[0, first + 1] + w2 * table[0, first + 2] + w3 * table[0, first + 3]
+    imaginary = w0 * table[1, first] + w1 * table[1, first + 1] + w2 * table[1, first + 2] + w3 * table[1, first + 3]
+    return real, imaginary
+
+
+@compiled
+def wave_forces(
+    part: Waves, own: WavesScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the mean forces by waves, and store the torques: of each pair of sources on different floats."""
+    owner, place, press, table, spot = part.owner, part.place, part.press, part.table, own.spot
+    for i in range(len(own.torque)):
+        own.force[i, 0], own.force[i, 1], own.torque[i] = 0.0, 0.0, 0.0
+    for a in range(len(owner)):
+        i = owner[a]
+        angle = own.turning[i, 0] + (own.active[i, 2] if len(own.active) > 0 else 0.0)
+        c, s = math.cos(angle), math.sin(angle)
+        spot[a, 0] = position[i, 0] + c * place[a, 0] - s * place[a, 1]
+        spot[a, 1] = position[i, 1] + s * place[a, 0] + c * place[a, 1]
+    for a in range(len(owner)):
+        i = owner[a]
+        for b in range(a + 1, len(owner)):
+            j = owner[b]
+            if i == j:
+                continue
+            x, y = spot[b, 0] - spot[a, 0], spot[b, 1] - spot[a, 1]
+            square = x * x + y * y
+            if square == 0.0:
+                continue
+            real, imaginary = tabled(table, math.sqrt(square) / part.spacing)
+            # conj(F_b) F_a; the table holds distance times slope, and x, y the distance times the direction.
+            along = (press[b, 0] * press[a, 0] + press[b, 1] * press[a, 1]) * real / square
+            across = (press[b, 0] * press[a, 1] - press[b, 1] * press[a, 0]) * imaginary / square
+            push, back = -0.5 * (along - across), 0.5 * (along + across)
+            add_at(own, j, spot[b, 0] - position[j, 0], spot[b, 1] - position[j, 1], push * x, push * y)
+            add_at(own, i, spot[a, 0] - position[i, 0], spot[a, 1] - position[i, 1], back * x, back * y)
+    for i in range(len(own.torque)):
+        force[i, 0] += own.force[i, 0]
+        force[i, 1] += own.force[i, 1]
+
+
+@compiled_inside
+def add_at(own: WavesScratch, i: int, arm_x: float, arm_y: float, x: float, y: float) -> None:
+    """Add a force (x, y) on float i at a place beside its center."""
+    own.force[i, 0] += x
+    own.force[i, 1] += y
+    own.torque[i] += arm_x * y - arm_y * x
+
+
+@compiled
+def kick_wave_spins(part: Waves, own: WavesScratch, parameters: Parameters, state: State, first: bool) -> None:
+    """Half a kick of the spins, solved exactly with drag; the angles after the first half. After the second half, add
+    the work of the step by the mean of the forces at both ends.
+    """
+    time, count = parameters.time_step, len(own.torque)
+    for i in range(count):
+        friction, inertia, spin = part.friction[i], part.inertia[i], own.turning[i, 1]
+        if parameters.scheme.inertia:
+            rate = 0.5 * time * friction / inertia
+            held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
+            own.turning[i, 1] = math.exp(-rate) * spin + held * 0.5 * time * own.torque[i] / inertia
+        else:
+            own.turning[i, 1] = own.torque[i] / friction
+    before = own.before
+    if first:
+        for i in range(count):
+            before[i, 0], before[i, 1], before[i, 2] = own.force[i, 0], own.force[i, 1], own.torque[i]
+            before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], own.turning[i, 0]
+            own.turning[i, 0] += time * own.turning[i, 1]
+        return
+    work = 0.0
+    for i in range(count):
+        work += 0.5 * (before[i, 0] + own.force[i, 0]) * (state.position[i, 0] - before[i, 3])
+        work += 0.5 * (before[i, 1] + own.force[i, 1]) * (state.position[i, 1] - before[i, 4])
+        work += 0.5 * (before[i, 2] + own.torque[i]) * (own.turning[i, 0] - before[i, 5])
+    state.tally[WORK] += work
+
+
+def no_wave_energy(
+    part: Waves, own: WavesScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """Return zero: forces that waves exert have no potential."""
+    return 0.0, 0.0
+
+
+def waves_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """Return the waves of a scene."""
+    given, radius = scene.waves, parameters.floats.radius
+    assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
+    liquid = liquid_of(scene)
+    try:
+        found = radiated_waves.ripples(
+            given.frequency, liquid.density, liquid.surface_tension, liquid.viscosity, scene.gravity
+        )
+    except BadInput as error:
+        raise scene_error("waves.frequency", str(error)) from None
+    _require_headings(scene)
+    owner, place, press = _sources(parameters, scene)
+    kinds, number = distinct_kinds(scene)
+    inertia = np.array([float_inertia(kind) for kind in kinds])[number]
+    friction = turning_frictions(scene)
+    table, spacing = _table(found, parameters, scene)
+    strongest = float(np.max(np.bincount(owner, np.hypot(*press.T))))
+    part = Waves(
+        owner, place, press, table, spacing, inertia, friction, found.wavelength, found.decay_length,
+        radiated_waves.steepness(float(np.hypot(*press.T).max()), found),
+    )  # fmt: skip
+    arm = float(np.hypot(*place.T).max())
+    gap = 2.0 * float(radius[owner].min()) - 2.0 * arm
+    return Built(part, _quickest(parameters, part, strongest, arm, max(gap, CLOSEST * found.wavelength)))
+
+
+def _sources(parameters: Parameters, scene: FloatingScene) -> tuple[Integers, Array, Array]:
+    """The sources of all floats, float by float."""
+    given, floats = scene.waves, parameters.floats
+    assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
+    names = [name for name, *_ in scene.kinds]
+    owner, place, press = [], [], []
+    for index, source in enumerate(given.sources):
+        if source.species and source.species not in names:
+            raise scene_error(
+                f"waves.sources[{index}].species",
+                f"got {source.species!r}; expected one of {', '.join(map(repr, names))}",
+            )
+        for i, kind in enumerate(floats.species):
+            if source.species in ("", names[kind]):
+                if math.hypot(*source.place) > floats.radius[i]:
+                    far, path = math.hypot(*source.place), f"waves.sources[{index}].place"
+                    raise scene_error(
+                        path, f"is {far:g} m from the center; expected at most the radius, {floats.radius[i]:g} m"
+                    )
+                owner.append(i)
+                place.append(source.place)
+                press.append((source.force * math.cos(source.phase), source.force * math.sin(source.phase)))
+    order = np.argsort(owner, kind="stable")
+    return np.array(owner, np.int64)[order], np.array(place, np.float64)[order], np.array(press, np.float64)[order]
+
+
+def _require_headings(scene: FloatingScene) -> None:
+    """Raise SceneError unless each float of the species has a heading, or none has."""
+    given, count = scene.waves.headings if scene.waves is not None else (), sum(one.count for one in scene.particles)
+    if given and count and len(given) != count:
+        raise scene_error("waves.headings", f"got {len(given)} headings; expected one for each of {count} floats")
+
+
+def _table(found: Ripples, parameters: Parameters, scene: FloatingScene) -> tuple[Array, float]:
+    """Distance times slope at even distances, up to where the slope is below `interaction.accuracy` of that at one
+    wavelength by viscosity, or across the dish; and the spacing.
+    """
+    far = found.wavelength + found.decay_length * math.log(1.0 / scene.interaction.accuracy)
+    spacing = found.wavelength / PER_WAVELENGTH
+    far = min(far, MOST_WAVELENGTHS * found.wavelength)
+    walls = parameters.walls
+    across = 2.0 * min(walls.disc_radius, float(np.hypot.reduce(walls.offset)) if len(walls.offset) else math.inf)
+    far = min(far, across + 4.0 * spacing)
+    distance = np.asarray(spacing * np.arange(max(math.ceil(far / spacing), 8)), np.float64)
+    distance[0] = 1e-3 * spacing
+    slope = distance * slope_per_force(distance, found)
+    return np.ascontiguousarray([slope.real, slope.imag]), spacing
+
+
+def _quickest(parameters: Parameters, part: Waves, strongest: float, arm: float, gap: float) -> float:
+    """The shortest time scale of floats in the waves of their neighbors, for distances of sources from `gap` on."""
+    floats = parameters.floats
+    nodes = part.spacing * np.arange(1, part.table.shape[1])
+    slope = np.hypot(*part.table)[1:] / nodes
+    curvature = max(2.0 * math.pi / part.wavelength, 1.0 / gap) * float(np.max(slope[nodes >= gap], initial=0.0))
+    spring = RAFT_NEIGHBORS * 0.5 * strongest**2 * curvature
+    turned = np.unique(part.owner)
+    if not parameters.scheme.inertia:
+        friction = floats.mass / floats.relaxation_time
+        times = [friction / spring, part.friction[turned] / (spring * max(arm, 1e-30) ** 2)]
+    else:
+        times = [np.sqrt(floats.mass / spring), np.sqrt(part.inertia[turned] / (spring * max(arm, 1e-30) ** 2))]
+    return min(float(np.min(each)) for each in times)
+
+
+def wave_lines(part: Waves, parameters: Parameters) -> list[tuple[str, str, str]]:
+    """Lines of `ecume check`: the wave, its range, and whether it is small."""
+    small = "small" if part.steepness <= STEEP else f"not small: the theory needs less than {STEEP:g}"
+    sizes = 2.0 * parameters.floats.radius.max() / part.wavelength
+    return [
+        ("waves", with_prefix(part.wavelength, "m"), f"wavelength; the widest float has {sizes:.2g} wavelengths"),
+        ("range of waves", with_prefix(part.decay_length, "m"), "viscosity reduces their amplitude by e"),
+        ("steepness of waves", f"{part.steepness:.2g}", f"slope one wavelength from a source: {small}"),
+    ]

@@ -1,0 +1,172 @@
+"""Floats that radiate waves: dispersion, bound states of two surfers, spinners that lock beside measured phases."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ecume.laws.radiated_waves import ripples
+from ecume.laws.waves import wave_frequency
+from ecume.models.floating.forces.activity import Activity
+from ecume.models.floating.forces.waves import Waves
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+from ecume.units import Array
+from ecume.validation.hydrodynamics import Run
+from ecume.validation.rows import Row, above, below, within
+
+DATA = Path(__file__).parent / "data" / "waves"
+GRAVITY = 9.81
+BATH = {"density": 1149.5, "viscosity": 0.01, "surface_tension": 0.067}
+"""Water and glycerol, of the public program of the spinners."""
+FREQUENCIES = (40.0, 90.0, 250.0)
+
+ARM, POINTS, SPEED, RELAXATION, INERTIA = 5.7e-3, 8, 0.19, 0.53, 0.64e-9
+"""Of a spinner: length of an arm (m), points on it, free rotation (rad/s), relaxation time (s), inertia (kg m^2)."""
+SPINNING, SHAKEN, SHARE = 90.0, 1.6 * GRAVITY, 0.15
+"""Frequency (Hz), acceleration of the bath (m/s^2), and the relative amplitude of a spinner."""
+THIRD = math.pi / 3.0
+"""Phase differences are the same up to sign and to 2 pi/3."""
+LOCKED, STARTS = (27.0, 28.0, 29.0, 30.0), (0.15, 0.9)
+"""Distances of spinners (mm), and their phase differences at the start (rad)."""
+TURNS, STEP = 6, 0.01
+"""Turns of a spinner, and the time step (s)."""
+
+SURFER = {"radius": 2e-3, "density": 1100.0, "disc": {"thickness": 0.5e-3}}
+SURFING, PRESS, PROPULSION = 100.0, 1.2e-4, 2e-6
+"""Hz; N of each source; N."""
+SPACINGS = np.arange(5e-3, 15e-3, 0.8e-3)
+"""m: of two surfers side by side, at the start."""
+APART, SURFED = 0.3, 60.0
+"""Distance of pairs from one another (m), and the duration (s)."""
+
+
+def rows() -> list[Row]:
+    """Dispersion, surfers, spinners."""
+    return [*dispersion(), *surfers(), *spinners()]
+
+
+def dispersion() -> Iterator[Row]:
+    """The frequency of a wave of the kernel's wavelength, over the frequency of the source, without viscosity."""
+    for frequency in FREQUENCIES:
+        found = ripples(frequency, 1000.0, 0.07, 1e-9, GRAVITY)
+        omega = wave_frequency(2.0 * math.pi / found.wavelength, 1.0, GRAVITY, 0.07 / 1000.0)
+        yield within(f"dispersion at {frequency:g} Hz", omega / (2.0 * math.pi * frequency), 1.0, 1e-6)
+
+
+def surfers() -> Iterator[Row]:
+    """Two surfers side by side from many spacings: how many spacings they keep, and how far these are apart."""
+    found = np.sort(final_spacings())
+    bound = np.split(found, np.flatnonzero(np.diff(found) > 5e-4) + 1)
+    spread = max(float(np.ptp(each)) for each in bound)
+    spacings = np.array([each.mean() for each in bound])
+    length = ripples(SURFING, BATH["density"], BATH["surface_tension"], BATH["viscosity"], GRAVITY).wavelength
+    yield above("two surfers side by side: bound states", float(len(bound)), 2.5)
+    yield below("two surfers side by side: spread of a bound spacing, over the wavelength", spread / length, 0.02)
+    for number, apart in enumerate(np.diff(spacings) / length, 1):
+        name = f"bound spacing {number + 1} less spacing {number}, over the wavelength"
+        yield within(name, float(apart), 1.0, 0.05)
+
+
+def final_spacings() -> Array:
+    """The distances of pairs of surfers that swim along y, in the end (m), from `SPACINGS`. Pairs are too far from one
+    another to feel their waves.
+    """
+    starts = enumerate(SPACINGS.tolist())
+    places = [[APART * pair + 0.5 * side * start, 0.0] for pair, start in starts for side in (-1, 1)]
+    sources = [{"place": [1.2e-3, 0.0], "force": PRESS}, {"place": [-1.2e-3, 0.0], "force": PRESS}]
+    scene = from_plain({
+        "model": "floating", "duration": SURFED, "frame_every": SURFED, "liquid": BATH, "interaction": {"law": "none"},
+        "particles": [{**SURFER, "positions": places}],
+        "waves": {"frequency": SURFING, "sources": sources, "headings": [0.5 * math.pi] * len(places)},
+        "activity": {"propulsion": PROPULSION},
+    })  # fmt: skip
+    *_, last = simulate(scene)
+    return np.asarray(np.linalg.norm(np.diff(last.arrays["position"].reshape(-1, 2, 2), axis=1)[:, 0], axis=1))
+
+
+def spinner_points() -> Array:
+    """(points, 2) m: three curved arms of a spinner, from the public program."""
+    along = np.linspace(0.0, ARM * math.cos(math.radians(20.0)), POINTS)
+    arm = turned(np.column_stack([along, math.tan(math.radians(20.0)) * along]), -math.radians(2.5))
+    arm = (arm + np.array([-1.622e-3, 0.876e-3])) * np.array([-1.0, 1.0])
+    return np.concatenate([turned(arm, 2.0 * math.pi / 3.0 * number) for number in (0, 2, 1)])
+
+
+def turned(places: Array, angle: float) -> Array:
+    """Places turned about the origin."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.asarray(places @ np.array([[c, s], [-s, c]]))
+
+
+def spinners() -> Iterator[Row]:
+    """Phase differences at which two spinners held at a distance lock, beside measured ones."""
+    with (DATA / "published-phases.csv").open(encoding="utf-8") as file:
+        measured = [
+            (float(row["distance"]), float(row["phase"])) for row in csv.DictReader(file) if row["compared"] == "yes"
+        ]
+    for distance in LOCKED:
+        found = [locked_phase(1e-3 * distance, start) for start in STARTS]
+        name = f"spinners {distance:g} mm apart"
+        yield below(f"{name}: drift of the phase in a turn (rad)", max(slip for _, slip in found), 0.02)
+        for phase in (phase for at, phase in measured if at == distance):
+            nearest = min((folded(one) for one, _ in found), key=lambda one: abs(one - phase))
+            yield within(f"{name}: phase difference (rad), beside a measured one", nearest, phase, 0.1)
+
+
+def folded(phase: float) -> float:
+    """A phase difference between 0 and pi/3.
+
+    >>> round(folded(2.0 * math.pi / 3.0 - 0.1), 9)
+    0.1
+    """
+    rest = phase % (2.0 * THIRD)
+    return min(rest, 2.0 * THIRD - rest)
+
+
+def locked_phase(distance: float, start: float) -> tuple[float, float]:
+    """The phase difference of two spinners after some turns (rad), and its change in the last turn."""
+    run = spinner_run(distance, start)
+    places, phases = run.state.position.copy(), []
+    every = round(2.0 * math.pi / SPEED / STEP / 50)
+    for _ in range(50 * TURNS):
+        for _ in range(every):
+            run.advance(1)
+            run.state.position[:], run.state.velocity[:] = places, 0.0
+        angle = run.state.turning[:, 0] + run.state.active[:, 2]
+        phases.append(float(angle[1] - angle[0]))
+    last, before = np.mean(phases[-50:]), np.mean(phases[-100:-50])
+    return float(last), abs(float(last - before))
+
+
+def spinner_run(distance: float, start: float) -> Run:
+    """Two spinners with the inertia, friction and free rotation of the public program."""
+    points = spinner_points()
+    omega = 2.0 * math.pi * SPINNING
+    force = INERTIA / float(np.sum(points**2)) * SHARE * SHAKEN
+    radius = 1.05 * float(np.hypot(*points.T).max())
+    scene: dict[str, Any] = {
+        "duration": 1.0, "frame_every": 1.0, "liquid": BATH, "interaction": {"law": "none"},
+        "particles": [{"radius": radius, "density": 1100.0, "disc": {"thickness": 5e-4},
+                       "positions": [[0.0, 0.0], [distance, 0.0]]}],
+        "waves": {"frequency": omega / (2.0 * math.pi), "headings": [0.0, start],
+                  "sources": [{"place": place, "force": force} for place in points.tolist()]},
+        "activity": {"torque": 1e-9},
+    }  # fmt: skip
+    run = Run(scene)
+    parts, count = [], 2
+    for part in run.parameters.parts.interactions:
+        if isinstance(part, Waves):
+            part = part._replace(inertia=np.full(count, INERTIA), friction=np.full(count, INERTIA / RELAXATION))
+        if isinstance(part, Activity):
+            part = part._replace(turning=np.full(count, SPEED))
+        parts.append(part)
+    chosen = run.parameters.parts._replace(interactions=tuple(parts))
+    run.parameters = run.parameters._replace(parts=chosen, time_step=STEP)
+    run.workspace = run.model.workspace(run.parameters, run.state, 1.0)
+    return run
