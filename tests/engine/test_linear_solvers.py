@@ -43,6 +43,32 @@ def system(width, held, count=30, lean=0.1):
     return matrix, dense, right_sides(random, count, width, held)
 
 
+def test_a_pattern_has_a_block_for_each_pair_once_in_the_order_of_columns():
+    """Pairs that stand several times, particles that touch their own copies, and several chunks of rows."""
+    random = np.random.default_rng(8)
+    count = 2100
+    first, second = random.integers(0, count, (2, 4000))
+    first, second = np.concatenate([first, first[:50], [7]]), np.concatenate([second, second[:50], [7]])
+    order = random.permutation(count)
+    pattern = block_matrix.make_pattern(count, first, second, order)
+    row, here, there = np.arange(count), pattern.rank[first], pattern.rank[second]
+    pairs = {*zip(row, row, strict=True), *zip(here, there, strict=True), *zip(there, here, strict=True)}
+    rows = np.repeat(row, np.diff(pattern.start))
+    assert [*zip(rows, pattern.column, strict=True)] == sorted(pairs)
+    for places, a, b in ((pattern.upper, here, there), (pattern.lower, there, here)):
+        assert (rows[places] == a).all()
+        assert (pattern.column[places] == b).all()
+    assert (pattern.column[pattern.inside[:, 1]] == row).all()
+    assert (pattern.diagonal == pattern.inside[pattern.rank, 1]).all()
+    chunk = rows // block_matrix.CHUNK
+    before, inside = pattern.column // block_matrix.CHUNK < chunk, pattern.column // block_matrix.CHUNK <= chunk
+    assert (np.bincount(rows[before], minlength=count) == pattern.inside[:, 0] - pattern.start[:-1]).all()
+    assert (np.bincount(rows[inside], minlength=count) == pattern.inside[:, 2] - pattern.start[:-1]).all()
+    for i in (0, 7, count - 1):
+        links = pattern.link[pattern.first_link[i] : pattern.first_link[i + 1]]
+        assert links.tolist() == [2 * c + k for c in range(len(first)) for k in (0, 1) if (first, second)[k][c] == i]
+
+
 def solved(name, matrix, right, solution, loose):
     if name == "cholmod":
         pytest.importorskip("cvxopt")

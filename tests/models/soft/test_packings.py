@@ -9,6 +9,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
+from ecume.models.soft.contacts import contact_list, neighbor_search
 from ecume.models.soft.contacts.contact_list import neighbors, newcomers
 from ecume.models.soft.loading.cell import Box
 from ecume.models.soft.state import ACCEPTED
@@ -117,6 +118,26 @@ def test_pairs_near_one_another_are_those_of_a_search_over_all_copies(dimensions
             if i < j or (i == j and tuple(copy) > (0,) * dimensions):
                 wanted.append((int(i), int(j), *copy.tolist()))
     assert [(*p, *i) for p, i in zip(pair.tolist(), image.tolist(), strict=True)] == sorted(wanted)
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_cells_find_the_pairs_of_the_tree_in_its_order_with_its_bits(monkeypatch, dimensions):
+    """In a box so small that spheres meet several copies of each other, at tilts beyond half a box, and with room for
+    too few neighbors at first.
+    """
+    scene = packing(dimensions, count=6, filled=0.5)
+    parameters = SOFT.parameters(scene)
+    position = SOFT.start(scene, parameters).position + 3.0 * parameters.box[0]
+    parameters = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.9 * parameters.box[0]))
+    for tilt in (0.0, 0.4, -1.7):
+        box = Box(parameters.box[:dimensions], tilt * parameters.box[0])
+        by_tree = neighbors(parameters, position, box)
+        monkeypatch.setattr(contact_list, "MANY", 1)
+        monkeypatch.setattr(neighbor_search, "ROOM", 2)
+        by_cells = neighbors(parameters, position, box)
+        monkeypatch.undo()
+        assert len(by_tree[0]) > len(np.unique(by_tree[0], axis=0))
+        assert [each.tobytes() for each in by_cells] == [each.tobytes() for each in by_tree]
 
 
 def test_newcomers_are_near_and_not_in_contact():

@@ -61,22 +61,96 @@ def make_pattern(count: int, first: Integers, second: Integers, order: Integers 
     """The pattern of pairs (first, second), each of which may stand several times, among so many particles; rows in
     their order unless another one is given.
     """
-    every = np.arange(count)
-    order = every if order is None else order
+    order = np.arange(count) if order is None else order
     rank = np.empty(count, np.int64)
-    rank[order] = every
-    here, there = rank[first], rank[second]
-    rows, columns = np.concatenate([rank, here, there]), np.concatenate([rank, there, here])
-    places, inverse = np.unique(rows * count + columns, return_inverse=True)
-    start = np.searchsorted(places, np.arange(count + 1) * count)
-    diagonal, upper, lower = np.split(inverse, [count, count + len(first)])
-    begin = every // CHUNK * CHUNK
-    limits = [every * count + begin, every * count + every, every * count + np.minimum(begin + CHUNK, count)]
-    inside = np.ascontiguousarray(np.searchsorted(places, limits).T)
-    ends = np.stack([first, second], axis=1).ravel()
-    link = np.argsort(ends, kind="stable")
-    first_link = np.searchsorted(ends[link], np.arange(count + 1))
-    return Pattern(start, places % count, order, rank, diagonal, inside, upper, lower, first_link, link)
+    rank[order] = np.arange(count)
+    first_link, link = links_of(count, first, second)
+    start = np.zeros(count + 1, np.int64)
+    count_blocks(start, (order, rank), (first, second), (first_link, link))
+    column, inside = np.zeros(start[-1], np.int64), np.zeros((count, 3), np.int64)
+    upper, lower = np.zeros(len(first), np.int64), np.zeros(len(first), np.int64)
+    place_blocks(start, (order, rank), (first, second), (first_link, link), (column, inside, upper, lower))
+    return Pattern(start, column, order, rank, inside[rank, 1], inside, upper, lower, first_link, link)
+
+
+@compiled
+def links_of(count: int, first: Integers, second: Integers) -> tuple[Integers, Integers]:
+    """The pairs of each particle, as in a `Pattern`, by counting."""
+    first_link, link = np.zeros(count + 1, np.int64), np.zeros(2 * len(first), np.int64)
+    for c in range(len(first)):
+        first_link[first[c] + 1] += 1
+        first_link[second[c] + 1] += 1
+    for i in range(count):
+        first_link[i + 1] += first_link[i]
+    free = first_link.copy()
+    for c in range(len(first)):
+        link[free[first[c]]] = 2 * c
+        free[first[c]] += 1
+        link[free[second[c]]] = 2 * c + 1
+        free[second[c]] += 1
+    return first_link, link
+
+
+@compiled
+def count_blocks(
+    start: Integers,
+    ranks: tuple[Integers, Integers],
+    pairs: tuple[Integers, Integers],
+    links: tuple[Integers, Integers],
+) -> None:
+    """Where the blocks of each row start. Columns are passed in their order, so that repetitions follow each other."""
+    (order, rank), (first, second), (first_link, link) = ranks, pairs, links
+    last = np.full(len(order), -1)
+    for q in range(len(order)):
+        last[q] = q
+        start[q + 1] += 1
+        for k in range(first_link[order[q]], first_link[order[q] + 1]):
+            row = rank[second[link[k] // 2] if link[k] % 2 == 0 else first[link[k] // 2]]
+            if last[row] != q:
+                last[row] = q
+                start[row + 1] += 1
+    for row in range(len(order)):
+        start[row + 1] += start[row]
+
+
+@compiled
+def place_blocks(
+    start: Integers,
+    ranks: tuple[Integers, Integers],
+    pairs: tuple[Integers, Integers],
+    links: tuple[Integers, Integers],
+    to: tuple[Integers, Integers, Integers, Integers],
+) -> None:
+    """Columns, limits of chunks, and places of pairs, column by column."""
+    (order, rank), (first, second), (first_link, link) = ranks, pairs, links
+    column, inside, upper, lower = to
+    free = start[:-1].copy()
+    for row in range(len(order)):
+        inside[row, 0] = inside[row, 2] = start[row]
+    for q in range(len(order)):
+        add_block(q, q, free, column, inside)
+        inside[q, 1] = free[q] - 1
+        for k in range(first_link[order[q]], first_link[order[q] + 1]):
+            c, is_first = link[k] // 2, link[k] % 2 == 0
+            row = rank[second[c] if is_first else first[c]]
+            if free[row] == start[row] or column[free[row] - 1] != q:
+                add_block(row, q, free, column, inside)
+            if is_first:
+                lower[c] = free[row] - 1
+            else:
+                upper[c] = free[row] - 1
+
+
+@compiled_inside
+def add_block(row: int, q: int, free: Integers, column: Integers, inside: Integers) -> None:
+    """The next block of a row, in column q."""
+    begin = row // CHUNK * CHUNK
+    column[free[row]] = q
+    free[row] += 1
+    if q < begin:
+        inside[row, 0] = free[row]
+    if q < begin + CHUNK:
+        inside[row, 2] = free[row]
 
 
 def near_order(position: Array) -> Integers:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix
@@ -224,8 +225,19 @@ def left_over(step: Step) -> float:
     """
     forces = (step.answers.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
-    rounding = ROUNDING * float((step.answers.stiffness.max(axis=(1, 2)) * step.pairs.radius_sum).max(initial=0.0))
+    rounding = ROUNDING * stiffest(step.answers.stiffness, step.pairs.radius_sum)
     return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0
+
+
+@compiled
+def stiffest(stiffness: Array, radius_sum: Array) -> float:
+    """The largest stiffness times the distance of centers (N)."""
+    largest = 0.0
+    for c in range(len(radius_sum)):
+        for k in range(3):
+            for m in range(3):
+                largest = max(largest, stiffness[c, k, m] * radius_sum[c])
+    return largest
 
 
 def in_space(vectors: Array) -> Array:

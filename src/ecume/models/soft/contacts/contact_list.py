@@ -12,6 +12,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers.block_matrix import near_order
 from ecume.engine.walls import gaps, through
 from ecume.errors import Diverged
+from ecume.models.soft.contacts.neighbor_search import copy_near, search
 from ecume.models.soft.loading.cell import Box, box_of
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.state import State
@@ -19,6 +20,8 @@ from ecume.units import Array
 
 CROWD = 36
 """Spheres up to which their order is that of the scene."""
+MANY = 1000
+"""Spheres from which on cells are searched, by threads; a tree needs no compiled code."""
 Found = tuple[Integers, Integers, Array]
 """Pairs, images, and the vectors between their centers."""
 
@@ -71,6 +74,21 @@ def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool
         if rows[row, k] != others[other, k]:
             return bool(rows[row, k] < others[other, k])
     return False
+
+
+@compiled
+def merged_order(rows: Integers, here: int) -> Integers:
+    """The order of rows of which the first so many are in order, and so are the others."""
+    order = np.zeros(len(rows), np.int64)
+    old, new = 0, here
+    for place in range(len(rows)):
+        if new == len(rows) or (old < here and comes_before(rows, old, rows, new)):
+            order[place] = old
+            old += 1
+        else:
+            order[place] = new
+            new += 1
+    return order
 
 
 def order_of(pair: Integers, image: Integers) -> Integers:
@@ -126,6 +144,9 @@ def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
     """
     radius = parameters.radius
     far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
+    if len(position) >= MANY and box.sides.any():
+        copies = copy_near(at_home(position, box), box.sides, _shifts(box, position.shape[1]), far)
+        return search(radius, parameters.contacts.fade_from, copies, wraps(position, box))
     place, owner, copy = _copies(position, box, far)
     found = cKDTree(place).query_pairs(far, output_type="ndarray")
     found = found[found[:, 0] < len(position)]
@@ -172,6 +193,21 @@ def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Int
         return position, np.arange(count), home
     places = at_home(position, box)
     every, owners, copies = [places], [np.arange(count)], [home]
+    for move, lean in zip(*_shifts(box, dimensions), strict=True):
+        moved = places + move * box.sides
+        moved[:, 0] += lean
+        seen = ((box.sides == 0.0) | ((moved > -far) & (moved < box.sides + far))).all(axis=1)
+        every.append(moved[seen])
+        owners.append(np.flatnonzero(seen))
+        copies.append(np.broadcast_to(move, (int(seen.sum()), dimensions)))
+    return np.concatenate(every), np.concatenate(owners), np.concatenate(copies)
+
+
+def _shifts(box: Box, dimensions: int) -> tuple[Integers, Array]:
+    """The copies of the box that may touch it: their images, and by how much the tilt moves each along the first
+    axis (m).
+    """
+    moves = []
     for shift in np.ndindex(*(3,) * dimensions):
         move = np.array(shift) - 1
         if not move.any() or move[box.sides == 0.0].any():
@@ -179,13 +215,9 @@ def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Int
         # Sheared copies above and below are looked for among those that lie beside the box now.
         if box.tilt != 0.0:
             move[0] -= round(box.tilt * move[1] / box.sides[0])
-        moved = places + move * box.sides
-        moved[:, 0] += box.tilt * move[1]
-        seen = ((box.sides == 0.0) | ((moved > -far) & (moved < box.sides + far))).all(axis=1)
-        every.append(moved[seen])
-        owners.append(np.flatnonzero(seen))
-        copies.append(np.broadcast_to(move, (int(seen.sum()), dimensions)))
-    return np.concatenate(every), np.concatenate(owners), np.concatenate(copies)
+        moves.append(move)
+    every: Integers = np.array(moves, np.int64).reshape(-1, dimensions)
+    return every, np.asarray(box.tilt * every[:, 1], np.float64)
 
 
 def _negative(image: Integers) -> NDArray[np.bool_]:
@@ -221,7 +253,7 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     state.log_gap[here:total] = log(gap)
     state.direction[here:total] = between / length[:, None]
     state.contacts[0] = total
-    _keep(state, order_of(state.pair[:total], state.image[:total]))
+    _keep(state, merged_order(np.concatenate([state.pair[:total], state.image[:total]], axis=1), here))
     if len(state.position) > CROWD:
         state.order[:] = near_order(at_home(state.position, box_in(parameters, state)))
     state.generation[0] += 1
