@@ -1,4 +1,4 @@
-"""Dam breaks: front, pressure on the far wall, levels and volume, beside other codes and experiments."""
+"""Dam breaks: front, impact and pressure on the far wall, levels and volume, beside other codes and experiments."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from ecume.engine.interpolation import THIN
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+from ecume.validation import impact
 from ecume.validation.rows import Row, above, below, within
 from ecume.validation.runner import read_table, sph_scene
 
-FAR_WALL = 5.366
+FAR_WALL = impact.FAR_WALL
 SENSORS = {"P1": 0.01, "P2": 0.05, "P3": 0.1, "P4": 0.267}
 """Heights on the far wall."""
 GAUGES = {"H1": 1.0, "H2": 2.8833, "H3": 3.7133, "H4": 4.5417}
@@ -25,6 +26,8 @@ PRESSURES = (3.0, 5.0)
 """Between these times pressures are averaged."""
 MOST_FRONT = {40: 0.1, 80: 0.05}
 """Distance from the front of the finest run of another code, by particles in the column's height."""
+COARSE = 20
+"""Particles in the column's height, of the coarsest impact."""
 MOST_PRESSURE = {40: 0.1, 80: 0.05}
 """Relative. The other code itself is 8 % off with 40 particles, and 4 % with 80."""
 MOST_LEVEL, MOST_VOLUME = 0.05, 0.01
@@ -50,12 +53,27 @@ class Broken(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """The wide column at two resolutions, then the tall one."""
-    runs = {deep: broken([f"spacing={1.0 / deep!r}"], 4.0 / deep) for deep in MOST_FRONT}
+    """The wide column at two resolutions and its impact at three, then the tall one."""
+    both = {deep: struck(deep) for deep in MOST_FRONT}
+    runs = {deep: run for deep, (run, _) in both.items()}
+    impacts = {COARSE: impact.struck([f"spacing={1.0 / COARSE!r}"])} | {deep: run for deep, (_, run) in both.items()}
     fronts = [row for deep, run in runs.items() for row in front(run, deep)]
     sharper = [order(runs[40], runs[80])]
     others = [row for deep, run in runs.items() for row in (*pressure(run, deep), *level(run, deep), volume(run, deep))]
-    return [*fronts, *sharper, *others, *tall()]
+    return [*fronts, *sharper, *others, *tall(), *(row for deep, run in impacts.items() for row in hit(run, deep))]
+
+
+def struck(deep: int) -> tuple[Broken, impact.Impact]:
+    """Run the wide column; its impact is sampled in each time step."""
+    samples: list[Frame] = []
+    frames = impact.frames_and_samples([f"spacing={1.0 / deep!r}"], samples)
+    return gauged(frames, FAR_WALL, 4.0 / deep), impact.read(samples)
+
+
+def hit(run: impact.Impact, deep: int) -> list[Row]:
+    """The impact beside the experiment, and beside the peak of another code: at H/40 where it has no coarser run."""
+    other = impact.published("impact_peak", f"wcsph-{max(deep, min(MOST_FRONT))}")
+    return impact.rows_of(f"H/{deep}", run, other)
 
 
 def broken(changes: Sequence[str], reach: float) -> Broken:
