@@ -7,8 +7,9 @@ import pytest
 
 from ecume.trajectories.frame import Frame
 from ecume.validation import dam_break as dam
+from ecume.validation import impact, tank
 from ecume.validation import standing_wave as wave
-from ecume.validation import tank
+from ecume.validation.runner import sph_scene
 
 WELL = tank.Rest(error=0.004, largest=0.01, from_column=0.004, speed=1e-5, center=0.5, hits=0.0, there=256)
 
@@ -81,35 +82,53 @@ def test_what_lasts_of_a_creep_is_the_decay_of_a_quarter():
     assert tank.lasting([WELL._replace(center=0.5 - 1e-6 * k) for k in range(200)]) == pytest.approx(1.0)  # a drift
 
 
-def test_a_wall_that_is_struck_as_in_the_experiment_meets_all_but_the_other_code():
-    times = np.arange(0.0, 3.6, dam.INSTANT)
-    pressures = np.stack([sensor(k, times) for k in (1, 2, 3)], axis=1)
-    rows = dam.impact(dam.Impact(times, pressures), 40)
-    assert [row.name for row in rows if not row.met] == [rows[-1].name]
-    assert "another code" in rows[-1].name
+def struck(peak=3.044, least=0.0, late=0.0):
+    """Sensors of an impact as in the experiment: a jump to the peak, and a decay to a plateau."""
+    times = np.arange(0.0, impact.LASTING, 1e-3)
+    arrivals = [impact.published("arrival", sensor) + late for sensor in impact.SENSORS]
+    after = np.maximum(times[:, None] - np.array(arrivals), 0.0)
+    pressures = np.where(after > 0.0, 0.7 + (peak - 0.7) * np.minimum(after / 0.013, 1.0) * np.exp(-after / 0.2), 0.0)
+    pressures[times > 3.2, 0] += least - 0.7
+    return impact.Impact(times, pressures, 1.05 * pressures[:, 0])
+
+
+def test_an_impact_as_in_the_experiment_is_within_all_limits():
+    rows = impact.rows_of("H/40", struck(), 2.8)
+    assert all(row.met for row in rows)
+    assert rows[0].computed == pytest.approx(3.0, rel=0.1)
+    assert "experiment: 3.04, other code: 2.8" in rows[0].name
 
 
 @pytest.mark.parametrize(
     ("fault", "named"),
     [
-        (lambda p, t: np.where(abs(t - 2.46) < 2e-3, 30.0, p), {"highest reading"}),
-        (lambda p, t: np.where(abs(t - 2.6) < 2e-3, -3.0, p), {"lowest reading"}),
-        (lambda p, t: np.where(abs(t - 2.6) < 0.03, -1.0, p), {"lowest reading", "lowest average"}),
-        (lambda p, t: 2.0 * p, {"highest average", "highest reading", "impulse"}),
-        (lambda p, t: np.interp(t - 0.25, t, p), {"time at half"}),
+        ({"peak": 6.0}, "peak of S1"),
+        ({"least": -1.0}, "least pressure"),
+        ({"late": 0.3}, "arrival at S4"),
+        ({"late": -0.3}, "arrival at S1"),
     ],
 )
 def test_each_fault_of_an_impact_is_seen(fault, named):
-    times = np.arange(0.0, 3.6, dam.INSTANT)
-    pressures = np.stack([fault(sensor(k, times), times) for k in (1, 2, 3)], axis=1)
-    rows = dam.impact(dam.Impact(times, pressures), 40)[:-1]
-    assert {what for row in rows if not row.met for what in named if what in row.name} == named
-    assert all(any(what in row.name for what in named) for row in rows if not row.met)
+    assert any(named in row.name for row in impact.rows_of("H/40", struck(**fault), 2.8) if not row.met)
 
 
-def sensor(k, times):
-    """The published readings of a sensor, with the rise to its peak."""
-    parts = [dam.published(f"sensor_{what}S{k}", "peak-event") for what in ("half_rise_", "peak_", "")]
-    known = sorted({(float(t), float(p)) for part in parts for t, p in zip(*part, strict=True)})
-    when, values = np.array([(known[0][0] - 0.01, 0.0), *known]).T
-    return np.interp(times, when, values, left=0.0)
+def test_impacts_of_known_course_have_their_rise_time_and_impulse():
+    times = np.linspace(0.0, 2.0, 2001)
+    tent = np.clip(1.0 - np.abs(times - 1.0) / 0.2, 0.0, None)
+    assert impact.arrival(times, tent) == pytest.approx(0.82, abs=2e-3)
+    assert impact.rise_time(times, tent) == pytest.approx(0.2, abs=3e-3)
+    assert impact.impulse(times, tent) == pytest.approx(0.2 - 0.5 * 0.02 * 0.1, abs=1e-3)
+    assert impact.averaged(times, tent).max() == pytest.approx(1.0 - 0.25 * impact.WINDOW / 0.2, abs=1e-3)
+    assert math.isnan(impact.arrival(times, np.zeros_like(times)))
+
+
+def test_sensors_of_the_experiment_are_read_over_their_height():
+    scene = sph_scene("dam_break", [impact.sensors()])
+    first = np.array(scene.gauges[0].position), np.array(scene.gauges[0].end)
+    assert [spec.name for spec in scene.gauges] == list(impact.SENSORS)
+    assert 0.5 * (first[0] + first[1]) == pytest.approx([5.366, 0.01])
+    assert first[1][1] - first[0][1] == pytest.approx(0.8 * impact.DIAMETER)
+    frame = Frame(0.5, {}, {f"{name}_{n}_pressure": float(n) for name in impact.SENSORS for n in range(1, 6)}, {})
+    read = impact.read([frame, frame])
+    assert read.pressures == pytest.approx(np.full((2, 4), 3.0))
+    assert read.center == pytest.approx(3.0)

@@ -1,4 +1,4 @@
-"""Dam breaks: front, pressure on the far wall, levels and volume, beside other codes and experiments."""
+"""Dam breaks: front, impact and pressure on the far wall, levels and volume, beside other codes and experiments."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from ecume.engine.interpolation import THIN
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+from ecume.validation import impact
 from ecume.validation.rows import Row, above, below, within
 from ecume.validation.runner import read_table, sph_scene
 
-FAR_WALL = 5.366
+FAR_WALL = impact.FAR_WALL
 SENSORS = {"P1": 0.01, "P2": 0.05, "P3": 0.1, "P4": 0.267}
 """Heights on the far wall."""
 GAUGES = {"H1": 1.0, "H2": 2.8833, "H3": 3.7133, "H4": 4.5417}
@@ -25,6 +26,8 @@ PRESSURES = (3.0, 5.0)
 """Between these times pressures are averaged."""
 MOST_FRONT = {40: 0.1, 80: 0.05}
 """Distance from the front of the finest run of another code, by particles in the column's height."""
+COARSE = 20
+"""Particles in the column's height, of the coarsest impact."""
 MOST_PRESSURE = {40: 0.1, 80: 0.05}
 """Relative. The other code itself is 8 % off with 40 particles, and 4 % with 80."""
 MOST_LEVEL, MOST_VOLUME = 0.05, 0.01
@@ -32,18 +35,6 @@ MOST_AHEAD = 0.6
 """Of the column's width: how far codes without friction and gate run ahead of experiments."""
 TALL = ("fluid[0].high=[1.0, 2.0]", "tank.high=[4.5, 5.0]", "liquid.sound_speed=28.0", "duration=2.2")
 TALL_SPACING = 0.04
-
-
-IMPACTS = (20, 40)
-"""Particles in the column's height of the runs whose impact on the far wall is compared."""
-DIAMETER = 0.014
-"""Of the experiment's sensors over H: 4.2 mm."""
-INSTANT, WINDOW = 0.002, 29
-"""Time between readings, and how many are averaged: 0.35 ms and 10 ms in the experiment."""
-MOST_PEAK, LEAST_PRESSURE, MOST_DELAY, MOST_IMPULSE = 1.5, -0.5, 0.08, 0.2
-"""Over the measured peak, over rho g H, and relative."""
-LATER, UNTIL = 2.5, 3.5
-"""Times between which impulses are compared: the other code's are published after the peak."""
 
 
 class Broken(NamedTuple):
@@ -61,22 +52,28 @@ class Broken(NamedTuple):
     """level at the back wall, over the start's"""
 
 
-class Impact(NamedTuple):
-    """The readings of three sensors in the far wall."""
-
-    times: Array
-    pressures: Array
-    """(times, sensors), over rho g H"""
-
-
 def rows() -> list[Row]:
-    """The wide column at two resolutions, then the tall one."""
-    runs = {deep: broken([f"spacing={1.0 / deep!r}"], 4.0 / deep) for deep in MOST_FRONT}
+    """The wide column at two resolutions and its impact at three, then the tall one."""
+    both = {deep: struck(deep) for deep in MOST_FRONT}
+    runs = {deep: run for deep, (run, _) in both.items()}
+    impacts = {COARSE: impact.struck([f"spacing={1.0 / COARSE!r}"])} | {deep: run for deep, (_, run) in both.items()}
     fronts = [row for deep, run in runs.items() for row in front(run, deep)]
     sharper = [order(runs[40], runs[80])]
     others = [row for deep, run in runs.items() for row in (*pressure(run, deep), *level(run, deep), volume(run, deep))]
-    struck = [row for deep in IMPACTS for row in impact(struck_wall(deep), deep)]
-    return [*fronts, *sharper, *others, *struck, *tall()]
+    return [*fronts, *sharper, *others, *tall(), *(row for deep, run in impacts.items() for row in hit(run, deep))]
+
+
+def struck(deep: int) -> tuple[Broken, impact.Impact]:
+    """Run the wide column; its impact is sampled in each time step."""
+    samples: list[Frame] = []
+    frames = impact.frames_and_samples([f"spacing={1.0 / deep!r}"], samples)
+    return gauged(frames, FAR_WALL, 4.0 / deep), impact.read(samples)
+
+
+def hit(run: impact.Impact, deep: int) -> list[Row]:
+    """The impact beside the experiment, and beside the peak of another code: at H/40 where it has no coarser run."""
+    other = impact.published("impact_peak", f"wcsph-{max(deep, min(MOST_FRONT))}")
+    return impact.rows_of(f"H/{deep}", run, other)
 
 
 def broken(changes: Sequence[str], reach: float) -> Broken:
@@ -157,58 +154,6 @@ def level(run: Broken, deep: int) -> list[Row]:
 def volume(run: Broken, deep: int) -> Row:
     """The largest change of the volume."""
     return below(f"H/{deep}: change of volume", float(np.abs(run.volumes - 1.0).max()), MOST_VOLUME)
-
-
-def struck_wall(deep: int) -> Impact:
-    """Run the scene beyond the impact with sensors as large as those of the experiment."""
-    gauges = ", ".join(
-        f"{{name = 'S{k}', position = [{FAR_WALL}, {height}], diameter = {DIAMETER}}}"
-        for k, height in enumerate(list(SENSORS.values())[:3], 1)
-    )
-    changes = [f"spacing={1.0 / deep!r}", f"gauges=[{gauges}]", "duration=3.6", f"frame_every={INSTANT}"]
-    numbers = [
-        (frame.time, *(frame.numbers[f"S{k}_pressure"] for k in (1, 2, 3)))
-        for frame in simulate(sph_scene("dam_break", changes))
-    ]
-    times, *pressures = np.array(numbers).T
-    return Impact(times, np.stack(pressures, axis=1))
-
-
-def impact(run: Impact, deep: int) -> list[Row]:
-    """Peaks and arrivals at the sensors, averaged over 10 ms of the experiment; the peak without averages; impulses."""
-    even = np.full(WINDOW, 1.0 / WINDOW)
-    averaged = np.stack([np.convolve(column, even, "same") for column in run.pressures.T], axis=1)
-    name, lowest = f"H/{deep}: S", run.pressures[:, 0]
-    (peak,) = published("sensor_peak_S1", "peak-event")[1]
-    found = [
-        below(f"{name}1: highest average over 10 ms, over rho g H", float(averaged[:, 0].max()), MOST_PEAK * peak),
-        below(f"{name}1: highest reading over rho g H", float(lowest.max()), MOST_PEAK * peak),
-        above(f"{name}1: lowest average over 10 ms, over rho g H", float(averaged.min()), LEAST_PRESSURE),
-        above(f"{name}1: lowest reading over rho g H", float(lowest.min()), LEAST_PRESSURE),
-    ]
-    for k in range(3):
-        (when,), (half,) = published(f"sensor_half_rise_S{k + 1}", "peak-event")
-        there = float(run.times[np.argmax(averaged[:, k] > half)])
-        found.append(within(f"{name}{k + 1}: time at half the measured peak", there, when, MOST_DELAY * when))
-    times, pressures = published("sensor_S1", "peak-event")
-    first, top = (published(f"sensor_{what}_S1", "peak-event") for what in ("half_rise", "peak"))
-    times = np.concatenate([first[0], top[0], times])
-    measured = impulse(times, np.concatenate([first[1], top[1], pressures]), times[0])
-    other = impulse(*published("pressure_P1", "delta-sph-400"), LATER)
-    for who, begin, expected in (
-        ("that of the experiment", times[0], measured),
-        ("that of another code", LATER, other),
-    ):
-        ours = impulse(run.times, lowest, begin)
-        label = f"{name}1: impulse from T = {begin:.3g} to {UNTIL}, beside {who}"
-        found.append(within(label, ours, expected, MOST_IMPULSE * expected))
-    return found
-
-
-def impulse(times: Array, pressures: Array, begin: float) -> float:
-    """The integral of the pressure from then until T = 3.5, by the trapezoidal rule."""
-    during = (times >= begin) & (times <= UNTIL)
-    return float(np.trapezoid(pressures[during], times[during]))
 
 
 def tall() -> list[Row]:

@@ -147,3 +147,49 @@ def test_still_water_stays_still():
         speed = np.linalg.norm(frame.arrays["velocity"], axis=1).max()
         assert speed < 0.03 * math.sqrt(9.81 * depth), seed
         assert frame.numbers["volume"] == pytest.approx(drawn_volume(scene), rel=0.01)
+
+
+def full_tank(seed, dimension, **changes):
+    """Water up to the lid, with displacements of a fifth of a spacing."""
+    rng = np.random.default_rng([seed, dimension])
+    size = np.round(rng.uniform(0.2, 1.0) * rng.uniform(0.7, 1.2, dimension), 3).tolist()
+    return from_plain(
+        {
+            "model": "sph", "seed": seed, "duration": 0.5, "frame_every": 0.5,
+            "spacing": min(size) / (6 if dimension == 2 else 5),
+            "tank": {"high": size, "walls": str(rng.choice(["mirror", "dummy"]))},
+            "fluid": [{"low": [0.0] * dimension, "high": size}],
+            "method": {"jitter": 0.2},
+            **changes,
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.compiled  # some hundred steps
+@pytest.mark.parametrize(("dimension", "seed"), [(2, 0), (2, 2), (3, 0)])
+def test_a_full_tank_keeps_its_volume_and_its_pressure_while_particles_settle(dimension, seed):
+    scene = full_tank(seed, dimension)
+    start, end = ecume.simulate(scene)
+    depth = scene.fluid[0].high[1]
+    excess = end.arrays["pressure"] / (1000.0 * 9.81 * depth) - (1.0 - end.arrays["position"][:, 1] / depth)
+    assert end.numbers["volume"] == pytest.approx(start.numbers["volume"], rel=1e-6)
+    assert abs(excess.mean()) < 0.01
+    speed = np.linalg.norm(end.arrays["velocity"], axis=1).max()
+    assert speed < 0.08 * math.sqrt(9.81 * depth)  # what is left of the displacements
+
+
+@pytest.mark.parametrize(
+    ("changes", "fixed"),
+    [
+        ({}, True),
+        ({"gravity": [0.0, 0.0], "liquid": {"maximum_speed": 1.0}}, False),
+        ({"method": {"pressure": "incompressible"}}, False),
+        ({"tank": {"high": [1.0, 1.0], "left": {"kind": "periodic"}, "right": {"kind": "periodic"}}}, False),
+        ({"tank": {"high": [1.0, 1.0], "top": {"kind": "open"}}}, False),
+        ({"tank": {"high": [1.0, 1.5]}}, False),
+        ({"tank": {"high": [1.0, 1.0], "left": {"motion": {"amplitude": 0.01, "frequency": 1.0}}}}, False),
+    ],
+)
+def test_only_full_tanks_of_rigid_walls_under_gravity_keep_their_volume(changes, fixed):
+    box = {"tank": {"high": [1.0, 1.0]}, "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}], "spacing": 0.1}
+    assert SPH.parameters(full_tank(0, 2, **{**box, **changes})).fixed_volume == fixed

@@ -279,6 +279,8 @@ class Parameters(NamedTuple):
     """whether eddies smaller than particles add to the viscosity"""
     courant: float
     walls_clip: bool
+    fixed_volume: bool
+    """whether rigid walls on all sides keep the volume of the liquid"""
     precision: Precision
     """of what the sums over neighbors read and write; the state is always in double precision"""
     origin: Array

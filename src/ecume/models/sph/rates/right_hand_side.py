@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ecume._portable import dot
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.open_boundaries import hold_buffers
@@ -99,8 +100,24 @@ def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
     store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
+    if parameters.fixed_volume:
+        hold_volume(state, workspace)
     if parameters.gates:
         hold_buffers(state)
+
+
+def hold_volume(state: State, workspace: Workspace) -> None:
+    """Add the same strain rate to all particles, so that sum m/rho does not change: a full tank of rigid walls keeps
+    its volume. It counts as diffusion, which does work.
+
+    Density integrates the motion of particles, sum_j m_j W. While a disordered arrangement settles, this sum decreases
+    although the tank stays full. The pressure would fall by c0^2 times as much, become negative at the lid, and there
+    particles would attract each other and clump.
+    """
+    volume = state.mass / state.density
+    excess = state.density * (dot(volume, state.thickening / state.density) / float(volume.sum()))
+    state.thickening[...] -= excess
+    workspace.rates.diffusion[: len(excess)] -= excess
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:

@@ -33,7 +33,8 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     sum_crowd(workspace.fields.table, lists, parameters.constants, workspace.rates.table)
     crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
     state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
-    keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
+    if not parameters.fixed_volume:
+        keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
 
 
 def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:

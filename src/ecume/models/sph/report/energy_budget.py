@@ -135,7 +135,7 @@ def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspac
     """Add the work of density diffusion in a step, before its densities change: it changes the elastic energy without
     moving anything, and the pressure that results may lift the liquid.
     """
-    if parameters.density_diffusion.excess is None:
+    if parameters.density_diffusion.excess is None and not parameters.fixed_volume:
         return
     fields, rates, count = workspace.fields, workspace.rates, len(state.density)
     rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.thickening

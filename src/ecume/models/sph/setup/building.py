@@ -36,6 +36,7 @@ from ecume.models.sph.setup.choices import (
     constants_of,
     diffusion_of,
     filled,
+    fixed_volume,
     free_surface,
     friction_of,
     gravity_of,
@@ -183,6 +184,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         walls_clip=free_surface(scene)
         if method.nonnegative_wall_pressure is None
         else method.nonnegative_wall_pressure,
+        fixed_volume=pressure.compressible and fixed_volume(scene),
         precision=PRECISIONS[method.precision],
         origin=0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single"),
     )

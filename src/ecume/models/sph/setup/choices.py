@@ -187,6 +187,14 @@ def free_surface(scene: SphScene) -> bool:
     return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
 
 
+def fixed_volume(scene: SphScene) -> bool:
+    """Whether rigid walls on all sides keep the volume of the liquid. Without gravity a uniform pressure has no effect,
+    and the density stays that of the particles.
+    """
+    rigid = all(side.kind == "wall" and side.motion is None for side in sides_of(scene))
+    return rigid and bool(gravity_of(scene).any()) and not free_surface(scene)
+
+
 def smallest_extent(scene: SphScene) -> float:
     """The smallest extent of any region of liquid (m)."""
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
