@@ -159,8 +159,8 @@ def main() -> None:
     parser.add_argument("--threads", type=int, nargs="+", default=[1])
     asked = parser.parse_args()
     print(machine())
-    names = "spheres | contacts | threads | solver, iterations | s a step | main thread | wall s | s a unit of strain | MB"
-    print(f"\n| | {names} |")
+    times = "s a step | main thread | wall s | s a unit of strain"
+    print(f"\n| | spheres | contacts | threads | solver, iterations | {times} | MB |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for dimensions, counts in ((2, asked.layers), (3, asked.spaces)):
         for threads in asked.threads:
