@@ -3,7 +3,9 @@
     python benchmarks/soft_scale.py [--layers 1000 10000] [--spaces 1000 10000] [--steps 12] [--threads 1 2]
 
 Each packing is integrated in a process of its own, after compilation and after the first quick steps, without the
-placement. Processor time is that of all threads; wall time says what a second thread gains, and needs a quiet machine.
+placement. Processor time is that of all threads; wall time shows what a second thread gains, and needs a quiet machine.
+The processor time of the main thread, which contains all serial work and its share of the rest, shows on a busy machine
+what could be gained on a quiet one.
 """
 
 from __future__ import annotations
@@ -54,6 +56,8 @@ class Row(NamedTuple):
     """of gradients a system, in the last step that took any"""
     step: float
     """s of processor time, an accepted step with all its tries"""
+    main: float
+    """s of it, of the main thread"""
     wall: float
     """s of wall time"""
     strain: float
@@ -97,22 +101,25 @@ def measure(asked: Asked) -> Row:
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)
-    clock, spent, waited = 0.0, 0.0, 0.0
+    clock, spent, waited, main = 0.0, 0.0, 0.0, 0.0
     for number in range(BEGIN + asked.steps):
         if number == BEGIN:
             clock, spent, waited = float(state.pace[CLOCK]), time.process_time(), time.perf_counter()
+            main = time.thread_time()
         met = one_step(parameters, state, scratch)
         if met is None:
             raise SystemExit(SOFT.diagnosis(parameters, state))
         if renew_contacts(parameters, state, met):
             scratch = SOFT.workspace(parameters, state, 1.0)
     spent, waited = time.process_time() - spent, time.perf_counter() - waited
+    main = time.thread_time() - main
     return Row(
         count=asked.count,
         contacts=int(state.contacts[0]),
         solver=max(systems, key=systems.__getitem__) if any(systems.values()) else "dense",
         iterations=int(state.effort[0]),
         step=spent / asked.steps,
+        main=main / asked.steps,
         wall=waited / asked.steps,
         strain=spent / (state.pace[CLOCK] - clock) * 4.0,
         memory=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0,
@@ -135,7 +142,7 @@ def grown(rows: list[Row], what: str) -> float:
 def row_of(dimensions: int, threads: int, row: Row) -> str:
     """A line of the table."""
     kind = "layer" if dimensions == 2 else "space"
-    times = f"{row.step:.3g} | {row.wall:.3g} | {row.strain:.3g}"
+    times = f"{row.step:.3g} | {row.main:.3g} | {row.wall:.3g} | {row.strain:.3g}"
     return (
         f"| {kind} | {row.count:,} | {row.contacts:,} | {threads} | {row.solver}, {row.iterations} | {times} "
         f"| {row.memory / 1e6:.0f} |"
@@ -152,8 +159,9 @@ def main() -> None:
     parser.add_argument("--threads", type=int, nargs="+", default=[1])
     asked = parser.parse_args()
     print(machine())
-    print("\n| | spheres | contacts | threads | solver, iterations | s a step | wall s | s a unit of strain | MB |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    times = "s a step | main thread | wall s | s a unit of strain"
+    print(f"\n| | spheres | contacts | threads | solver, iterations | {times} | MB |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     for dimensions, counts in ((2, asked.layers), (3, asked.spaces)):
         for threads in asked.threads:
             rows = []
