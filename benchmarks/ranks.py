@@ -100,7 +100,7 @@ def runs_of(asked: argparse.Namespace, communicator: Any, clock: Clock) -> tuple
             model.advance(parameters, one, whole, steps)
 
     def together(steps: int) -> None:
-        spread.march_shared(share, parameters, many, own, steps)
+        spread.integrate_shared(share, parameters, many, own, steps)
 
     def same(_: int) -> bool:
         return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, many, strict=True))

@@ -140,8 +140,8 @@ def made(tmp_path_factory):
         for file, where, anchor, text in edits:
             copy.edit(file, where, anchor, text)
         files[recipe] = {path.name for path in copy.changed}
-    (told,) = copy.printed(USE, NUMBA_DISABLE_JIT="1")
-    return files, json.loads(told)
+    (report,) = copy.printed(USE, NUMBA_DISABLE_JIT="1")
+    return files, json.loads(report)
 
 
 @pytest.mark.parametrize("recipe", EDITS)
@@ -241,25 +241,25 @@ def ring(tmp_path_factory):
     copy = Copy(tmp_path_factory.mktemp("beads"))
     copy.write("models/beads.py", block("beads"))
     copy.edit("models/__init__.py", "after", "HOMES = {", block("beads-row"))
-    (told,) = copy.printed(BEADS, NUMBA_DISABLE_JIT="1")
-    return json.loads(told), {path.name for path in copy.changed}
+    (report,) = copy.printed(BEADS, NUMBA_DISABLE_JIT="1")
+    return json.loads(report), {path.name for path in copy.changed}
 
 
 def test_a_new_model_is_a_file_and_a_row(ring):
-    told, changed = ring
+    report, changed = ring
     assert changed == {"__init__.py"}
-    assert told["models"][0] == "beads"
-    assert '"beads"' in told["refused"]
+    assert report["models"][0] == "beads"
+    assert '"beads"' in report["refused"]
 
 
 def test_a_new_model_keeps_its_energy_and_resumes_bit_for_bit(ring):
-    told, _ = ring
-    assert told["energy"] == pytest.approx([told["energy"][0]] * 21, rel=1e-2)
-    assert told["same"] == [True] * 21
+    report, _ = ring
+    assert report["energy"] == pytest.approx([report["energy"][0]] * 21, rel=1e-2)
+    assert report["same"] == [True] * 21
 
 
 def test_a_new_model_is_cited_and_drawn(ring):
-    told, _ = ring
-    assert told["papers"] == ["landau1987"]
-    assert told["movie"] > 1000
-    assert told["figure"] > 1000
+    report, _ = ring
+    assert report["papers"] == ["landau1987"]
+    assert report["movie"] > 1000
+    assert report["figure"] > 1000

@@ -109,8 +109,8 @@ def test_the_mass_density_summed_over_particles_is_that_of_the_row(name, dimensi
     scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "passive_tracers": [spec]})
     parameters, state, workspace = at_start(scene)
     take_forces(parameters, state, workspace, parameters.time_step)
-    found = surroundings(parameters, workspace, state.carried_position).fraction
-    apart = state.position[:, :, None] - state.carried_position[:, None, :]
+    found = surroundings(parameters, workspace, state.passive_position).fraction
+    apart = state.position[:, :, None] - state.passive_position[:, None, :]
     weights = kernel(name, dimension).value(np.sqrt(np.sum(apart**2, axis=0)), smoothing_of(scene))
     np.testing.assert_allclose(found, (state.mass / state.density) @ weights, rtol=1e-12)
     assert found.mean() == pytest.approx(1.0, abs=0.1)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from ecume._jit import FEW, use_threads
-from ecume.engine.neighbor_rows import STRIDE, grid_around, neighbor_lists, room_for, sorted_crowd
+from ecume.engine.neighbor_rows import STRIDE, grid_around, neighbor_lists, room_for, sort_by_cell
 
 NOBODY = (0, 0)
 
@@ -118,7 +118,7 @@ def test_a_list_is_the_same_for_any_number_of_threads_and_lies_where_the_last_on
 
 def test_sorted_particles_keep_their_order_inside_a_cell():
     position = np.random.default_rng(11).uniform(0.0, 1.0, (2, 1000))
-    crowd = sorted_crowd(position, grid_around(position, 0.3))
-    assert np.array_equal(crowd.position, position[:, crowd.order])
-    for begin, end in zip(crowd.start[:-1], crowd.start[1:], strict=True):
-        assert (np.diff(crowd.order[begin:end].astype(int)) > 0).all()
+    sorted_particles = sort_by_cell(position, grid_around(position, 0.3))
+    assert np.array_equal(sorted_particles.position, position[:, sorted_particles.order])
+    for begin, end in zip(sorted_particles.start[:-1], sorted_particles.start[1:], strict=True):
+        assert (np.diff(sorted_particles.order[begin:end].astype(int)) > 0).all()

@@ -1,4 +1,4 @@
-"""A model for tests: a few beads on springs, marched in plain NumPy; and a program that runs it, to be killed.
+"""A model for tests: a few beads on springs, integrated in plain NumPy; and a program that runs it, to be killed.
 
 python toy.py run DIRECTORY '{"duration": 1.0}' 0.05
 python toy.py resume DIRECTORY 0.05

@@ -1,4 +1,4 @@
-"""States: gone on with from anywhere, spread over threads, poisoned, compiled from bad caches, marched for long."""
+"""States: gone on with from anywhere, spread over threads, poisoned, compiled from bad caches, integrated for long."""
 
 from __future__ import annotations
 

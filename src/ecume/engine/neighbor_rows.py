@@ -91,13 +91,13 @@ class Sorted(NamedTuple):
     """(cells + 1,) where each cell begins"""
 
 
-def sorted_crowd(position: Array, grid: Grid) -> Sorted:
+def sort_by_cell(position: Array, grid: Grid) -> Sorted:
     """The particles, (d, N), in the order of their cells."""
     count, cells = position.shape[1], int(np.prod(grid.shape))
-    crowd = Sorted(np.empty_like(position), np.empty(count, np.int32), np.empty(cells + 1, np.int64))
+    sorted_particles = Sorted(np.empty_like(position), np.empty(count, np.int32), np.empty(cells + 1, np.int64))
     tally = np.empty((BLOCKS if count >= FEW else 1, cells), np.int64)
-    _counting_sort(position, *grid, np.empty(count, np.int64), tally, *crowd)
-    return crowd
+    _counting_sort(position, *grid, np.empty(count, np.int64), tally, *sorted_particles)
+    return sorted_particles
 
 
 @spread
@@ -147,12 +147,12 @@ def neighbor_lists(
     if not position.shape[1]:
         return before
     grid = grid_around(position, reach)
-    crowd = sorted_crowd(position, grid)
-    longest = _longest_run(crowd.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
+    sorted_particles = sort_by_cell(position, grid)
+    longest = _longest_run(sorted_particles.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
     limits = np.array([*passive, own[0], min(own[1], len(before.counts)), longest])
     lists = before
     while True:
-        _fill(*crowd, *grid, reach, limits, *lists)
+        _fill(*sorted_particles, *grid, reach, limits, *lists)
         most = int(lists.counts.max(initial=0))
         if most <= lists.neighbor.shape[1]:
             return lists

@@ -76,7 +76,7 @@ class Crew:
 
     def advance(self, name: str, parameters: Any, state: Any, workspace: Any, steps: int) -> int:
         """See `ecume.models.model.Model.advance`; all ranks together."""
-        status: int = spread_of(name).march_shared(self.share, parameters, state, workspace, steps)
+        status: int = spread_of(name).integrate_shared(self.share, parameters, state, workspace, steps)
         bits = zlib.crc32(state.velocity.tobytes(), zlib.crc32(state.position.tobytes()))
         if len(set(self.ranks.allgather((status, bits)))) > 1:
             raise EcumeError(
@@ -156,7 +156,7 @@ def follow(ranks: Any) -> None:
 
 def _follow(ranks: Any) -> None:
     crew = Crew(ranks)
-    march: Callable[[int], int] | None = None
+    integrate: Callable[[int], int] | None = None
     while True:
         order, *what = ranks.bcast(None)
         if order == END:
@@ -164,7 +164,7 @@ def _follow(ranks: Any) -> None:
         if order == WORKSPACE:
             name, parameters, state, room = what
             made = crew.workspace(name, parameters, state, room)
-            march = functools.partial(crew.advance, name, parameters, state, made)
-        elif march is not None:
+            integrate = functools.partial(crew.advance, name, parameters, state, made)
+        elif integrate is not None:
             with contextlib.suppress(EcumeError):  # the first rank has the same one, and reports it
-                march(what[0])
+                integrate(what[0])

@@ -346,7 +346,7 @@ class _Session:
 
     def succeed(self) -> None:
         """The run is done."""
-        self._close_books("done")
+        self._record_outcome("done")
         report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
         write(self._home, self._home.done, report)
         self._status.write("done", self.at, last=True)
@@ -355,7 +355,7 @@ class _Session:
         """The run is not done; what failed for good says so in a file."""
         outcome = next((report for kind, report in OUTCOMES.items() if isinstance(error, kind)), "interrupted")
         self._status.write(outcome, self.at, last=True)
-        self._close_books(outcome, f"{type(error).__name__}: {error}")
+        self._record_outcome(outcome, f"{type(error).__name__}: {error}")
         if isinstance(error, Diverged):
             report = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
             write(self._home, self._home.failed, report | {"sha256": manifest.digests(self._home)})
@@ -439,7 +439,7 @@ class _Session:
     def _reached(self) -> dict[str, Any]:
         return {"step": self.at.step, "steps": self.at.steps, "time": self.at.time, "frames": self.at.frames}
 
-    def _close_books(self, outcome: str, why: str = "") -> None:
+    def _record_outcome(self, outcome: str, why: str = "") -> None:
         note(self._home, outcome, step=self.at.step, why=why)
         if self._opened:  # else the last session in the manifest is that of another process
             manifest.close_session(self._home, outcome, self.at.step, self.seconds)

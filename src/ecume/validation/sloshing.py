@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.analysis.gauges import water_level
-from ecume.laws.sloshing import Shake, Tank, sloshing_height
+from ecume.laws.sloshing import BaseExcitation, Tank, sloshing_height
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -84,7 +84,7 @@ def series(times: Array, scene: SphScene) -> Array:
     assert scene.base_excitation.frequency is not None  # noqa: S101
     length, gravity = scene.tank.high[0] - scene.tank.low[0], -(scene.gravity or (0.0, -1.0))[1]
     tank = Tank(length, scene.fluid[0].high[1], gravity, scene.liquid.viscosity / scene.liquid.density)  # type: ignore[index,operator]
-    shake = Shake(
+    excitation = BaseExcitation(
         scene.base_excitation.amplitude[0], 2.0 * math.pi * scene.base_excitation.frequency, scene.base_excitation.phase
     )
-    return np.array([sloshing_height(0.0, time, tank, shake) for time in times])
+    return np.array([sloshing_height(0.0, time, tank, excitation) for time in times])

@@ -10,7 +10,7 @@ SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}
 STUFF = {"contact_angle": 1.2}
 
 
-def told(scene):
+def report(scene):
     return {name: (value, remark) for name, value, remark in summary(from_plain({**SCENE, **scene}))}
 
 
@@ -19,10 +19,10 @@ def row(x, radius, density, name="float-1"):
 
 
 def test_a_table_of_unlike_floats_is_reported_from_the_least_to_the_greatest():
-    rows = told({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 1e-3, 500.0), row(0.02, 1e-3, 500.0)]})
+    rows = report({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 1e-3, 500.0), row(0.02, 1e-3, 500.0)]})
     assert rows["float-1: radius"] == ("1 to 2 mm", "3 floats of 2 kinds")
     small, large = (
-        told({"rows": [row(0.0, radius, 500.0)]})["float-1: capillary charge"][0].removesuffix(" µm")
+        report({"rows": [row(0.0, radius, 500.0)]})["float-1: capillary charge"][0].removesuffix(" µm")
         for radius in (1e-3, 2e-3)
     )
     assert rows["float-1: capillary charge"] == (f"{large} to {small} µm", "light: attracts light floats")
@@ -30,19 +30,19 @@ def test_a_table_of_unlike_floats_is_reported_from_the_least_to_the_greatest():
 
 
 def test_a_table_of_equal_floats_is_reported_in_one_number_and_knows_when_they_sink():
-    rows = told({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 2e-3, 500.0)]})
+    rows = report({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 2e-3, 500.0)]})
     assert "float-1: radius" not in rows
     assert rows["float-1: density ratio"][0] == "0.5"
     assert rows["float-1: density ratio"][1].startswith("sinks above 1.")
 
 
 def test_heavy_and_light_floats_of_one_name_are_both_reported():
-    rows = told({"rows": [row(0.0, 1e-3, 200.0), row(0.01, 1e-3, 2000.0)]})
+    rows = report({"rows": [row(0.0, 1e-3, 200.0), row(0.01, 1e-3, 2000.0)]})
     assert rows["float-1: dimensionless weight"][1] == "some downward: lowers the surface, some upward: raises it"
 
 
 def test_each_species_is_reported_by_its_own_name():
-    rows = told({"rows": [row(0.0, 1e-3, 200.0, "cork"), row(0.01, 1e-3, 2000.0, "bead")]})
+    rows = report({"rows": [row(0.0, 1e-3, 200.0, "cork"), row(0.01, 1e-3, 2000.0, "bead")]})
     assert (rows["cork: density ratio"][0], rows["bead: density ratio"][0]) == ("0.2", "2")
     assert rows["floats"] == ("2", "2 species")
 
@@ -55,7 +55,7 @@ def test_gathering_costs_more_than_drifting_and_both_grow_with_the_floats(count)
 
 
 def test_equilibrium_and_closeness_are_reported_for_each_species():
-    rows = told({"rows": [row(0.0, 1e-3, 1300.0)]})
+    rows = report({"rows": [row(0.0, 1e-3, 1300.0)]})
     assert rows["float-1: filling angle"][0].endswith(" deg")
     assert rows["float-1: height of the contact line"][0].startswith("-60")
     share, _ = rows["float-1: attraction beyond superposition"]
@@ -66,30 +66,30 @@ def test_what_superposition_omits_is_stated_for_floats_of_any_size():
     """In the limit of small floats it has a closed form; it grows with the radius."""
     found = []
     for radius in (0.03e-3, 0.3e-3, 3e-3, 20e-3):
-        share, remark = told({"rows": [row(0.0, radius, 300.0)]})["float-1: attraction beyond superposition"]
+        share, remark = report({"rows": [row(0.0, radius, 300.0)]})["float-1: attraction beyond superposition"]
         found.append(float(share.removesuffix(" %")))
     small = 100.0 * flotation.superposition_excess(STUFF["contact_angle"], 0.02)
     assert found[0] == pytest.approx(small, rel=0.1)
     assert found == sorted(found)
     assert found[-1] > 25.0
     assert "multipole" in remark
-    together = told({"rows": [row(0.0, radius, 300.0)], "interaction": {"method": "multipole"}})
+    together = report({"rows": [row(0.0, radius, 300.0)], "interaction": {"method": "multipole"}})
     assert "float-1: attraction beyond superposition" not in together
 
 
 def test_discs_say_what_they_carry_and_that_superposition_errs():
     disc = {"radius": 1e-3, "density": 300.0, "disc": {"thickness": 1e-3}, "positions": [[0.0, 0.0]]}
-    alone = told({"particles": [disc]})
+    alone = report({"particles": [disc]})
     assert float(alone["float-1: load"][1].removeprefix("sinks above ").removesuffix(" µN")) > 2e6 * 3.14 * 0.072 * 1e-3
     assert float(alone["float-1: height of the contact line"][0].removesuffix(" µm")) < 0.0
     assert "multipole" in alone["float-1: beyond superposition"][1]
-    together = told({"particles": [disc], "interaction": {"method": "multipole"}})
+    together = report({"particles": [disc], "interaction": {"method": "multipole"}})
     assert "float-1: beyond superposition" not in together
 
 
 def test_shapes_say_where_their_contact_line_is():
     needle = {"kind": "needle", "width": 0.6e-3, "angle": 0.0}
-    rows = told(
+    rows = report(
         {"particles": [{"radius": 3e-3, "density": 7800.0, **STUFF, "shape": needle, "positions": [[0.0, 0.0]]}]}
     )
     assert 90.0 < float(rows["float-1: filling angle"][0].removesuffix(" deg")) < 180.0

@@ -1,4 +1,4 @@
-"""What currents, dishes and chance do to floats is booked: in limits that are known, and against their energy."""
+"""The work of currents, dishes and noise on floats, in known limits and against their energy."""
 
 import math
 

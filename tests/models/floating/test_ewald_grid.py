@@ -109,19 +109,19 @@ def test_the_work_of_a_float_stays_the_same_from_thousands_to_a_million_whatever
 
 
 @pytest.mark.parametrize(
-    ("interaction", "motion", "told"),
+    ("interaction", "motion", "message"),
     [
         ('summation = "grid"\nmethod = "multipole"', "", "whose long-range part is smooth: got 'multipole'"),
         ('summation = "grid"\naccuracy = 1e-11', SLOW, "or 'cells'"),
         ('summation = "grids"', SLOW, "did you mean 'grid'"),
     ],
 )
-def test_what_a_grid_does_not_go_with_is_reported(interaction, motion, told):
-    with pytest.raises(SceneError, match=told):
+def test_what_a_grid_does_not_go_with_is_reported(interaction, motion, message):
+    with pytest.raises(SceneError, match=message):
         FLOATING.parameters(scene_of_beads(10, interaction=interaction, motion=motion))
 
 
-def marched(scene, pauses):
+def integrated(scene, pauses):
     parameters, state, workspace = set_up(scene)
     for steps in pauses:
         assert FLOATING.advance(parameters, state, workspace, steps) == 0
@@ -135,9 +135,9 @@ def test_bits_do_not_depend_on_threads_or_pauses():
         3000, motion=SLOW + "[hydrodynamics]\nbrownian = true\n", interaction='summation = "grid"\naccuracy = 1e-3'
     )
     _jit.use_threads(1)
-    once = marched(scene, [6])
+    once = integrated(scene, [6])
     _jit.use_threads(2)
-    twice = marched(scene, [2, 4])
+    twice = integrated(scene, [2, 4])
     assert np.array_equal(once.position, twice.position)
     assert np.abs(once.position - FLOATING.start(scene, FLOATING.parameters(scene)).position).max() > 0.0
 

@@ -97,13 +97,13 @@ def test_two_beads_meet_when_the_law_says():
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"integrator": "velocity-verlet"}, "semi-implicit-euler"),
         ({"more": "brownian = true\n"}, "moved by noise that is correlated"),
         ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],
 )
-def test_what_films_do_not_go_with_is_reported(changes, told):
-    with pytest.raises(SceneError, match=told):
+def test_what_films_do_not_go_with_is_reported(changes, message):
+    with pytest.raises(SceneError, match=message):
         FLOATING.parameters(beads([(0.0, 0.0), (1e-3, 0.0)], **changes))

@@ -194,11 +194,11 @@ def test_a_coarse_step_is_warned_of():
 
 
 def test_the_summary_says_what_a_longer_step_would_be():
-    def told(**changes):
+    def report(**changes):
         rows = {name: (value, remark) for name, value, remark in FLOATING.summary(two_floats(6e-3, **changes))}
         return rows["time step"]
 
-    value, remark = told(duration=100.0, frame_every=100.0)
+    value, remark = report(duration=100.0, frame_every=100.0)
     good = float(value.split()[0])
     coarse, refused = (float(word) for word in re.findall(r"above ([0-9.]+) ms", remark))
     assert remark.startswith("good; coarse above ")
@@ -206,7 +206,7 @@ def test_the_summary_says_what_a_longer_step_would_be():
     step = 8e-3 * good
     times = {"duration": 10 * step, "frame_every": step}
     with pytest.warns(StepWarning):
-        value, remark = told(hydrodynamics="", integration=f"time_step = {step!r}", **times)
+        value, remark = report(hydrodynamics="", integration=f"time_step = {step!r}", **times)
     assert re.fullmatch(r"coarse; [0-9.]+ ms is good, refused above [0-9.]+ ms", remark)
 
 

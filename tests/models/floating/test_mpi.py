@@ -15,7 +15,7 @@ from ecume.engine.contact import projected_gauss_seidel
 from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.floating import FLOATING, mpi
-from ecume.models.floating.mpi import complete, march_shared, require_spreadable
+from ecume.models.floating.mpi import complete, integrate_shared, require_spreadable
 from ecume.models.model import DONE
 from ecume.run.ranks import SPREAD, spread_of
 from ecume.scenes.load import load_scene
@@ -116,19 +116,19 @@ def test_an_integration_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, 
     assert (state.reference != start.reference).any(), "the lists were never made anew"
     assert state.touches[0] > 0, "nobody touched"
 
-    def march_here(share: Share) -> Any:
+    def integrate_here(share: Share) -> Any:
         own = copied(start)
         scratch = FLOATING.workspace(parameters, own, 1.0)
-        march_shared(share, parameters, own, scratch, 0)
+        integrate_shared(share, parameters, own, scratch, 0)
         first = scratch.force.copy()
-        assert march_shared(share, parameters, own, scratch, STEPS) == DONE
+        assert integrate_shared(share, parameters, own, scratch, STEPS) == DONE
         complete(share, parameters, own, scratch)
         assert np.array_equal(scratch.candidates.first, alone.candidates.first)
         return own, first, FLOATING.observe(parameters, own, scratch).numbers
 
-    (one, _, seen), *_ = on_ranks(1, march_here)
+    (one, _, seen), *_ = on_ranks(1, integrate_here)
     assert seen["pair_energy"] == pytest.approx(FLOATING.observe(parameters, state, alone).numbers["pair_energy"])
-    for own, first, numbers in on_ranks(ranks, march_here):
+    for own, first, numbers in on_ranks(ranks, integrate_here):
         assert numbers == seen
         # A crowd this small is one stretch in one process: its sums have another order, in the last bits.
         assert np.abs(first - force).max() <= 1e-12 * np.abs(force).max()
@@ -138,19 +138,19 @@ def test_an_integration_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, 
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ("interaction.method=multipole", "neighbors of a part of the floats only"),
         ("contacts.friction=0.2", "islands of contacts without friction"),
     ],
 )
-def test_what_is_not_spread_is_refused(change: str, told: str) -> None:
+def test_what_is_not_spread_is_refused(change: str, message: str) -> None:
     parameters, _ = begun("particles[0].count=3", change)
-    with pytest.raises(BadInput, match=told):
+    with pytest.raises(BadInput, match=message):
         require_spreadable(parameters)
 
 
 @pytest.mark.parametrize("name", SPREAD)
 def test_ranks_find_the_distribution_of_each_model(name):
-    functions = ("require_spreadable", "workspace_shared", "march_shared", "complete")
+    functions = ("require_spreadable", "workspace_shared", "integrate_shared", "complete")
     assert all(callable(getattr(spread_of(name), function)) for function in functions)

@@ -159,6 +159,6 @@ def test_what_does_not_go_together_is_refused():
 
 def test_a_disc_says_how_it_floats():
     scene = dataclasses.replace(discs([[0.0, 0.0]], "superposition"), title="one")
-    told = {name: remark for name, _, remark in FLOATING.summary(scene)}
-    assert told["float-1: capillary charge"] == "heavy: attracts heavy floats"
-    assert "leans" in told["float-1: stability"]
+    report = {name: remark for name, _, remark in FLOATING.summary(scene)}
+    assert report["float-1: capillary charge"] == "heavy: attracts heavy floats"
+    assert "leans" in report["float-1: stability"]

@@ -54,7 +54,7 @@ def pull_apart(gap, force, *, tolerance=1e-9, duration, frames=1, prefactors="pa
     )
 
 
-def marched(scene, *, parts=1):
+def integrated(scene, *, parts=1):
     """The state at the end of a scene; it is copied, and its scratch made anew, after so many calls."""
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)

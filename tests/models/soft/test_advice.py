@@ -49,7 +49,7 @@ def expected(scene):
     return typical_pair(scene, *begun(scene))
 
 
-def told(scene):
+def report(scene):
     parameters, state = begun(scene)
     return " ".join(row[2] for row in doubts(scene, parameters, typical_pair(scene, parameters, state)))
 
@@ -103,7 +103,7 @@ def test_a_sheared_film_thins_until_the_surfaces_yield():
 def test_laws_that_fail_in_a_flow_are_doubted_where_the_strain_is_large(films, says):
     for strain, doubted in ((0.1, False), (2.0, True)):
         scene = packing(films=films, protocol=[{"time": 0.0}, {"time": 4.0, "strain": strain}])
-        assert (says in told(scene)) == doubted
+        assert (says in report(scene)) == doubted
 
 
 def test_nothing_is_foreseen_where_nothing_is_done():
@@ -128,13 +128,13 @@ def test_nothing_is_foreseen_where_nothing_is_done():
     ],
 )
 def test_what_may_not_be_meant_is_reported(scene, says):
-    assert says in told(scene())
+    assert says in report(scene())
 
 
 def test_what_is_usual_is_not_doubted():
-    assert told(packing()) == ""
-    assert told(packing(radii=(1.0,), count=20, filled=0.75)) == ""
-    assert told(two(1e-3)) == ""
+    assert report(packing()) == ""
+    assert report(packing(radii=(1.0,), count=20, filled=0.75)) == ""
+    assert report(two(1e-3)) == ""
 
 
 def test_the_number_of_steps_is_predicted_within_a_factor_of_three():

@@ -1,4 +1,4 @@
-"""The energy's books of soft spheres: exact where a force stays, and closing the better the finer the steps are."""
+"""The energy budget of soft spheres: exact where a force stays, and closing the better the finer the steps are."""
 
 import dataclasses
 import math
@@ -18,7 +18,7 @@ from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force
 
-from .clusters import marched, pull_apart
+from .clusters import integrated, pull_apart
 from .test_packings import packing
 from .test_walls import channel
 
@@ -40,7 +40,7 @@ def ends(scene):
 
 
 def missing(change):
-    """What the books do not tell of."""
+    """What the budget does not contain."""
     return change["injected_work"] - sum(change[key] for key in ("total_energy", "dissipated_work", "size_work"))
 
 
@@ -118,7 +118,7 @@ DRIVEN = {
 @pytest.mark.compiled
 @pytest.mark.parametrize("driven", DRIVEN)
 def test_what_is_put_in_is_held_dissipated_or_the_sizes(driven):
-    """Whoever drives, to a ten-thousandth of what moved; each part of the books is more."""
+    """Whoever drives, to a ten-thousandth of what moved; each part of the budget is more."""
     scheme = "esdirk4" if driven in ("a load", "weights and torques") else "tr-bdf2"
     _, _, change = ends(stepped(DRIVEN[driven](), 1e-6, scheme))
     moved = change["dissipated_work"] + abs(change["total_energy"])
@@ -156,17 +156,17 @@ def test_films_take_what_contacts_hold_that_fade():
 @pytest.mark.compiled
 def test_the_energy_budget_of_an_interrupted_run_has_the_same_bits():
     scene = stepped(packing(count=3, duration=2.0, strain=0.1, hydrodynamics=SPUN), 1e-3)
-    books = [marched(scene, parts=parts)[1].books for parts in (1, 10**6)]
-    assert books[0].tobytes() == books[1].tobytes()
-    assert np.all(books[0][[INJECTED, FILMS, DRAG]] > 0.0)
-    assert books[0][SIZE] != 0.0
+    budget = [integrated(scene, parts=parts)[1].budget for parts in (1, 10**6)]
+    assert budget[0].tobytes() == budget[1].tobytes()
+    assert np.all(budget[0][[INJECTED, FILMS, DRAG]] > 0.0)
+    assert budget[0][SIZE] != 0.0
 
 
 def test_a_run_of_an_earlier_version_continues_without_an_energy_budget():
     scene = pull_apart(0.01, FORCE, tolerance=1e-3, duration=1.0)
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
-    former = type(state)(**{key: value for key, value in state._asdict().items() if key != "books"})
+    former = type(state)(**{key: value for key, value in state._asdict().items() if key != "budget"})
     scratch = SOFT.workspace(parameters, former, 1.0)
     SOFT.advance(parameters, former, scratch, parameters.steps_per_frame)
     numbers = SOFT.observe(parameters, former, scratch).numbers

@@ -19,7 +19,7 @@ from ecume.scenes.soft import FilmSpec
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force
 
-from .clusters import marched
+from .clusters import integrated
 
 pytestmark = pytest.mark.compiled
 
@@ -43,7 +43,7 @@ def pair(force=(-1e-3, 0.0), gap=0.02, radii=(1.0, 1.0), moduli=(1.0, 1.0), dura
 @pytest.mark.parametrize("push", [-2e-3, 2e-3])
 def test_a_gap_moves_as_the_laws_of_film_and_surface_say(surface, interface, push):
     films = {"surface": surface, "interface": interface, "viscosity_ratio": 0.5}
-    _, state = marched(pair((push, 0.0), radii=(1.0, 0.6), duration=30.0, films=films))
+    _, state = integrated(pair((push, 0.0), radii=(1.0, 0.6), duration=30.0, films=films))
     reduced = reduced_radius(1.0, 0.6)
 
     def size(gap):
@@ -70,7 +70,7 @@ def test_unlike_spheres_move_as_alike_ones_of_the_same_reduced_radius_and_modulu
     time = passage_time(alike, 1e-3, 0.02, 0.1)
     scene = pair((1e-3, 0.0), radii=radii, moduli=moduli, duration=time, films={"prefactors": prefactors})
     swapped = pair((1e-3, 0.0), radii=radii[::-1], moduli=moduli[::-1], duration=time, films={"prefactors": prefactors})
-    ends = [marched(one)[1] for one in (scene, swapped)]
+    ends = [integrated(one)[1] for one in (scene, swapped)]
     assert math.exp(ends[0].log_gap[0]) == pytest.approx(0.1, rel=1e-6)
     assert ends[1].log_gap[0] == pytest.approx(ends[0].log_gap[0], abs=1e-12)
 
@@ -85,8 +85,8 @@ def _set(name):
 def test_sheared_unlike_spheres_do_not_care_who_is_first(surface):
     given = {"duration": 5.0, "films": {"surface": surface, "interface": "drop"}, "liquid": {
         "viscosity": 0.1, "surface_tension": 0.3}, "hydrodynamics": {"drag": "stokes"}, "rotation": True}  # fmt: skip
-    one = marched(pair((-1e-3, 2e-3), radii=(1.0, 0.6), moduli=(0.5, 3.0), **given))[1]
-    other = marched(pair((-1e-3, 2e-3), radii=(0.6, 1.0), moduli=(3.0, 0.5), **given))[1]
+    one = integrated(pair((-1e-3, 2e-3), radii=(1.0, 0.6), moduli=(0.5, 3.0), **given))[1]
+    other = integrated(pair((-1e-3, 2e-3), radii=(0.6, 1.0), moduli=(3.0, 0.5), **given))[1]
     # Half a turn about the middle puts the first in the place of the second.
     assert 1.62 - other.position[::-1, 0] == pytest.approx(one.position[:, 0], abs=1e-10)
     assert -other.position[::-1, 1] == pytest.approx(one.position[:, 1], abs=1e-10)
@@ -109,7 +109,7 @@ def pressed(pull, coefficient=0.5, friction="coulomb", duration=20.0):
 
 def test_pressed_spheres_stick_below_the_cone_of_friction_and_slide_above():
     stuck, slides, free = (
-        marched(pressed(pull, friction=friction))[1]
+        integrated(pressed(pull, friction=friction))[1]
         for pull, friction in ((0.0045, "coulomb"), (0.0055, "coulomb"), (0.0045, "none"))
     )
     # The gap vector tells how far the surfaces have slid; the centers go on to yield a little.
@@ -123,13 +123,13 @@ def test_friction_holds_the_load_above_the_critical_one_and_no_more(critical, st
     """Of a load of 0.01, with a coefficient of 0.7, tips hold 0.0056, 0.0042 and nothing against a pull of 0.0049."""
     scene = to_plain(pressed(0.0049, coefficient=0.7, friction="critical-load"))
     scene["films"] |= {"critical_load": critical}
-    state = marched(from_plain(scene))[1]
+    state = integrated(from_plain(scene))[1]
     assert (abs(state.direction[0, 1]) < 1e-14) == stuck
 
 
 def test_what_slides_is_slowed_by_the_film_under_the_rest_of_the_pull():
     scene = pressed(0.008, coefficient=0.3, duration=0.5)
-    parameters, state = marched(scene)
+    parameters, state = integrated(scene)
     work = SOFT.workspace(parameters, state, 1.0)
     shown = SOFT.observe(parameters, state, work)
     tension, shear, gap = (shown.arrays[name][0, 0] for name in ("tension", "shear", "gap"))
@@ -169,7 +169,7 @@ MOBILE = {"interface": "mobile", "tension_law": "symmetric"}
 
 @pytest.mark.parametrize("films", [{"surface": "bubble"}, {"interface": "drop"}, MOBILE])
 def test_layers_of_bubbles_and_drops_flow_and_stay_dissipative(films):
-    parameters, state = marched(sheared(**films))
+    parameters, state = integrated(sheared(**films))
     # Where nothing resists sliding, packings buckle, and steps are cut short for it.
     assert state.tally[FAILED] < 0.2 * state.tally[ACCEPTED]
     frame = SOFT.observe(parameters, state, SOFT.workspace(parameters, state, 1.0))

@@ -16,7 +16,7 @@ from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
-from .clusters import marched
+from .clusters import integrated
 
 pytestmark = pytest.mark.compiled
 
@@ -68,7 +68,7 @@ def test_a_start_that_does_not_fit_is_refused():
 @pytest.mark.parametrize(("dimensions", "filled"), [(2, 0.7), (3, 0.5)])
 def test_every_solver_finds_the_same_motion(dimensions, filled):
     scene = packing(dimensions, filled=filled, strain=0.01, duration=2.0)
-    ends = [marched(solved_by(scene, solver))[1] for solver in ("dense", "iterative", "direct")]
+    ends = [integrated(solved_by(scene, solver))[1] for solver in ("dense", "iterative", "direct")]
     for end in ends[1:]:
         assert end.position == pytest.approx(ends[0].position, abs=1e-5)
         assert end.tally[ACCEPTED] == pytest.approx(ends[0].tally[ACCEPTED], abs=2)
@@ -153,7 +153,7 @@ def test_newcomers_are_near_and_not_in_contact():
 
 def test_interruptions_change_no_bit_while_contacts_come_and_go():
     scene = packing(strain=0.3, duration=30.0)
-    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=2)[1]
+    whole, pieces = integrated(scene, parts=10**9)[1], integrated(scene, parts=2)[1]
     assert whole.generation[0] > 3
     for name, array in whole._asdict().items():
         assert array.tobytes() == getattr(pieces, name).tobytes(), name

@@ -17,7 +17,7 @@ from ecume.models.soft.integration.linear_solvers import ITERATIONS, choices
 from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.state import FAILED
 
-from .clusters import marched
+from .clusters import integrated
 from .test_packings import packing, solved_by
 
 pytestmark = pytest.mark.compiled
@@ -89,9 +89,9 @@ def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):
 def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_step(monkeypatch):
     monkeypatch.setattr(solvers, "MOST_ITERATIONS", 1)
     scene = packing(count=30, strain=1e-3, duration=0.2)
-    auto = marched(scene)[1]
+    auto = integrated(scene)[1]
     assert auto.tally[FAILED] >= linear_solvers.PATIENCE
-    assert auto.position == pytest.approx(marched(solved_by(scene, "direct"))[1].position, abs=1e-6)
+    assert auto.position == pytest.approx(integrated(solved_by(scene, "direct"))[1].position, abs=1e-6)
 
 
 def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
@@ -101,7 +101,7 @@ def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
     tried, directly = [], solvers.directly
     monkeypatch.setitem(solvers.SOLVERS, "direct", lambda *given: tried.append(given[0]) or directly(*given))
     scene = packing(count=25, strain=0.1, duration=10.0, frame_every=1.0)
-    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=1)[1]
+    whole, pieces = integrated(scene, parts=10**9)[1], integrated(scene, parts=1)[1]
     assert tried
     assert whole.effort[ITERATIONS] > 0
     for name, array in whole._asdict().items():

@@ -16,7 +16,7 @@ from ecume.models.soft.loading.protocol import drive_at
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
-from .clusters import marched
+from .clusters import integrated
 
 PLACES = {2: [[0.0, 0.0], [2.13, 0.1], [0.9, 2.1]], 3: [[0.0, 0.0, 0.0], [2.1, 0.1, 0.2], [0.9, 2.1, -0.1]]}
 RADII = (1.0, 1.1, 0.9)
@@ -155,7 +155,7 @@ def test_gears_turn_against_each_other_and_what_turns_alike_drags_its_neighbor()
             "model": "soft", "duration": 3.0, "frame_every": 3.0, "rotation": True,
             "liquid": {"viscosity": 0.1}, "hydrodynamics": {"drag": "stokes"}, "particles": spheres,
         }  # fmt: skip
-        return marched(from_plain(plain))[1]
+        return integrated(from_plain(plain))[1]
 
     # Equal speeds of the equators: the film between is not sheared, and each spins as if it were alone.
     alone = 8 * math.pi * 0.1
@@ -184,7 +184,7 @@ def sheared(dimensions=2, solver="auto", strain=0.02):
 @pytest.mark.compiled
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_every_solver_finds_the_same_spins_and_shear_turns_spheres_by_half(dimensions):
-    ends = [marched(sheared(dimensions, solver))[1] for solver in ("dense", "iterative", "direct")]
+    ends = [integrated(sheared(dimensions, solver))[1] for solver in ("dense", "iterative", "direct")]
     for end in ends[1:]:
         assert end.orientation == pytest.approx(ends[0].orientation, abs=1e-5)
     # In a homogeneous flow by half of the shear, clockwise.
@@ -194,7 +194,7 @@ def test_every_solver_finds_the_same_spins_and_shear_turns_spheres_by_half(dimen
 
 @pytest.mark.compiled
 def test_interruptions_change_no_bit_of_a_spin():
-    whole, pieces = marched(sheared(strain=0.3), parts=10**9)[1], marched(sheared(strain=0.3), parts=2)[1]
+    whole, pieces = integrated(sheared(strain=0.3), parts=10**9)[1], integrated(sheared(strain=0.3), parts=2)[1]
     assert np.abs(whole.orientation).max() > 0.01
     for name, array in whole._asdict().items():
         assert array.tobytes() == getattr(pieces, name).tobytes(), name
@@ -256,7 +256,7 @@ def test_unlike_spheres_that_nothing_holds_lie_where_their_loads_have_no_moment(
     ]
     given = {"duration": 5.0, "frame_every": 5.0, "particles": spheres}
     ends = [
-        marched(cluster(dimensions, integration={"tolerance": 1e-6, "solver": solver}, **given))
+        integrated(cluster(dimensions, integration={"tolerance": 1e-6, "solver": solver}, **given))
         for solver in ("dense", "direct")
     ]
     parameters, state = ends[0]

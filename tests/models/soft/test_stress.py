@@ -22,7 +22,7 @@ from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import RateStepsSpec, StageSpec
 from ecume.simulation import simulate
 
-from .clusters import marched
+from .clusters import integrated
 from .test_packings import packing, solved_by
 
 pytestmark = pytest.mark.compiled
@@ -87,7 +87,7 @@ def test_spheres_that_spin_make_a_symmetric_stress():
 
 def test_every_solver_finds_the_same_creep_in_as_many_steps():
     scene = stressed(BOTH, duration=1.0)
-    ends = [marched(solved_by(scene, solver))[1] for solver in ("dense", "iterative", "direct")]
+    ends = [integrated(solved_by(scene, solver))[1] for solver in ("dense", "iterative", "direct")]
     for end in ends[1:]:
         assert end.cell == pytest.approx(ends[0].cell, abs=1e-7)
         assert end.tally[ACCEPTED] == pytest.approx(ends[0].tally[ACCEPTED], abs=2)
@@ -159,7 +159,7 @@ def test_creep_is_the_same_in_other_units():
     # In a layer a modulus resists over a depth of a contact's size: stress is force over length.
     stress = pressure * length
     other["protocol"] = [{"time": 0.0, "shear_stress": SHEAR * stress, "normal_stress": NORMAL * stress}]
-    one, two = (marched(scene_)[1] for scene_ in (scene, from_plain(other)))
+    one, two = (integrated(scene_)[1] for scene_ in (scene, from_plain(other)))
     assert two.cell == pytest.approx(one.cell, abs=1e-9)
 
 
@@ -171,7 +171,7 @@ def test_interruptions_change_no_bit_of_a_creep_with_steps():
         {"time": 3.0, "shear_rate": 0.01},
     ]
     scene = stressed(protocol)
-    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=2)[1]
+    whole, pieces = integrated(scene, parts=10**9)[1], integrated(scene, parts=2)[1]
     for name, array in whole._asdict().items():
         assert getattr(pieces, name).tobytes() == array.tobytes(), name
     assert whole.cell_rate[4] == 0.01
@@ -241,7 +241,7 @@ def test_a_sheared_box_with_drag_drags_along_its_flow():
         "particles": [{"radius": 1.0, "modulus": 1.0, "positions": [[2.0, 2.0], [7.0, 8.0]]}],
         "protocol": [{"time": 0.0, "shear_rate": 0.1, "height_rate": 0.05}],
     }  # fmt: skip
-    end = marched(from_plain(plain))[1].position
+    end = integrated(from_plain(plain))[1].position
     for (x, y), place in zip([(2.0, 2.0), (7.0, 8.0)], end, strict=True):
         assert place[1] == pytest.approx(y * math.exp(0.05), rel=1e-7)
         assert place[0] == pytest.approx(x + 0.1 * y * (math.exp(0.05) - 1.0) / 0.05, rel=1e-7)

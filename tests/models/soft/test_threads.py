@@ -16,7 +16,7 @@ from .test_packings import packing
 pytestmark = pytest.mark.compiled
 
 
-def marched(scene, steps=6, iterations=0):
+def integrated(scene, steps=6, iterations=0):
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     state.pace[LENGTH] = 0.05
@@ -33,14 +33,14 @@ def marched(scene, steps=6, iterations=0):
 def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation, iterations):
     """By gradients, and where those are said to have taken many iterations, by a factorization."""
     scene = packing(count=300, strain=0.2, hydrodynamics={"drag": "stokes"}, rotation=rotation)
-    alone = marched(scene, iterations=iterations)
+    alone = integrated(scene, iterations=iterations)
     monkeypatch.setattr(_jit, "FEW", 1)
     monkeypatch.setattr(contact_list, "MANY", 1)
     many = numba.get_num_threads()
     try:
         for threads in (1, 2):
             numba.set_num_threads(min(threads, many))
-            together = marched(scene, iterations=iterations)
+            together = integrated(scene, iterations=iterations)
             assert (together.effort[1] > 0) == (iterations > 0)
             for name, array in alone._asdict().items():
                 assert np.asarray(array).tobytes() == getattr(together, name).tobytes(), name

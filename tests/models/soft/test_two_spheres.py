@@ -16,7 +16,7 @@ from ecume.scenes.templates import copy_template
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force, relaxation_passage
 
-from .clusters import marched, pull_apart
+from .clusters import integrated, pull_apart
 
 pytestmark = pytest.mark.compiled
 
@@ -42,7 +42,7 @@ def to_the_end(parameters, state):
 def test_a_gap_opens_and_closes_in_the_time_of_the_closed_form(kappa, gap, end):
     force = kappa if end > gap else -kappa
     time = passage_time(PAIR, force, gap, end)
-    _, state = marched(pull_apart(gap, force, duration=time))
+    _, state = integrated(pull_apart(gap, force, duration=time))
     assert math.exp(state.log_gap[0]) == pytest.approx(end, rel=1e-6)
     gap = math.exp(state.log_gap[0])
     distance = 2 + gap + deflection_under_force(PAIR, gap, force)
@@ -52,7 +52,7 @@ def test_a_gap_opens_and_closes_in_the_time_of_the_closed_form(kappa, gap, end):
 @pytest.mark.parametrize("prefactors", ["paper", "physical"])
 def test_direction_and_dimension_change_nothing(prefactors):
     ends = [
-        marched(pull_apart(0.01, 1e-3, duration=2e4, prefactors=prefactors, turn=turn, more=more))[1].log_gap[0]
+        integrated(pull_apart(0.01, 1e-3, duration=2e4, prefactors=prefactors, turn=turn, more=more))[1].log_gap[0]
         for turn, more in ((0.0, ()), (1.0, ()), (2.0, (-0.7,)), (0.3, (5.0,)))
     ]
     assert ends == pytest.approx([ends[0]] * 4, rel=1e-9)
@@ -69,7 +69,7 @@ def test_tension_relaxes_between_centers_that_are_held():
 
 
 def test_a_gap_that_is_pressed_for_ever_never_closes():
-    _, state = marched(pull_apart(1e-2, -1e-2, duration=1e9, tolerance=1e-6))
+    _, state = integrated(pull_apart(1e-2, -1e-2, duration=1e9, tolerance=1e-6))
     late = 1e-2 ** (2 / 3) * math.sqrt(1.5 * math.pi * 1e2 / 2e9)
     assert math.exp(state.log_gap[0]) == pytest.approx(late, rel=1e-3)
 
@@ -83,16 +83,16 @@ def test_steric_layers_bear_the_load_in_the_end():
 
 
 def test_drag_slows_spheres_that_part_and_lets_forces_push_them_along():
-    free, held = marched(from_plain(SCENE))[1], marched(from_plain(DRAGGED))[1]
+    free, held = integrated(from_plain(SCENE))[1], integrated(from_plain(DRAGGED))[1]
     assert held.log_gap[0] < free.log_gap[0] - 0.01
     along = [spec | {"force": [1e-3, 0.0]} for spec in (LEFT, RIGHT)]
-    pushed = marched(from_plain(DRAGGED | {"particles": along}))[1]
+    pushed = integrated(from_plain(DRAGGED | {"particles": along}))[1]
     assert pushed.velocity[:, 0] == pytest.approx([1e-3 / (6 * math.pi)] * 2, rel=1e-3)
 
 
 def test_interruptions_change_no_bit():
     scene = pull_apart(0.01, 1e-3, duration=2e4, frames=7)
-    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=3)[1]
+    whole, pieces = integrated(scene, parts=10**9)[1], integrated(scene, parts=3)[1]
     for name, array in whole._asdict().items():
         assert array.tobytes() == getattr(pieces, name).tobytes(), name
 
@@ -137,4 +137,4 @@ def test_what_cannot_be_simulated_is_refused_in_one_line(change, path, says):
 def test_frames_come_at_their_times():
     scene = pull_apart(0.01, 1e-3, duration=2e4, frames=5, tolerance=1e-6)
     assert [frame.time for frame in simulate(scene)] == pytest.approx([0.0, 4e3, 8e3, 1.2e4, 1.6e4, 2e4], rel=1e-15)
-    assert marched(scene)[1].pace[CLOCK] == 2e4
+    assert integrated(scene)[1].pace[CLOCK] == 2e4

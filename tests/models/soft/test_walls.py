@@ -23,7 +23,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
-from .clusters import marched
+from .clusters import integrated
 
 pytestmark = pytest.mark.compiled
 
@@ -63,13 +63,13 @@ def test_a_sphere_leaves_a_wall_as_the_closed_form_has_it(modulus, dimensions):
     pair = SoftPair(2.0, shared, 1e-3)
     end = passage_time(pair, 1e-3, 0.01, 0.2)
     wall = FLOOR if modulus is None else FLOOR | {"modulus": modulus}
-    _, state = marched(at_floor(dimensions, duration=end, frame_every=end, walls=[wall]))
+    _, state = integrated(at_floor(dimensions, duration=end, frame_every=end, walls=[wall]))
     assert np.exp(state.wall_gap[:, 0]) == pytest.approx(np.full(2, 0.2), rel=1e-6)
 
 
 def test_a_rigid_sphere_feels_six_pi_eta_r_squared_over_h():
     scene = at_floor(force=-1e-9, gap=0.02, duration=1e3, frame_every=1e3)
-    _, state = marched(scene)
+    _, state = integrated(scene)
     zeta = 6 * math.pi * 1e-3 / 0.02
     assert math.log(0.02) - state.wall_gap[0, 0] == pytest.approx(1e3 * 1e-9 / zeta / 0.02, rel=1e-3)
 
@@ -193,9 +193,9 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
     monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
     parameters.weight[:] = 2e-4 * np.random.default_rng(1).normal(size=parameters.weight.shape)
     first_stage(parameters.contacts, step, drive)
-    march = newton.newton_bordered if top else newton.newton_many
+    integrate = newton.newton_bordered if top else newton.newton_many
     solve = functools.partial(SOLVERS["dense" if top else "direct"], scratch.kept)
-    assert march(solve, parameters.contacts, step, Goal(drive, drive, 0.02, 1e-13))
+    assert integrate(solve, parameters.contacts, step, Goal(drive, drive, 0.02, 1e-13))
     if dimensions == 3 and rotation:  # Turns add up there as vectors, which they do for small ones only.
         assert changes[-1] < 1e-2 * changes[-2] < 1e-8
     else:
@@ -205,7 +205,7 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
 
 def test_interruptions_change_no_bit_at_walls():
     scene = channel({"top": {"pressure": 1e-3, "shear_stress": 2e-3}}, rotation=True, duration=8.0, frame_every=8.0)
-    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=2)[1]
+    whole, pieces = integrated(scene, parts=10**9)[1], integrated(scene, parts=2)[1]
     assert whole.generation[0] > 1
     for name, array in whole._asdict().items():
         assert getattr(pieces, name).tobytes() == array.tobytes(), name

@@ -41,9 +41,9 @@ def test_what_the_scene_says_wins_over_what_the_name_says():
 
 
 def test_the_origin_of_each_number_is_reported():
-    told = said(scene_with({**WARM, "density": 900.0}))
-    assert told["density"] == ("900 kg/m^3", "")
-    assert told["viscosity"][1] == told["surface tension"][1] == "water at 50 degrees Celsius"
+    report = said(scene_with({**WARM, "density": 900.0}))
+    assert report["density"] == ("900 kg/m^3", "")
+    assert report["viscosity"][1] == report["surface tension"][1] == "water at 50 degrees Celsius"
 
 
 @pytest.mark.parametrize(
@@ -74,12 +74,12 @@ def test_few_and_many_neighbors_are_reported_with_the_remedy():
 
 
 def test_the_cost_and_the_resolution_are_reported():
-    told = said(scene_with())
-    assert told["resolution"] == (
+    report = said(scene_with())
+    assert report["resolution"] == (
         "8 particles",
         "across the smallest extent of the liquid; good for the flow; 20 or more for pressures",
     )
-    assert told["time step"][1].startswith("set by sound")
+    assert report["time step"][1].startswith("set by sound")
     assert said(scene_with({"density": 1.0, "sound_speed": 10.0, "viscosity": 5.0}))["time step"][1].startswith(
         "set by v"
     )

@@ -1,4 +1,4 @@
-"""What is done to a liquid from outside is booked: where it goes to is known, and energy never rises beyond it."""
+"""Work on a liquid is in the energy budget, and energy never rises beyond it."""
 
 import dataclasses
 
@@ -16,9 +16,9 @@ from ecume.models.sph.report.energy_budget import (
     energies,
     energy_of_bodies,
     exchanged_energy,
+    power_of_base_excitation,
     power_of_dummies,
     power_of_forces,
-    power_of_shake,
     reflection_work,
 )
 from ecume.models.sph.report.invariants import invariants
@@ -33,8 +33,8 @@ from tests.models.sph.test_rigid_bodies import tub
 from tests.models.sph.test_solids import changed
 
 
-def books(scene, tmp_path):
-    """Energy, booked work and energy less work of each frame, once all that must hold has held."""
+def budget(scene, tmp_path):
+    """Energy, work in the budget and energy less work of each frame, once all that must hold has held."""
     watch, rows = Watch(RunDirectory(tmp_path), invariants(scene, SPH.parameters(scene)), "warn"), []
     for number, frame in enumerate(ecume.simulate(scene)):
         watch.take(frame.time, frame.numbers, number)
@@ -65,7 +65,7 @@ def between_plates(walls, **changes):
 def test_a_slow_piston_does_the_work_of_lifting(tmp_path):
     slow = {"times": [0.0, 4.0], "positions": [0.0, 0.2]}
     scene = changed(with_side(tank(jitter=0.0), "left", motion=slow), duration=4.0, frame_every=1.0)
-    energy, work, _ = books(scene, tmp_path)
+    energy, work, _ = budget(scene, tmp_path)
     # A square of water becomes as much narrower as it becomes higher: its middle rises by an eighth.
     assert work[-1] == pytest.approx(0.125, rel=0.05)
     assert energy[-1] == pytest.approx(work[-1], rel=0.01)
@@ -74,7 +74,7 @@ def test_a_slow_piston_does_the_work_of_lifting(tmp_path):
 @pytest.mark.compiled
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_a_lid_brings_what_friction_takes(walls, tmp_path):
-    energy, work, own = books(between_plates(walls), tmp_path)
+    energy, work, own = budget(between_plates(walls), tmp_path)
     # In steady flow its stress, of viscosity and shear rate, times its speed and length; all of it is lost.
     power = 0.5 * 1.0 * 0.75
     assert np.diff(work)[-1] / 0.2 == pytest.approx(power, rel=0.02)
@@ -90,7 +90,7 @@ def test_gravity_along_periodic_sides_brings_what_friction_takes(tmp_path):
     pulled["tank"]["top"] = {"kind": "wall"}
     scene = from_plain(pulled)
     *_, last = ecume.simulate(scene)
-    _, work, own = books(scene, tmp_path)
+    _, work, own = budget(scene, tmp_path)
     assert -np.diff(own)[-1] / 0.2 == pytest.approx(last.numbers["momentum_x"], rel=0.01)
     # Each particle that comes around is lifted by the length of the tank: whole ones are counted.
     assert work[-1] > 0.0
@@ -99,7 +99,7 @@ def test_gravity_along_periodic_sides_brings_what_friction_takes(tmp_path):
 
 @pytest.mark.compiled
 def test_a_channel_brings_in_what_friction_takes_and_carries_out_the_rest(tmp_path):
-    energy, work, own = books(channel(), tmp_path)
+    energy, work, own = budget(channel(), tmp_path)
     # Poiseuille's pressure gradient, twelve times viscosity and mean speed, over two meters.
     assert np.diff(own)[1:] / -0.5 == pytest.approx(1.2, rel=0.06)
     assert work[-1] == pytest.approx(1.2 * 1.5, rel=0.1)
@@ -113,7 +113,7 @@ def test_a_stream_that_nothing_rubs_gains_and_loses_nothing(tmp_path):
     plain["tank"] |= {**sides, "top": OPEN}
     plain |= {"gravity": [0.0, -1.0], "liquid": {"density": 1.0, "sound_speed": 10.0}, "frame_every": 0.1}
     plain["fluid"] = [{"low": [0.0, 0.0], "high": [2.0, 0.5], "velocity": [0.5, 0.0]}]
-    energy, _, own = books(from_plain(plain), tmp_path)
+    energy, _, own = budget(from_plain(plain), tmp_path)
     # A row that comes in before another goes out is a twentieth of all the motion; the account knows it to 1e-3.
     assert np.abs(energy).max() > 5e-3
     assert np.abs(own).max() < 1e-4
@@ -123,7 +123,7 @@ def test_a_stream_that_nothing_rubs_gains_and_loses_nothing(tmp_path):
 def test_energy_that_a_body_loses_goes_to_the_liquid_and_none_is_created(tmp_path):
     scene = dataclasses.replace(tub(4.0, density_diffusion="none"), duration=0.4)
     first, *_, last = ecume.simulate(scene)
-    energy, work, _ = books(scene, tmp_path)
+    energy, work, _ = budget(scene, tmp_path)
     lost = first.numbers["bodies_energy"] - last.numbers["bodies_energy"]
     assert lost > 5e-3
     assert 0.0 < np.abs(work).max() < 0.05 * lost  # of dummies
@@ -144,7 +144,7 @@ def test_who_comes_in_brings_its_energy_and_who_is_lost_takes_it_along():
     assert exchanged_energy(parameters, state, ~alone & alone, alone) == pytest.approx(-each, rel=0.01)
     after = SPH.exchange(parameters, state)
     assert after.position.shape[1] == 63
-    assert after.books[WORK] == pytest.approx(-each, rel=0.01)
+    assert after.budget[WORK] == pytest.approx(-each, rel=0.01)
 
 
 def test_the_guard_of_a_moving_wall_does_work_as_a_bat_does():
@@ -179,13 +179,13 @@ def test_a_wall_that_strikes_a_body_brings_what_the_body_gains():
     assert work == pytest.approx(energy_of_bodies(parameters, state.pose, state.motion) - before, rel=1e-9)
 
 
-def test_a_shake_pulls_at_bodies_too():
+def test_a_base_excitation_pulls_at_bodies_too():
     scene = changed(tub(0.5), base_excitation={"amplitude": [2.0, 0.0], "frequency": 0.25})
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     state.velocity[0], state.motion[0], state.clock[0] = 0.1, -3.0, 1.0
     momentum = 0.1 * float(state.mass.sum()) - 3.0 * float(parameters.bodies.mass[0])
-    assert power_of_shake(parameters, state) == pytest.approx(2.0 * momentum, rel=1e-12)
+    assert power_of_base_excitation(parameters, state) == pytest.approx(2.0 * momentum, rel=1e-12)
 
 
 def test_what_is_pulled_by_a_surface_and_moves_has_no_line_of_energy():
@@ -218,7 +218,7 @@ def test_the_energy_that_density_diffusion_brings_is_its_work(seed, tmp_path):
     less the work of diffusion it never rises by 1e-4 of that.
     """
     scene, weight = random_tank(seed)
-    energy, work, rest = books(scene, tmp_path)
+    energy, work, rest = budget(scene, tmp_path)
     rises = [float((each - np.minimum.accumulate(each)).max()) / weight for each in (energy, rest)]
     assert rises[1] < 1e-4
     assert rises[0] > 5.0 * rises[1]
@@ -237,11 +237,11 @@ def test_the_work_of_diffusion_is_the_change_of_elastic_energy(name):
     errors = []
     for time in (2e-4, 1e-4):
         state.thickening[:] = workspace.rates.diffusion[:count]
-        state.books[WORK] = 0.0
+        state.budget[WORK] = 0.0
         add_diffusion_work(parameters, state, workspace, time)
         after = state._replace(density=state.density + time * state.thickening)
         change = elastic(parameters, after) - elastic(parameters, state)
-        errors.append(abs(float(state.books[WORK]) - change) / abs(change))
+        errors.append(abs(float(state.budget[WORK]) - change) / abs(change))
     assert errors[0] < 1e-4
     assert errors[1] < 0.6 * errors[0] + 1e-9
 

@@ -11,7 +11,7 @@ from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.model import DONE
 from ecume.models.sph import SPH
-from ecume.models.sph.mpi import complete, march_shared, require_spreadable, workspace_shared
+from ecume.models.sph.mpi import complete, integrate_shared, require_spreadable, workspace_shared
 from ecume.scenes.load import load_scene
 from tests.models.floating.test_mpi import copied, on_ranks
 
@@ -50,13 +50,13 @@ def test_a_tank_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) ->
     assert (state.reference != start.reference).any(), "the lists were never made anew"
     seen = SPH.observe(parameters, state, alone)
 
-    def march_here(share: Share) -> Any:
+    def integrate_here(share: Share) -> Any:
         own = copied(start)
         scratch = workspace_shared(share, parameters, own, 1.0)
-        assert march_shared(share, parameters, own, scratch, STEPS) == DONE
+        assert integrate_shared(share, parameters, own, scratch, STEPS) == DONE
         return own, scratch, SPH.observe(parameters, own, complete(share, parameters, own, scratch))
 
-    for own, scratch, frame in on_ranks(ranks, march_here):
+    for own, scratch, frame in on_ranks(ranks, integrate_here):
         assert 0 < (scratch.lists.counts > 0).sum() < len(scratch.lists.counts), "a rank has all lists, or none"
         for name in state._fields:
             assert np.array_equal(getattr(own, name), getattr(state, name), equal_nan=True), name
@@ -64,7 +64,7 @@ def test_a_tank_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) ->
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ("tank.walls=dummy", "mirrors or periodic"),
         ("tank.bottom.velocity=[0.1, 0.0]", "stand still"),
@@ -72,7 +72,7 @@ def test_a_tank_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) ->
         ("method.turbulence=smagorinsky", "does not support surface tension"),
     ],
 )
-def test_tanks_that_are_not_spread_are_refused(change: str, told: str) -> None:
+def test_tanks_that_are_not_spread_are_refused(change: str, message: str) -> None:
     parameters, _ = begun(change)
-    with pytest.raises(BadInput, match=told):
+    with pytest.raises(BadInput, match=message):
         require_spreadable(parameters)

@@ -34,7 +34,7 @@ def channel(**more):
     return from_plain({**plain, **more})
 
 
-def marched_through(scene, steps, state=None):
+def integrated_through(scene, steps, state=None):
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters) if state is None else state
     workspace, last = SPH.workspace(parameters, state, 1.0), int(state.step[0]) + steps
@@ -66,8 +66,8 @@ def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
     scene = from_plain({**plain, "tank": {**plain["tank"], "walls": walls}})
     state = SPH.start(scene, SPH.parameters(scene))
     before = state.position.shape[1]
-    state = marched_through(scene, 120, state)
-    came, left, lost, after = (int(state.crowd[k]) for k in (CAME, LEFT, LOST, NEXT))
+    state = integrated_through(scene, 120, state)
+    came, left, lost, after = (int(state.population[k]) for k in (CAME, LEFT, LOST, NEXT))
     assert came > 30
     assert left > 20
     assert state.position.shape[1] == before + came - left - lost
@@ -78,8 +78,8 @@ def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
 @pytest.mark.compiled
 def test_half_a_run_of_a_channel_and_half_a_run_are_a_run():
     scene = channel()
-    whole = marched_through(scene, 80)
-    again = marched_through(scene, 43, copy_of(marched_through(scene, 37)))
+    whole = integrated_through(scene, 80)
+    again = integrated_through(scene, 43, copy_of(integrated_through(scene, 37)))
     for name, one, other in zip(whole._fields, whole, again, strict=True):
         assert np.array_equal(one, other), name
 

@@ -18,7 +18,7 @@ from tests.models.sph.scenes import free_blob
 STILL = {"density": 1000.0, "viscosity": 1e-3, "sound_speed": 2.0, "maximum_speed": 0.2}
 
 
-def cup(*carried, **method):
+def cup(*tracers, **method):
     """A still cup of water, some centimeters high."""
     return from_plain(
         {
@@ -29,7 +29,7 @@ def cup(*carried, **method):
             "liquid": STILL,
             "tank": {"low": [0.0, 0.0], "high": [0.03, 0.05], "top": {"kind": "open"}},
             "fluid": [{"low": [0.0, 0.0], "high": [0.03, 0.04]}],
-            "passive_tracers": list(carried),
+            "passive_tracers": list(tracers),
             "method": method,
         }
     )
@@ -43,11 +43,11 @@ def test_a_tracer_in_a_rigid_rotation_keeps_its_radius():
     state.velocity[...] = np.array([[0.0, -2.0], [2.0, 0.0]]) @ state.position
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
-    before = np.linalg.norm(state.carried_position, axis=0)
+    before = np.linalg.norm(state.passive_position, axis=0)
     for _ in range(1000):
         move_passive_particles(parameters, state, workspace, np.pi / 1000)
-    np.testing.assert_allclose(np.linalg.norm(state.carried_position, axis=0), before, rtol=0.02)
-    np.testing.assert_allclose(state.carried_position[:, 0], [0.25, 0.0], atol=0.05)
+    np.testing.assert_allclose(np.linalg.norm(state.passive_position, axis=0), before, rtol=0.02)
+    np.testing.assert_allclose(state.passive_position[:, 0], [0.25, 0.0], atol=0.05)
 
 
 def test_a_grain_settles_at_its_terminal_speed():
@@ -59,7 +59,7 @@ def test_a_grain_settles_at_its_terminal_speed():
     for _ in range(400):
         move_passive_particles(parameters, state, workspace, 2.5e-4)
     # Schiller and Naumann's drag on quartz of 200 um in water, worked out independently of the code.
-    assert -state.carried_velocity[1, 0] == pytest.approx(2.291683e-2, rel=1e-4)
+    assert -state.passive_velocity[1, 0] == pytest.approx(2.291683e-2, rel=1e-4)
 
 
 @pytest.mark.compiled
@@ -82,8 +82,8 @@ def test_eddies_scatter_the_same_way_on_resume():
     SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 6)
     SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 3)
     SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 3)
-    assert np.array_equal(whole.carried_position, half.carried_position)
-    assert np.abs(whole.carried_position - parameters.carried.position).max() > 0.0
+    assert np.array_equal(whole.passive_position, half.passive_position)
+    assert np.abs(whole.passive_position - parameters.passive_tracers.position).max() > 0.0
 
 
 @pytest.mark.parametrize(
@@ -122,10 +122,10 @@ def test_looking_into_the_cells_around_finds_what_looking_at_all_does(dimension)
     state.velocity[...] = np.sin(30.0 * state.position)
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
-    found = surroundings(parameters, workspace, state.carried_position)
+    found = surroundings(parameters, workspace, state.passive_position)
     fields = workspace.fields
     place = fields.position[:dimension] + parameters.origin[:, None]
-    away = place[:, :, None] - state.carried_position[:, None, :]
+    away = place[:, :, None] - state.passive_position[:, None, :]
     shape = kernel_of(scene)
     weight = shape.value(np.sqrt((away**2).sum(axis=0)), smoothing_of(scene)) * (fields.volume * fields.liquid)[:, None]
     np.testing.assert_allclose(found.fraction, weight.sum(axis=0), rtol=1e-12)
@@ -163,10 +163,10 @@ def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscos
         state.velocity[...] = np.array(gradient) @ state.position
         state.density[...] = parameters.material.density
         take_forces(parameters, state, workspace, time)
-        before = state.carried_position.copy()
+        before = state.passive_position.copy()
         around = surroundings(parameters, workspace, before)
         move_passive_particles(parameters, state, workspace, time)
-        return state.carried_position - before - time * around.velocity[:2], around.eddy_viscosity
+        return state.passive_position - before - time * around.velocity[:2], around.eddy_viscosity
 
     # Smagorinsky's viscosity, (0.12 spacing)^2 |S|, over the Schmidt number.
     eddies = (0.12 * scene.spacing) ** 2 * strain

@@ -15,7 +15,7 @@ from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import tank
-from tests.models.sph.test_runs import copy_of, marched
+from tests.models.sph.test_runs import copy_of, integrated
 from tests.models.sph.test_solids import changed
 
 SHAKE = {"amplitude": [0.05, 0.0], "frequency": 0.2}
@@ -61,10 +61,10 @@ def test_a_shaken_tank_sloshes_as_linear_theory_has_it(tmp_path):
     for number, frame in enumerate(frames):
         watch.take(frame.time, frame.numbers, number)
     watch.keep()
-    told = json.loads((tmp_path / "watch.json").read_text())
-    assert "energy" in [one["name"] for one in told["invariants"] if one["held"]]
-    assert told["energy"]["injected"] == work[-1]
-    assert told["energy"]["dissipated"] == pytest.approx(work[-1] - energy[-1] + energy[0])
+    report = json.loads((tmp_path / "watch.json").read_text())
+    assert "energy" in [one["name"] for one in report["invariants"] if one["held"]]
+    assert report["energy"]["injected"] == work[-1]
+    assert report["energy"]["dissipated"] == pytest.approx(work[-1] - energy[-1] + energy[0])
 
 
 @pytest.mark.compiled
@@ -96,8 +96,8 @@ def test_a_wall_that_starts_moving_does_work_on_the_liquid():
 @pytest.mark.compiled
 def test_half_a_run_that_is_shaken_and_half_a_run_are_a_run():
     scene = with_side(changed(tank(), base_excitation=SHAKE), "right", motion=PUSH)
-    parameters, whole = marched(scene, 40)
-    _, half = marched(scene, 17)
+    parameters, whole = integrated(scene, 40)
+    _, half = integrated(scene, 17)
     again = copy_of(half)
     SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 23)
     for name, one, other in zip(whole._fields, whole, again, strict=True):

@@ -16,7 +16,7 @@ from tests.models.sph.scenes import tank
 pytestmark = pytest.mark.compiled
 
 
-def marched(scene, steps):
+def integrated(scene, steps):
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), steps)
@@ -30,8 +30,8 @@ def copy_of(state):
 @pytest.mark.parametrize("integrator", ["symplectic", "verlet"])
 def test_half_a_run_and_half_a_run_are_a_run(integrator):
     scene = tank(integrator=integrator)
-    parameters, whole = marched(scene, 60)
-    _, half = marched(scene, 30)
+    parameters, whole = integrated(scene, 60)
+    _, half = integrated(scene, 30)
     again = copy_of(half)
     SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
     for name, one, other in zip(whole._fields, whole, again, strict=True):
@@ -51,9 +51,9 @@ def test_threads_change_no_bit():
     before = use_threads(None)
     try:
         use_threads(1)
-        _, one = marched(scene, 3)
+        _, one = integrated(scene, 3)
         use_threads(2)
-        _, two = marched(scene, 3)
+        _, two = integrated(scene, 3)
     finally:
         use_threads(before)
     assert one.position.shape[1] > 4000

@@ -14,7 +14,7 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.shapes import dummies_of
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
-from tests.models.sph.test_runs import copy_of, marched
+from tests.models.sph.test_runs import copy_of, integrated
 
 
 def changed(scene, **tables):
@@ -133,10 +133,10 @@ def test_the_force_on_solids_is_minus_that_on_the_liquid(force):
     workspace = SPH.workspace(parameters, state, 1.0)
     SPH.advance(parameters, state, workspace, 1)
     take_forces(parameters, state, workspace, 0.0)
-    told = sum(force for _, force, _ in loads(parameters, workspace))[:2]
+    report = sum(force for _, force, _ in loads(parameters, workspace))[:2]
     gained = state.acceleration @ state.mass - parameters.gravity * state.mass.sum()
     # Not to the last bit: an image has its source's pressure and the weight between, and so has a dummy's.
-    np.testing.assert_allclose(gained, -told, atol=2e-4 * np.abs(told).max())
+    np.testing.assert_allclose(gained, -report, atol=2e-4 * np.abs(report).max())
 
 
 def body(**more):
@@ -166,8 +166,8 @@ def test_what_a_body_gets_the_liquid_loses(force):
 @pytest.mark.compiled
 def test_half_a_run_with_a_body_and_half_a_run_are_a_run():
     scene = changed(tank(), bodies=[{"center": [0.5, 1.1], "radius": 0.2, "density": 0.5, "velocity": [0.0, -1.0]}])
-    parameters, whole = marched(scene, 60)
-    _, half = marched(scene, 30)
+    parameters, whole = integrated(scene, 60)
+    _, half = integrated(scene, 30)
     again = copy_of(half)
     SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
     for name, one, other in zip(whole._fields, whole, again, strict=True):
@@ -181,7 +181,7 @@ def test_threads_change_no_bit_of_a_body_or_of_a_load():
     try:
         for threads in (1, 2):
             use_threads(threads)
-            parameters, state = marched(scene, 3)
+            parameters, state = integrated(scene, 3)
             frame = SPH.observe(parameters, state, SPH.workspace(parameters, state, 1.0))
             found.append((state.motion.tobytes(), state.velocity.tobytes(), frame.numbers))
     finally:

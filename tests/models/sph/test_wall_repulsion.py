@@ -63,8 +63,8 @@ def test_walls_and_obstacles_report_the_force_on_the_liquid(obstacles):
     SPH.advance(parameters, state, workspace, 1)
     frame = SPH.observe(parameters, state, workspace)
     got = (state.acceleration - parameters.gravity[:, None]) @ state.mass
-    told = [sum(frame.numbers[key] for key in frame.numbers if key.endswith(f"force_{axis}")) for axis in "xy"]
-    np.testing.assert_allclose(told, -got, rtol=1e-10)
+    report = [sum(frame.numbers[key] for key in frame.numbers if key.endswith(f"force_{axis}")) for axis in "xy"]
+    np.testing.assert_allclose(report, -got, rtol=1e-10)
     assert frame.numbers["leaning"] >= 31
 
 

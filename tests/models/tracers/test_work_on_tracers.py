@@ -1,4 +1,4 @@
-"""What liquid and openings bring to tracers is booked: their energy less that never rises, particle by particle."""
+"""The work of liquid and openings on tracers: energy minus work never rises, particle by particle."""
 
 import numpy as np
 import pytest
@@ -18,8 +18,8 @@ from ecume.scenes.tracers import (
 )
 
 
-def books(scene):
-    """Energy and booked work of each frame."""
+def budget(scene):
+    """Energy and work in the budget of each frame."""
     numbers = [frame.numbers for frame in ecume.simulate(scene)]
     return np.array([[one["total_energy"], one["injected_work"]] for one in numbers]).T
 
@@ -42,7 +42,7 @@ def test_a_grain_that_the_liquid_keeps_up_costs_its_weight_times_the_speed(regim
     parameters = MODELS["tracers"].parameters(alone(grain(), **motion))
     bodies = parameters.bodies
     weight, speed = float(bodies.mass[0] * bodies.push[0]), float(bodies.settling[0])
-    energy, work = books(alone(grain((0.0, 0.0)), **motion, flow=FlowSpec(velocity=(0.0, speed))))
+    energy, work = budget(alone(grain((0.0, 0.0)), **motion, flow=FlowSpec(velocity=(0.0, speed))))
     np.testing.assert_allclose(work, weight * speed * 0.01 * np.arange(21), rtol=1e-9, atol=1e-20)
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
 
@@ -62,7 +62,7 @@ def test_no_grain_that_bounces_in_a_stream_has_energy_from_nowhere(drag, regime)
                 hydrodynamics=TracerHydrodynamicsSpec(drag=drag),
                 integration=TracerIntegrationSpec(integrator=regime),
             )
-            energy, work = books(scene)
+            energy, work = budget(scene)
             own = energy - work
             assert np.diff(own).max() <= 1e-12 * np.abs(own).max()
             assert own[-1] < own[0]
@@ -90,7 +90,7 @@ def test_noise_brings_as_much_heat_as_drag_takes():
     parameters = MODELS["tracers"].parameters(scene)
     steps = 4 * parameters.steps_per_frame
     each = 2 * 400 * 0.5 * parameters.fluid.thermal * -np.expm1(-2.0 * parameters.time_step / late)
-    energy, work = books(scene)
+    energy, work = budget(scene)
     assert work[-1] / (steps * each) == pytest.approx(1.0, abs=5.0 * np.sqrt(4.0 / (800 * steps)))
     assert energy[-1] / (400 * parameters.fluid.thermal) == pytest.approx(1.0, abs=5.0 * np.sqrt(1.0 / 400))
     assert np.all(np.diff(energy - work) < 0.0)
@@ -105,7 +105,7 @@ def test_without_inertia_noise_does_not_change_the_work_of_settling():
     }
     scene = TracersScene(duration=0.5, frame_every=0.1, particles=(silt,), **motion)
     bodies = MODELS["tracers"].parameters(scene).bodies
-    energy, work = books(scene)
+    energy, work = budget(scene)
     lost = float(np.sum(bodies.mass * bodies.push * bodies.settling)) * 0.1 * np.arange(6)
     assert np.abs(np.diff(work)).max() > 0.01 * lost[1]
     np.testing.assert_allclose(work - energy + energy[0], lost, rtol=1e-9, atol=1e-9 * lost[1])
@@ -129,7 +129,7 @@ def test_who_comes_and_goes_takes_its_energy_along():
     *_, last = ecume.simulate(scene)
     assert last.numbers["came_through_opening_0"] == 15
     assert last.numbers["left_through_opening_1"] > 3
-    energy, work = books(scene)
+    energy, work = budget(scene)
     assert np.ptp(energy) > 0.5 * energy[0]
     np.testing.assert_allclose(energy - work, energy[0], rtol=1e-10)
 

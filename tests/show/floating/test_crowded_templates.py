@@ -1,4 +1,4 @@
-"""Templates from the file to the picture, shortened: a run on disk, its books, and what is drawn of it."""
+"""Templates from the file to the picture, shortened: a run on disk, its energy budget, and what is drawn of it."""
 
 from importlib.resources import files
 
@@ -35,7 +35,7 @@ def test_mermaids_run_and_are_drawn(tmp_path):
     first, last = frames[0], frames[-1]
     assert len(frames) == 3
     assert last.arrays["magnetic_moment"] == pytest.approx(23.6e-6)
-    # Viscous and inelastic: energy only goes, and the dipoles' is in the books.
+    # Viscous and inelastic: energy only goes, and the dipoles' is in the budget.
     totals = [frame.numbers["total_energy"] for frame in frames]
     assert totals[0] > totals[1] > totals[2]
     assert last.numbers["deepest_overlap"] < 1e-3 * 1.5e-3

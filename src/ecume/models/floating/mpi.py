@@ -247,7 +247,7 @@ collisions.SOLVERS[SharedImpulses] = collisions.SMOOTH._replace(stop=solve_share
 integration.LISTS[SharedRows] = renew_shared
 
 
-def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def integrate_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`: the same steps, with parts that ranks share out."""
     parts = parameters.parts
     base, *others = parts.interactions

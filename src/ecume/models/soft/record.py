@@ -25,7 +25,7 @@ from ecume.models.soft.report.check_report import advice, bytes_of
 from ecume.models.soft.report.contact_geometry import LARGE, deflections, remedy, worst_contact
 from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
 from ecume.models.soft.setup.building import parameters_of, start
-from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BOOKS, State, make_state, workspace
+from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BUDGET, State, make_state, workspace
 from ecume.models.state_layout import Layout
 from ecume.scenes.soft import SoftScene, tension_law_of
 from ecume.value_texts import with_prefix
@@ -47,8 +47,8 @@ def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
     """What a state of this scene looks like; contacts name spheres."""
     count, room = len(parameters.radius), state.pair.size // 2
     blank = make_state(parameters, np.zeros((count, parameters.dimensions)), room)
-    if not state.books.size:
-        blank = blank._replace(books=NO_BOOKS)
+    if not state.budget.size:
+        blank = blank._replace(budget=NO_BUDGET)
     indices = {"contacts": (0, room), "pair": (0, count - 1), "touching": (0, 1)}
     return Layout(blank, indices, {"order": count})
 
@@ -57,14 +57,14 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     """The sphere that left the range of validity, the time, and the remedy."""
     when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
     broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
-    told = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
+    report = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
     found = deflections(parameters, state)
     if broken or not np.isfinite(found.magnitude).all():
         cure = "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
     else:
-        told = "; ".join(filter(None, (told, worst_contact(found))))
+        report = "; ".join(filter(None, (report, worst_contact(found))))
         cure = remedy(found, parameters.contacts)
-    return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: {cure}"
+    return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {report}: {cure}"
 
 
 def _closest(parameters: Parameters, state: State) -> str:
@@ -119,7 +119,7 @@ def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
         Invariant("gap", "whether any is closed", 0.0, _closed),
         Invariant("force balance", balance, UNBALANCED, _left),
         Invariant("deflection", "the largest of a contact, over the smaller radius", LARGE, _deflected),
-        Invariant(ENERGY, "what its books miss, over what moved", most_missing(parameters), _missing),
+        Invariant(ENERGY, "what its budget misses, over what moved", most_missing(parameters), _missing),
     ]
 
 

@@ -31,7 +31,7 @@ that is left on a sphere, over the typical one.
 """
 ACCEPTED, REJECTED, FAILED = range(3)
 """Places in `State.tally`."""
-NO_BOOKS = np.zeros(0)
+NO_BUDGET = np.zeros(0)
 """For runs begun by an earlier version, which have no energy budget."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
@@ -86,7 +86,7 @@ class State(NamedTuple):
     effort: Integers
     """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
     that failed since the last step that gradients solved"""
-    books: Array = NO_BOOKS
+    budget: Array = NO_BUDGET
     """(4,) J: work from outside, and its distribution: see `report.energy_budget`"""
 
 
@@ -126,7 +126,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         pace=np.zeros(4),
         tally=np.zeros(3, np.int64),
         effort=np.zeros(3, np.int64),
-        books=np.zeros(4),
+        budget=np.zeros(4),
     )
 
 
@@ -165,7 +165,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         matrix=block_matrix.make_matrix(pattern, width),
         cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
         borders=shared,
-        books=make_books(stages, contacts + int(state.touching.sum())),
+        budget=make_budget_sums(stages, contacts + int(state.touching.sum())),
     )
     return Workspace(step, Kept(pattern, width, parameters.dimensions), int(state.generation[0]))
 
@@ -289,12 +289,12 @@ class During(NamedTuple):
     tolerance: float
 
 
-class Books(NamedTuple):
+class BudgetSums(NamedTuple):
     """The rows of the energy budget in a step; see `energy_budget`."""
 
     lines: Array
     """(S + 1, 8) a line for each stage, zero for those that do not count; in the last what the step adds to
-    `State.books` (J)
+    `State.budget` (J)
     """
     sheared: Array
     """(C + walls', 2) N/m and m^2: of each contact at the last stage, the stiffness along the surface, and the shear
@@ -320,9 +320,9 @@ class Step(NamedTuple):
     matrix: Matrix
     cell: Cell
     borders: Borders
-    books: Books
+    budget: BudgetSums
 
 
-def make_books(stages: int, contacts: int) -> Books:
+def make_budget_sums(stages: int, contacts: int) -> BudgetSums:
     """Room for so many contacts."""
-    return Books(np.zeros((stages + 1, 8)), np.zeros((contacts, 2)))
+    return BudgetSums(np.zeros((stages + 1, 8)), np.zeros((contacts, 2)))

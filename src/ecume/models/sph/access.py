@@ -46,5 +46,5 @@ TANKS = Access(
     ids=ids,
     faults=faults,
     changed=changed,
-    work=lambda state: state.books[WORK : WORK + 1],
+    work=lambda state: state.budget[WORK : WORK + 1],
 )

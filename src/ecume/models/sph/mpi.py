@@ -30,7 +30,7 @@ def require_spreadable(parameters: Parameters) -> None:
         )
     if parameters.projection is not None:
         raise BadInput("--engine mpi: does not support incompressible liquids: each iteration would exchange all sums")
-    if parameters.tension != "none" or parameters.turbulence or parameters.carried.start[-1]:
+    if parameters.tension != "none" or parameters.turbulence or parameters.passive_tracers.start[-1]:
         raise BadInput("--engine mpi: does not support surface tension, turbulence, and passive tracers")
 
 
@@ -49,7 +49,7 @@ def workspace_shared(share: Share, parameters: Parameters, state: State, room: f
     return made
 
 
-def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def integrate_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """Integrate: see `ecume.models.model.Model.advance`."""
     return advance(own_part(share, parameters, state), state, workspace, steps)
 

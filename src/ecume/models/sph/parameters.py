@@ -208,7 +208,7 @@ class CarriedGroup(NamedTuple):
     """eddy diffusivity over eddy viscosity"""
 
 
-class Carried(NamedTuple):
+class PassiveTracers(NamedTuple):
     """Particles that the liquid carries along, one group a table of the scene."""
 
     position: Array
@@ -251,7 +251,7 @@ class Parameters(NamedTuple):
     bodies: Bodies
     drives: tuple[tuple[int, Drive], ...]
     """the sides that move, by number"""
-    shake: Drive | None
+    base_excitation: Drive | None
     gauges: tuple[Gauge, ...]
     pressure_reference: PressureReference
     pull_rate: float
@@ -273,7 +273,7 @@ class Parameters(NamedTuple):
     """a name of `surface_tension.TENSIONS`"""
     color_reach: float
     """m, how far the continuum surface force looks; zero without"""
-    carried: Carried
+    passive_tracers: PassiveTracers
     """what the liquid carries along"""
     turbulence: bool
     """whether eddies smaller than particles add to the viscosity"""

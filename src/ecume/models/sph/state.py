@@ -11,7 +11,7 @@ import numpy as np
 from ecume.engine.boundary_images import Images, images_of, positions_of_images
 from ecume.engine.cells import Integers
 from ecume.engine.mpi_exchange import Share
-from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sorted_crowd
+from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sort_by_cell
 from ecume.models.sph.fields import Fields, Rates, zero_fields, zero_rates
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Liquid, Parameters
@@ -20,9 +20,9 @@ from ecume.units import Array
 SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, ITERATIONS, MOST_ITERATIONS, RESIDUAL, WORST = range(8)
 """Places in `State.tally`."""
 WORK, RATE = range(2)
-"""Places in `State.books`."""
+"""Places in `State.budget`."""
 CAME, LEFT, LOST, NEXT = range(4)
-"""Places in `State.crowd`."""
+"""Places in `State.population`."""
 SORT_EVERY = 16
 """Particles are put into cell order at every so many-th renewal of the lists."""
 
@@ -72,11 +72,11 @@ class State(NamedTuple):
     """(6, B) m/s^2, 1/s^2: the same, some steps late, as the pressure of the bodies' dummies has it"""
     pose_reference: Array
     """(7, B) when the lists were made"""
-    carried_position: Array
+    passive_position: Array
     """(d, C) m"""
-    carried_velocity: Array
+    passive_velocity: Array
     """(d, C) m/s"""
-    carried_clock: Integers
+    passive_clock: Integers
     """(1,) number of steps of passive particles, the counter of their random numbers"""
     clock: Array
     """(2,) s: now, within a step too; when the lists were made"""
@@ -90,9 +90,9 @@ class State(NamedTuple):
     """
     hits: Integers
     """of the guard, by `Boundary.names`"""
-    crowd: Integers
+    population: Integers
     """numbers of particles that entered, left and were lost; the number of the next particle"""
-    books: Array = np.zeros(2)
+    budget: Array = np.zeros(2)
     """work from outside (J), and its rate by forces (W) at the end of the last step: see `report.energy_budget`"""
 
 
@@ -152,16 +152,16 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         push=np.zeros_like(motion),
         felt=np.zeros_like(motion),
         pose_reference=pose.copy(),
-        carried_position=parameters.carried.position.copy(),
-        carried_velocity=np.zeros_like(parameters.carried.position),
-        carried_clock=np.zeros(1, np.int64),
+        passive_position=parameters.passive_tracers.position.copy(),
+        passive_velocity=np.zeros_like(parameters.passive_tracers.position),
+        passive_clock=np.zeros(1, np.int64),
         clock=np.zeros(2),
         step=np.zeros(1, np.int64),
         ready=np.zeros(1, np.int64),
         tally=np.zeros(8),
         hits=np.zeros(len(parameters.boundary.names), np.int64),
-        crowd=np.array([0, 0, 0, count]),
-        books=np.zeros(2),
+        population=np.array([0, 0, 0, count]),
+        budget=np.zeros(2),
     )
 
 
@@ -182,7 +182,7 @@ PER_PARTICLE = (
 
 def sort_state(parameters: Parameters, state: State) -> None:
     """Sort particles by cell, so that neighbors are close in memory."""
-    order = sorted_crowd(state.position, grid_around(state.position, parameters.support)).order
+    order = sort_by_cell(state.position, grid_around(state.position, parameters.support)).order
     for name in PER_PARTICLE:
         array = getattr(state, name)
         array[...] = np.take(array, order, axis=-1)
@@ -215,7 +215,9 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     lists = before.lists if before else room_for(count, guess)
     own = int(parameters.numbers.first), int(parameters.numbers.last)
     lists = neighbor_lists(everyone, (liquid, count), reach, lists, own)
-    cells = cells_of(everyone, parameters.support, float(state.skin[0])) if parameters.carried.start[-1] else None
+    cells = (
+        cells_of(everyone, parameters.support, float(state.skin[0])) if parameters.passive_tracers.start[-1] else None
+    )
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
         return Workspace(images, lists, before.fields, before.rates, before.before, cells)
@@ -231,7 +233,7 @@ def cells_of(everyone: Array, support: float, skin: float) -> CellLists | None:
     if not everyone.shape[1]:
         return None
     grid = grid_around(everyone, support + skin)
-    return CellLists(grid, sorted_crowd(everyone, grid), skin)
+    return CellLists(grid, sort_by_cell(everyone, grid), skin)
 
 
 def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:

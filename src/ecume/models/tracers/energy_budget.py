@@ -22,7 +22,7 @@ NOT_NOW = 1 << 40
 
 
 @compiled
-def booked(parameters: Parameters) -> bool:
+def has_budget(parameters: Parameters) -> bool:
     """Whether the liquid flows or has thermal noise, or particles may leave."""
     return bool(stirred(parameters) or len(parameters.bouncing.hole) > 0)
 
@@ -127,7 +127,7 @@ def work_of_steps(parameters: Parameters, state: State, scratch: Workspace) -> f
 
 def brings(parameters: Parameters) -> bool:
     """Whether there is anything that may bring energy, or take it away."""
-    return bool(booked(parameters) or np.any(parameters.bodies.overdamped))
+    return bool(has_budget(parameters) or np.any(parameters.bodies.overdamped))
 
 
 def lent(parameters: Parameters, state: State) -> float:

@@ -17,7 +17,7 @@ from ecume.laws import brownian, drag
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.tables import codes
 from ecume.models.tracers import parameters
-from ecume.models.tracers.energy_budget import NOT_NOW, booked, work_of_drifts, work_of_flights, work_of_steps
+from ecume.models.tracers.energy_budget import NOT_NOW, has_budget, work_of_drifts, work_of_flights, work_of_steps
 from ecume.models.tracers.parameters import DRAGS, DragChoice, Parameters
 from ecume.models.tracers.state import CAPPED, State, Workspace
 from ecume.units import Array
@@ -108,7 +108,7 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
         state.position, state.velocity, scratch.origin, scratch.travel, scratch.push, scratch.kick, scratch.noise,
         scratch.fate, h,
     )  # fmt: skip
-    if booked(parameters):
+    if has_budget(parameters):
         state.work[0] += work_of_flights(parameters, state, scratch)
     return note_fates(state, scratch.fate)
 
@@ -120,8 +120,8 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
     add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
-    well, books = passed(parameters, state, scratch, 0.5 * h, parameters.stopping), booked(parameters)
-    if books:
+    well, budget = passed(parameters, state, scratch, 0.5 * h, parameters.stopping), has_budget(parameters)
+    if budget:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
     if fluid.thermal > 0.0:
         choose(scratch.fate, state.left, bodies.overdamped, 1)
@@ -133,7 +133,7 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
     add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
     well = passed(parameters, state, scratch, 0.5 * h, parameters.stopping) and well
-    if books:
+    if budget:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
     for i in range(len(scratch.fate)):
         if scratch.fate[i] == 0:

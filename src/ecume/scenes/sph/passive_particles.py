@@ -57,7 +57,7 @@ class PassiveTracerSpec:
         return self
 
 
-def carried_faults(tracers: tuple[PassiveTracerSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
+def passive_tracer_faults(tracers: tuple[PassiveTracerSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
     """Positions outside of the tank, and eddies in a scene without turbulence."""
     found: list[tuple[Path, str]] = []
     for index, spec in enumerate(tracers):

@@ -27,7 +27,7 @@ from ecume.scenes.quantities import (
     Tension,
     downwards,
 )
-from ecume.scenes.sph.passive_particles import PassiveTracerSpec, carried_faults
+from ecume.scenes.sph.passive_particles import PassiveTracerSpec, passive_tracer_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec, extent
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
@@ -245,7 +245,7 @@ class SphScene(Common):
         dimension = len(self.tank.low)
         object.__setattr__(self, "gravity", downwards(self.gravity, dimension))
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
-        complaints += carried_faults(self.passive_tracers, self.tank, self.method.turbulence)
+        complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
         if complaints:
             raise Inconsistent(complaints)
         return self

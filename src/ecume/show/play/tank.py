@@ -230,7 +230,7 @@ class Tank:
         parameters = self.integration.parameters
         tilt = Drive(np.zeros(1), 0.0, 0.0, 0.0, np.zeros(1), np.array(self._pull)[:, None])
         drives = tuple((side, self.push.drive()) for side, _ in parameters.drives)
-        self.integration.parameters = parameters._replace(drives=drives, shake=tilt)
+        self.integration.parameters = parameters._replace(drives=drives, base_excitation=tilt)
 
     @property
     def _pull(self) -> tuple[float, float]:

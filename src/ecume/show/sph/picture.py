@@ -34,7 +34,7 @@ FULL = 0.5
 """The radius with which particles are drawn, in spacings: neighbors on a lattice touch."""
 AIR = "white"
 BRIGHT = (PALETTE[0], PALETTE[3], INK)
-"""Of what is carried."""
+"""Of passive tracers."""
 
 
 def speed(frame: Frame) -> Array:
@@ -130,7 +130,7 @@ class WaterTank(Tank):
             shades: Any = self.mapping.to_rgba
             values = np.asarray(self.coloring.values(liquid), float)[:, None]
             self.water.put(liquid, values, lambda means: shades(means[..., 0]))
-        kept = carried_in(self.setting, frame)
+        kept = passive_in(self.setting, frame)
         position, camera = frame.arrays["position"][kept], self.setting.camera
         depth = None if camera is None else position @ camera[2]
         self.particles.put(seen(position, camera), depth, shades_of(self.setting, frame, kept))
@@ -145,7 +145,7 @@ def shades_of(setting: Setting, frame: Frame, kept: Flags) -> Array:
     return shades
 
 
-def carried_in(setting: Setting, frame: Frame) -> Flags:
+def passive_in(setting: Setting, frame: Frame) -> Flags:
     """(N,) which particles are passive tracers."""
     if not stand_apart(setting):
         return np.zeros(len(frame.arrays["position"]), bool)
@@ -173,7 +173,7 @@ class LiquidTank(Tank):
             shades: Any = self.mapping.to_rgba
             values = np.asarray(self.coloring.values(liquid), float)[:, None]
             self.water.put(liquid, values, lambda means: shades(means[..., 0]))
-        kept = carried_in(self.setting, frame)
+        kept = passive_in(self.setting, frame)
         self.particles.put(seen(frame.arrays["position"][kept]), None, shades_of(self.setting, frame, kept))
 
 
@@ -267,5 +267,5 @@ def regions(scene: SphScene) -> list[Species]:
     palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
     liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]
     return liquid + [
-        Species(f"carried {n}", part.color or next(bright)) for n, part in enumerate(scene.passive_tracers, 1)
+        Species(f"tracers {n}", part.color or next(bright)) for n, part in enumerate(scene.passive_tracers, 1)
     ]

@@ -33,7 +33,7 @@ from ecume.models.soft.loading.cell import (
 )
 from ecume.models.soft.loading.protocol import Drive
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.report.energy_budget import book_stage
+from ecume.models.soft.report.energy_budget import add_stage
 from ecume.models.soft.state import During, Step
 from ecume.units import Array
 
@@ -179,7 +179,7 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
     """
     span = scheme.diagonal * during.length
     origin = drive_of(during.drives[0])
-    book_stage(contacts, step, scheme, during, 0)
+    add_stage(contacts, step, scheme, during, 0)
     for stage in range(1, len(scheme.times)):
         begin_stage(step, scheme, stage, during.length)
         goal = Goal(drive_of(during.drives[stage]), origin, span, 1e-3 * during.tolerance)
@@ -187,7 +187,7 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
             return FAILED
         end_stage(step, goal, stage)
         if scheme.weights[0, stage] != 0.0:
-            book_stage(contacts, step, scheme, during, stage)
+            add_stage(contacts, step, scheme, during, stage)
     of_walls = float(wall_error(step.walls, scheme, during.length))
     return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length), of_walls)
 

@@ -62,8 +62,8 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         if met is None or not jump(parameters, state, scratch):
             return DIVERGED
         lost = released(parameters.contacts, scratch.step)
-        if len(state.books):
-            state.books[FILMS] += lost
+        if len(state.budget):
+            state.budget[FILMS] += lost
         if renewed(parameters, state, None if jumps_now(parameters, state) else met):
             if lost > 0.0:
                 settle(parameters, state)
@@ -100,8 +100,8 @@ def settle(parameters: Parameters, state: State) -> None:
         return
     accept(scratch.step)
     store(parameters, state, scratch.step)
-    if len(state.books):
-        state.books[FILMS] += before - elastic_energy(parameters.contacts, scratch.step)
+    if len(state.budget):
+        state.budget[FILMS] += before - elastic_energy(parameters.contacts, scratch.step)
 
 
 def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:
@@ -125,8 +125,8 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found 
             state.pace[LENGTH] = 0.5 * length
             state.tally[REJECTED] += 1
         else:
-            if len(state.books):
-                state.books[:] += scratch.step.books.lines[-1, : len(state.books)]
+            if len(state.budget):
+                state.budget[:] += scratch.step.budget.lines[-1, : len(state.budget)]
             _take(parameters, state, scratch, end)
             # A step that was cut short for a frame says little about how long the next may be.
             state.pace[LENGTH] = max(
@@ -192,8 +192,8 @@ def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
         return False
     accept(scratch.step)
     store(parameters, state, scratch.step)
-    if len(state.books):
-        state.books[INJECTED] += elastic_energy(parameters.contacts, scratch.step) - before
+    if len(state.budget):
+        state.budget[INJECTED] += elastic_energy(parameters.contacts, scratch.step) - before
     return True
 
 

@@ -60,7 +60,7 @@ class Goal(NamedTuple):
 
 
 class Box(NamedTuple):
-    """The box as it stands, for book-keeping."""
+    """The box as it stands, for the energy budget."""
 
     sides: Array
     """(d,) m; zero without a box"""

@@ -85,8 +85,8 @@ def _split(pair: Integers, radius: Array, gap: Array, vector: Array, direction: 
 def extremes(found: Deflections) -> dict[str, float]:
     """Numbers of a frame: how far contacts are from the limits of their laws."""
     magnitude = found.magnitude
-    told = magnitude > FAINT
-    ratio = found.tangential[told] / np.maximum(np.abs(found.normal[told]), FAINT**2 * found.radius[told])
+    loaded = magnitude > FAINT
+    ratio = found.tangential[loaded] / np.maximum(np.abs(found.normal[loaded]), FAINT**2 * found.radius[loaded])
     return {
         "largest_deflection": float(magnitude.max(initial=0.0)),
         "largest_shear_ratio": float(ratio.max(initial=0.0)),

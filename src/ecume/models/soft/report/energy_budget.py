@@ -31,7 +31,7 @@ from ecume.models.soft.state import Bodies, During, Step
 from ecume.units import Array
 
 INJECTED, FILMS, DRAG, SIZE = range(4)
-"""Places in `State.books` (J): work from outside; what films, and drag, dissipated; what contacts' sizes took."""
+"""Places in `State.budget` (J): work from outside; what films, and drag, dissipated; what contacts' sizes took."""
 TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, ANSWERED, BY_LOAD, BY_WEIGHT = range(8)
 """Columns of a stage's row: powers (W), but for SHRUNK, BY_LOAD and BY_WEIGHT (J). DRIVEN is prescribed motion;
 ANSWERED is motion that responds to stresses: its rates are slopes of the scheme, and its displacement their weighted
@@ -66,32 +66,32 @@ def count_pairs(contacts: Contacts, step: Step, *_: object) -> int:
 
 
 @shared(count_pairs)
-def book_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, stage: int) -> None:
+def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, stage: int) -> None:
     """Write the row of a solved stage; after the last stage, the contribution of the step to the energy budget."""
-    pairs, books, box = step.pairs, step.books, box_rates(step.cell, stage)
+    pairs, budget, box = step.pairs, step.budget, box_rates(step.cell, stage)
     first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
     row, ends, values = pairs.row, pairs.ends, pairs.values
     log_gap, direction, force = step.films.log_gap, step.films.direction, step.answers.force
-    position, slope, sheared, count = step.bodies.position, step.slope[stage], books.sheared, len(first)
+    position, slope, sheared, count = step.bodies.position, step.slope[stage], budget.sheared, len(first)
     sums = np.zeros(((count + CHUNK - 1) // CHUNK, 4))
     for chunk in prange(len(sums)):
         who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values)
         web = (who, sizes, (log_gap, direction), (force, slope), (position, box, sheared))
-        book_pairs(contacts, web, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
-    line = books.lines[stage]
+        add_pairs(contacts, web, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
+    line = budget.lines[stage]
     gather_line(sums, line, step.cell)
-    walls = book_walls(step.walls, contacts, (position, step.spins.turn), stage, sheared[count:])
+    walls = add_walls(step.walls, contacts, (position, step.spins.turn), stage, sheared[count:])
     for k in range(4):
         line[k] += walls[k]
     line[ANSWERED] += walls[4]
-    book_bodies((step.bodies, step.spins), step.cell.slope[stage], stage, line)
+    add_bodies((step.bodies, step.spins), step.cell.slope[stage], stage, line)
     if stage == len(scheme.times) - 1:
-        add_up(books.lines, scheme, during.length, during.drives)
+        add_up(budget.lines, scheme, during.length, during.drives)
 
 
 @compiled_inside
-def book_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array, chunk: int) -> None:
+def add_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array, chunk: int) -> None:
     """The energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
     dissipates it, less the power of remote forces.
     """
@@ -140,7 +140,7 @@ def beside(box: Array, image: Array, c: int) -> Vector:
 
 
 @where_there((0.0, 0.0, 0.0, 0.0, 0.0))
-def book_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: int, sheared: Array) -> Five:
+def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: int, sheared: Array) -> Five:
     """The first four of a line, of all contacts with walls, and what walls do that answer to forces: what moves a wall
     bears the force on its spheres.
     """
@@ -156,8 +156,8 @@ def book_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage:
         film += gap * opening * (dot(f, n) + remote_answer(gap, radius, contacts)[0]) + radius * dot(f, sliding)
         for k in range(3):
             power = touches.force[c, k] * places.slope[stage, w, k]
-            told = places.velocity[w, k] != 0.0
-            driven, answered = driven + (power if told else 0.0), answered + (0.0 if told else power)
+            prescribed = places.velocity[w, k] != 0.0
+            driven, answered = driven + (power if prescribed else 0.0), answered + (0.0 if prescribed else power)
         apart = (x[0] - radius * slip[0], x[1] - radius * slip[1], x[2] - radius * slip[2])
         stretch, square = dot(x, n) - radius - gap, max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
         body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
@@ -179,7 +179,7 @@ def box_rates(cell: Cell, stage: int) -> Array:
 
 
 @compiled
-def book_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Array) -> None:
+def add_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Array) -> None:
     """The rest of a stage's line: drag, and the way of what pulls and turns; `slope` is the box's."""
     bodies, spins = crowd
     position, moved, force, weight, drag = bodies.position, bodies.moved, bodies.force, bodies.weight, bodies.drag
@@ -189,16 +189,16 @@ def book_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Arr
             line[BY_WEIGHT] += weight[i, k] * moved[i, k]
             if drag[i] > 0.0:
                 along = slope[WIDTH + k] * position[i, k] + (slope[STRAIN] * position[i, 1] if k == 0 else 0.0)
-                book_drag(line, drag[i], bodies.slope[stage, i, k], along)
+                add_drag(line, drag[i], bodies.slope[stage, i, k], along)
         for k in range(spins.turn.shape[1]):
             line[BY_LOAD] += spins.torque[i, k] * spins.turn[i, k]
             if spins.drag[i] > 0.0:
                 swirl = -0.5 * slope[STRAIN] * spins.radius[i] if k == spins.turn.shape[1] - 1 else 0.0
-                book_drag(line, spins.drag[i], spins.slope[stage, i, k], swirl)
+                add_drag(line, spins.drag[i], spins.slope[stage, i, k], swirl)
 
 
 @compiled_inside
-def book_drag(line: Array, friction: float, speed: float, along: float) -> None:
+def add_drag(line: Array, friction: float, speed: float, along: float) -> None:
     """The drag power on a sphere in a liquid that the box carries along: drag times the speed of the liquid."""
     line[DRAGGED] += friction * (speed - along) ** 2
     line[ANSWERED] -= friction * (speed - along) * along

@@ -149,16 +149,16 @@ def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: 
 
     Runs begun by an earlier version have no energy budget.
     """
-    if not len(state.books):
+    if not len(state.budget):
         return {}
     remote = {"remote_energy": _remote_energy(parameters, step, gap)} if acts_across(parameters) else {}
-    told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
-    told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
+    numbers = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.budget[INJECTED]}
+    numbers |= {DISSIPATED: state.budget[FILMS] + state.budget[DRAG], SIZE_WORK: state.budget[SIZE]}
     places, touches = all_walls(step.walls)
     normal = places.normal[touches.wall]
-    told |= {STAKE: _stake(step.answers.force, step.direction, gap, step.pairs.radius_sum)}
-    told[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
-    return remote | {name: float(value) for name, value in told.items()}
+    numbers |= {STAKE: _stake(step.answers.force, step.direction, gap, step.pairs.radius_sum)}
+    numbers[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
+    return remote | {name: float(value) for name, value in numbers.items()}
 
 
 def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:

@@ -138,7 +138,7 @@ class Effort(NamedTuple):
     """the largest angle (rad) by which a sphere has spun"""
 
 
-def told(
+def result_of(
     series: Sequence[Instant], found: Sequence[float], thresholds: Sequence[float], kappa: float, effort: Effort
 ) -> T1:
     """The result for a cluster that reached its thresholds at the times `found`; infinite where it never did."""

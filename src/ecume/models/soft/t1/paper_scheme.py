@@ -34,7 +34,7 @@ from ecume.models.soft.t1.cluster import (
     VERTICAL,
     Effort,
     Instant,
-    told,
+    result_of,
     unseen,
     watch,
 )
@@ -159,7 +159,7 @@ def one_step(contacts: Contacts, step: Step, course: Course, time: float, kept: 
 
 
 @compiled
-def march(
+def integrate(
     contacts: Contacts, step: Step, course: Course, kept: tuple[Places, ...], begin: int, record: Array
 ) -> tuple[int, float]:
     """Steps that fill a record: time, then ln(gap), tension, and force along the surface of each contact.
@@ -218,8 +218,8 @@ def follow(
             begin = series[-2] if len(series) > 1 else series[-1]._replace(time=0.0, tension_vertical=0.0)
             done = watch(goals, seen, begin, series[-1], partial(_crossing, begin, series[-1]))
             if done or series[-1].gap_diagonal > APART:
-                return told(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
-    return told(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
+                return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
+    return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, drift / kappa))
 
 
 def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:
@@ -230,7 +230,7 @@ def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:
     begin, worst = 0, 0.0
     while begin * course.length < scene.duration:
         record = np.zeros((ROWS, 1 + 3 * len(step.log_gap)))
-        done, drift = march(parameters.contacts, step, course, kept, begin, record)
+        done, drift = integrate(parameters.contacts, step, course, kept, begin, record)
         worst = max(worst, float(drift))
         yield record[:done], worst
         if done < ROWS:

@@ -39,9 +39,9 @@ from ecume.models.soft.t1.cluster import (
     Units,
     horizon,
     parting,
+    result_of,
     seconds,
     t1_scene,
-    told,
     unseen,
     watch,
 )
@@ -164,8 +164,8 @@ def _require_between(name: str, value: float, ends: tuple[float, float], unit: s
     """Refuse what is not a number in a range; the upper end belongs to it only for tolerances."""
     require_number(name, value)
     if not ends[0] <= value <= ends[1] or (unit and value == ends[1]):
-        told = f"at least {ends[0]:g} and below {ends[1]:g}, {unit}" if unit else f"{ends[0]:g} to {ends[1]:g}"
-        raise BadInput(f"the {name} is {value!r}; expected {told}")
+        expected = f"at least {ends[0]:g} and below {ends[1]:g}, {unit}" if unit else f"{ends[0]:g} to {ends[1]:g}"
+        raise BadInput(f"the {name} is {value!r}; expected {expected}")
 
 
 def _require_choices(prefactors: str, method: str, rotation: bool) -> None:
@@ -214,7 +214,7 @@ def follow(
             break
     turned = float(np.abs(state.orientation).max(initial=0.0))
     effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift, turned)
-    return told(series, list(seen.found), thresholds, kappa, effort)
+    return result_of(series, list(seen.found), thresholds, kappa, effort)
 
 
 class Span(NamedTuple):

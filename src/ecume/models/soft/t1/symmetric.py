@@ -21,7 +21,7 @@ from ecume.errors import Diverged
 from ecume.laws.elasticity import Prefactors, contact_size, surface_stiffness
 from ecume.laws.lubrication import shear_friction, squeeze_friction
 from ecume.models.soft.setup.building import prefactors_of
-from ecume.models.soft.t1.cluster import APART, SQRT3, T1, Effort, Instant, horizon, told, unseen, watch
+from ecume.models.soft.t1.cluster import APART, SQRT3, T1, Effort, Instant, horizon, result_of, unseen, watch
 from ecume.scenes.soft import FilmSpec
 from ecume.units import Array
 
@@ -168,7 +168,7 @@ def follow_symmetric(
         series.append(end)
         if watch(goals, seen, begin, end, partial(_crossing, pull, begin, end, between)) or end.gap_diagonal > APART:
             break
-    return told(series, list(seen.found), thresholds, kappa, Effort(steps, 0, left))
+    return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, left))
 
 
 def _start(gap: float) -> Array:

@@ -91,10 +91,10 @@ def _continued(gate: Gate, spacing: float, state: State) -> tuple[Array, Array]:
 def _with(state: State, born: dict[str, Array], zone: int) -> State:
     """The state with additional particles, which get new numbers."""
     count = born["position"].shape[1]
-    state.crowd[NEXT] += count
+    state.population[NEXT] += count
     born = {
         **born,
-        "identity": np.arange(state.crowd[NEXT] - count, state.crowd[NEXT]),
+        "identity": np.arange(state.population[NEXT] - count, state.population[NEXT]),
         "zone": np.full(count, zone),
     }
     grown = {}
@@ -184,7 +184,7 @@ def exchange(parameters: Parameters, state: State) -> State:
     comes, out, back, gone = _crossings(parameters, state)
     enter, leave = np.zeros_like(gone), gone & (state.zone == 0)
     enter[comes], enter[back], leave[out] = True, True, True
-    state.books[WORK] += exchanged_energy(parameters, state, enter & ~gone, leave)
+    state.budget[WORK] += exchanged_energy(parameters, state, enter & ~gone, leave)
     for gate in parameters.gates:
         if not gate.enters:
             away = gate.inward * (state.position[gate.axis, out] - gate.place)
@@ -193,9 +193,9 @@ def exchange(parameters: Parameters, state: State) -> State:
             across = np.arange(parameters.dimension) != gate.axis
             state.velocity[np.ix_(across, mine)] = 0.0
     state.zone[back] = 0
-    state.crowd[LEFT] += np.count_nonzero(gone & (state.zone > 0))
-    state.crowd[LOST] += np.count_nonzero(gone & (state.zone == 0))
-    state.crowd[CAME] += len(comes)
+    state.population[LEFT] += np.count_nonzero(gone & (state.zone > 0))
+    state.population[LOST] += np.count_nonzero(gone & (state.zone == 0))
+    state.population[CAME] += len(comes)
     for gate in parameters.gates:
         mine = comes[state.zone[comes] == gate.zone]
         born = {name: getattr(state, name)[..., mine].copy() for name in ("position", "velocity", "density", "mass")}

@@ -49,7 +49,11 @@ def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Param
     for number, drive in parameters.drives:
         boundary = _driven(boundary, number, drive_at(drive, time))
     parameters = parameters._replace(boundary=boundary)
-    return parameters if parameters.shake is None else _shaken(parameters, drive_at(parameters.shake, time)[0])
+    return (
+        parameters
+        if parameters.base_excitation is None
+        else _accelerated(parameters, drive_at(parameters.base_excitation, time)[0])
+    )
 
 
 def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) -> Boundary:
@@ -70,7 +74,7 @@ def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) 
     return boundary._replace(sides=boundary.sides._replace(point=point), table=table, guard=guard)
 
 
-def _shaken(parameters: Parameters, more: Array) -> Parameters:
+def _accelerated(parameters: Parameters, more: Array) -> Parameters:
     """The parameters with the present apparent gravity, and its hydrostatic gradient; none along periodic sides."""
     sides, constants = parameters.boundary.sides, parameters.constants.copy()
     held = more * (np.abs(sides.normal[sides.mirrors == 0]).sum(axis=0) == 0.0)

@@ -56,7 +56,7 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     if forces_work(parameters):
         fill(now, state, workspace)
         with np.errstate(over="ignore", invalid="ignore"):  # the integration reports what is not finite
-            state.books[RATE] = power_of_forces(now, state, workspace)
+            state.budget[RATE] = power_of_forces(now, state, workspace)
 
 
 def missing_density(system: System, settings: Projection) -> Array:

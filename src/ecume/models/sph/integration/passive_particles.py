@@ -46,20 +46,20 @@ class Surroundings(NamedTuple):
 
 def move_passive_particles(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Move all of them through a part of a step, in the flow of its end."""
-    carried, guard = parameters.carried, parameters.boundary.guard
-    when = int(state.carried_clock[0])
-    for number, group in enumerate(carried.groups):
-        here = slice(carried.start[number], carried.start[number + 1])
-        position, velocity = state.carried_position[:, here].copy(), state.carried_velocity[:, here].copy()
-        chance = (carried.seed, when, carried.start[number])
+    tracers, guard = parameters.passive_tracers, parameters.boundary.guard
+    when = int(state.passive_clock[0])
+    for number, group in enumerate(tracers.groups):
+        here = slice(tracers.start[number], tracers.start[number + 1])
+        position, velocity = state.passive_position[:, here].copy(), state.passive_velocity[:, here].copy()
+        chance = (tracers.seed, when, tracers.start[number])
         around = surroundings(parameters, workspace, position)
         liquid = parameters.material.density, parameters.material.viscosity
         move(position, velocity, around, group, parameters.gravity, liquid, chance, time)
         reflect_particles(guard._replace(radius=max(guard.radius, group.radius)), position, velocity,
-                  (position - state.carried_position[:, here]) / time - velocity, time)  # fmt: skip
+                  (position - state.passive_position[:, here]) / time - velocity, time)  # fmt: skip
         wrap(parameters.boundary.sides, position)
-        state.carried_position[:, here], state.carried_velocity[:, here] = position, velocity
-    state.carried_clock[0] += 1
+        state.passive_position[:, here], state.passive_velocity[:, here] = position, velocity
+    state.passive_clock[0] += 1
 
 
 def surroundings(parameters: Parameters, workspace: Workspace, position: Array) -> Surroundings:
@@ -70,7 +70,7 @@ def surroundings(parameters: Parameters, workspace: Workspace, position: Array) 
     if cells is None:
         return around
     reach = parameters.support + 0.5 * cells.skin
-    liquid = parameters.carried.weight, parameters.material.viscosity, parameters.support, reach
+    liquid = parameters.passive_tracers.weight, parameters.material.viscosity, parameters.support, reach
     look_around(position, around, workspace.fields.table, parameters.constants, parameters.origin,
                 liquid, cells)  # fmt: skip
     return around

@@ -35,7 +35,7 @@ from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,
     periodic_work,
-    power_of_shake,
+    power_of_base_excitation,
     reflection_work,
 )
 from ecume.models.sph.state import (
@@ -72,12 +72,12 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             return DIVERGED
         for _ in range(divisions):
             set_buffer_pressures(parameters, state)
-            began = power_of_shake(parameters, state) + float(state.books[RATE]), bool(state.ready[0])
+            began = power_of_base_excitation(parameters, state) + float(state.budget[RATE]), bool(state.ready[0])
             step(parameters, state, workspace, parameters.time_step / divisions)
             add_work(parameters, state, workspace, began, parameters.time_step / divisions)
             if failed(parameters, state):
                 return DIVERGED
-            if parameters.carried.start[-1]:
+            if parameters.passive_tracers.start[-1]:
                 move_passive_particles(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
         state.clock[0] = int(state.step[0]) * parameters.time_step
@@ -178,7 +178,7 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
     guard, bodies = now.boundary.guard, now.bodies
     if bodies.shapes:
         calm = CALM * now.material.fastest
-        state.books[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
+        state.budget[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
         inside = expel_liquid(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
         state.tally[GUARD_HITS] += inside
     before = state.velocity.copy() if now.drives else state.velocity
@@ -186,7 +186,7 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
     np.add.at(state.hits, guard.owner, hits)
     state.tally[GUARD_HITS] += hits.sum()
     if now.drives and hits.any():
-        state.books[WORK] += reflection_work(now, state, before)
+        state.budget[WORK] += reflection_work(now, state, before)
 
 
 def displacement_of_solids(parameters: Parameters, state: State) -> float:
@@ -216,7 +216,7 @@ def wrap(parameters: Parameters, state: State) -> None:
     sides = parameters.boundary.sides
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0
-        state.books[WORK] += periodic_work(parameters, state, out, sides.shift[side])
+        state.budget[WORK] += periodic_work(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]
 
 

@@ -104,7 +104,7 @@ def has_external_work(parameters: Parameters) -> bool:
     """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
     diffuses = parameters.density_diffusion.excess is not None
-    outside = parameters.shake is not None or forces_work(parameters) or around.any()
+    outside = parameters.base_excitation is not None or forces_work(parameters) or around.any()
     return bool(diffuses or outside or may_lose_liquid(parameters))
 
 
@@ -139,7 +139,7 @@ def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspac
         return
     fields, rates, count = workspace.fields, workspace.rates, len(state.density)
     rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.thickening
-    state.books[WORK] += diffusion_work(*rows, state.zone, parameters.material.sound_speed, time)
+    state.budget[WORK] += diffusion_work(*rows, state.zone, parameters.material.sound_speed, time)
 
 
 @compiled
@@ -166,26 +166,26 @@ def add_work(
     parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float
 ) -> None:
     """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
-    if parameters.shake is None and not forces_work(parameters):
+    if parameters.base_excitation is None and not forces_work(parameters):
         return
     if parameters.projection is not None:  # whose forces act from the start of the step to its end
-        shaken = 0.5 * (began[0] + power_of_shake(parameters, state))
-        state.books[WORK] += (float(state.books[RATE]) + shaken) * time
-        state.books[RATE] = 0.0
+        shaken = 0.5 * (began[0] + power_of_base_excitation(parameters, state))
+        state.budget[WORK] += (float(state.budget[RATE]) + shaken) * time
+        state.budget[RATE] = 0.0
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
         rate = power_of_forces(instant(parameters, state), state, workspace)
     before, known = began
-    after = rate + power_of_shake(parameters, state)
-    state.books[WORK] += 0.5 * ((before if known else before + rate) + after) * time
-    state.books[RATE] = rate
+    after = rate + power_of_base_excitation(parameters, state)
+    state.budget[WORK] += 0.5 * ((before if known else before + rate) + after) * time
+    state.budget[RATE] = rate
 
 
-def power_of_shake(parameters: Parameters, state: State) -> float:
+def power_of_base_excitation(parameters: Parameters, state: State) -> float:
     """Power of a shaken tank on liquid and bodies (W, in the frame of the tank): acceleration times momentum."""
-    if parameters.shake is None:
+    if parameters.base_excitation is None:
         return 0.0
-    pull, liquid = drive_at(parameters.shake, float(state.clock[0]))[0], liquid_alone(parameters, state)
+    pull, liquid = drive_at(parameters.base_excitation, float(state.clock[0]))[0], liquid_alone(parameters, state)
     momentum = np.sum(liquid.mass * liquid.velocity, axis=1)
     if parameters.bodies.shapes:
         momentum = momentum + np.sum(state.motion[: len(pull)] * parameters.bodies.mass, axis=1)

@@ -103,10 +103,10 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "mass": state.mass[order],
         "species": state.region[order],
     }
-    if parameters.carried.start[-1]:
+    if parameters.passive_tracers.start[-1]:
         arrays = {
             name: np.concatenate([arrays[name], more])
-            for name, more in carried_arrays(parameters, state, workspace).items()
+            for name, more in passive_arrays(parameters, state, workspace).items()
         }
     surface = surface_energy(parameters, workspace)
     energy = energies(parameters._replace(gravity=still), state, propped, surface)
@@ -122,27 +122,27 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         listed |= of_solver(parameters, state)
         units |= dict.fromkeys(of_solver(parameters, state), "1")
     if has_external_work(parameters):
-        listed[INJECTED] = float(state.books[WORK])
+        listed[INJECTED] = float(state.budget[WORK])
     units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
     units = in_dimension({**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units}, parameters.dimension)
     return Frame(time, arrays, {**listed, **solid, **read}, units)
 
 
-def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
+def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
     """Arrays with the passive particles after the liquid, as further species. They have no mass; their pressure is that
     of the liquid around, zero outside.
     """
-    carried, material, count = parameters.carried, parameters.material, state.carried_position.shape[1]
-    group = np.repeat(np.arange(len(carried.groups)), np.diff(carried.start))
-    density = np.array([each.density for each in carried.groups])[group]
+    tracers, material, count = parameters.passive_tracers, parameters.material, state.passive_position.shape[1]
+    group = np.repeat(np.arange(len(tracers.groups)), np.diff(tracers.start))
+    density = np.array([each.density for each in tracers.groups])[group]
     return {
-        "position": state.carried_position.T,
-        "velocity": state.carried_velocity.T,
+        "position": state.passive_position.T,
+        "velocity": state.passive_velocity.T,
         "density": np.where(density > 0.0, density, material.density),
-        "pressure": surroundings(parameters, workspace, state.carried_position).pressure
-        - material.density * parameters.hydrostatic[1] * (parameters.surface - state.carried_position[1]),
+        "pressure": surroundings(parameters, workspace, state.passive_position).pressure
+        - material.density * parameters.hydrostatic[1] * (parameters.surface - state.passive_position[1]),
         "mass": np.zeros(count),
-        "species": carried.regions + group,
+        "species": tracers.regions + group,
     }
 
 
@@ -236,9 +236,9 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "density_change": change.max(),
         "volume": np.sum(state.mass / state.density),
         "guard_hits": state.tally[GUARD_HITS],
-        "came": state.crowd[CAME],
-        "left": state.crowd[LEFT],
-        "lost": state.crowd[LOST],
+        "came": state.population[CAME],
+        "left": state.population[LEFT],
+        "lost": state.population[LOST],
         "substeps": state.tally[SUBSTEPS],
         "most_substeps": state.tally[MOST_SUBSTEPS],
     }

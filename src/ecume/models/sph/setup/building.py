@@ -22,7 +22,7 @@ from ecume.laws.time_step_limits import (
 )
 from ecume.models.sph.incompressible.compatibility import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
-from ecume.models.sph.parameters import Carried, CarriedGroup, Material, Parameters
+from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
 from ecume.models.sph.rates.methods import DIFFUSIONS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.report.gauges import gauges_of
@@ -54,6 +54,7 @@ from ecume.models.sph.setup.choices import (
 from ecume.models.sph.setup.initial_particles import velocity_in
 from ecume.models.sph.setup.shapes import part_of, shape_of
 from ecume.models.sph.setup.walls_and_bodies import (
+    base_excitation_of,
     bodies_of,
     boundary_of,
     bounds_of,
@@ -62,7 +63,6 @@ from ecume.models.sph.setup.walls_and_bodies import (
     gates_of,
     holds,
     mass_of,
-    shake_of,
 )
 from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
@@ -143,7 +143,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     time_step, per_frame = steps_of(scene, material)
     held = held_pull(scene) * (not modified(scene))
     boundary = boundary_of(scene, material, support)
-    bodies, drives, shake = bodies_of(scene, boundary), drives_of(scene), shake_of(scene)
+    bodies, drives, excitation = bodies_of(scene, boundary), drives_of(scene), base_excitation_of(scene)
     rate, center = central_force_of(scene)
     return Parameters(
         time_step=time_step,
@@ -167,18 +167,18 @@ def parameters_of(scene: SphScene) -> Parameters:
         drives=drives,
         gates=gates_of(scene, support),
         bounds=bounds_of(scene),
-        shake=shake,
+        base_excitation=excitation,
         gauges=gauges_of(scene, support),
         pressure_reference=reference_of(scene),
         pull_rate=rate,
         pull_center=center,
-        moves=bool(bodies.shapes or drives or shake),
+        moves=bool(bodies.shapes or drives or excitation),
         integrator=integrator_of(scene),
         shifting=shifting_of(scene),
         background=background_of(scene, material),
         tension=tension_of(scene),
         color_reach=color_reach_of(scene),
-        carried=carried_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
+        passive_tracers=passive_tracers_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
         turbulence=turbulent(scene),
         courant=scene.integration.courant_number,
         walls_clip=free_surface(scene)
@@ -273,7 +273,7 @@ def limiter(limits: dict[str, float]) -> str:
     return min(limits, key=lambda name: limits[name])
 
 
-def carried_of(scene: SphScene, weight: float) -> Carried:
+def passive_tracers_of(scene: SphScene, weight: float) -> PassiveTracers:
     """The groups of passive particles of a scene; `weight` is the normalization of the kernel."""
     generator, places, groups = np.random.default_rng([scene.seed, 3]), [], list[CarriedGroup]()
     for spec in scene.passive_tracers:
@@ -286,4 +286,4 @@ def carried_of(scene: SphScene, weight: float) -> Carried:
     start = tuple(int(end) for end in np.cumsum([0, *map(len, places)]))
     none = np.zeros((0, len(scene.tank.low)))
     position = np.ascontiguousarray(np.concatenate([none, *places]).T)
-    return Carried(position, start, tuple(groups), len(scene.fluid), weight, scene.seed)
+    return PassiveTracers(position, start, tuple(groups), len(scene.fluid), weight, scene.seed)

@@ -51,11 +51,11 @@ def given_values(region: RegionSpec, kept: Flags) -> GivenValues:
     )
 
 
-def with_given_values(liquid: Liquid, told: list[GivenValues]) -> Liquid:
+def with_given_values(liquid: Liquid, given: list[GivenValues]) -> Liquid:
     """The liquid with the given values of its regions, in order."""
     dimension = len(liquid.position)
-    velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in told])
-    density, mass = np.concatenate([each.density for each in told]), np.concatenate([each.mass for each in told])
+    velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in given])
+    density, mass = np.concatenate([each.density for each in given]), np.concatenate([each.mass for each in given])
     dense = np.where(np.isnan(density), liquid.density, density)
     return liquid._replace(
         velocity=np.ascontiguousarray(liquid.velocity + velocity.T),
@@ -153,7 +153,7 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
-    told: list[GivenValues] = []
+    given: list[GivenValues] = []
     found = cells_of(scene)
     regions = packed(scene, [cells for cells, _ in found], unaligned_solids(scene))
     for region, cells, (_, kept) in zip(scene.fluid, regions, found, strict=True):
@@ -165,8 +165,8 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
         head += pressure_in(region, scene, points, material.density) / material.density
         pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
-        told.append(given_values(region, kept))
-    return with_given_values(_particles(scene, material, pieces), told)
+        given.append(given_values(region, kept))
+    return with_given_values(_particles(scene, material, pieces), given)
 
 
 def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:

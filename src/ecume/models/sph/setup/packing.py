@@ -47,7 +47,7 @@ BLEND, FADING, PATIENCE = 0.1, 0.99, 5
 TINY = 1e-300
 
 
-class Crowd(NamedTuple):
+class Particles(NamedTuple):
     """What neighbors see during packing: liquid first, then what stands still."""
 
     position: Array
@@ -89,8 +89,8 @@ def packed(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -
     near = drawn & (gaps_to(solids, position) < BAND * scene.spacing)
     if not near.any():
         return list(regions)
-    crowd, limits = _crowd(scene, regions, near), _limits(scene, regions, near, solids)
-    position[near] = relaxed(crowd, limits, kernel_of(scene), (smoothing_of(scene), scene.spacing))
+    particles, limits = _particles(scene, regions, near), _limits(scene, regions, near, solids)
+    position[near] = relaxed(particles, limits, kernel_of(scene), (smoothing_of(scene), scene.spacing))
     ends = np.cumsum([len(cells.centers) for cells in regions])
     return [cells._replace(centers=own) for cells, own in zip(regions, np.split(position, ends[:-1]), strict=True)]
 
@@ -104,7 +104,7 @@ def _limits(scene: SphScene, regions: Sequence[Cells], near: Flags, solids: Sequ
     return Limits(low + depth, high - depth, tuple(solids), LEAST_GAP * scene.spacing)
 
 
-def _crowd(scene: SphScene, regions: Sequence[Cells], near: Flags) -> Crowd:
+def _particles(scene: SphScene, regions: Sequence[Cells], near: Flags) -> Particles:
     """Liquid, dummies and the continued lattice within reach of the moving particles."""
     support = kernel_of(scene).support * smoothing_of(scene)
     liquid = np.concatenate([cells.centers for cells in regions]), np.concatenate([cells.volumes for cells in regions])
@@ -114,7 +114,7 @@ def _crowd(scene: SphScene, regions: Sequence[Cells], near: Flags) -> Crowd:
     moving[: len(near)] = near
     distance, _ = cKDTree(position[moving]).query(position, distance_upper_bound=2.0 * support)
     kept = moving | np.isfinite(distance)
-    return Crowd(position[kept], volume[kept], np.flatnonzero(moving[kept]), imaging_sides(scene)[0])
+    return Particles(position[kept], volume[kept], np.flatnonzero(moving[kept]), imaging_sides(scene)[0])
 
 
 def _solid_particles(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
@@ -172,20 +172,20 @@ def _unwalled(scene: SphScene, points: Array) -> Flags:
     return free
 
 
-def relaxed(crowd: Crowd, limits: Limits, kernel: Kernel, lengths: tuple[float, float]) -> Array:
+def relaxed(particles: Particles, limits: Limits, kernel: Kernel, lengths: tuple[float, float]) -> Array:
     """The positions of the moving particles where the gradient of concentration vanishes; lengths = (smoothing length,
     spacing).
     """
-    spacing, moving = lengths[1], crowd.moving
-    place = limits.held(crowd.position[moving])
+    spacing, moving = lengths[1], particles.moving
+    place = limits.held(particles.position[moving])
     speed, back = np.zeros_like(place), np.zeros_like(place)
     time, blend, good = FIRST_STEP, BLEND, 0
     pairs: Pairs | None = None
     for _ in range(MOST_STEPS):
-        crowd.position[moving] = place
-        if pairs is None or _displacement(crowd, pairs) > 0.5 * SKIN * spacing:
-            pairs = pairs_of(crowd, kernel.support * lengths[0] + SKIN * spacing)
-        push = along_surfaces(-spacing * concentration_gradient(crowd, pairs, kernel, lengths[0]), back)
+        particles.position[moving] = place
+        if pairs is None or _displacement(particles, pairs) > 0.5 * SKIN * spacing:
+            pairs = pairs_of(particles, kernel.support * lengths[0] + SKIN * spacing)
+        push = along_surfaces(-spacing * concentration_gradient(particles, pairs, kernel, lengths[0]), back)
         if math.sqrt(float((push**2).sum(axis=1).max())) < EVEN[kernel.dim]:
             break
         if float((push * speed).sum()) > 0.0:
@@ -225,60 +225,60 @@ class Pairs(NamedTuple):
     reference: Array
 
 
-def _displacement(crowd: Crowd, pairs: Pairs) -> float:
+def _displacement(particles: Particles, pairs: Pairs) -> float:
     """The largest one since the pairs were listed."""
-    return math.sqrt(float(((crowd.position - pairs.reference) ** 2).sum(axis=1).max()))
+    return math.sqrt(float(((particles.position - pairs.reference) ** 2).sum(axis=1).max()))
 
 
-def pairs_of(crowd: Crowd, reach: float) -> Pairs:
+def pairs_of(particles: Particles, reach: float) -> Pairs:
     """All pairs closer than the reach."""
-    images, volume = images_of(np.ascontiguousarray(crowd.position.T), crowd.sides, reach), crowd.volume
+    images, volume = images_of(np.ascontiguousarray(particles.position.T), particles.sides, reach), particles.volume
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         volume = np.concatenate([volume, volume[images.source[first:last]]])
-    everyone = with_images(crowd, images).T
+    everyone = with_images(particles, images).T
     moves = np.zeros(len(everyone), bool)
-    moves[crowd.moving] = True
+    moves[particles.moving] = True
     both = cKDTree(everyone).query_pairs(reach, output_type="ndarray")
     both = both[moves[both].any(axis=1)]
     one, other = np.ascontiguousarray(both[np.lexsort((both[:, 1], both[:, 0]))].T)
-    return Pairs(one, other, volume, images, crowd.position.copy())
+    return Pairs(one, other, volume, images, particles.position.copy())
 
 
-def with_images(crowd: Crowd, images: Images) -> Array:
+def with_images(particles: Particles, images: Images) -> Array:
     """(d, n) positions of all, images last."""
-    position = np.ascontiguousarray(crowd.position.T)
-    return np.concatenate([position, positions_of_images(position, images, crowd.sides)], axis=1)
+    position = np.ascontiguousarray(particles.position.T)
+    return np.concatenate([position, positions_of_images(position, images, particles.sides)], axis=1)
 
 
-def distances(crowd: Crowd, pairs: Pairs) -> tuple[list[Array], Array]:
+def distances(particles: Particles, pairs: Pairs) -> tuple[list[Array], Array]:
     """Of each pair the difference of positions along each axis, and the distance."""
-    away = [line[pairs.one] - line[pairs.other] for line in with_images(crowd, pairs.images)]
+    away = [line[pairs.one] - line[pairs.other] for line in with_images(particles, pairs.images)]
     square = away[0] * away[0]
     for along in away[1:]:
         square += along * along
     return away, np.sqrt(square)
 
 
-def concentration_gradient(crowd: Crowd, pairs: Pairs, kernel: Kernel, length: float) -> Array:
+def concentration_gradient(particles: Particles, pairs: Pairs, kernel: Kernel, length: float) -> Array:
     """(m, d) of the moving particles, sum_j V_j grad W (1/m)."""
-    away, distance = distances(crowd, pairs)
+    away, distance = distances(particles, pairs)
     slope = kernel.normalization / length ** (kernel.dim + 2) * np.asarray(kernel.shape_slope(distance / length))
     of_one, of_other = slope * pairs.volume[pairs.other], slope * pairs.volume[pairs.one]
-    found = np.empty((len(crowd.moving), kernel.dim))
+    found = np.empty((len(particles.moving), kernel.dim))
     for axis, along in enumerate(away):
         total = np.bincount(pairs.one, of_one * along, len(pairs.volume))
         total -= np.bincount(pairs.other, of_other * along, len(pairs.volume))
-        found[:, axis] = total[crowd.moving]
+        found[:, axis] = total[particles.moving]
     return found
 
 
-def concentrations(crowd: Crowd, kernel: Kernel, length: float) -> Array:
+def concentrations(particles: Particles, kernel: Kernel, length: float) -> Array:
     """(m,) of the moving particles, sum_j V_j W: one in a uniform arrangement."""
-    pairs = pairs_of(crowd, kernel.support * length)
-    weight = np.asarray(kernel.value(distances(crowd, pairs)[1], length))
+    pairs = pairs_of(particles, kernel.support * length)
+    weight = np.asarray(kernel.value(distances(particles, pairs)[1], length))
     total = np.bincount(pairs.one, weight * pairs.volume[pairs.other], len(pairs.volume))
     total += np.bincount(pairs.other, weight * pairs.volume[pairs.one], len(pairs.volume))
-    found: Array = (total + float(kernel.value(0.0, length)) * pairs.volume)[crowd.moving]
+    found: Array = (total + float(kernel.value(0.0, length)) * pairs.volume)[particles.moving]
     return found
 
 
@@ -288,5 +288,5 @@ def unevenness(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape
     near = gaps_to(solids, position) < kernel_of(scene).support * smoothing_of(scene)
     if not near.any():
         return None
-    found = concentrations(_crowd(scene, regions, near), kernel_of(scene), smoothing_of(scene))
+    found = concentrations(_particles(scene, regions, near), kernel_of(scene), smoothing_of(scene))
     return float(np.abs(found - 1.0).max())

@@ -378,10 +378,10 @@ def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
     return tuple(found)
 
 
-def shake_of(scene: SphScene) -> Drive | None:
+def base_excitation_of(scene: SphScene) -> Drive | None:
     """The acceleration that a shaken tank adds to gravity."""
-    shake = scene.base_excitation
-    return None if shake is None else _drive(shake, shake.amplitude, shake.accelerations, 0.0)
+    excitation = scene.base_excitation
+    return None if excitation is None else _drive(excitation, excitation.amplitude, excitation.accelerations, 0.0)
 
 
 def _drive(spec: MotionSpec | BaseExcitationSpec, amplitude: object, values: object, origin: float) -> Drive:
