@@ -343,3 +343,10 @@ def test_two_lying_cylinders_pull_as_the_surface_midway_says():
     ahead, behind = (flotation.lying_pair_energy(apart + d, charge, charge, WATER) for d in (step, -step))
     found = flotation.lying_pair_force(np.array([apart]), charge, charge, WATER)
     assert found[0] == pytest.approx(-(ahead - behind) / (2 * step), rel=1e-6)
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+@pytest.mark.parametrize("radius", [650.0 * L, 300.0])
+def test_a_rim_too_wide_for_its_meniscus_is_refused(radius, theory):
+    with pytest.raises(BadInput, match="capillary lengths; expected at most 600"):
+        flotation.equilibrium(flotation.Disc(radius, 2e-5), WATER, theory)

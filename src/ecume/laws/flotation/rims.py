@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ecume.errors import FloaterSinks
+from ecume.errors import BadInput, FloaterSinks
 from ecume.laws.flotation.bodies import Disc, Liquid
 from ecume.laws.flotation.carrying import Contact, Floating, Load, greatest_load, round_load, stable_load
 from ecume.laws.flotation.shapes import VerticalCylinder
@@ -13,6 +13,8 @@ from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Angle, Force, Length, Number
 from ecume.value_texts import with_prefix
 
+WIDEST = 600.0
+"""In capillary lengths: the menisci of wider rims are no numbers any more, since K0 and K1 fall as exp(-r)."""
 UPRIGHT = 0.5 * math.pi
 """The filling angle of a line at a rim or on an upright side."""
 
@@ -66,6 +68,11 @@ def cylinder_floating(cylinder: VerticalCylinder, liquid: Liquid, theory: str) -
 
 def _at_rim(radius: float, load: float, between: tuple[float, float], theory: str) -> Floating | None:
     """A line pinned at a rim, the slope between two bounds; None where nothing carries the load."""
+    if radius > WIDEST:
+        raise BadInput(
+            f"the radius is {radius:.3g} capillary lengths; expected at most {WIDEST:g}; "
+            "plain numbers are SI: is the radius one in meters?"
+        )
     charge = disc_charge(radius, load)
     slope, height = math.atan(charge * bessel_k1(radius)), -charge * bessel_k0(radius)
     if theory == "nonlinear" and load != 0.0:
