@@ -185,7 +185,7 @@ def test_a_liquid_in_3d_is_translucent_water_in_one_piece(tab, tmp_path):
     assert all("GPU stall" in one for one in tab.complaints)
 
 
-def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
+def test_a_passive_tracer_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     scene = scene_of(passive_tracers=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
     frame = carrying(frame_of())
     stage = STAGES["sph"](scene, [frame])
@@ -201,7 +201,7 @@ def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     for coloring, others in (("pressure", "#fde725"), ("species", hexadecimal(stage.kinds[0].color))):
         tab.select_option("#coloring", coloring)
         tab.wait_for_timeout(200)
-        assert tab.inner_text("#kinds").split("\n") == (["region 1"] if coloring == "species" else []) + ["carried 1"]
+        assert tab.inner_text("#kinds").split("\n") == (["region 1"] if coloring == "species" else []) + ["tracers 1"]
         tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
         with Image.open(tmp_path / "canvas.png") as picture:
             colors = np.asarray(picture.convert("RGB")).astype(int)
