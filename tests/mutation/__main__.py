@@ -17,7 +17,7 @@ from tests.mutation import results, review
 from tests.mutation.faults import changed
 from tests.mutation.sample import PACKAGES, Mutant, drawn
 from tests.mutation.tree import ROOT, Tree
-from tests.mutation.trial import TESTS, trial
+from tests.mutation.trial import EVERY_TEST, TESTS, Passes, trial
 
 
 def main() -> int:
@@ -33,9 +33,9 @@ def main() -> int:
     tree = Tree(chosen.folder)
     tree.update()
     if chosen.verb == "review":
-        return review.tried(tree, chosen.only, compiled=not chosen.plain)
+        return review.tried(tree, chosen.only, Passes(not chosen.plain))
     wanted = _wanted(mutants, chosen)
-    return int(try_all(tree, wanted, chosen.results, chosen.hours, not chosen.plain) > 0)
+    return int(try_all(tree, wanted, chosen.results, chosen.hours, Passes(not chosen.plain, chosen.tests)) > 0)
 
 
 def _arguments() -> argparse.Namespace:
@@ -50,6 +50,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--only", nargs="*", default=[], help="the faults with these names only, tried again")
     parser.add_argument("--survivors", action="store_true", help="try again what survived the last time")
     parser.add_argument("--plain", action="store_true", help="plain Python only; its survivors are not recorded")
+    parser.add_argument("--tests", nargs="*", default=[], help="these tests alone; their survivors are not recorded")
     parser.add_argument("--folder", type=Path, default=ROOT / ".venv" / "mutation", help="of the copy")
     parser.add_argument("--results", type=Path, default=results.RESULTS, help="the file of the results")
     return parser.parse_args()
@@ -74,9 +75,9 @@ def _wanted(mutants: Sequence[Mutant], chosen: argparse.Namespace) -> list[Mutan
     return pending(mutants, rows)
 
 
-def try_all(tree: Tree, mutants: Iterable[Mutant], file: Path, hours: float = 2.0, compiled: bool = True) -> int:
+def try_all(tree: Tree, mutants: Iterable[Mutant], file: Path, hours: float = 2.0, passes: Passes = EVERY_TEST) -> int:
     """Try these faults one after the other and append what comes of each to a file; how many survived. What survives
-    plain Python alone is not recorded: the compiled tests have not had their say.
+    a part of the tests is not recorded: the others may catch it.
     """
     begin, survived = time.monotonic(), 0
     for mutant in mutants:
@@ -84,11 +85,11 @@ def try_all(tree: Tree, mutants: Iterable[Mutant], file: Path, hours: float = 2.
             break
         started = time.monotonic()
         text = changed((tree.package / mutant.path).read_text(encoding="utf-8"), mutant.fault)
-        outcome = trial(tree, TESTS[mutant.package], mutant.path, [mutant.fault.line], text, compiled)
+        outcome = trial(tree, TESTS[mutant.package], mutant.path, [mutant.fault.line], text, passes)
         seconds = round(time.monotonic() - started, 1)
         survived += outcome.verdict == "survived"
         print(f"{outcome.verdict:9} {seconds:6.0f} s  {mutant}  {outcome.by}", flush=True)
-        if outcome.verdict != "survived" or compiled:
+        if outcome.verdict != "survived" or passes == EVERY_TEST:
             results.append(file, mutant, {**outcome._asdict(), "seconds": seconds, "commit": tree.commit()})
     return survived
 

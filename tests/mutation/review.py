@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tests.mutation.tree import Tree
-from tests.mutation.trial import TESTS, trial
+from tests.mutation.trial import TESTS, Passes, trial
 
 
 class Written(NamedTuple):
@@ -67,7 +67,7 @@ def place_of(root: Path, text: str) -> tuple[str, str]:
     return found[0]
 
 
-def tried(tree: Tree, names: Sequence[str], compiled: bool) -> int:
+def tried(tree: Tree, names: Sequence[str], passes: Passes) -> int:
     """Zero if all faults of these names were caught; of all names, if there are none."""
     left = 0
     for name in names or FAULTS:
@@ -81,7 +81,7 @@ def tried(tree: Tree, names: Sequence[str], compiled: bool) -> int:
         source = (tree.package / path).read_text(encoding="utf-8")
         line = source[: source.index(fault.before.strip())].count("\n") + 1
         text = source.replace(fault.before, fault.after)
-        outcome = trial(tree, TESTS[package], path, [line], text, compiled)
+        outcome = trial(tree, TESTS[package], path, [line], text, passes)
         left += outcome.verdict == "survived"
         print(f"{outcome.verdict:9} {time.monotonic() - begin:5.0f} s  {name} {fault.what}  {outcome.by}", flush=True)
     return int(left > 0)

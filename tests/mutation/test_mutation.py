@@ -11,7 +11,7 @@ from tests.mutation.__main__ import pending, try_all
 from tests.mutation.faults import changed, faults
 from tests.mutation.sample import PACKAGES, SEEDS, candidates, drawn
 from tests.mutation.tree import ROOT, Tree
-from tests.mutation.trial import TESTS, selected_tests
+from tests.mutation.trial import TESTS, Passes, selected_tests
 
 SOURCE = '''"""A toy."""
 from __future__ import annotations
@@ -154,6 +154,16 @@ def test_faults_are_caught_or_survive_and_a_run_goes_on_where_it_ended(toy, tmp_
     assert "(equivalent: at 1.0 both give 1.0)" in output
     (lines,) = tmp_path.glob("copy/lines-*")
     assert selected_tests(lines, toy.package / "energy.py", [15]) == ["tests/test_energy.py::test_cap"]
+
+
+def test_named_tests_may_catch_a_fault_and_what_they_miss_is_not_recorded(toy, tmp_path, monkeypatch):
+    monkeypatch.setitem(TESTS, "toy", ("tests",))
+    record, (fault,) = tmp_path / "results.jsonl", named(toy, ("operator", "*", "/"))
+    try_all(toy, [fault], record, passes=Passes(tests=["tests/test_energy.py::test_cap"]))
+    assert results.latest(record) == {}
+    try_all(toy, [fault], record, passes=Passes(tests=["tests/test_energy.py"]))
+    assert results.latest(record)[fault.name]["by"] == "tests/test_energy.py::test_energy"
+    assert not list(tmp_path.glob("copy/lines-*"))
 
 
 def test_a_test_that_fails_anyway_catches_nothing(toy, tmp_path, monkeypatch):

@@ -50,18 +50,24 @@ class Outcome(NamedTuple):
 SURVIVED = Outcome("survived")
 
 
+class Passes(NamedTuple):
+    """Which tests are run."""
+
+    compiled: bool = True
+    """Also with the compiler, not as plain Python only."""
+    tests: Sequence[str] = ()
+    """These alone; otherwise those that run the faulty lines, then all."""
+
+
+EVERY_TEST = Passes()
+
+
 def trial(
-    tree: Tree, folders: Sequence[str], path: str, lines: Sequence[int], text: str, compiled: bool = True
+    tree: Tree, folders: Sequence[str], path: str, lines: Sequence[int], text: str, passes: Passes = EVERY_TEST
 ) -> Outcome:
     """Whether the tests of some folders catch a changed file, whose changes begin at these lines."""
     folders = [folder for folder in folders if (tree.folder / folder).is_dir()]
-    tests = selected_tests(record_of_lines(tree, folders), tree.package / path, lines)
-    tests = sorted(tests, key=lambda test: not test.startswith(f"{folders[0]}/"))
-    passes = [(tests[:AT_MOST], True)] if tests else []
-    if compiled:
-        files = list(dict.fromkeys(test.split("::")[0] for test in tests))
-        passes.append((ordered(tree.folder, files, folders), False))
-    for chosen, plain in passes:
+    for chosen, plain in _chosen(tree, folders, (path, lines), passes):
         tree.write(path, text)
         try:
             found = _run(tree, chosen, plain)
@@ -71,6 +77,22 @@ def trial(
             _require_sound(tree, found, plain)
             return found
     return SURVIVED
+
+
+def _chosen(
+    tree: Tree, folders: Sequence[str], place: tuple[str, Sequence[int]], passes: Passes
+) -> list[tuple[Sequence[str], bool]]:
+    """The tests of each pass, and whether it runs plain Python."""
+    path, lines = place
+    if passes.tests:
+        return [(passes.tests, True), (passes.tests, False)][: 1 + passes.compiled]
+    tests = selected_tests(record_of_lines(tree, folders), tree.package / path, lines)
+    tests = sorted(tests, key=lambda test: not test.startswith(f"{folders[0]}/"))
+    found: list[tuple[Sequence[str], bool]] = [(tests[:AT_MOST], True)] if tests else []
+    if passes.compiled:
+        files = list(dict.fromkeys(test.split("::")[0] for test in tests))
+        found.append((ordered(tree.folder, files, folders), False))
+    return found
 
 
 def _require_sound(tree: Tree, found: Outcome, plain: bool) -> None:
