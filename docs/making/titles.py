@@ -13,7 +13,6 @@ TITLES = {
     "run.checkpoints": "Checkpoints",
     "run.comparison": "Comparison of runs",
     "run.lock": "Run lock",
-    "run.ranks": "MPI runs",
     "run.recording": "Recording of frames",
     "run.reports": "Information about runs",
     "run.runner": "Run control",

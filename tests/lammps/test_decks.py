@@ -247,6 +247,6 @@ def test_the_readme_states_what_is_approximated(tmp_path: Path) -> None:
 
 
 def test_other_models_have_no_decks(tmp_path: Path) -> None:
-    tank = load_scene(Path(walls.__file__).parents[1] / "templates" / "tank-at-rest.toml")
-    with pytest.raises(BadInput, match="got a scene of the model sph; expected one of: floating"):
-        write_deck(tank, tmp_path / "deck")
+    packing = load_scene(Path(walls.__file__).parents[1] / "templates" / "t1.toml")
+    with pytest.raises(BadInput, match="got a scene of the model soft; expected one of: floating, sph"):
+        write_deck(packing, tmp_path / "deck")

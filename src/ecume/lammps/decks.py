@@ -7,17 +7,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ecume.errors import BadInput
+from ecume.lammps import tank_script
 from ecume.lammps.data_file import data_text
 from ecume.lammps.expressible import require_expressible
 from ecume.lammps.numbers import numbers_of
 from ecume.lammps.pair_tables import pair_tables, text_of
 from ecume.lammps.readme import readme_text
 from ecume.lammps.script import DATA, TABLES, script_text
+from ecume.lammps.tanks import TANKS, tank_of
 from ecume.trajectories.durable_files import storing, write_whole
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
     from ecume.scenes.schema import Scene
+    from ecume.scenes.sph import SphScene
 
 SCRIPT, README = "in.lammps", "README.md"
 
@@ -31,7 +34,15 @@ def floating_deck(scene: FloatingScene) -> dict[str, str]:
     return files | ({TABLES: "".join(map(text_of, tables))} if tables else {})
 
 
-DECKS: Mapping[str, Callable[[Any], dict[str, str]]] = {"floating": floating_deck}
+def tank_deck(scene: SphScene) -> dict[str, str]:
+    """The files of the deck of a tank, by name. Raises SceneError for what LAMMPS cannot express."""
+    require_expressible(scene, TANKS)
+    tank = tank_of(scene)
+    texts = tank_script.script_text(tank), tank_script.data_text(tank), tank_script.readme_text(tank)
+    return dict(zip((SCRIPT, tank_script.DATA, README), texts, strict=True))
+
+
+DECKS: Mapping[str, Callable[[Any], dict[str, str]]] = {"floating": floating_deck, "sph": tank_deck}
 """The decks of each model."""
 
 

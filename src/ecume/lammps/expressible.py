@@ -6,7 +6,7 @@ A scene is refused if a record does not hold for it; all reasons are in one erro
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import Fault, SceneError
@@ -39,7 +39,7 @@ class Expressible(NamedTuple):
 
     path: str
     """the key of the scene"""
-    got: Callable[[FloatingScene], Any]
+    got: Callable[[Any], Any]
     """the value of the scene"""
     accepts: Callable[[Any], bool]
     """whether a deck can express this value"""
@@ -158,9 +158,9 @@ FLOATS = (
 """Everything that can be missing in LAMMPS."""
 
 
-def faults_of(scene: FloatingScene) -> list[Fault]:
+def faults_of(scene: Any, rows: Sequence[Expressible] = FLOATS) -> list[Fault]:
     """A fault for each choice of the scene that a deck cannot express."""
-    checked = [(row, row.got(scene)) for row in FLOATS]
+    checked = [(row, row.got(scene)) for row in rows]
     return [
         Fault(row.path, f"got {got}, which a deck for LAMMPS cannot express; expected {row.expected}: {row.reason}")
         for row, got in checked
@@ -168,7 +168,7 @@ def faults_of(scene: FloatingScene) -> list[Fault]:
     ]
 
 
-def require_expressible(scene: FloatingScene) -> None:
+def require_expressible(scene: Any, rows: Sequence[Expressible] = FLOATS) -> None:
     """Raise SceneError with everything that a deck cannot express."""
-    if faults := faults_of(scene):
+    if faults := faults_of(scene, rows):
         raise SceneError(faults)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
+from ecume.models.floating.contacts import contact_models
 from ecume.models.floating.contacts.friction import float_inertia
 from ecume.models.floating.contacts.springs import Springs
 from ecume.models.floating.parameters import Parameters
@@ -18,6 +19,7 @@ from ecume.models.floating.setup.scene_parameters import parameters_of
 from ecume.models.floating.setup.turning_friction import turning_friction_of
 from ecume.models.floating.state import State
 from ecume.models.step_counts import last_step
+from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
@@ -72,24 +74,50 @@ class DeckNumbers(NamedTuple):
     steps_per_frame: int
 
 
-def numbers_of(scene: FloatingScene) -> DeckNumbers:
-    """The numbers of the deck of a scene that a deck can express. Raises SceneError."""
+class TurningSprings(NamedTuple):
+    """`Springs` with friction, which LAMMPS computes."""
+
+    stiffness: float
+    damping: float
+    wall_damping: float
+    inertia: Array
+    """(N,) kg m^2"""
+
+
+contact_models.BY_CONSTANTS[TurningSprings] = dataclasses.replace(
+    contact_models.CONTACTS["spring-dashpot"],
+    constants=TurningSprings, inertia=lambda part: np.asarray(part.inertia), gives=frozenset(),
+)  # fmt: skip
+
+
+def parameters_for(scene: FloatingScene) -> Parameters:
+    """The parameters of the deck of a scene that a deck can express, with its time step. Raises SceneError."""
     parameters = parameters_of(with_springs(scene))
     kinds, kind = distinct_kinds(scene)
-    turning = _turning(scene, kinds)
-    per_frame = _steps_per_frame(scene, parameters, turning)
+    per_frame = _steps_per_frame(scene, parameters, _turning(scene, kinds))
+    springs = parameters.parts.contacts
+    if scene.rubs and isinstance(springs, Springs):
+        inertia = np.array([float_inertia(each) for each in kinds])[kind]
+        parameters = parameters._replace(parts=parameters.parts._replace(contacts=TurningSprings(*springs, inertia)))
+    return parameters._replace(time_step=scene.frame_every / per_frame, steps_per_frame=per_frame)
+
+
+def numbers_of(scene: FloatingScene, parameters: Parameters | None = None, state: State | None = None) -> DeckNumbers:
+    """The numbers of a deck that begins with a state; default: that of the scene. Raises SceneError."""
+    parameters = parameters_for(scene) if parameters is None else parameters
+    kinds, kind = distinct_kinds(scene)
     return DeckNumbers(
         scene=scene,
         parameters=parameters,
-        state=start(scene, parameters),
+        state=start(scene, parameters) if state is None else state,
         kinds=kinds,
         kind=kind,
         first=np.unique(kind, return_index=True)[1].astype(np.int64),
         contacts=_contacts(scene, parameters),
-        turning=turning,
-        time_step=scene.frame_every / per_frame,
-        steps=last_step(scene, per_frame),
-        steps_per_frame=per_frame,
+        turning=_turning(scene, kinds),
+        time_step=parameters.time_step,
+        steps=last_step(scene, parameters.steps_per_frame),
+        steps_per_frame=parameters.steps_per_frame,
     )
 
 
@@ -111,7 +139,7 @@ def with_springs(scene: FloatingScene) -> FloatingScene:
 def _contacts(scene: FloatingScene, parameters: Parameters) -> Contacts | None:
     """The springs and dashpots of the scene; None without contacts."""
     springs = parameters.parts.contacts
-    if not isinstance(springs, Springs):
+    if not isinstance(springs, Springs | TurningSprings):
         return None
     rubbing = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
     return Contacts(springs.stiffness, nominal(springs.damping), nominal(springs.wall_damping), rubbing)

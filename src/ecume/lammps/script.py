@@ -13,33 +13,50 @@ DATA, TABLES = "floats.data", "pairs.table"
 FAR = "zero"
 """The pair style of floats without any force."""
 
+SEEDS, STRIDE = 899_999_813, 40_503
+"""Number of seeds, and their distance from step to step: LAMMPS accepts at most 900,000,000. It is a prime, so that no
+seed occurs again before as many steps."""
+
 
 def script_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
     """The input script; `tables` are those of the file beside it."""
-    formulas = {name: found for name, found in (("meniscus", meniscus_of(deck)), ("flow", flow_of(deck))) if found}
-    sections = (
-        _head(deck),
-        _atoms(deck, formulas),
-        _pairs(deck, tables),
-        _walls(deck),
-        *(_formula(name, formula) for name, formula in formulas.items()),
-        _motion(deck),
-        _output(deck),
-    )
+    return _joined(_head(deck), _style(deck), _lengths(deck), *_system(deck, tables), _output(deck))
+
+
+def setup_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
+    """The commands before the first time step."""
+    return _joined(_style(deck), *_system(deck, tables), iter([f"timestep        {deck.time_step!r}"]))
+
+
+def _joined(*sections: Iterator[str]) -> str:
     return "\n\n".join(text for text in ("\n".join(section) for section in sections) if text) + "\n"
 
 
+def _system(deck: DeckNumbers, tables: list[PairTable]) -> Iterator[Iterator[str]]:
+    formulas = {name: found for name, found in (("meniscus", meniscus_of(deck)), ("flow", flow_of(deck))) if found}
+    yield _atoms(deck, formulas)
+    yield _pairs(deck, tables)
+    yield _walls(deck)
+    yield from (_formula(name, formula) for name, formula in formulas.items())
+    yield _motion(deck)
+
+
 def _head(deck: DeckNumbers) -> Iterator[str]:
-    bounds = "p p" if deck.scene.cell is not None else "m m"
     yield f"# {deck.scene.title or 'Floats'}, written by ecume: see README.md. Run it in this folder:"
     yield "#   lmp -in in.lammps    or    mpiexec -n 8 lmp -in in.lammps"
+
+
+def _style(deck: DeckNumbers) -> Iterator[str]:
+    bounds = "p p" if deck.scene.cell is not None else "m m"
     yield "units           si"
     yield "dimension       2"
     yield f"boundary        {bounds} p"
     yield "atom_style      sphere"
     yield "newton          on"
     yield "comm_modify     vel yes"
-    yield ""
+
+
+def _lengths(deck: DeckNumbers) -> Iterator[str]:
     yield "# Time steps, time steps between frames, and the time step (s): -var steps N changes the first, and so on."
     yield f"variable        steps index {deck.steps}"
     yield f"variable        frame index {deck.steps_per_frame}"
@@ -114,7 +131,6 @@ def _motion(deck: DeckNumbers) -> Iterator[str]:
     else:
         yield from _overdamped(deck)
     yield "fix             flat all enforce2d"
-    yield "timestep        ${step}"
 
 
 def _inertial(deck: DeckNumbers) -> Iterator[str]:
@@ -130,7 +146,7 @@ def _inertial(deck: DeckNumbers) -> Iterator[str]:
 
 def _overdamped(deck: DeckNumbers) -> Iterator[str]:
     """Velocities from forces and drag alone, with noise if the scene has it."""
-    noise, seed = "gaussian" if deck.parameters.drift.thermal > 0.0 else "none", deck.scene.seed % 900_000_000 + 1
+    noise, seed = "gaussian" if deck.parameters.drift.thermal > 0.0 else "none", _seed(deck)
     for kind, friction in enumerate(_friction(deck), 1):
         group = "all"
         if len(deck.kinds) > 1:
@@ -138,6 +154,11 @@ def _overdamped(deck: DeckNumbers) -> Iterator[str]:
             yield f"group           {group} type {kind}"
         model = f"brownian {deck.scene.liquid.temperature!r} {seed + kind} gamma_t {friction!r} rng {noise}"
         yield f"fix             move_{kind} {group} {model}"
+
+
+def _seed(deck: DeckNumbers) -> int:
+    """The seed of the random numbers from this state on: each step of a run has another one."""
+    return (deck.scene.seed + STRIDE * int(deck.state.step[0])) % SEEDS + 1
 
 
 def _friction(deck: DeckNumbers) -> list[float]:
@@ -154,6 +175,7 @@ def _scaled(values: list[float]) -> str:
 
 
 def _output(deck: DeckNumbers) -> Iterator[str]:
+    yield "timestep        ${step}"
     yield "thermo_style    custom step time pe ke"
     yield "thermo_modify   lost error"
     yield "thermo          ${frame}"

@@ -8,7 +8,7 @@ Start with `runner`. `directory` names the files; `recording`, `numbers`, `check
 `manifest` and `progress` write and read them; `selection` and `sampling` determine what is written; `lock` and
 `stop_requests` deal with other processes and signals; `invariant_monitor` checks each frame; `reports`, `verification`
 and `recovery` look at runs from outside, `catalog` and `comparison` at several of them; `user_code` identifies a user's
-laws and actions; `crate` describes a run as a research object; `ranks` is MPI.
+laws and actions; `crate` describes a run as a research object.
 """
 
 from ecume.run.catalog import RunSummary, list_runs

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from ecume.errors import BadInput, Stopped
 from ecume.models import MODELS
+from ecume.models.engines import Engine
 from ecume.models.model import DONE, EXCHANGE, Model
 from ecume.run.directory import RunDirectory, clear, manifest_of
 from ecume.run.progress import Progress
@@ -61,7 +62,9 @@ def import_run(
     if reason := MODELS_OF_PARTICLES[first.model]:
         raise BadInput(f"{RUN}.file: {name} cannot become a run of the model {first.model!r}: {reason}")
     whole = first.replace("duration", (series.frames - 1) * first.frame_every)
-    options = RunOptions(threads=1, progress=progress, engine=reader_of(whole, name, series), imported=Path(name).name)
+    options = RunOptions(
+        threads=1, progress=progress, engine=Engine(reader_of(whole, name, series)), imported=Path(name).name
+    )
     try:
         return run(whole, directory, force=force, options=options)
     except (BadInput, Stopped):

@@ -36,7 +36,8 @@ EVERYTHING = Selection()
 class Recording:
     """The open trajectory and the open table of numbers of a run; `frames` of them are behind us.
 
-    `strict` refuses frames that differ from those on disk, whatever the reason.
+    `strict` refuses frames that differ from those on disk, whatever the reason. Without `repeats` frames that are
+    computed again have other bits, and replace those on disk.
     """
 
     def __init__(
@@ -48,7 +49,9 @@ class Recording:
         largest: int = LARGEST,
         strict: bool = False,
         selection: Selection = EVERYTHING,
+        repeats: bool = True,
     ) -> None:
+        self._repeats = repeats
         self._home, self.frames, self._strict, self._selection = home, frames, strict, selection
         names = [kind.name for kind in kinds]
         self._recorder = Recorder(
@@ -93,6 +96,10 @@ class Recording:
             self._scalars.close()
 
     def _compare(self, frame: Frame) -> None:
+        if not self._repeats:
+            note(self._home, "frames are written again", first=self.frames, why="the engine does not repeat bits")
+            self._cut()
+            return
         try:
             former = self._former[self.frames]
         except StorageError as error:  # damaged, so there is nothing to compare with

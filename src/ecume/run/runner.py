@@ -17,6 +17,7 @@ from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.models.check_report import LONGEST_RUN
+from ecume.models.engines import LOCAL, Engine
 from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
@@ -29,7 +30,7 @@ from ecume.run.sampling import NOTHING, Kept, SampleFile
 from ecume.run.selection import require_known, require_numbers, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
-from ecume.run.verification import IMPORTED, require_computed, require_source
+from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.records import DONE, as_json, clean, scene_at
 from ecume.trajectories.repair import repair
@@ -81,8 +82,8 @@ class RunOptions:
     """Seconds of wall time."""
     source: bytes | None = None
     """The scene's file, byte for byte, to be kept beside what became of it."""
-    engine: Callable[[Model], Model] | None = None
-    """What integrates in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
+    engine: Engine | None = None
+    """Integrates in place of the scene's model: see `ecume.lammps.engine`."""
     on_violation: str | None = None
     """The response to an invariant that is broken, see `invariant_monitor.POLICIES`; by default that with which the run
     began, or else that of its scene."""
@@ -162,6 +163,7 @@ def resume(
         if (done := _completed(home)) is not None:
             return done
         require_computed(home)
+        require_engine(home, options.engine)
         code = UserCode(extra_laws, actions)
         require_same(home, code)
         require_source(home)
@@ -233,10 +235,10 @@ def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     return restored.parameters
 
 
-def _model(scene: Scene) -> Model:
+def _model(scene: Scene, engine: Engine | None = None) -> Model:
     from ecume.models import MODELS
 
-    return MODELS[scene.model]
+    return MODELS[scene.model] if engine is None else engine.model(MODELS[scene.model])
 
 
 def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, options: RunOptions) -> None:
@@ -255,7 +257,8 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
         | {"constants_sha256": constants.save(home, parameters)}
         | code.entries()
         | {"on_violation": options.on_violation or scene.on_violation}
-        | ({IMPORTED: clean(options.imported)} if options.imported else {}),
+        | ({IMPORTED: clean(options.imported)} if options.imported else {})
+        | ({ENGINE: options.engine.name} if options.engine is not None and options.engine.name != LOCAL else {}),
     )
 
 
@@ -304,7 +307,10 @@ class _Session:
         frames = checkpoint.frames
         self._home, self._options, self._code = home, options, code
         selection = selection_of(scene, _model(scene))
-        self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict, selection=selection)
+        repeats = options.engine is None or options.engine.repeats
+        self._recording = Recording(
+            home, frames, kinds=scene.kinds, strict=options.strict, selection=selection, repeats=repeats
+        )
         asked = scene.output.samples
         self._samples = None if asked is None else SampleFile(home.samples, asked, checkpoint.samples)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
@@ -370,12 +376,15 @@ class _Session:
         from ecume._jit import use_threads
 
         policy = self._options.on_violation or manifest_of(self._home).get("on_violation", POLICIES[0])
-        invariants = _model(self._scene).invariants(self._scene, moment.parameters) * (not self._options.imported)
+        model = _model(self._scene, self._options.engine)
+        invariants = model.invariants(self._scene, moment.parameters) * (not self._options.imported)
         if self._code.actions:
             invariants = [row for row in invariants if row.name not in CHANGED_BY_ACTIONS]
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
         manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)
+        if self._options.engine is not None and (facts := self._options.engine.facts()):
+            manifest.record(self._home, **facts)
         differences = manifest.changed(manifest_of(self._home))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.taken, changed=differences)
 

