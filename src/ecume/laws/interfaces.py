@@ -9,14 +9,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-from ecume.laws.lubrication import shear_friction, squeeze_friction
-from ecume.units import Friction, Length, Number, Viscosity
+from ecume.laws.lubrication import entrained_force, shear_friction, squeeze_friction
+from ecume.laws.surfaces import Body
+from ecume.units import Force, Friction, Length, Number, Unit, Viscosity
 
 HARDLY = 1e-3
 """Of a rigid film's shear friction: what is left to one that holds on to nothing, so that surfaces relax in an instant
 but not in none."""
+QUIET = 1e-6
+"""Of modulus times R*^2: a tangential force below which elastohydrodynamic friction no longer depends on the force."""
+
+PerForce = Annotated[float, Unit("1/N")]
 
 
 def extension_friction(contact_size: Length, gap: Length, viscosity: Viscosity) -> Friction:
@@ -101,6 +106,10 @@ class Resistance(NamedTuple):
     squeeze_by_gap: Number
     shear_by_size: Number
     shear_by_gap: Number
+    shear_by_force: Number
+    """the power of the tangential force by which the shear friction changes; 0 for a linear law"""
+    shear_by_load: PerForce
+    """d ln(shear friction) / d(compressive force)"""
 
 
 def rigid_film(
@@ -116,7 +125,8 @@ def rigid_film(
     -3.0
     """
     squeeze = squeeze_friction(contact_size, gap, viscosity, film_prefactors[0])
-    return Resistance(squeeze, shear_friction(contact_size, gap, viscosity, film_prefactors[1]), 4.0, -3.0, 2.0, -1.0)
+    shear = shear_friction(contact_size, gap, viscosity, film_prefactors[1])
+    return Resistance(squeeze, shear, 4.0, -3.0, 2.0, -1.0, 0.0, 0.0)
 
 
 def half_mobile_film(
@@ -135,7 +145,7 @@ def half_mobile_film(
     """
     squeeze = 0.25 * squeeze_friction(contact_size, gap, viscosity, film_prefactors[0])
     shear = HARDLY * shear_friction(contact_size, gap, viscosity, film_prefactors[1])
-    return Resistance(squeeze, shear, 4.0, -3.0, 2.0, -1.0)
+    return Resistance(squeeze, shear, 4.0, -3.0, 2.0, -1.0, 0.0, 0.0)
 
 
 def mobile_film(
@@ -151,7 +161,8 @@ def mobile_film(
     3.0
     """
     shear = HARDLY * shear_friction(contact_size, gap, viscosity, film_prefactors[1])
-    return Resistance(extension_friction(contact_size, gap, viscosity), shear, 2.0, -1.0, 2.0, -1.0)
+    squeeze = extension_friction(contact_size, gap, viscosity)
+    return Resistance(squeeze, shear, 2.0, -1.0, 2.0, -1.0, 0.0, 0.0)
 
 
 def drop_film(
@@ -173,7 +184,50 @@ def drop_film(
     shear = drop_shear(contact_size, gap, viscosity, viscosity_ratio, film_prefactors[1])
     film = shear / shear_friction(contact_size, gap, viscosity, film_prefactors[1])
     by_size, by_gap = 4.0 - 2.0 * plug + power, -3.0 + 2.0 * plug - power
-    return Resistance(squeeze, shear, by_size, by_gap, 1.0 + film, -film)
+    return Resistance(squeeze, shear, by_size, by_gap, 1.0 + film, -film, 0.0, 0.0)
+
+
+def elastohydrodynamic_film(
+    contact_size: Length,
+    gap: Length,
+    viscosity: Viscosity,
+    film_prefactors: tuple[Number, Number],
+    compression: Force,
+    slip_force: Force,
+    body: Body,
+    gap_weight: Number,
+) -> Resistance:
+    """Sliding lifts compressed surfaces apart: the tangential force is `entrained_force`, with a vanishing Newtonian
+    friction beside it, T = sqrt(B u) + z u. The law has no squeeze friction; `extension_friction` lets gaps relax.
+
+    The speed follows from the force T: u = T/zeta with zeta = (sqrt(B) + sqrt(B + 4 z T))^2 / (4 T). B counts the part
+    of the contact that deflection has flattened, 1 - 2 R* c_h h / a^2, so that friction begins with compression.
+    [seth2011].
+
+    >>> film = elastohydrodynamic_film(0.1, 1e-9, 1.0, (1.0, 1e-12), 2.0, 0.5, Body(2.0, 1.0, 1.0), 1.0)
+    >>> round(entrained_force(0.5 / film.shear, 2.0, 0.1, 1.0), 4), round(film.shear_by_force, 4)
+    (0.5, -1.0)
+    """
+    squeeze = extension_friction(contact_size, gap, viscosity)
+    slight = HARDLY * shear_friction(contact_size, gap, viscosity, film_prefactors[1])
+    area, rest = contact_size * contact_size, 2.0 * body.reduced_radius * gap_weight * gap
+    if compression <= 0.0 or area <= rest:
+        return Resistance(squeeze, slight, 2.0, -1.0, 2.0, -1.0, 0.0, 0.0)
+    flat = 1.0 - rest / area
+    # The square root of B: the force at unit speed.
+    lifted = entrained_force(1.0, compression, contact_size, viscosity) * math.sqrt(flat)
+    quiet = QUIET * body.modulus * body.reduced_radius**2
+    square = slip_force * slip_force
+    size = math.sqrt(square + quiet * quiet)
+    whole = math.sqrt(lifted * lifted + 4.0 * slight * size)
+    both = lifted + whole
+    newtonian = 4.0 * slight * size / (whole * both)
+    entrained = 1.0 - newtonian
+    by_rest = entrained * (1.0 / flat - 1.0)
+    return Resistance(
+        squeeze, both * both / (4.0 * size), 2.0, -1.0, 2.0 * newtonian + entrained + 2.0 * by_rest,
+        -newtonian - by_rest, -entrained * square / (size * size), entrained / compression,
+    )  # fmt: skip
 
 
 INTERFACES: dict[str, Callable[..., Resistance]] = {
@@ -181,7 +235,9 @@ INTERFACES: dict[str, Callable[..., Resistance]] = {
     "half-mobile": half_mobile_film,
     "mobile": mobile_film,
     "drop": drop_film,
+    "elastohydrodynamic": elastohydrodynamic_film,
 }
-"""How mobile surfaces are: `films.interface` of a scene. A row is the friction of a film; what it takes beside contact
-size, gap and prefactors are constants of the scene, by their names in the `Contacts` of `ecume.models.soft`.
+"""How mobile surfaces are: `films.interface` of a scene. A row is the friction of a film by contact size, gap,
+prefactors, the compressive force, the tangential force on the film and the two bodies; what it takes beside are
+constants of the scene, by their names in the `Contacts` of `ecume.models.soft`.
 """

@@ -54,6 +54,14 @@ def report(scene):
     return " ".join(row[2] for row in doubts(scene, parameters, typical_pair(scene, parameters, state)))
 
 
+@pytest.mark.parametrize(("walls", "reported"), [([], True), ([{"side": "bottom"}], False)])
+def test_spheres_without_films_are_reported_unless_they_can_meet_a_wall(walls, reported):
+    spheres = [{"radius": 1.0, "modulus": 1.0, "positions": [[x, 20.0]]} for x in (10.0, 30.0)]
+    apart = packing(particles=spheres, cell={"size": [40.0, 40.0]}, films={"cutoff": 0.1}, walls=walls,
+                    hydrodynamics={"drag": "stokes"})  # fmt: skip
+    assert ("no films at the start" in report(apart)) == reported
+
+
 def test_a_pull_is_reported_with_the_time_in_which_it_separates_two_spheres():
     rows = {name: value for name, value, _ in SOFT.summary(two(1e-3))}
     assert rows["reduced force"] == "0.001"

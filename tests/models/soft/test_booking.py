@@ -12,6 +12,7 @@ from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.record import ROUNDED, most_missing
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, released
 from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import StageSpec
@@ -151,6 +152,16 @@ def test_films_take_what_contacts_hold_that_fade():
     held = elastic_energy(parameters.contacts, step)
     assert held > 0.0
     assert released(parameters.contacts, step) == pytest.approx(held, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize(("scheme", "times"), [("tr-bdf2", 4.0), ("esdirk4", 8.0**0.8)])
+def test_the_defect_that_is_allowed_follows_the_order_of_the_scheme(scheme, times):
+    """Eight times the tolerance e: e^(2/3) in second order, e^(4/5) in fourth."""
+    one, other = (
+        most_missing(SOFT.parameters(packing(integration={"integrator": scheme, "tolerance": tolerance})))
+        for tolerance in (1e-3, 8e-3)
+    )
+    assert other - ROUNDED == pytest.approx(times * (one - ROUNDED), rel=1e-9)
 
 
 @pytest.mark.compiled

@@ -65,6 +65,12 @@ def test_a_start_that_does_not_fit_is_refused():
         SOFT.start(scene, SOFT.parameters(scene))
 
 
+def test_gaps_that_fill_the_cell_are_refused_without_a_search():
+    scene = packing(cell={"size": [12.0, 12.0], "minimum_gap": 20.0}, protocol=[])
+    with pytest.raises(SceneError, match=r"cell\.size: spheres with gaps of 20 m would fill [\d.e+]+ times the region"):
+        SOFT.start(scene, SOFT.parameters(scene))
+
+
 @pytest.mark.parametrize(("dimensions", "filled"), [(2, 0.7), (3, 0.5)])
 def test_every_solver_finds_the_same_motion(dimensions, filled):
     scene = packing(dimensions, filled=filled, strain=0.01, duration=2.0)

@@ -43,6 +43,16 @@ def at_work(scene):
     return parameters, step
 
 
+@pytest.mark.parametrize("torque", [[0.3], [0.3, -0.2, 0.5]])
+def test_a_sphere_alone_starts_with_the_spin_that_stokes_says(torque):
+    places = [[0.0, 0.0, 0.0], [50.0, 0.0, 0.0]] if len(torque) == 3 else [[0.0, 0.0], [50.0, 0.0]]
+    spheres = [{"radius": 1.2, "modulus": 1.0, "positions": [place], "torque": torque} for place in places]
+    parameters, step = at_work(cluster(particles=spheres, films={"cutoff": 1.0}, drag=True))
+    radius = parameters.radius[0]
+    spin = np.array(torque) / (8.0 * math.pi * 0.1 * radius**3)
+    assert step.spins.slope[0, 0] == pytest.approx(radius * spin, rel=1e-12)
+
+
 def settle(parameters, step, span):
     """Solve the contacts over a span at held spheres."""
     turn_pairs(step.pairs, step.spins)

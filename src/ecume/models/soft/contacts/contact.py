@@ -35,7 +35,7 @@ remote_force_by = selection("remote_force_by", codes(REMOTE, lambda row: row.for
 remote_slope_by = selection("remote_slope_by", codes(REMOTE, lambda row: row.slope), __name__, __file__, OF_GAP)
 resistance_by = selection(
     "resistance_by", codes(INTERFACES, lambda row: row), __name__, __file__,
-    ("contact_size", "gap", "film_prefactors", "contacts"),
+    ("contact_size", "gap", "film_prefactors", "compression", "slip_force", "body", "contacts"),
 )  # fmt: skip
 rubbing_by = selection(
     "rubbing_by", codes(FRICTIONS, lambda row: row.rubbing), __name__, __file__,
@@ -223,9 +223,13 @@ def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: 
     faded, fade_slope = fading(gap, contacts)
     built_in, by_gap = remote_answer(gap, body.reduced_radius, contacts)
     remote_force, remote_slope = built_in + body.force, by_gap + body.slope
-    resistance = resistance_by(surface.size, gap, (contacts.squeeze, contacts.shear), contacts, contacts.interface)
-    draw: Draw = draw_by(surface.normal * stretch + remote_force, surface.size, contacts, contacts.tension_law)
-    tips = rubbing_by(gap, -(surface.normal * stretch), surface.tangential * shear, contacts, contacts.friction)
+    compression, along = -(surface.normal * stretch), surface.tangential * shear
+    draw: Draw = draw_by(remote_force - compression, surface.size, contacts, contacts.tension_law)
+    tips = rubbing_by(gap, compression, along, contacts, contacts.friction)
+    resistance = resistance_by(
+        surface.size, gap, (contacts.squeeze, contacts.shear), compression, tips.held * along, body, contacts,
+        contacts.interface,
+    )  # fmt: skip
     return Film(
         gap=gap,
         reach=body.radius_sum + gap,

@@ -50,8 +50,9 @@ def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> 
     d_opening -= opening * (thicker + (resistance.squeeze_by_gap + 1.0) * dq + resistance.squeeze_by_size * size)
     limit = film.limit_by_normal * normal + film.limit_by_gap * dq
     borne = film.slide_by_pull * along + film.slide_by_limit * limit
-    d_sliding = borne / (film.faded * resistance.shear * film.reach)
+    d_sliding = borne * (1.0 - resistance.shear_by_force) / (film.faded * resistance.shear * film.reach)
     thicker += (resistance.shear_by_gap + film.gap / film.reach) * dq + resistance.shear_by_size * size
+    thicker -= resistance.shear_by_load * normal
     d_sliding -= sliding * thicker
     pulled = normal - surface.tangential * film.shear * turn
     sheared = along + surface.normal * film.stretch * turn

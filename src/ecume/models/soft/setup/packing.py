@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.optimize import minimize
 
@@ -19,6 +21,7 @@ GAP = 1e-2
 """Of the smallest radius."""
 WIDER = 1.05
 """Spheres are pushed apart as if their gap were this much wider, so that it is there when they have nearly stopped."""
+WAY_OUT = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
 ROUNDS, PUSHES = 20, 400
 """Of the minimization: at most so many rounds of so many evaluations."""
 
@@ -43,7 +46,17 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
         if scene.cell is None or scene.cell.minimum_gap is None
         else scene.cell.minimum_gap
     )
+    _require_room(parameters, np.where(box.sides > 0.0, ends, ends + 2.0 * parameters.radius.max()), least)
     return pushed_apart(parameters, position, box, least)
+
+
+def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
+    """Raise SceneError if spheres with half of the least gap around each would fill more than the whole region."""
+    unit = math.pi if parameters.dimensions == 2 else 4.0 / 3.0 * math.pi
+    filled = unit * float(((parameters.radius + 0.5 * least) ** parameters.dimensions).sum()) / float(np.prod(ends))
+    if filled > 1.0:
+        message = f"spheres with gaps of {with_prefix(least, 'm', 3)} would fill {filled:.3g} times the region"
+        raise SceneError([Fault("cell.size", f"{message}; {WAY_OUT}")])
 
 
 def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
@@ -76,5 +89,4 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, points) >= least).all():
             return found
     message = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
-    way_out = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
-    raise SceneError([Fault("cell.size", f"{message}; {way_out}")])
+    raise SceneError([Fault("cell.size", f"{message}; {WAY_OUT}")])

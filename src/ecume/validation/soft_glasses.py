@@ -1,0 +1,91 @@
+"""Flow curve of a packing with elastohydrodynamic films, as in soft particle glasses, over three decades of the shear
+rate, in pieces that are kept: see `flow_pieces`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from ecume.analysis.rheology import CurveFit
+from ecume.scenes.schema import Scene
+from ecume.validation import flow_pieces
+from ecume.validation.flow_pieces import Piece, fitted, kept, sheared
+from ecume.validation.rows import Row, above, below, within
+
+RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0)}
+"""1/s, at each volume fraction."""
+SEED = 1
+"""Of the random start."""
+SPHERES, START, STRAIN = 60, 0.80, 6.0
+"""In 2D, of two sizes; compressed during a pre-shear to a strain of 1."""
+FRAMES_PER_STRAIN = 50
+FLOWS = tuple((fraction, rate) for fraction, rates in RATES.items() for rate in rates)
+DOUBLED = ((0.87, 4.5), (0.87, 25.0))
+"""The flows that are repeated with twice as many spheres."""
+LIKE = 0.1
+"""By how much their stress may differ, relatively."""
+FOLDER = Path("soft-glass-pieces")
+EXPONENT, TOLERANCE = 0.5, 0.05
+"""Of the published stress law of soft particle glasses."""
+LAWS = ("rotation=false", 'films.interface="elastohydrodynamic"', 'films.prefactors="physical"')
+"""Those of the published model: spheres do not rotate, contacts are Hertz's."""
+NUMERICS = ("integration.tolerance=0.01",)
+
+
+def rows() -> list[Row]:
+    """All pieces, and the fits."""
+    pieces = {flow: piece(*flow) for flow in FLOWS}
+    larger = {flow: piece(*flow, spheres=2 * SPHERES) for flow in DOUBLED}
+    return [*rows_of_pieces(pieces), *rows_of_sizes(pieces, larger)]
+
+
+def rows_of_pieces(pieces: Mapping[tuple[float, float], Piece]) -> Iterator[Row]:
+    """What holds in each steady flow, and the fitted flow curves."""
+    every = list(pieces.values())
+    yield above("smallest pressure of all runs (N/m)", min(one.least_pressure for one in every), 0.0)
+    yield below("largest force left on a sphere", max(one.largest_imbalance for one in every), 1e-8)
+    yield within("runs whose shear stress is stationary", sum(one.settled for one in every), len(every), 0.0)
+    for fraction in RATES:
+        fit, at = curve(pieces, fraction), f"φ = {fraction:g}"
+        name = f"exponent at {at}, ± {fit.exponent.error:.3f}; Seth et al.: 0.5"
+        yield within(name, fit.exponent.value, EXPONENT, TOLERANCE)
+        yield above(f"yield stress at {at} (N/m), ± {fit.offset.error:.2g}", fit.offset.value, 0.0)
+        yield below(f"misfit of Herschel and Bulkley's law at {at}, per degree of freedom", fit.misfit, 3.0)
+
+
+def rows_of_sizes(
+    pieces: Mapping[tuple[float, float], Piece], larger: Mapping[tuple[float, float], Piece]
+) -> Iterator[Row]:
+    """The stress of twice as many spheres over that of the others."""
+    for flow, one in larger.items():
+        few = pieces[flow].shear
+        ratio = one.shear.value / few.value
+        error = ratio * math.hypot(one.shear.error / one.shear.value, few.error / few.value)
+        yield within(f"stress with {2 * SPHERES} spheres / {SPHERES} at {flow[1]:g}/s, ± {error:.3f}", ratio, 1.0, LIKE)
+
+
+def curve(pieces: Mapping[tuple[float, float], Piece], fraction: float) -> CurveFit:
+    """Herschel and Bulkley's law at a volume fraction."""
+    return fitted([pieces[fraction, rate] for rate in RATES[fraction]])
+
+
+def computed(name: str = "computed") -> dict[tuple[float, float], Piece]:
+    """The pieces of the table `computed.csv`, which were computed with the scenes of this case, by volume fraction and
+    rate. Those of twice as many spheres are in `doubled.csv`.
+    """
+    return {(float(row["volume_fraction"]), one.rate): one for row, one in flow_pieces.computed("soft_glasses", name)}
+
+
+def piece(fraction: float, rate: float, folder: Path = FOLDER, spheres: int = SPHERES) -> Piece:
+    """A piece that is kept, or one that is computed now."""
+    return kept(scene_of(fraction, rate, spheres), rate, folder)
+
+
+def scene_of(fraction: float, rate: float, spheres: int = SPHERES) -> Scene:
+    """The template `sheared-packing` with fewer spheres, a higher volume fraction and the published laws."""
+    protocol = [{"time": 0.0, "shear_rate": rate}, {"time": 1.0 / rate, "scale": math.sqrt(START / fraction)}]
+    frames = round(FRAMES_PER_STRAIN * (STRAIN + 1.0))
+    changes = [f"cell.volume_fraction={START}", *LAWS, *NUMERICS]
+    return sheared(spheres, SEED, protocol, (STRAIN + 1.0) / rate, frames, changes)

@@ -1,0 +1,68 @@
+"""Tables of computed pieces belong to their cases, and the texts beside them state what follows from them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ecume.analysis.series import Mean
+from ecume.validation import soft_glasses, suspensions
+from ecume.validation.flow_pieces import Piece
+from ecume.validation.runner import DATA
+
+
+def readme(name):
+    return (DATA / name / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_readme_of_soft_glasses_states_the_fits():
+    pieces, text = soft_glasses.computed(), readme("soft_glasses")
+    assert set(pieces) == set(soft_glasses.FLOWS)
+    for fraction in soft_glasses.RATES:
+        fit = soft_glasses.curve(pieces, fraction)
+        assert f"m = {fit.exponent.value:.3f} ± {fit.exponent.error:.3f}" in text
+        assert f"σ_y = {1e3 * fit.offset.value:.1f} ± {1e3 * fit.offset.error:.1f} mN/m" in text
+    assert all(row.name.split(",")[0] in text for row in soft_glasses.rows_of_pieces(pieces) if not row.met)
+
+
+def test_the_readme_of_soft_glasses_states_the_effect_of_the_size():
+    larger = soft_glasses.computed("doubled")
+    assert tuple(larger) == soft_glasses.DOUBLED
+    for row in soft_glasses.rows_of_sizes(soft_glasses.computed(), larger):
+        assert row.met
+        assert f"{row.computed:.2f}" in readme("soft_glasses")
+
+
+def test_the_readme_of_suspensions_states_jamming_and_thickening():
+    pieces, text = suspensions.computed(), readme("suspensions")
+    assert set(pieces) == set(suspensions.FLOWS)
+    for law in suspensions.DIVERGING:
+        end = suspensions.jamming(pieces, law)
+        assert f"φ_J = {end.value:.3f} ± {end.error:.3f}" in text
+    rows = list(suspensions.rows_of_pieces(pieces))
+    assert f"{rows[-1].computed:.1f}" in text
+    assert all(row.name.split(",")[0] in text for row in rows if not row.met)
+
+
+def flow_of(shear, pressure, difference=0.0):
+    means = (Mean(shear, 0.01 * shear), Mean(pressure, 0.01 * pressure), Mean(difference, 0.0))
+    return Piece(suspensions.RATE, 1, *means, settled=True, least_pressure=1.0, largest_deflection=0.1,
+                 largest_imbalance=0.0)  # fmt: skip
+
+
+def test_a_straight_line_of_the_inverse_root_gives_the_fraction_of_jamming():
+    unit = suspensions.VISCOSITY * suspensions.RATE * suspensions.DIAMETER
+    flows = suspensions.DIVERGING["frictionless"]
+    pieces = {flow: flow_of(2.0 * unit * (1.0 - flow.fraction / 0.85) ** -2, 1.0) for flow in flows}
+    end = suspensions.jamming(pieces, "frictionless")
+    assert end.value == pytest.approx(0.85, rel=1e-12)
+    assert 0.0 < end.error < 0.01
+
+
+def test_friction_counts_the_liquid_and_the_compression_across_the_planes_of_shear():
+    unit = suspensions.VISCOSITY * suspensions.RATE * suspensions.DIAMETER
+    number, friction = suspensions.friction_point(flow_of(3.0 * unit, 9.0 * unit, 2.0 * unit))
+    assert number.value == pytest.approx(0.1)
+    assert friction.value == pytest.approx(0.4)
+    assert friction.error == pytest.approx(0.4 * math.hypot(0.09 / 10.0, 0.03 / 4.0))
+    assert np.isclose(suspensions.published_friction(0.6), 0.1 / 0.6 + 0.6 + 1.7)
