@@ -1,7 +1,7 @@
 """Draws the clips of the gallery, with nothing but ecume: `python docs/clips.py [NAME ...]`.
 
-Each scene of `examples` becomes a short film and a picture of its most telling moment, in `docs/clips`. They stay
-in the repository for ever, so they are small: `MOST` bytes at most.
+Each scene of `examples`, and each template of `FURTHER`, becomes a short film and a picture of its most telling moment,
+in `docs/clips`. They stay in the repository for ever, so they are small: `MOST` bytes at most.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from ecume.show.picture import Size
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs" / "clips"
+FURTHER = ("active-raft", "rifts")
+"""Templates with a clip."""
 SIZE = Size(480, 360, trim=True)
 FPS = 25
 FRAMES = 125
@@ -45,11 +47,12 @@ COLORED = {"sloshing": "pressure", "dam-break": "speed", "taylor-green": "speed"
 
 def draw(name: str) -> None:
     """A scene's film and picture."""
-    scene = ecume.load_scene(ROOT / "examples" / f"{name}.toml")
+    folder = ROOT / "src" / "ecume" / "templates" if name in FURTHER else ROOT / "examples"
+    scene = ecume.load_scene(folder / f"{name}.toml")
     frames = list(ecume.simulate(scene))
     options = MovieOptions(fps=FPS, every=-(-len(frames) // FRAMES), size=SIZE, color=COLORED.get(name))
-    with tempfile.TemporaryDirectory() as folder:
-        whole, still = Path(folder) / "film.mp4", Path(folder) / "still.png"
+    with tempfile.TemporaryDirectory() as made:
+        whole, still = Path(made) / "film.mp4", Path(made) / "still.png"
         film(frames, scene, whole, options)
         run("-i", whole, *SMALL, FOLDER / f"{name}.mp4")
         instant = TELLING.get(name, 0.97) * len(options.shown(frames)) / FPS
@@ -68,5 +71,5 @@ def run(*arguments: object) -> None:
 
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    for asked in sys.argv[1:] or sorted(path.stem for path in (ROOT / "examples").glob("*.toml")):
+    for asked in sys.argv[1:] or sorted([*FURTHER, *(path.stem for path in (ROOT / "examples").glob("*.toml"))]):
         draw(asked)

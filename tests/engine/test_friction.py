@@ -59,6 +59,15 @@ def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     assert np.any(slides) if friction == 0.1 else friction == 0.0 or np.any(sticks)
 
 
+def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
+    """Rounding keeps the residual above zero."""
+    position, _, motion = shaken_raft(7)
+    contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.3, no_walls())
+    sweeps = rough.solve(contacts, rubbing, motion, Goal(0.0, 1e-6))
+    assert sweeps % projected_gauss_seidel.PATIENCE == 0
+    assert sweeps < projected_gauss_seidel.MOST_SWEEPS
+
+
 @pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.compiled) for each in (1, 2, 3))])
 def test_friction_keeps_momentum_and_angular_momentum_and_adds_no_energy(seed):
     position, mass, motion = shaken_raft(19, seed, spread=1.0)

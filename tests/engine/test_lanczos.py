@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from ecume.engine.linear_solvers.lanczos import cholesky_product, krylov_root, root_column, root_product
+from ecume.engine.linear_solvers import lanczos
+from ecume.engine.linear_solvers.lanczos import (
+    cholesky_product,
+    krylov_root,
+    root_by_products,
+    root_column,
+    root_product,
+)
 
 
 def definite(size, seed=0):
@@ -47,6 +54,12 @@ def test_lanczos_is_the_symmetric_root_of_the_scaled_matrix_and_ends_early():
     assert iterations < 15
 
 
+def test_the_change_that_ends_iterations_is_relative():
+    share, before = np.array([3.0, -1.0, 2.0]), np.array([2.9, -1.1, 2.2])
+    expected = np.linalg.norm(share - before) / np.linalg.norm(share)
+    assert lanczos._changed(share, before, 3) == pytest.approx(expected, rel=1e-12)
+
+
 @pytest.mark.parametrize("product", [cholesky_product, krylov_root])
 def test_floats_at_one_place_move_together(product):
     """A matrix that is only semidefinite."""
@@ -72,3 +85,13 @@ def test_the_root_of_a_tridiagonal_matrix():
     root_column(diagonal, beside, column)
     values, vectors = np.linalg.eigh(matrix)
     assert column == pytest.approx((vectors * np.sqrt(values)) @ vectors[0], rel=1e-12)
+
+
+def test_a_matrix_that_is_known_by_its_products_has_the_same_root():
+    matrix, vector = definite(40, 8), np.random.default_rng(9).normal(size=40)
+    expected = np.empty(40)
+    krylov_root(matrix, vector, expected)
+    found = root_by_products(lambda given: matrix @ given, np.sqrt(np.diag(matrix)), vector, 1e-6)
+    assert found == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
+    coarse = root_by_products(lambda given: matrix @ given, np.sqrt(np.diag(matrix)), vector, 0.3)
+    assert 1e-5 < np.abs(coarse - expected).max() / np.abs(expected).max() < 0.3

@@ -186,6 +186,36 @@ def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
     assert solutions[0].tobytes() == solutions[1].tobytes()
 
 
+def textbook(matrix, right, accuracy):
+    """Stabilized biconjugate gradients [vandervorst1992]: how many iterations they take, and the solution."""
+    residual = right.copy()
+    shadow, search, solution, iterations = right.copy(), right.copy(), np.zeros_like(right), 0
+    while np.linalg.norm(residual) > accuracy * np.linalg.norm(right):
+        iterations += 1
+        slope, image = shadow @ residual, matrix @ search
+        length = slope / (shadow @ image)
+        left = residual - length * image
+        damping = (matrix @ left) @ left / ((matrix @ left) @ (matrix @ left))
+        solution += length * search + damping * left
+        residual = left - damping * (matrix @ left)
+        search = residual + (shadow @ residual) / slope * length / damping * (search - damping * image)
+    return iterations, solution
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-4, 1e-6])
+def test_gradients_are_those_of_the_textbook_for_the_preconditioned_matrix(accuracy):
+    matrix, dense, right = system(2, True)
+    count, width = right.shape[1:]
+    below = np.kron(np.tri(count), np.ones((width, width))) * dense
+    above = np.kron(np.tri(count).T, np.ones((width, width))) * dense
+    own = np.kron(np.eye(count), np.ones((width, width))) * dense
+    product = np.linalg.solve(below, dense @ np.linalg.solve(above, own))
+    iterations, scaled = textbook(product, np.linalg.solve(below, right[0].ravel()), accuracy)
+    solution, scratch = np.zeros((1, count, width)), bicgstab.make_gradients(count, width)
+    assert bicgstab.descend(matrix, right[:1], solution, scratch, bicgstab.Goal(accuracy, 99)) == iterations
+    assert solution.ravel() == pytest.approx(np.linalg.solve(above, own @ scaled), rel=1e-6)
+
+
 def test_an_order_keeps_neighbors_together_and_changes_no_solution():
     matrix, dense, right = system(2, True)
     _, first, second = links(30)

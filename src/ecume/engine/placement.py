@@ -16,12 +16,20 @@ from ecume.errors import BadInput
 from ecume.units import Array
 
 TRIES_PER_DISC = 2000
+MANY, TRIES_PER_DISC_OF_MANY = 10_000, 50
+"""Beyond this number of discs, each further one allows fewer tries: random sequential addition nears its jam as one
+over the square root of the tries, so that further ones place few more, and would take minutes.
+"""
 CLEARANCE = 1e-6
 """Discs placed at random keep this part of the smallest radius between them, so that rounding never makes them
 touch.
 """
 
 
+JAMMED = 0.547
+"""The part of a surface that many equal discs placed at random cover when no further one fits [feder1980]."""
+AT_RANDOM = 0.5
+"""The part of a surface that discs placed at random cover before they jam, at least."""
 SURE = 0.95
 """How much smaller still discs are to be, since another draw of places may jam a little earlier."""
 
@@ -67,6 +75,8 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
     radii = np.concatenate([taken[1], np.sort(radius)[::-1]])
     grid = _make_grid(region, radii)
     start = len(taken[1])
+    if _covered(radii, region) > _most_covered(radii, start):
+        raise BadInput(_overfull(radii, start, region))
     for disc in range(start):
         _put(grid, centers, disc)
     generator = np.random.default_rng(seed)
@@ -76,7 +86,7 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
         points = low + span * generator.random((max(64, 4 * (len(radii) - placed)), 2))
         placed = _fill(points, grid, centers, radii, placed, region.walls)
         tries += len(points)
-        if tries > TRIES_PER_DISC * len(radii):
+        if tries > _most_tries(len(radii)):
             raise BadInput(_jammed(radii, start, placed, region))
     order = np.argsort(-radius, kind="stable")
     found = np.empty((len(radius), 2))
@@ -84,23 +94,51 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
     return found
 
 
-def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
-    """The error message, with what would fit: the placed number, smaller particles, or a lattice."""
+def _most_covered(radii: Array, start: int) -> float:
+    """A part of the surface beyond which discs cannot be placed at random: equal ones jam earlier than others."""
+    alike = start == 0 and radii[0] == radii[-1]
+    return min(1.0, JAMMED + 1.0 / math.sqrt(len(radii))) if alike else 1.0
+
+
+def _most_tries(count: int) -> int:
+    return TRIES_PER_DISC * min(count, MANY) + TRIES_PER_DISC_OF_MANY * max(count - MANY, 0)
+
+
+def _covered(radii: Array, region: Region) -> float:
+    """The area of the discs over that of the region."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    area = min(area, enclosures.area(region.walls))
+    return math.pi * float((radii**2).sum()) / min(area, enclosures.area(region.walls))
+
+
+def _overfull(radii: Array, start: int, region: Region) -> str:
+    """The error message for discs with a larger area than the region has."""
+    covered = _covered(radii, region)
+    placed = int(np.searchsorted(np.cumsum(radii**2), AT_RANDOM / covered * float((radii**2).sum())))
+    return (
+        f"together the floats would cover {covered:.0%} of the surface; random placement covers about {AT_RANDOM:.0%}"
+        f"{_advice(radii, start, placed, region)}"
+    )
+
+
+def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
+    """The error message, with what would fit."""
+    return (
+        f"only {placed - start} of {len(radii) - start} floats found a free place at random; together they would cover "
+        f"{_covered(radii, region):.0%} of the surface{_advice(radii, start, placed, region)}"
+    )
+
+
+def _advice(radii: Array, start: int, placed: int, region: Region) -> str:
+    """What would fit: the placed number, smaller discs, or a lattice."""
     squares = np.cumsum(radii**2)
-    covered = math.pi * float(squares[-1]) / area
     advice, container = [], "cell" if region.periodic else "dish"
     if placed > start:
-        smaller = math.floor(SURE * 100.0 * math.sqrt(squares[placed - 1] / squares[-1])) / 100.0
+        smaller = SURE * math.sqrt(squares[placed - 1] / squares[-1])
+        smaller = math.floor(100.0 * smaller) / 100.0 or float(f"{0.9 * smaller:.1g}")
         advice.append(f"radii up to {smaller:g} times these; or a {container} {1.0 / smaller:.3g} times as wide")
     if start == 0 and radii.min() == radii.max() and not region.periodic:
         advice += _advice_on_equal_discs(len(radii), float(radii[0]), placed, region)
-    advised = f". What fits: {'; or '.join(advice)}" if advice else f"; a larger {container} would do"
-    return (
-        f"only {placed - start} of {len(radii) - start} floats found a free place at random; together they would cover "
-        f"{covered:.0%} of the surface{advised}"
-    )
+    return f". What fits: {'; or '.join(advice)}" if advice else f"; a larger {container} would do"
 
 
 def _advice_on_equal_discs(count: int, radius: float, placed: int, region: Region) -> list[str]:

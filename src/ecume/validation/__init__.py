@@ -50,6 +50,7 @@ CASES: dict[str, Case] = {
         _case("raft", "Nineteen floats gather to a raft: overlap, energy, momentum at two steps", long=True),
         _case("hydrodynamics", "Floats that move one another by the flow: rafts, pairs, diffusion, thermal weights"),
         _case("activity", "Active floats: mean squared displacement of persistent and of circling motion"),
+        _case("swimmers", "Three beads that swim in an oscillating magnetic field, beside the closed form", long=True),
         _case("waves", "Floats that radiate waves: dispersion, bound surfers, spinners beside measured phases"),
         _case(
             "clusters",
@@ -62,6 +63,8 @@ CASES: dict[str, Case] = {
         _case("t1", "Four soft spheres that swap neighbors, against an independent solution"),
         _case("packing", "Soft packings sheared to a strain of 10: balance, pressure, stress", long=True),
         _case("rheology", "A soft packing above jamming: its flow curve over three decades, in pieces", long=True),
+        _case("soft-glasses", "A packing with elastohydrodynamic films: the exponent of its flow curve", long=True),
+        _case("suspensions", "Nearly rigid spheres: friction, jamming and thickening, beside fits", long=True),
         _case("tank", "A tank at rest, out of order at the start: pressure, level, speed, creep", long=True),
         _case("tank-schemes", "The tank at rest with other walls and kernels: what holds, what fails", long=True),
         _case("random-tanks", "Still water beside discs, balls and slanted surfaces in random tanks", long=True),

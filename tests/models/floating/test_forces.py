@@ -2,14 +2,19 @@ import numpy as np
 import pytest
 
 from ecume import _jit
+from ecume.engine.contact.contacts import make_contacts
 from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models import MODELS
-from ecume.models.floating.forces.pair_forces import law_of, summed_law
+from ecume.models.floating.contacts.collisions import require_rest
+from ecume.models.floating.forces.pair_forces import law_of, summed_law, two_floats
 from ecume.models.floating.report.frames import observe
 from ecume.models.floating.state import make_state
 from ecume.models.floating.time_integration.integration import forces_at
+from ecume.models.floating.time_integration.step_size import raft_pull
+from ecume.models.floating.walls import menisci
+from ecume.scenes.floating import DishSpec
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]
@@ -108,3 +113,41 @@ def test_packed_constants_come_out_as_they_went_in():
     assert law_of(parameters) == PAIR_LAWS["capillary"].make_constants(setting)
     single = summed_law(parameters._replace(single=True))
     assert {type(each) for each in single} == {np.float32}
+
+
+def test_a_law_without_its_own_pull_of_a_raft_has_that_of_a_half_plane():
+    """Floats on one side of a float at the edge, by a sum over small squares of their surface."""
+    scene = scene_of(f'{WATER}[[particles]]\ncount = 2\n{HEAVY}[interaction]\nlaw = "one-sided-legacy"\n')
+    parameters, area = FLOATING.parameters(scene), 1e-3
+    law, charge, far = law_of(parameters), parameters.floats.charge, parameters.cutoff
+    own = two_floats(parameters, (1e-3, 1e-3), (charge[0], charge[1]))
+    nodes = (np.arange(400) + 0.5) * far / 400
+    x, y = np.meshgrid(nodes, nodes)
+    apart = np.hypot(x, y)
+    inside = (apart > 2e-3) & (apart < far)
+    pull = np.interp(apart[inside], grid := np.linspace(2e-3, far, 2000), [
+        abs(PAIR_LAWS["one-sided-legacy"].force(each, own, law)) for each in grid.tolist()
+    ])  # fmt: skip
+    expected = 2.0 * (far / 400) ** 2 * float(np.sum(pull * x[inside] / apart[inside])) * 2 / area
+    assert raft_pull(parameters, np.abs(charge), area) == pytest.approx([expected] * 2, rel=0.01)
+
+
+def test_only_approaches_by_the_kick_alone_are_brought_to_rest():
+    """Approaches of 1.9 and 2.1 kicks, one of 3 with a gap, and a pair that parts."""
+    parameters = FLOATING.parameters(a_mixed_crowd(2))
+    contacts, kick = make_contacts(8), 1e-3
+    contacts.total[0] = 4
+    contacts.change[:4] = [-1.9 * kick, -2.1 * kick, -3.0 * kick, kick]
+    contacts.scratch[:4] = contacts.change[:4] - kick
+    contacts.gap[:4] = [0.0, 0.0, 1e-6, 1e-6]
+    require_rest(parameters, contacts)
+    assert contacts.bound[:4].tolist() == [0.0, -np.inf, -np.inf, -1e-6 / parameters.time_step]
+
+
+@pytest.mark.parametrize("image", ["pinned", "fixed-angle"])
+def test_the_energy_of_images_in_a_dish_is_continuous_near_the_wall(image):
+    dish, liquid = DishSpec(radius=0.02, contact_angle=1.0, image=image), flotation.Liquid(1000.0, 0.0728, 1e-3)
+    switch = menisci.HUGGING * 0.02
+    before, at, after, far = menisci._round_images(dish, liquid, switch * np.array([0.999, 1.0, 1.001, 10.0]))
+    assert at - before == pytest.approx(after - at, rel=0.05)
+    assert abs(at - before) < 0.01 * abs(at - far)

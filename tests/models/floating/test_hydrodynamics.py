@@ -282,3 +282,9 @@ def test_inertia_is_refused():
     body = f"[[particles]]\nradius = {RADIUS}\ndensity = 1050.0\ncontact_angle = 1.5\n{fast}"
     with pytest.raises(SceneError, match="creeping flow, which follows the forces at once"):
         FLOATING.parameters(scene_of(WATER + body))
+
+
+def test_floats_that_cannot_meet_in_a_step_are_no_contacts():
+    parameters, state, workspace = set_up(beads([[0.0, 0.0], [2.1 * RADIUS, 0.0]]))
+    assert FLOATING.advance(parameters, state, workspace, 1) == 0
+    assert workspace.contacts.total[0] == 0

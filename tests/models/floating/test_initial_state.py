@@ -1,8 +1,10 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.models import MODELS
+from ecume.models import MODELS, limits
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
@@ -79,9 +81,10 @@ def test_a_sphere_that_must_sink_is_refused_with_the_limit():
         FLOATING.parameters(scene_of(WATER + text))
 
 
-def test_absurd_counts_are_refused_before_anything_is_laid_out():
-    with pytest.raises(SceneError, match="GB"):
-        FLOATING.parameters(scene_of(f"{WATER}[[particles]]\ncount = 90000000\n{HEAVY}"))
+def test_absurd_counts_are_refused_before_anything_is_laid_out(monkeypatch):
+    monkeypatch.setattr(limits.psutil, "virtual_memory", lambda: SimpleNamespace(total=8e9))
+    with pytest.raises(SceneError, match=r"50000000 floats need about .* GB, this machine has 8 GB"):
+        FLOATING.parameters(scene_of(f"{WATER}[[particles]]\ncount = 50000000\n{HEAVY}"))
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.special import k0
 
 from ecume.errors import SceneError
 from ecume.laws import multipole
 from ecume.models.floating import FLOATING
+from ecume.models.floating.forces.multipoles import heights_at, multipoles_in, solved
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import (
@@ -162,3 +164,18 @@ def test_a_disc_says_how_it_floats():
     report = {name: remark for name, _, remark in FLOATING.summary(scene)}
     assert report["float-1: capillary charge"] == "heavy: attracts heavy floats"
     assert "leans" in report["float-1: stability"]
+
+
+def test_a_disc_alone_bends_the_surface_alike_in_all_directions():
+    scene = discs([[1e-3, 2e-3]], "multipole")
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    (frame,) = [FLOATING.observe(parameters, state, FLOATING.workspace(parameters, state, 1.0))]
+    multipoles = multipoles_in(parameters)
+    scratch, angles, length = solved(parameters, frame), np.linspace(0.0, 6.0, 7), multipoles.length
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    near, far = (
+        heights_at(multipoles, scratch, state.position[0] + distance * around) for distance in (0.5 * length, length)
+    )
+    assert near == pytest.approx(near[0] * np.ones(7), rel=1e-9, abs=0.0)
+    assert near / far == pytest.approx(np.full(7, k0(0.5) / k0(1.0)), rel=1e-9)

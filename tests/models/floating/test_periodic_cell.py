@@ -191,6 +191,12 @@ def test_a_cell_is_refused_with(case):
         FLOATING.parameters(scene_of(f"{WATER}[[particles]]\n{HEAVY}count = 2\n{rest}"))
 
 
+def test_a_cell_far_wider_than_any_force_is_accepted():
+    FLOATING.parameters(
+        scene_of(f"{WATER}[[particles]]\ncount = 4\n{HEAVY}[cell]\nsize = [1, 1]\narea_fraction = 3e-9\n")
+    )
+
+
 def test_the_advised_accuracy_accepts_the_cell():
     rest = "[cell]\nsize = [0.05, 0.06]\n[interaction]\naccuracy = 0.00047\n"
     parameters = FLOATING.parameters(scene_of(f"{WATER}[[particles]]\n{HEAVY}count = 2\n{rest}"))

@@ -9,9 +9,18 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.laws.ellipsoids import ellipsoid_friction
 from ecume.models.floating import FLOATING
+from ecume.models.floating.report.frames import touching_shapes
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.floating.shaped.bodies import RigidKicks, shaped_energies
-from ecume.models.floating.shaped.figures import Skeleton, moments, silhouette
+from ecume.models.floating.shaped.figures import (
+    MOST_SHAPES,
+    TURN,
+    Skeleton,
+    moments,
+    silhouette,
+    spinning_time,
+    touching_distance,
+)
 from ecume.models.floating.shaped.rigid_motion import slowed
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
@@ -326,3 +335,54 @@ def test_starts_overlap_by_outline_and_not_by_circle():
         SceneError, match=r"particles\[0\]\.positions\[0\]: overlaps particles\[0\]\.positions\[1\] by 50 µm"
     ):
         FLOATING.start(scene, FLOATING.parameters(scene))
+
+
+def shaped_of(scene):
+    parameters = FLOATING.parameters(scene)
+    return parameters.parts.interactions[0], parameters
+
+
+@pytest.mark.parametrize(
+    ("pair", "turns", "distance"),
+    [((0, 0), (0.0, 0.0), 1e-3), ((0, 0), (1.0, 1.0), 0.4e-3), ((0, 1), (1.0, 0.0), 0.7e-3)],
+)
+def test_bodies_touch_at_the_sum_of_their_semi_axes(pair, turns, distance):
+    """An ellipse and a disc, turned by this many right angles."""
+    bodies = species("ellipsoid", [(0.0, 0.0)], 0.0) + species("sphere", [(2e-3, 0.0)])
+    shaped, parameters = shaped_of(scene_of(LIQUID.format(viscosity=1.0) + bodies))
+    turns = tuple(0.5 * math.pi * turn for turn in turns)
+    assert touching_distance(shaped, parameters, pair, turns) == pytest.approx(distance, rel=1e-6)
+
+
+def test_the_shortest_rotation_has_the_whole_kinetic_energy():
+    scene = scene_of(LIQUID.format(viscosity=1.0) + species("ellipsoid", [(0.0, 0.0)], 0.0, velocity=(0.03, 0.04)))
+    shaped, parameters = shaped_of(scene)
+    spin = 0.05 * math.sqrt(5.0 / (0.5e-3**2 + 0.2e-3**2))  # m v^2 = I w^2, I = m (a^2 + b^2)/5
+    assert spinning_time(shaped, parameters, scene) == pytest.approx(TURN / spin, rel=1e-9)
+
+
+@pytest.mark.parametrize(("apart", "contacts"), [(1.5e-3, 0), (1.0e-3 * (1.0 + 1e-5), 1)])
+def test_contacts_of_shapes_are_counted_and_label_clusters(apart, contacts):
+    parameters, state, _ = opened(ellipsoid_pair(0.0, 0.0, apart=apart))
+    label = np.zeros(2, np.int64)
+    assert touching_shapes(parameters, state, label) == (contacts, 0.0)
+    assert label.tolist() == ([0, 0] if contacts else [0, 1])
+
+
+def test_contacts_that_the_next_step_may_close_are_listed():
+    """Two that move side by side, with a gap of half of what both could close in a step."""
+    step, speed = 1e-5, 0.2
+    gap, free = step * speed, FREE.format(restitution=0.0)
+    scene = ellipsoid_pair(0.0, 0.0, apart=1.0e-3 + gap, motion=free, duration=step, frame_every=step)
+    parameters, state, workspace = opened(scene)
+    assert parameters.slop < 0.1 * gap
+    state.velocity[:] = [0.0, speed]
+    assert FLOATING.advance(parameters, state, workspace, 1) == 0
+    levers = workspace.scratch.interactions[0].levers
+    assert levers.gap[: levers.total[0]] == pytest.approx([gap], rel=1e-6)
+
+
+def test_more_shapes_than_sums_can_serve_are_refused():
+    body = species("ellipsoid", [(0.0, 0.0)], 0.0).replace("positions = [[0.0, 0.0]]", f"count = {MOST_SHAPES + 1}")
+    with pytest.raises(SceneError, match="got 100001 floats in a scene with shapes; expected at most 100000"):
+        FLOATING.parameters(scene_of(LIQUID.format(viscosity=1.0) + body + "[dish]\nradius = 10.0\n"))

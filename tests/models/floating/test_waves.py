@@ -8,6 +8,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws.radiated_waves import mean_force, ripples, slope_per_force
 from ecume.models import MODELS
+from ecume.models.floating.forces import waves
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models.floating.bowls import scene_of
 
@@ -128,3 +129,11 @@ def test_propulsion_is_along_the_heading_of_the_float_and_resumed_runs_have_the_
 def test_what_cannot_be_is_refused_with_the_reason(sources, headings, more, reason):
     with pytest.raises(SceneError, match=reason):
         FLOATING.parameters(discs([(0.0, 0.0), (9e-3, 0.0)], *sources, headings=headings, more=more))
+
+
+@pytest.mark.parametrize("arm", [0.0, 1.2e-3])
+def test_the_time_step_knows_how_near_the_sources_of_touching_floats_are(arm, monkeypatch):
+    seen, quickest = [], waves._quickest
+    monkeypatch.setattr(waves, "_quickest", lambda *given: seen.append(given[-1]) or quickest(*given))
+    FLOATING.parameters(discs([(0.0, 0.0), (6e-3, 0.0)], source((arm, 0.0)), headings=(0.0, 0.0)))
+    assert seen == pytest.approx([2.0 * 2e-3 - 2.0 * arm], rel=1e-12)

@@ -9,10 +9,12 @@ depend on the processor's libraries.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from ecume._jit import compiled
+from ecume._portable import dot, length
 from ecume.units import Array
 
 ACCURATE = 1e-6
@@ -88,6 +90,33 @@ def krylov_root(matrix: Array, vector: Array, result: Array) -> int:
             total += share[step] * basis[step, k]
         result[k] = length * scale[k] * total
     return used
+
+
+def root_by_products(product: Callable[[Array], Array], scale: Array, vector: Array, accuracy: float) -> Array:
+    """B z by Lanczos's method for a matrix that is known by its products with vectors; `scale` is the square root of
+    its diagonal.
+    """
+    far, most = length(vector), min(len(vector), MOST)
+    basis, diagonal, beside = [vector / far], np.zeros(most), np.zeros(most + 1)
+    share, before = np.zeros(most), np.zeros(most)
+    for used in range(1, most + 1):
+        following = product(basis[-1] / scale) / scale
+        diagonal[used - 1] = dot(basis[-1], following)
+        for _ in range(2):
+            for each in basis:
+                following = following - dot(each, following) * each
+        beside[used] = length(following)
+        ended = used == most or not beside[used] > ROTATED
+        if ended or used % EVERY == 0:
+            root_column(diagonal[:used], beside[1:used], share)
+            if ended or _changed(share, before, used) <= accuracy:
+                break
+            before[:used] = share[:used]
+        basis.append(following / beside[used])
+    result = np.zeros_like(vector)
+    for part, each in zip(share, basis, strict=False):
+        result += part * each
+    return far * scale * result
 
 
 @compiled

@@ -53,11 +53,12 @@ class Rims(NamedTuple):
     """gaps farther than this are not felt"""
 
 
-def make_rims(closures: list[Closure], reach: float) -> Rims:
-    """Stack the closures of all bodies, all of one order."""
+def make_rims(closures: list[Closure], reach: float, number: NDArray[np.int64] | None = None) -> Rims:
+    """Stack the closures of all bodies, all of one order; `number`: that of each body, when many have the same."""
     radius = np.array([closure.radius for closure in closures])
+    chosen = np.arange(len(radius)) if number is None else np.asarray(number)
     order = len(closures[0].response) - 1
-    reference = float(np.exp(np.mean(np.log(radius))))
+    reference = float(np.exp(np.mean(np.log(radius[chosen]))))
     regular, outgoing = np.zeros((len(radius), order + 2)), np.zeros((len(radius), order + 2))
     for i, a in enumerate(radius):
         regular_ladder(float(a), reference, regular[i])
@@ -68,11 +69,11 @@ def make_rims(closures: list[Closure], reach: float) -> Rims:
     power = 2.0 * np.minimum(n, m) * math.log(0.5 * reference)
     crossed = np.exp(np.maximum(logs[np.abs(n - m)] - logs[n] - logs[m] + power, -700.0))
     return Rims(
-        radius=radius,
-        response=np.array([closure.response for closure in closures]),
-        source=np.array([closure.source for closure in closures]),
-        regular=regular,
-        inverse=1.0 / outgoing[:, : order + 1],
+        radius=radius[chosen],
+        response=np.array([closure.response for closure in closures])[chosen],
+        source=np.array([closure.source for closure in closures])[chosen],
+        regular=regular[chosen],
+        inverse=(1.0 / outgoing[:, : order + 1])[chosen],
         straight=straight,
         crossed=crossed,
         reference=reference,

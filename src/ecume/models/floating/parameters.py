@@ -174,6 +174,19 @@ def part_of(parameters: Parameters, constants: type) -> Any:
 STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range(6)
 
 
+def distinct_rows(*columns: Array) -> Array:
+    """The distinct rows of some columns (kinds, columns), in ascending order. Floats of a species follow one another,
+    which makes this quick for millions.
+
+    >>> distinct_rows(np.array([2.0, 2.0, 1.0, 2.0]), np.array([5.0, 5.0, 5.0, 5.0])).tolist()
+    [[1.0, 5.0], [2.0, 5.0]]
+    """
+    rows = np.stack(columns, axis=1)
+    first = np.ones(len(rows), dtype=bool)
+    first[1:] = (rows[1:] != rows[:-1]).any(axis=1)
+    return np.asarray(np.unique(rows[first], axis=0))
+
+
 def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, own: Any) -> Array:
     """The constants of pairs as one array: those that do not depend on the pair law, then the constants of the law."""
     # The inverse square of the length stands here since a literal in the loop would be in double precision.

@@ -19,6 +19,7 @@ from ecume.models.floating.coupled.contacts import (
     rubbing_impulses_of,
     smooth_impulses_of,
 )
+from ecume.models.floating.coupled.many_floats import GridImpulses, collide_on_grid
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import Outlined, Shaped
@@ -135,17 +136,17 @@ ENDS = "contacts act on the velocity at the ends of a step"
 CONTACTS = {
     "none": ContactModel(
         path="contacts.law", name="'none'", constants=NoContacts, make=_simple(NoContacts()),
-        gives=frozenset({"shared contacts", "lubricated", "full mobility", "no spins"}), laws=(),
+        gives=frozenset({"lubricated", "full mobility", "no spins"}), laws=(),
     ),
     "impulse": ContactModel(
         path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
         before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"shared contacts", "lubricated", "full mobility", "no spins"}),
+        gives=frozenset({"lubricated", "full mobility", "no spins"}),
     ),
     "legacy": ContactModel(
         path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
         make=_simple(Impulses(True)), before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"shared contacts", "lubricated", "no spins"}),
+        gives=frozenset({"lubricated", "no spins"}),
         needs={"round": "the original program knows spheres only"},
     ),
     "friction": ContactModel(
@@ -183,6 +184,11 @@ CONTACTS = {
 }  # fmt: skip
 """By the name of the choice."""
 
+CONTACTS["coupled on a grid"] = replace(
+    CONTACTS["coupled"], constants=GridImpulses, before_drift=collide_on_grid, state=unchanged_state,
+    make=lambda parameters, scene, interactions: Built(GridImpulses(scene.contacts.law == "none")),
+    inertia=lambda part: None,
+)  # fmt: skip
 CONTACTS["coupled friction"] = replace(CONTACTS["coupled"], path="contacts.friction", make=rubbing_impulses_of)
 
 BY_CONSTANTS: dict[type, ContactModel] = {row.constants: row for row in reversed(CONTACTS.values())}

@@ -15,6 +15,7 @@ from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import dense_contacts, projected_gauss_seidel, warm_start
 from ecume.engine.contact.contacts import Contacts
 from ecume.engine.contact.dense_contacts import DenseRows, make_dense_rows
+from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
 from ecume.models.floating.contacts.collisions import (
     clear_impulses,
@@ -64,13 +65,7 @@ def collide_coupled(
     if part.overlapping:
         return
     contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
-    # Twice the travel for a head-on pair, and twice again for floats that others push.
-    reach = 4.0 * workspace.travel[0] + parameters.slop
-    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
-    require_gaps(False, parameters, contacts)
-    warm_start.recall(touching.contact_keys(contacts), memory)
-    touching.normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
-    goal = goal_of(parameters, contacts)
+    goal = gather_contacts(parameters, state, workspace)
     if goal.target > 0.0:
         rows = dense_rows_of(part, contacts, parameters, len(own.motion))
         if turning:
@@ -90,6 +85,19 @@ def collide_coupled(
     for i in range(len(state.turning) if turning else 0):
         state.turning[i, 1] = own.motion[2 * len(state.turning) + i]
         state.turning[i, 0] += parameters.time_step * state.turning[i, 1]
+
+
+@compiled
+def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Goal:
+    """Find the contacts of this step, with the impulses of the last one; return the tolerance of their solution."""
+    contacts = workspace.contacts
+    # Twice the travel for a head-on pair, and twice again for floats that others push.
+    reach = 4.0 * workspace.travel[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
+    require_gaps(False, parameters, contacts)
+    warm_start.recall(touching.contact_keys(contacts), memory_of(state))
+    touching.normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
+    return goal_of(parameters, contacts)
 
 
 @compiled

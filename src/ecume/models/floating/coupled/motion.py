@@ -24,6 +24,7 @@ from ecume.models.floating.coupled.mobility import (
 from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
 from ecume.models.floating.state import WORK, State, Workspace
+from ecume.units import Array
 
 SPINS = 1
 """The purpose of the random numbers of spins; that of velocities is 0."""
@@ -43,8 +44,14 @@ def fastest_coupled(
     if part.thermal > 0.0:
         add_divergence(part, state.position, own.motion)
     fill_current(own, parameters, state)
+    return fastest_motion(own)
+
+
+@compiled
+def fastest_motion(own: CoupledScratch) -> float:
+    """The highest speed of any float with its current, NaN if any is NaN."""
     fastest = 0.0
-    for i in range(count):
+    for i in range(len(own.current)):
         x, y = own.motion[2 * i] + own.current[i, 0], own.motion[2 * i + 1] + own.current[i, 1]
         speed = math.sqrt(x * x + y * y)
         # Written so that a NaN is kept.
@@ -75,16 +82,22 @@ def fill_current(own: CoupledScratch, parameters: Parameters, state: State) -> N
 @compiled
 def add_coupled_noise(part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State) -> None:
     """Add Brownian motion to the velocities and spins: displacements with the covariance 2 kT M dt."""
-    count, step, seed = len(part.radius), int(state.step[0]), parameters.drift.seed
     chance, moved = np.empty(len(own.motion)), np.empty(len(own.motion))
-    for i in range(count):
-        chance[2 * i], chance[2 * i + 1] = normals(counter_of(i, step, 0), seed)
-        if len(part.spin) > 0:
-            chance[2 * count + i] = normals(counter_of(i, step, SPINS), seed)[0]
+    fill_normals(part, int(state.step[0]), parameters.drift.seed, chance)
     root_product(own.mobility, chance, moved)
     far = math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step)
     for k in range(len(moved)):
         own.motion[k] += far * moved[k]
+
+
+@compiled
+def fill_normals(part: CoupledKicks, step: int, seed: int, chance: Array) -> None:
+    """Write a normally distributed number for each velocity and spin."""
+    count = len(part.radius)
+    for i in range(count):
+        chance[2 * i], chance[2 * i + 1] = normals(counter_of(i, step, 0), seed)
+        if len(part.spin) > 0:
+            chance[2 * count + i] = normals(counter_of(i, step, SPINS), seed)[0]
 
 
 @composed

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume._portable import exp, log, power, sinc
+from ecume._portable import exp, log
 from ecume.engine import grid_splines
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
@@ -310,8 +310,7 @@ class Waves(NamedTuple):
 @lru_cache(maxsize=2)
 def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, reach: float) -> Waves:
     """The smooth part on a grid of this spacing (capillary lengths), divided by the transform of the splines, squared.
-
-    [hockney1988, eq. 8-22]: the factor with the least error of forces, U^2/(sum U^2)^2 for each axis.
+    See `laws.ewald.spline_correction`.
     """
     from scipy import fft
 
@@ -325,15 +324,9 @@ def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, rea
         odd[0][shape[0] // 2] = 0.0
     if shape[1] % 2 == 0:
         odd[1][:, -1] = 0.0
-    undone = _undone(along[:, 0] * spacing, order)[:, None] * _undone(across[0] * spacing, order)[None, :]
+    undone = ewald.spline_correction(along[:, 0] * spacing, order)[:, None]
+    undone = undone * ewald.spline_correction(across[0] * spacing, order)[None, :]
     return Waves(smooth * undone / spacing**2, *odd)
-
-
-def _undone(phase: Array, order: int) -> Array:
-    """The factor U^2/(sum U^2)^2 of one axis."""
-    share = np.asarray(ewald.spline_share(phase, order))
-    kept: Array = share * share / power(sinc(phase / (2.0 * np.pi)), 2 * order)
-    return kept
 
 
 def transformed(split: Split, position: Array, charge: Array, grid: Grid, length: float) -> tuple[Any, Any, Waves]:

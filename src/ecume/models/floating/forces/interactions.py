@@ -169,7 +169,7 @@ INTERACTIONS = {
     "superposition": Interaction(
         path="interaction.method", name="'superposition'", constants=Superposed, make=superposed_of,
         add_forces=superposed_forces, energy=superposed_energy, scratch=make_sorted, sort=sort_floats,
-        gives=ROUND | {"pair sum", "shared", "grid", "superposed", "no torques"},
+        gives=ROUND | {"pair sum", "grid", "superposed", "no torques"},
     ),
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
@@ -228,7 +228,7 @@ INTERACTIONS = {
         add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
         lines=split_lines,
         pairs_worth=lambda part: part.work[1], points=lambda part: part.points,
-        gives=ROUND | {"shared", "superposed", "no torques"},
+        gives=ROUND | {"superposed", "no torques"},
         laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
         needs={
             "menisci": "its waves are those of the liquid's surface",
@@ -240,7 +240,7 @@ INTERACTIONS = {
         path="activity", name="an active force", constants=Activity, make=activity_of, add_forces=activity_forces,
         energy=no_activity_energy, scratch=make_activity_scratch, kick_spins=renew_activity,
         add_work=add_work_of_activity, state=with_activity,
-        gives=ROUND | {"pair sum", "shared", "grid", "superposed", "undulations", "no torques"},
+        gives=ROUND | {"pair sum", "grid", "superposed", "undulations", "no torques"},
         needs={
             "drag": "drag limits the speed that an active force gives",
             "kicks at the ends": "active forces are renewed once per step",

@@ -190,17 +190,26 @@ def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
     part = MagneticField(
         constant, amplitude, turning, np.array(given.phase), induced, permanent, dipole_strength(1.0, 1.0), cutoff
     )
-    strongest = float(np.max(induced * float(np.linalg.norm(np.abs(constant) + np.abs(amplitude))) + np.abs(permanent)))
-    at_contact = 6.0 * dipole_strength(strongest, strongest) / touching**4
-    spring = 2.0 * RAFT_NEIGHBORS * 4.0 * at_contact / touching
-    quickest = math.inf
-    if spring > 0.0:
-        friction = floats.mass / floats.relaxation_time
-        times = np.sqrt(floats.mass / spring) if parameters.scheme.inertia else friction / spring
-        quickest = float(np.min(times))
+    highest = float(np.linalg.norm(np.abs(constant) + np.abs(amplitude)))
+    quickest = quickest_at_contact(parameters, induced * highest + np.abs(permanent))
     if np.any(amplitude):
         quickest = min(quickest, 20.0 * 2.0 * math.pi / turning / PER_PERIOD)
     return Built(part, quickest, reach=cutoff)
+
+
+def quickest_at_contact(parameters: Parameters, moment: Array) -> float:
+    """The shortest time scale of two touching floats with these moments (s), each kind with each."""
+    floats, quickest = parameters.floats, math.inf
+    friction = floats.mass / floats.relaxation_time
+    kinds = np.unique(np.stack([floats.radius, moment, floats.mass, friction]), axis=1).T.tolist()
+    for radius, own, mass, drag in kinds:
+        for other_radius, other, _, _ in kinds:
+            distance = radius + other_radius
+            at_contact = 6.0 * dipole_strength(own, other) / distance**4
+            spring = 2.0 * RAFT_NEIGHBORS * 4.0 * at_contact / distance
+            if spring > 0.0:
+                quickest = min(quickest, math.sqrt(mass / spring) if parameters.scheme.inertia else drag / spring)
+    return quickest
 
 
 def magnetic_lines(part: MagneticField, parameters: Parameters) -> list[tuple[str, str, str]]:

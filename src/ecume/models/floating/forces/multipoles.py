@@ -102,18 +102,25 @@ class MultipoleScratch(NamedTuple):
 
 
 def make_multipoles(
-    bodies: Sequence[tuple[Disc | Sphere | Undulated, float]], liquid: Liquid, order: int, reach: float
+    kinds: Sequence[tuple[Disc | Sphere | Undulated, float]],
+    liquid: Liquid,
+    order: int,
+    reach: float,
+    number: NDArray[np.int64] | None = None,
 ) -> Multipoles:
-    """Return bodies with these capillary charges (m) in the far field, on an unbounded surface."""
+    """Return bodies with these capillary charges (m) in the far field, on an unbounded surface.
+
+    One body of each kind, or as many as there are numbers of kinds.
+    """
     length = liquid.capillary_length
     closures = []
-    for body, charge in bodies:
+    for body, charge in kinds:
         found = closure_of(body, liquid, order)
         wanted = -charge / length * bessel_k0(found.radius)
         source = found.source.copy()
         source[0] = wanted
         closures.append(found._replace(source=source))
-    rims = make_rims(closures, reach / length)
+    rims = make_rims(closures, reach / length, number)
     echoes = make_echoes(images(None, liquid), order + 1, rims.reference)
     none = np.zeros(0)
     return Multipoles(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension, none, none)
@@ -394,9 +401,7 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Return the multipoles of all floats."""
     kinds, number = distinct_kinds(scene)
     dish, bodies, liquid = scene.dish, bodies_and_charges(kinds), liquid_of(scene)
-    found = _made(
-        lambda: make_multipoles([bodies[k] for k in number], liquid, scene.interaction.order, parameters.cutoff)
-    )
+    found = _made(lambda: make_multipoles(bodies, liquid, scene.interaction.order, parameters.cutoff, number))
     if dish is not None and acts(parameters):
         found = meniscus_of(dish).multipoles(found, dish, liquid)
     if not any(kind.rim[1] > 0.0 for kind in kinds):

@@ -13,8 +13,8 @@ from ecume.laws.pair_laws import PAIR_LAWS
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
-from ecume.models.floating.parameters import Parameters, part_of
-from ecume.models.floating.setup.hydrodynamic_interaction import HYDRODYNAMICS
+from ecume.models.floating.parameters import Parameters, distinct_rows, part_of
+from ecume.models.floating.setup.hydrodynamic_interaction import hydrodynamics_of
 from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
@@ -103,7 +103,7 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
 def _force_left(parameters: Parameters) -> float:
     """The force of the pair law at the cutoff, over that of two touching floats; the largest of all sizes."""
     row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
-    kinds = np.unique(np.stack([floats.radius, floats.charge]), axis=1).T.tolist()
+    kinds = distinct_rows(floats.radius, floats.charge).tolist()
     pairs = [(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge))) for radius, charge in kinds]
     forces = [(abs(row.force(touch, own, law)), abs(row.force(parameters.cutoff, own, law))) for touch, own in pairs]
     return max((far / near for near, far in forces if near > 0.0), default=0.0)
@@ -121,7 +121,7 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
     row, law = row_of(parameters), law_of(parameters)
     if thermal == 0.0 or row.energy is None or not row.has_force:
         return []
-    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge)]), axis=1).T.tolist()
+    kinds = distinct_rows(floats.radius, np.abs(floats.charge)).tolist()
     bonds = [
         -row.energy(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law) / thermal
         for radius, charge in kinds
@@ -137,7 +137,7 @@ def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
     gathers = PAIR_LAWS[str(scene.interaction.law)].menisci
     if not (viscous and gathers) or spheres < FEWEST_IN_RAFT:
         return []
-    return [("drift of rafts", *HYDRODYNAMICS[scene.hydrodynamics.interaction].raft_speeds(spheres))]
+    return [("drift of rafts", *hydrodynamics_of(scene).raft_speeds(spheres))]
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:

@@ -5,22 +5,24 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import pair_mobility
+from ecume.laws import flow_split, pair_mobility
 from ecume.laws.drag import particle_reynolds
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
+from ecume.models.floating.coupled.flow_grid import ERROR
+from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO, GridKicks
 from ecume.models.floating.coupled.mobility import CoupledKicks, hydrodynamic_radius
 from ecume.models.floating.forces.interactions import RESISTANCES, Resistance
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Option
-from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.parameters import Parameters, distinct_rows
 from ecume.models.floating.setup.turning_friction import turning_frictions
-from ecume.models.floating.time_integration.integrators import COUPLED, Integrator
+from ecume.models.floating.time_integration.integrators import COUPLED, COUPLED_ON_GRID, Integrator
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
@@ -49,6 +51,12 @@ def included_in_rafts(count: int) -> tuple[str, str]:
     largest = min(count, MOST_SOLVED)
     value = f"up to {raft_speed_factor(largest):.2g} times a single float"
     return value, f"compact rafts of {largest}, by their flow; the flow at the walls of a dish is not included"
+
+
+def summed_in_rafts(count: int) -> tuple[str, str]:
+    """The same, with the accuracy of the grid."""
+    value, remark = included_in_rafts(count)
+    return value, f"{remark}; summed on a grid, velocities within {ERROR:g}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,11 +126,29 @@ HYDRODYNAMICS = {
 """By the name of the choice, `hydrodynamics.interaction`."""
 
 
+MANY = replace(
+    HYDRODYNAMICS["rotne-prager"], moves=lambda integrator: COUPLED_ON_GRID,
+    make=lambda parameters, scene, turning: GridKicks(coupled_kicks_of(parameters, scene, turning)),
+    contacts={"none": "coupled on a grid", "impulse": "coupled on a grid"}, raft_speeds=summed_in_rafts,
+    laws=(pair_mobility.pair_mobility, flow_split.smooth_flow),
+)  # fmt: skip
+"""Replaces the matrix of Rotne and Prager's mobilities for many floats."""
+
+
+def hydrodynamics_of(scene: FloatingScene) -> HydrodynamicInteraction:
+    """The row of a scene; many floats have no matrix, except with friction or films, which need it."""
+    row = HYDRODYNAMICS[scene.hydrodynamics.interaction]
+    count = len(scene.rows) + sum(species.count for species in scene.particles)
+    simple = scene.hydrodynamics.lubrication is None and not scene.rubs
+    many = row is HYDRODYNAMICS["rotne-prager"] and count > MATRIX_UP_TO and simple
+    return MANY if many else row
+
+
 def touching_reynolds(parameters: Parameters, scene: FloatingScene) -> float:
     """The Reynolds number at which two equal floats of the strongest attraction would meet, each with its own drag."""
     row, law, floats, liquid = row_of(parameters), law_of(parameters), parameters.floats, liquid_of(scene)
     friction, highest = floats.mass / floats.relaxation_time, 0.0
-    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), friction]), axis=1).T.tolist()
+    kinds = distinct_rows(floats.radius, np.abs(floats.charge), friction).tolist()
     for radius, charge, drag in kinds if row.has_force else []:
         pull = abs(float(row.force(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law)))
         highest = max(highest, particle_reynolds(pull / drag, radius, liquid.density, liquid.viscosity))

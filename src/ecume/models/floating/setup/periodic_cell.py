@@ -80,11 +80,13 @@ def _pair_range(parameters: Parameters, half: float) -> list[Range]:
         return []
     length, contact = float(parameters.pair[CAPILLARY_LENGTH]), 2.0 * float(parameters.floats.radius.max())
     omitted = capillarity.neglected_fraction(half / length, contact / length)
+    if not 0.0 < omitted < 1.0:  # zero in cells far wider than any force reaches
+        return [Range("the attraction", parameters.cutoff, "")]
     hint = (
         f" (interaction.accuracy = {_rounded_up(omitted, 2):g} would accept this cell: that fraction of the attraction "
         "at a raft's edge would be omitted)"
     )
-    return [Range("the attraction", parameters.cutoff, hint if omitted < 1.0 else "")]
+    return [Range("the attraction", parameters.cutoff, hint)]
 
 
 def _part_range(row: Any, built: Built, parameters: Parameters, half: float) -> Range:

@@ -9,21 +9,19 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-import psutil
 
 from ecume.engine.walls import wall_count
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, images
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
-from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel, contacts_of
+from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     INTERACTIONS,
     METHODS,
-    RESISTANCES_BY_CONSTANTS,
     Interaction,
     Resistance,
     interactions_of,
@@ -36,11 +34,12 @@ from ecume.models.floating.forces.pair_forces import (
     pair_option,
     row_of,
 )
-from ecume.models.floating.options import Built, Option, faults_of, require_compatible, scene_error
+from ecume.models.floating.options import Built, Option, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
 from ecume.models.floating.setup.hydrodynamic_interaction import (
     HYDRODYNAMICS,
     HydrodynamicInteraction,
+    hydrodynamics_of,
     warn_of_fast_floats,
 )
 from ecume.models.floating.setup.kinds import floats_of, moments_of
@@ -56,7 +55,7 @@ from ecume.models.floating.time_integration.integrators import (
 from ecume.models.floating.time_integration.step_size import GOOD, NOISE_DEVIATIONS, good_step, kick_of, step_of
 from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.walls.wall_laws import is_far_field
-from ecume.models.limits import within_steps
+from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
@@ -91,6 +90,7 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
     if split is not None:
         plain = cut_off(plain, split[1])
+    _require_memory(len(plain.floats.mass), _memory_of_lists(plain))  # before parts with constants of each float
     built = [row.make(plain, scene) for row in chosen.interactions if row is not INTERACTIONS["grid"]]
     if split is not None:
         short = Superposed(law_in_precision(plain, split[0].short))
@@ -251,7 +251,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += ["magnetic field"] if field else ["dipoles"] if np.any(moments_of(scene)) else []
     names += ["activity"] if scene.activity is not None else []
     names += ["waves"] if scene.waves is not None else []
-    hydrodynamics, touching = HYDRODYNAMICS[scene.hydrodynamics.interaction], _contacts_of(scene)
+    hydrodynamics, touching = hydrodynamics_of(scene), _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]
     plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
@@ -409,30 +409,18 @@ def checked_parameters(scene: FloatingScene, further: tuple[Interaction, ...] = 
 
 def memory_estimate(parameters: Parameters) -> float:
     """Bytes of a run when the floats form rafts."""
-    count = len(parameters.floats.radius)
-    packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
     grid = BYTES_PER_POINT * sum(row.points(part) for part, row in interactions_of(parameters))
     moving = INTEGRATORS_BY_CONSTANTS[type(parameters.parts.integrator)].memory(parameters.parts.integrator)
-    return grid + moving + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
+    return grid + moving + _memory_of_lists(parameters)
+
+
+def _memory_of_lists(parameters: Parameters) -> float:
+    """Bytes of the state and the neighbor lists when the floats form rafts."""
+    count = len(parameters.floats.radius)
+    packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
+    return count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 
 def _require_memory(count: int, wanted: float) -> None:
-    there = psutil.virtual_memory().total
-    if wanted > there:
-        raise SceneError(
-            [
-                Fault(
-                    "particles",
-                    f"{count} floats need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; "
-                    "use fewer floats, or a larger interaction.accuracy, which shortens the cutoff",
-                )
-            ]
-        )
-
-
-def faults_with(option: Option, parameters: Parameters) -> list[Fault]:
-    """The needs of an option outside the scene (MPI, user laws) that the parts of the parameters do not meet."""
-    rows: list[Option] = [row for _, row in interactions_of(parameters)]
-    rows += [RESISTANCES_BY_CONSTANTS[type(part)] for part in parameters.parts.resistances]
-    rows += [contacts_of(parameters), pair_option(NAMES[parameters.pair_law])]
-    return faults_of([option, *rows], TABLES)
+    way_out = "use fewer floats, or a larger interaction.accuracy, which shortens the cutoff"
+    require_memory("particles", f"{count} floats", wanted, way_out)

@@ -242,13 +242,16 @@ NEARLY = 1.001
 TURN = 0.2
 """rad: the time step is a twentieth of the time for this rotation, since contacts predict tips along straight lines."""
 
+MOST_SHAPES = 100_000
+"""Floats have some ten to a hundred charges each, so that a step of so many already sums over some 1e9 pairs."""
+
 DIFFERENCE = 1e-4
 """Step of finite differences, over the radius or in rad."""
 
 
 def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Return floats that turn and touch at their outlines. Raises SceneError if they are too large for the dish."""
-    if faults := _too_flat(parameters, parameters.walls.disc_radius):
+    if faults := [*_too_many(len(parameters.floats.radius)), *_too_flat(parameters, parameters.walls.disc_radius)]:
         raise SceneError(faults)
     kinds, number = distinct_kinds(scene)
     figures = [kind.figure for kind in kinds]
@@ -300,6 +303,13 @@ def _most_places(skeletons: Sequence[Skeleton]) -> int:
     corners = max(len(skeleton.corners) for skeleton in skeletons)
     edges = max(len(skeleton.edges) for skeleton in skeletons)
     return 1 + corners + edges + corners * corners + 2 * corners * edges
+
+
+def _too_many(count: int) -> list[Fault]:
+    """The fault of more floats than sums over the charges of each pair can serve."""
+    if count <= MOST_SHAPES:
+        return []
+    return [Fault("particles", f"got {count} floats in a scene with shapes; expected at most {MOST_SHAPES}")]
 
 
 def _too_flat(parameters: Parameters, dish_radius: float) -> list[Fault]:

@@ -249,7 +249,9 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 def advance_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """Advance with these parts instead of those of the parameters."""
-    run = integrate if all(BY_CONSTANTS[type(part)].compiled for part in parts.interactions) else plainly(integrate)
+    whole = all(BY_CONSTANTS[type(part)].compiled for part in parts.interactions)
+    whole = whole and INTEGRATORS_BY_CONSTANTS[type(parts.integrator)].compiled
+    run = integrate if whole else plainly(integrate)
     bare, scratch = parameters._replace(parts=()), workspace.scratch
     return run(parts, scratch, bare, state, workspace._replace(scratch=()), steps)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from ecume._jit import admit, compiled, compiled_inside, composed, selected
@@ -13,6 +13,15 @@ from ecume.laws import brownian, dish_motion, drag
 from ecume.laws.brownian import diffusivity
 from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
 from ecume.laws.drag import schiller_naumann_factor
+from ecume.models.floating.coupled.many_floats import (
+    GridKicks,
+    add_work_on_grid,
+    fastest_on_grid,
+    grid_memory,
+    grid_pairs,
+    make_grid_scratch,
+    predict_on_grid,
+)
 from ecume.models.floating.coupled.mobility import (
     CoupledKicks,
     coupled_memory,
@@ -276,6 +285,8 @@ class Integrator(Option):
     """add_work(part, scratch, parameters, state, workspace): the work of currents and of a moving dish in a step"""
     scratch: Callable[[Any, tuple[Any, ...]], Any] = lambda part, interactions: ()
     """scratch(part, workspaces of the interactions): the workspace"""
+    compiled: bool = True
+    """whether compiled code can call these functions; if not, Python runs the time steps"""
     pairs_worth: Callable[[Any], float] = lambda part: 0.0
     """pairs_worth(part): work of a time step in addition to lists, in pairs"""
     memory: Callable[[Any], float] = lambda part: 0.0
@@ -334,10 +345,16 @@ COUPLED = Integrator(
     add_work=add_coupled_work, scratch=lambda part, interactions: make_coupled_scratch(part),
     pairs_worth=coupled_pairs, memory=coupled_memory,
 )  # fmt: skip
+
+COUPLED_ON_GRID = replace(
+    COUPLED, constants=GridKicks, predict=predict_on_grid, highest_speed=fastest_on_grid, add_work=add_work_on_grid,
+    scratch=lambda part, interactions: make_grid_scratch(part), pairs_worth=grid_pairs, memory=grid_memory,
+    compiled=False,
+)  # fmt: skip
 """Replaces the functions of the overdamped integrator for floats that interact through the liquid."""
 
 INTEGRATORS_BY_CONSTANTS: dict[type, Integrator] = {
-    row.constants: row for row in (*INTEGRATORS.values(), RIGID, COUPLED)
+    row.constants: row for row in (*INTEGRATORS.values(), RIGID, COUPLED, COUPLED_ON_GRID)
 }
 
 predict = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].predict)

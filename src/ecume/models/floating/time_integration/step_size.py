@@ -12,7 +12,7 @@ from ecume.engine.walls import enclosures
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme, distinct_rows
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.floating.walls.wall_laws import wall_stiffness
 from ecume.models.step_counts import ending_on_a_step
@@ -55,7 +55,7 @@ def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: 
 def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     """The stiffness (N/m) and mass (kg) of each kind of float at its least favorable position."""
     floats = parameters.floats
-    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
+    kinds = distinct_rows(floats.radius, np.abs(floats.charge), floats.mass)
     # The strongest charge with the smallest or largest radius bounds all partners: a table of a thousand floats
     # requires two thousand evaluations.
     strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}

@@ -219,9 +219,9 @@ def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int)
             raise scene_error("dish.law", str(error)) from None
     if len(amplitudes) != count:  # compiled loops would read beyond the end
         raise scene_error("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
-    return np.array(
-        [[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes]
-    )
+    charges, number = np.unique(floats.charge, return_inverse=True)
+    each = [[capillarity.wall_strength(tension, charge, wall) for charge in charges.tolist()] for wall in amplitudes]
+    return np.array(each)[:, number]
 
 
 def no_table() -> Array:
