@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from scipy.special import k0, k1
+from studies import rifts as rift_study
 
 from ecume.laws import flotation, multipole
 from ecume.scenes.load import load_scene
@@ -150,4 +151,34 @@ count = 3
 method = "{method}"
 """
 
-FIGURES: dict[str, Callable[[], Figure]] = {"beyond-superposition": beyond_superposition, "levels": levels}
+
+def rifts() -> Figure:
+    """The length of clusters in a raft that is pulled, over the pulling rate."""
+    found, labels = rift_study.recorded(), {"none": "drag of single beads", "rotne-prager": "hydrodynamic interaction"}
+    with style():
+        drawn = figure(5.6, 3.9)
+        axes = drawn.subplots()
+        rates = np.array(rift_study.RATES)
+        for (name, label), color, marker in zip(labels.items(), (PALETTE[1], PALETTE[0]), "os", strict=True):
+            lengths = np.array([found[name][rate] for rate in rift_study.RATES])
+            axes.errorbar(
+                rates, lengths.mean(axis=1), lengths.std(axis=1, ddof=1), fmt=marker, markersize=5, capsize=3,
+                color=color, label=label,
+            )  # fmt: skip
+        middle = float(np.mean([found["none"][0.3]]))
+        axes.plot(
+            rates, np.clip(middle * 0.3 / rates, 1.0, None), color=INK, linewidth=1.0, label="inverse to the rate"
+        )
+        axes.set(
+            xscale="log", yscale="log", xlabel="pulling rate / closing rate of a pair",
+            ylabel="cluster length (diameters)",
+        )  # fmt: skip
+        axes.legend()
+    return drawn
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "beyond-superposition": beyond_superposition,
+    "levels": levels,
+    "rifts": rifts,
+}

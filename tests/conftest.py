@@ -8,7 +8,7 @@ import pytest
 from hypothesis import settings
 
 TESTS = Path(__file__).parent
-PLAIN = ("laws", "contracts", "engine", "models")
+PLAIN = ("laws", "contracts", "engine", "models", "lammps")
 """Folders whose tests can run as plain Python, without the compiler."""
 COMPILED_LAWS = "test_multipole.py"
 """Tests of the only laws that are compiled themselves. All others are plain Python in either pass."""
@@ -28,7 +28,7 @@ def pytest_itemcollected(item):
     folder = item.path.relative_to(TESTS).parts[0]
     if folder in PLAIN and item.get_closest_marker("compiled") is None:
         item.add_marker(pytest.mark.plain)
-        if folder == "laws" and item.path.name != COMPILED_LAWS:
+        if folder == "lammps" or (folder == "laws" and item.path.name != COMPILED_LAWS):
             item.add_marker(pytest.mark.uncompiled)
 
 

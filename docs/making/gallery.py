@@ -1,4 +1,4 @@
-"""The page of the gallery, from the scenes in `examples` and their clips."""
+"""The page of the gallery, from the scenes in `examples`, some templates, and their clips."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from writing import toctree
 ROOT = Path(__file__).parents[2]
 CLIPS = ROOT / "docs" / "clips"
 """A picture (.webp) and a film (.mp4) of each, drawn by `python docs/clips.py`."""
+TEMPLATES = ROOT / "src" / "ecume" / "templates"
+FURTHER = ("active-raft", "rifts")
+"""Templates with a clip."""
 HEADINGS = {
     "floating": "Floating bodies",
     "tracers": "Tracers",
@@ -47,7 +50,8 @@ def pages() -> dict[str, str]:
 
 def texts() -> dict[str, str]:
     """The scenes' files, by name."""
-    return {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "examples").glob("*.toml"))}
+    paths = [*(ROOT / "examples").glob("*.toml"), *(TEMPLATES / f"{name}.toml" for name in FURTHER)]
+    return {path.stem: path.read_text(encoding="utf-8") for path in sorted(paths, key=lambda path: path.stem)}
 
 
 def card(name: str, text: str) -> str:
@@ -71,7 +75,8 @@ def clip(name: str, above: str = "") -> str:
 def alone(name: str, text: str) -> str:
     """A scene's own page: clip, what it shows, its file."""
     film = f'<div class="gallery"><figure>{clip(name, "../")}</figure></div>'
-    return f"# {title(text)}\n\n{says(text)}\n\n{film}\n\n`examples/{name}.toml`:\n\n```toml\n{text}```\n"
+    source = f"`ecume new {name}`" if name in FURTHER else f"`examples/{name}.toml`"
+    return f"# {title(text)}\n\n{says(text)}\n\n{film}\n\n{source}:\n\n```toml\n{text}```\n"
 
 
 def title(text: str) -> str:

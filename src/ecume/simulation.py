@@ -12,6 +12,7 @@ import numpy as np
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
+from ecume.models.engines import Engine
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.models.state_layout import misfit
 from ecume.models.step_counts import BEFORE, last_step, sample_clock
@@ -72,23 +73,24 @@ def moments(
     extra_laws: Sequence[Callable[..., float]] = (),
     actions: Sequence[Action] = (),
     patience: float = 0.25,
-    engine: Callable[[Model], Model] | None = None,
+    engine: Engine | None = None,
     constants: Callable[[Any], Any] | None = None,
     sampled: int | None = None,
 ) -> Iterator[Moment]:
     """Integrate a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
     With `state` (of a checkpoint) the integration continues from there. Pauses change no bit of the result.
-    The state of a moment is moved on by the next one: copy it to keep it. `engine` makes of the scene's model one that
-    integrates in another way to the same bits. `constants` gets the parameters that follow from the scene and returns
+    The state of a moment is moved on by the next one: copy it to keep it. `engine` integrates in place of the scene's
+    model. `constants` gets the parameters that follow from the scene and returns
     those to use: a resumed run keeps the constants that it was begun with. `sampled` is the position of the last
     sample, `BEFORE` at the beginning; by default there are no samples.
     """
     model = MODELS[scene.model]
     if engine is not None:
         if extra_laws or actions:
-            raise BadInput("--engine mpi: got user-defined laws or actions; expected none, or --engine local")
-        model = engine(model)
+            laws = "user-defined laws or actions"
+            raise BadInput(f"--engine {engine.name}: got {laws}; expected none, or --engine local")
+        model = engine.model(model)
     model = extended(model, scene, extra_laws)
     parameters = model.parameters(scene)
     if constants is not None:

@@ -50,6 +50,7 @@ from ecume.laws import (  # fmt: skip
     wall_repulsion,
     waves,
 )
+from ecume.laws.surfaces import Body
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
@@ -134,11 +135,14 @@ SAMPLES = {
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "critical_load": 0.2,
     "pull": 1.5, "limit": 1.49,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
+    "slip_force": 0.4,
     "color": 0.4, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
     "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
     "shear_squared": 9e-4,
     "dim": 2, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
+SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}
+"""Of arguments whose name has another meaning elsewhere."""
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""
 
@@ -152,9 +156,9 @@ def public(module):
 
 def arguments(law):
     """A sample for each argument that has no default. A KeyError: give the new argument a sample."""
-    return {
-        name: SAMPLES[name] for name, given in inspect.signature(law).parameters.items() if given.default is given.empty
-    }
+    wanted = [name for name, given in inspect.signature(law).parameters.items() if given.default is given.empty]
+    hints = typing.get_type_hints(law)
+    return {name: SAMPLES_OF_TYPES.get(hints[name]) or SAMPLES[name] for name in wanted}
 
 
 REGISTRY = pint.UnitRegistry(cache_folder=None)

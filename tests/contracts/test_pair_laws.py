@@ -12,12 +12,11 @@ from tests.contracts.float_options import shorten_tables
 from tests.contracts.test_laws import ROOT, bibliography, cited, rescaled, scale
 from tests.models.floating.bowls import WATER, scene_of
 
-from ecume.errors import BadInput, SceneError
+from ecume.errors import SceneError
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, Setting, row_of
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
 from ecume.models.floating.forces.pair_forces import law_of, two_floats
-from ecume.models.floating.mpi import require_spreadable
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
 from ecume.models.floating.report.frames import observe
 from ecume.models.floating.time_integration import step_size
@@ -277,9 +276,7 @@ def test_a_users_own_law_is_added_to_every_law_and_option(name, option, monkeypa
 
 
 @each_law
-def test_ranks_and_grids_take_the_laws_that_can_be_shared_and_split(name):
-    parameters, _, _ = begun(name, "velocity-verlet")
-    assert bool(refused_by(name, lambda: require_spreadable(parameters), BadInput)) != PAIR_LAWS[name].reciprocal
+def test_grids_take_the_laws_that_can_be_split(name):
     floats = "[[particles]]\ncount = 9\nradius = 1e-4\ndensity = 1300.0\ncontact_angle = 1.5\n"
     floats += f"[interaction]\nlaw = '{name}'\n"
     scene = scene_of(f"{WATER}{floats}summation = 'grid'\naccuracy = 1e-3\n")

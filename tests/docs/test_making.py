@@ -61,7 +61,7 @@ def test_every_command_is_there(makers):
     assert all(f"## ecume {verb}\n" in text for verb in ("new", "run", "movie", "bench", "validate"))
     assert "`--max-size` `MB` | Largest page; long runs show fewer frames. Default: 50.0. |" in text
     rows = [line for line in text.splitlines() if line.startswith("|")]
-    assert r"| `--engine` `local\|mpi` | Integrate" in text
+    assert r"| `--engine` `local\|lammps` | Integrate" in text
     assert all(len(re.findall(r"(?<!\\)\|", row)) == 3 for row in rows), "a sign of its own makes no cell"
 
 
@@ -91,8 +91,12 @@ def test_formulas_become_mathml(makers):
 
 
 def test_the_gallery_shows_every_example(makers):
-    cards = makers("gallery").cards()
-    for path in (ROOT / "examples").glob("*.toml"):
+    gallery = makers("gallery")
+    cards = gallery.cards()
+    for path in [
+        *(ROOT / "examples").glob("*.toml"),
+        *(gallery.TEMPLATES / f"{name}.toml" for name in gallery.FURTHER),
+    ]:
         assert tomllib.loads(path.read_text(encoding="utf-8"))["title"].split("'")[0] in cards
         assert f"_clips/{path.stem}.mp4" in cards
 

@@ -1,5 +1,6 @@
 """Bubbles' surfaces, mobile interfaces, and friction between rough surfaces."""
 
+import inspect
 import math
 
 import numpy as np
@@ -20,6 +21,8 @@ from ecume.laws.bubbles import (
 from ecume.laws.elasticity import reduced_radius
 from ecume.laws.friction import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
 from ecume.laws.interfaces import INTERFACES, drop_factor, drop_power, mobility
+from ecume.laws.lubrication import entrained_force, shear_friction
+from ecume.laws.surfaces import Body
 
 PAIRS = {"equal": (2.0, 0.5), "unequal": (1.3, reduced_radius(0.4, 0.9)), "wall": (0.7, 0.7)}
 each_pair = pytest.mark.parametrize("body", PAIRS.values(), ids=PAIRS)
@@ -92,24 +95,40 @@ def test_no_force_deflects_bubbles_by_more_than_their_size():
     assert flattening_length(2.0, 0.5) * 1.0 == 2.0
 
 
+PLACE = {"contact_size": 0.3, "gap": 0.02, "viscosity": 0.7, "viscosity_ratio": 0.3, "film_prefactors": (4.0, 3.0),
+         "compression": 0.4, "slip_force": 0.02, "body": Body(1.7, 0.41, 3.0), "gap_weight": 1.2}  # fmt: skip
+
+
+def film_at(name, **changes):
+    law, given = INTERFACES[name], PLACE | changes
+    return law(**{one: given[one] for one in inspect.signature(law).parameters})
+
+
 @pytest.mark.parametrize("name", INTERFACES)
 def test_frictions_change_by_their_stated_powers(name):
-    given = (0.7, 0.3, (4.0, 3.0))
-    film = INTERFACES[name](0.3, 0.02, *given)
-    for kind in ("squeeze", "shear"):
-        for at, power in (("size", 0), ("gap", 1)):
+    film = film_at(name)
+    slopes = [
+        (kind, at, key) for kind in ("squeeze", "shear") for at, key in (("size", "contact_size"), ("gap", "gap"))
+    ]
+    for kind, at, key in [*slopes, ("shear", "force", "slip_force"), ("shear", "load", "compression")]:
+        sides = (film_at(name, **{key: PLACE[key] * factor}) for factor in (1 + 1e-6, 1 - 1e-6))
+        above, below = (math.log(getattr(side, kind)) for side in sides)
+        scale = PLACE[key] if at == "load" else 1.0
+        assert scale * getattr(film, f"{kind}_by_{at}") == pytest.approx((above - below) / 2e-6, rel=1e-7, abs=1e-9)
 
-            def changed(factor, kind=kind, power=power):
-                place = [0.3, 0.02]
-                place[power] *= factor
-                return math.log(getattr(INTERFACES[name](*place, *given), kind))
 
-            found = (changed(1 + 1e-6) - changed(1 - 1e-6)) / 2e-6
-            assert getattr(film, f"{kind}_by_{at}") == pytest.approx(found, rel=1e-7)
+@pytest.mark.parametrize("force", [0.02, 3.0, 1e4])
+def test_elastohydrodynamic_friction_bears_the_root_of_the_speed_beside_a_slight_linear_force(force):
+    gap, linear = 1e-5, 1e-3 * shear_friction(0.3, 1e-5, 0.7, 3.0)
+    speed = force / film_at("elastohydrodynamic", gap=gap, slip_force=force).shear
+    flat = 1.0 - 2.0 * 0.41 * 1.2 * gap / 0.3**2
+    assert entrained_force(speed, 0.4 * flat, 0.3, 0.7) + linear * speed == pytest.approx(force, rel=1e-8)
+    apart = film_at("elastohydrodynamic", gap=gap, slip_force=force, compression=-0.1)
+    assert apart.shear == pytest.approx(linear)
 
 
 def test_drops_go_from_rigid_to_freely_slipping_with_their_viscosity():
-    films = {name: law(0.3, 0.002, 0.7, 1e6, (4.0, 3.0)) for name, law in INTERFACES.items()}
+    films = {name: film_at(name, gap=0.002, viscosity_ratio=1e6) for name in INTERFACES}
     assert films["drop"].squeeze == pytest.approx(films["rigid"].squeeze, rel=1e-3)
     assert films["drop"].shear == pytest.approx(films["rigid"].shear, rel=1e-3)
     assert films["half-mobile"].squeeze == pytest.approx(films["rigid"].squeeze / 4)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ecume.errors import Fault, SceneError
-from ecume.scenes.salvage import load_and_examine
+from ecume.scenes.salvage import QUICK, load_and_examine
 
 GOOD = """model = "floating"
 duration = "1 s"
@@ -84,3 +84,10 @@ def test_a_good_scene_is_loaded(tmp_path):
     assert load_and_examine(file, [], physics).particles[0].count == 2
     with pytest.raises(SceneError, match="cannot be read"):
         load_and_examine(tmp_path / "nothing.toml", [], physics)
+
+
+@pytest.mark.parametrize(("count", "found"), [(QUICK, 2), (QUICK + 1, 1)])
+def test_nothing_is_placed_for_more_particles_than_is_quick(count, found, tmp_path):
+    """A misspelt key is reported for any number; what only the placed particles show, for few."""
+    text = GOOD.replace(*HUGE).replace("frame_every", "frame_evry").replace("count = 2", f"count = {count}")
+    assert len(faults_of(text, tmp_path)) == found

@@ -20,6 +20,8 @@ from ecume.scenes.schema import Scene, examined
 
 ROUNDS = 8
 """Corrections that are tried one after the other, and lines that are omitted."""
+QUICK = 20_000
+"""Placing more particles than this can take longer than correcting the faults that are known."""
 MEANT = re.compile(r"no such key; did you mean (\w+)\?")
 """A misspelt key."""
 
@@ -42,13 +44,18 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
     if syntax:
         faults += _faults_of(text, overrides)
     scene, dropped = valid_part(text, overrides)
-    if scene is not None:
+    if scene is not None and _placed(scene) <= QUICK:
         try:
             examine(scene)
         except SceneError as more:
             faults += _located(more, text, overrides, dropped)
     unique = {(fault.path, fault.message): fault for fault in faults}.values()
     return sorted(unique, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))
+
+
+def _placed(scene: Scene) -> int:
+    """How many particles have to be placed."""
+    return sum(getattr(species, "count", 0) or 0 for species in getattr(scene, "particles", ()))
 
 
 def without_bad_lines(source: Source) -> tuple[Source, list[Fault]]:

@@ -133,6 +133,7 @@ SESSION = table(
         "replaced": table(
             {"frame": whole, "time": number, "difference": words, "changed": listed(words)},
         ),
+        "lammps": words, "ranks": whole,
     },
 )  # fmt: skip
 MANIFEST = table(
@@ -141,7 +142,7 @@ MANIFEST = table(
         "format": whole, "model": words, "scene_sha256": digest, "source_sha256": digest, "constants_sha256": digest,
         "sessions": listed(SESSION), "extra_laws": listed(table({"name": words, "sha256": digest})),
         "actions": listed(table({"name": words, "sha256": digest, "every": named(number)})),
-        "on_violation": words, "cores": optional(whole), "seed": optional(number),
+        "on_violation": words, "engine": words, "cores": optional(whole), "seed": optional(number),
     },
     rest=optional(words),
 )  # fmt: skip

@@ -75,6 +75,18 @@ def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
     assert len(np.unique(state.identity)) == len(state.identity)
 
 
+def test_what_leaves_through_an_outflow_leaves_along_it():
+    scene = channel()
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    one = int(np.argmax(np.where(state.zone == 0, state.position[0], -np.inf)))
+    state.position[0, one], state.velocity[:, one], name = 2.01, [0.7, 0.3], state.identity[one]
+    state = SPH.exchange(parameters, state)
+    (now,) = np.flatnonzero(state.identity == name)
+    assert state.zone[now] > 0
+    assert state.velocity[:, now].tolist() == [0.7, 0.0]
+
+
 @pytest.mark.compiled
 def test_half_a_run_of_a_channel_and_half_a_run_are_a_run():
     scene = channel()

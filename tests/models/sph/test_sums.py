@@ -177,3 +177,62 @@ def test_the_sums_are_those_of_the_laws_pair_by_pair():
     assert workspace.rates.continuity[i] != 0.0
     assert workspace.rates.acceleration[0, i] != 0.0
     assert workspace.fields.density[i] == state.density[i]
+
+
+def with_axes_renamed(scene, take):
+    """Vectors of all particles in 3D, and those where x, y and z are renamed y, z and x, named back."""
+    found = []
+    for turn in (0, 1):
+        parameters, state, _ = at_start(scene)
+        dice = np.random.default_rng(5)
+        state.transport[...] = 0.1 * dice.normal(size=state.transport.shape)
+        state.density[...] *= 1.0 + 0.01 * dice.normal(size=state.density.shape)
+        for vectors in (state.position, state.velocity, state.transport):
+            vectors[...] = np.roll(vectors, turn, axis=0)
+        workspace = SPH.workspace(parameters, state, 1.0)
+        found.append(np.roll(take(parameters, state, workspace), -turn, axis=0))
+    assert np.abs(found[0]).max() > 0.1
+    return found
+
+
+def coarse_blob(**method):
+    return from_plain({**to_plain(free_blob(3, **method)), "spacing": 0.3})
+
+
+@pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])
+def test_forces_know_no_axis(force):
+    more = {"background_pressure": 0.0} if force == "transport" else {}
+
+    def forces(parameters, state, workspace):
+        # The background pressure is what makes the transport velocity count; scenes with open sides may have none.
+        take_forces(parameters._replace(background=1.0), state, workspace, parameters.time_step)
+        return state.acceleration.copy()
+
+    one, other = with_axes_renamed(coarse_blob(pressure_force=force, viscosity=1.0, **more), forces)
+    np.testing.assert_allclose(other, one, atol=1e-11 * np.abs(one).max())
+
+
+def test_density_gradients_know_no_axis():
+    def gradients(parameters, state, workspace):
+        take_thickening(parameters, state, workspace)
+        return workspace.fields.density_gradient[:, : state.position.shape[1]].copy()
+
+    one, other = with_axes_renamed(coarse_blob(density_diffusion="antuono"), gradients)
+    np.testing.assert_allclose(other, one, atol=1e-11 * np.abs(one).max())
+
+
+def test_a_moving_wall_holds_the_liquid_by_its_velocity():
+    """Half of the friction velocities of a particle and its image is that of the lid."""
+    plain = to_plain(tank(4, viscosity=0.1))
+    lid = {**plain["tank"], "high": [1.0, 1.0], "top": {"velocity": [0.8, 0.0]}}
+    parameters, state, workspace = at_start(from_plain({**plain, "tank": lid}))
+    state.velocity[...] = np.random.default_rng(2).normal(size=state.velocity.shape)
+    fill(parameters, state, workspace)
+    images, fields = workspace.images, workspace.fields
+    first = len(workspace.lists.counts)
+    above = np.flatnonzero(fields.position[1, first : first + len(images.source)] > 1.0)
+    sources = images.source[above]
+    own = sources < state.position.shape[1]
+    assert own.sum() > 3
+    mean = 0.5 * (fields.friction_velocity[:2, first + above[own]] + state.velocity[:, sources[own]])
+    np.testing.assert_allclose(mean, np.outer([0.8, 0.0], np.ones(own.sum())), atol=1e-12)

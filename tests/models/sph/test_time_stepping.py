@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.integration.time_stepping import divisions_needed, renew
+from ecume.models.sph.integration.time_stepping import displacement_of_solids, divisions_needed, move, renew
 from ecume.models.sph.rates.right_hand_side import take_forces
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain
@@ -31,6 +31,21 @@ def test_no_force_moves_a_particle_farther_than_a_thirtieth_of_a_smoothing_lengt
     # A step is not divided for a tenth of a part.
     assert way < h / 32.0 * 1.11
     assert way * (parts / (parts - 1)) ** 2 > h / 32.0
+
+
+def test_a_part_of_a_step_moves_the_clock():
+    parameters, state, workspace = begun(free_blob())
+    move(parameters, state, workspace, 0.4 * parameters.time_step)
+    assert state.clock[0] == pytest.approx(0.4 * parameters.time_step, rel=1e-12)
+
+
+def test_lists_follow_bodies_and_sides():
+    """A body that moves by a tenth, while a side moves by two tenths."""
+    lid = {"top": {"motion": {"times": [0.0, 1.0], "positions": [0.0, -2.0]}}}
+    parameters, state, _ = begun(calm(tank=lid, bodies=[{**BOX, "velocity": [0.0, 0.0]}]))
+    state.clock[0] = 0.1
+    state.pose[1, 0] -= 0.1
+    assert displacement_of_solids(parameters, state) == pytest.approx(0.1 + 0.2, rel=1e-9)
 
 
 def calm(**more):

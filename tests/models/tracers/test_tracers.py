@@ -10,6 +10,7 @@ from ecume.errors import Diverged, SceneError
 from ecume.laws import brownian, drag
 from ecume.models import MODELS, limits
 from ecume.models.tracers.initial_state import bounds
+from ecume.models.tracers.time_stepping import NOWHERE, all_somewhere
 from ecume.scenes.tracers import (
     FlowSpec,
     FluidSpec,
@@ -195,6 +196,13 @@ def test_who_is_nowhere_is_named_and_not_put_back_inside(field, value):
         list(moments(scene, state=state))
 
 
+def test_what_is_nowhere_begins_at_its_bound():
+    inside, beyond = np.array([[0.0, np.nextafter(NOWHERE, 0.0)]]), np.array([[0.0, -NOWHERE]])
+    assert all_somewhere(inside, inside)
+    assert not all_somewhere(beyond, inside)
+    assert not all_somewhere(inside, beyond)
+
+
 def test_a_run_that_would_never_end_is_refused():
     slow = {"integration": TracerIntegrationSpec(time_step=1e-9)}
     scene = TracersScene(particles=(QUARTZ,), **slow, duration=1e10, frame_every=1e3)
@@ -203,10 +211,10 @@ def test_a_run_that_would_never_end_is_refused():
 
 
 def test_more_tracers_than_the_memory_holds_are_refused_before_they_are_laid_out(monkeypatch):
-    monkeypatch.setattr(limits.psutil, "virtual_memory", lambda: SimpleNamespace(total=24e9))
-    many = ParticleSpec(radius=1e-6, density=2500.0, count=100_000_000)
+    monkeypatch.setattr(limits.psutil, "virtual_memory", lambda: SimpleNamespace(total=16e9))
+    many = ParticleSpec(radius=1e-6, density=2500.0, count=50_000_000)
     scene = TracersScene(particles=(many,), tank=TankSpec(high=(1.0, 1.0)), **STILL)
-    with pytest.raises(SceneError, match="100000000 particles need about 40 GB"):
+    with pytest.raises(SceneError, match="50000000 particles need about 20 GB"):
         MODELS["tracers"].parameters(scene)
 
 

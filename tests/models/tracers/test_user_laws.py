@@ -29,6 +29,11 @@ def magnetic(position: Any, velocity: Any, time: float, parameters: Any) -> Any:
     return 5.0 * velocity[1], -5.0 * velocity[0]
 
 
+def growing(position: Any, velocity: Any, time: float, parameters: Any) -> Any:
+    """An acceleration that grows with time."""
+    return 6.0 * time, 0.0
+
+
 def grains(step: float = 0.01, **changes: Any) -> Any:
     """Two grains of different species, without weight."""
     particles = [
@@ -89,6 +94,12 @@ def test_a_force_that_follows_the_velocity_is_of_second_order() -> None:
         wanted = 0.01 * np.array([np.sin(5.0), np.cos(5.0)])
         errors.append(float(np.abs(last.arrays["velocity"][0] - wanted).max()))
     assert 3.4 < errors[0] / errors[1] < 4.6
+
+
+def test_a_force_that_grows_with_time_is_that_of_the_middle_of_each_step() -> None:
+    """A midpoint rule has the exact velocity 3 t^2 then, however long the step."""
+    *_, last = simulate(grains(0.1, user_laws=[{"law": "growing"}]), extra_laws=[growing])
+    assert last.arrays["velocity"][0] == pytest.approx([3.0, 0.01], rel=1e-12)
 
 
 def test_a_law_acts_on_the_species_that_the_scene_names() -> None:

@@ -186,19 +186,21 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
     """Masses, weights, frictions and terminal speeds: species by species, then those of the newcomers' species."""
     counts = [species.count for species in scene.particles]
     kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), newcomers])
-    radius = np.array([species.radius for species in scene.particles])[kind]
-    density = np.array([species.density for species in scene.particles])[kind]
+    radius = np.array([species.radius for species in scene.particles])
+    density = np.array([species.density for species in scene.particles])
     along = ADDED_MASS * fluid.density if scene.hydrodynamics.added_mass else 0.0
-    settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])[kind]
+    settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])
     dragged = float(DRAGS[scene.hydrodynamics.drag].resists)
+    friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius])
+    # By species first: there may be millions of particles.
     return Bodies(
-        radius=radius,
-        mass=4.0 / 3.0 * math.pi * radius**3 * (density + along),
-        push=fluid.gravity * (density - fluid.density) / (density + along),
-        friction=dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius]),
-        settling=settling,
-        overdamped=np.zeros(len(radius), np.int64),
-        density=density,
+        radius=radius[kind],
+        mass=(4.0 / 3.0 * math.pi * radius**3 * (density + along))[kind],
+        push=(fluid.gravity * (density - fluid.density) / (density + along))[kind],
+        friction=friction[kind],
+        settling=settling[kind],
+        overdamped=np.zeros(len(kind), np.int64),
+        density=density[kind],
         species=kind,
     )
 
@@ -243,7 +245,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
 def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
     """Mass, friction, terminal speed, push and radius of each kind there is."""
     columns = (bodies.mass, bodies.friction, bodies.settling, bodies.push, bodies.radius)
-    return set(zip(*(column.tolist() for column in columns), strict=True))
+    first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # of each run of one species
+    return set(zip(*(column[first].tolist() for column in columns), strict=True))
 
 
 def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid) -> float:

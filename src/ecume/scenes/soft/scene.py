@@ -135,8 +135,9 @@ class FilmSpec:
     """The elasticity of the surfaces: `hertz` for elastic spheres, `bubble` for bubbles and drops. Effect: `bubble`
     takes the stiffness from the surface tension."""
     interface: LawName = "rigid"
-    """The mobility of the interfaces: `rigid`, `mobile` with free slip, `half-mobile` with one of both, or `drop`,
-    whose inner liquid is dragged along. Effect: mobile interfaces let films drain faster."""
+    """The mobility of the interfaces: `rigid`, `mobile` with free slip, `half-mobile` with one of both, `drop`, whose
+    inner liquid is dragged along, or `elastohydrodynamic`, where sliding lifts soft surfaces apart. Effect: mobile
+    interfaces let films drain faster; elastohydrodynamic films resist sliding with the root of its speed."""
     viscosity_ratio: ViscosityRatio = 1.0
     """The viscosity of the liquid in a drop, divided by that of the film. Effect: large ratios approach rigid
     interfaces."""
