@@ -47,7 +47,7 @@ def test_an_error_ends_with_its_code_and_one_message(
         raise error
 
     monkeypatch.setattr(ecume.run, "resume", fails)
-    done = cli.invoke(app, ["resume", "runs/x"])
+    done = cli.invoke(app, ["resume", "runs/x", "--engine", "local"])
     assert done.exit_code == code
     assert says in done.stderr
     assert "Traceback" not in done.output
@@ -55,7 +55,7 @@ def test_an_error_ends_with_its_code_and_one_message(
 
 def test_a_defect_of_ours_keeps_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ecume.run, "resume", lambda *_, **__: 1 / 0)
-    assert isinstance(cli.invoke(app, ["resume", "runs/x"]).exception, ZeroDivisionError)
+    assert isinstance(cli.invoke(app, ["resume", "runs/x", "--engine", "local"]).exception, ZeroDivisionError)
 
 
 def test_a_warning_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -41,6 +41,7 @@ BENCHES: dict[str, Bench] = {
         Bench("reflection", "Particles a second that go through a step with walls", "reflection.py"),
         Bench("crowd", "Sums over many floats: direct, with cells, with a grid", "crowd.py", ("sums",), long=True),
         Bench("multipole", "The multipole solver for rafts: time, memory, turns", "multipole.py", ("8",), long=True),
+        Bench("flow-of-many", "Hydrodynamic interaction of 10,000 floats on a grid", "flow_of_many.py", long=True),
         Bench("contacts", "Contacts of rafts: sweeps, what is left, time", "contacts.py", ("10000",), long=True),
         Bench("scaling", "Cost of a float and step, from one float to 10,000", "scaling.py", long=True),
         Bench("bowl", "Steps per second of sixty pieces of cereal, drifting and at rest", "bowl.py", long=True),

@@ -5,15 +5,14 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ecume.errors import BadInput
-from ecume.models.engines import LOCAL, Engine
 
-LAMMPS = "lammps"
-ENGINES = (LOCAL, LAMMPS)
+if TYPE_CHECKING:
+    from ecume.models.engines import Engine
 
 EngineName = Annotated[
     str | None,
@@ -40,9 +39,11 @@ Ranks = Annotated[
 @contextlib.contextmanager
 def integrating(engine: str | None, ranks: int | None, directory: Path | None = None) -> Iterator[Engine | None]:
     """The selected engine, or that of the run in this directory. Raises BadInput where it is missing."""
+    from ecume.models.engines import LAMMPS, LOCAL
+
     name = _engine_of(directory) if engine is None else engine
-    if name not in ENGINES:
-        raise BadInput(f"--engine: got {name!r}; expected one of {', '.join(ENGINES)}")
+    if name not in (LOCAL, LAMMPS):
+        raise BadInput(f"--engine: got {name!r}; expected one of {LOCAL}, {LAMMPS}")
     if name == LOCAL:
         if ranks is not None:
             raise BadInput("--ranks: expected it with --engine lammps only")
@@ -56,6 +57,8 @@ def integrating(engine: str | None, ranks: int | None, directory: Path | None = 
 
 def _engine_of(directory: Path | None) -> str:
     """The engine of a run; that of ecume for a new one."""
+    from ecume.models.engines import LOCAL
+
     if directory is None:
         return LOCAL
     from ecume.run.directory import existing

@@ -18,13 +18,11 @@ from ecume.errors import BadInput, Diverged
 from ecume.lammps import floats_in_engine, tanks_in_engine
 from ecume.lammps.process import Lammps
 from ecume.lammps.program import Program, program
-from ecume.models.engines import Engine
+from ecume.models.engines import LAMMPS, Engine
 from ecume.models.model import DIVERGED, DONE, Model
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 from ecume.value_texts import with_prefix
-
-NAME = "lammps"
 
 BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 """Domains of ranks follow the particles."""
@@ -149,7 +147,7 @@ def lammps_engine(ranks: int = 1) -> Iterator[Engine]:
         return {"lammps": next((each.lammps.version for each in opened if each.lammps), ""), "ranks": ranks}
 
     try:
-        yield Engine(model_of, NAME, repeats=False, facts=facts)
+        yield Engine(model_of, LAMMPS, repeats=False, facts=facts)
     finally:
         for each in opened:
             each.close()

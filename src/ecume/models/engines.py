@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 LOCAL = "local"
 """The loops of the model itself."""
+LAMMPS = "lammps"
 
 
 def _no_facts() -> Mapping[str, str | int]:
