@@ -105,7 +105,7 @@ def test_what_a_model_refuses_is_reported_with_its_line() -> None:
     [
         ("positions=[[0, 0], [0.001, 0]]", "particles[0].positions[0]: overlaps particles[0].positions[1] by 1 mm"),
         ("positions=[[0, 0], [1, 0]]", "particles[0].positions[1]: (1 m, 0 m) is not inside the dish"),
-        ("count=5000", "particles: only "),
+        ("count=5000", "particles: together the floats would cover 1250% of the surface"),
     ],
 )
 def test_check_reports_what_would_keep_a_run_from_starting(change: str, says: str) -> None:

@@ -17,7 +17,8 @@ from ecume.models.floating.setup import hydrodynamic_interaction
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
-plain = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
+PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
+plain = pytest.mark.skipif(not PLAIN, reason="tried as plain Python")
 
 
 @pytest.fixture
@@ -137,6 +138,7 @@ def test_check_names_the_accuracy_of_the_grid(few_are_many):
 
 
 @pytest.mark.long
+@pytest.mark.skipif(PLAIN, reason="plain Python has one thread")
 def test_the_bits_do_not_depend_on_the_number_of_threads():
     position, radius, force = packing(5000, 0.2)
     found = []
