@@ -114,7 +114,14 @@ def test_a_step_pulls_at_spheres_with_minus_the_gradient_of_the_energy_that_fram
 def test_a_film_resists_by_the_interface_that_was_asked_for(name):
     contacts = contacts_of(films={"interface": name, "viscosity_ratio": 0.5})
     made = film(contacts)
-    known = {"contact_size": made.surface.size, "gap": GAP, "film_prefactors": (contacts.squeeze, contacts.shear)}
+    known = {
+        "contact_size": made.surface.size,
+        "gap": GAP,
+        "film_prefactors": (contacts.squeeze, contacts.shear),
+        "compression": -made.surface.normal * STRETCH,
+        "slip_force": made.held * made.surface.tangential * SHEAR,
+        "body": BODY,
+    }
     assert tuple(made.resistance) == pytest.approx(tuple(asked(INTERFACES[name], contacts, **known)), rel=1e-12)
 
 

@@ -1,6 +1,7 @@
 """What scenes may choose between: surfaces, interfaces, contact friction; and spheres that are not alike."""
 
 import dataclasses
+import inspect
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ from ecume.errors import SceneError
 from ecume.laws.elasticity import contact_size, pair_modulus, reduced_radius
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.laws.surfaces import SURFACES
+from ecume.laws.surfaces import SURFACES, Body
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import ACCEPTED, FAILED
 from ecume.scenes.schema import from_plain, to_plain
@@ -44,7 +45,12 @@ def pair(force=(-1e-3, 0.0), gap=0.02, radii=(1.0, 1.0), moduli=(1.0, 1.0), dura
 def test_a_gap_moves_as_the_laws_of_film_and_surface_say(surface, interface, push):
     films = {"surface": surface, "interface": interface, "viscosity_ratio": 0.5}
     _, state = integrated(pair((push, 0.0), radii=(1.0, 0.6), duration=30.0, films=films))
-    reduced = reduced_radius(1.0, 0.6)
+    reduced, law = reduced_radius(1.0, 0.6), INTERFACES[interface]
+    known = {
+        "viscosity": 0.1, "viscosity_ratio": 0.5, "film_prefactors": (1.5 * math.pi, math.pi), "gap_weight": 1.0,
+        "compression": -push, "slip_force": 0.0, "body": Body(1.6, reduced, 1.0),
+    }  # fmt: skip
+    taken = inspect.signature(law).parameters
 
     def size(gap):
         if surface == "bubble":
@@ -54,7 +60,7 @@ def test_a_gap_moves_as_the_laws_of_film_and_surface_say(surface, interface, pus
 
     def rate(_, q):
         gap = math.exp(q[0])
-        film = INTERFACES[interface](size(gap), gap, 0.1, 0.5, (1.5 * math.pi, math.pi))
+        film = law(*((known | {"contact_size": size(gap), "gap": gap})[name] for name in taken))
         return [push / film.squeeze / gap]
 
     end = solve_ivp(rate, (0, 30.0), [math.log(0.02)], method="Radau", rtol=1e-9, atol=1e-10).y[0, -1]
