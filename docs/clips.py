@@ -20,7 +20,7 @@ from ecume.show.picture import Size
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs" / "clips"
-FURTHER = ("active-raft", "rifts")
+FURTHER = ("active-raft", "rifts", "spinners", "surfers")
 """Templates with a clip."""
 SIZE = Size(480, 360, trim=True)
 FPS = 25

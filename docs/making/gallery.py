@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 CLIPS = ROOT / "docs" / "clips"
 """A picture (.webp) and a film (.mp4) of each, drawn by `python docs/clips.py`."""
 TEMPLATES = ROOT / "src" / "ecume" / "templates"
-FURTHER = ("active-raft", "rifts")
+FURTHER = ("active-raft", "rifts", "spinners", "surfers")
 """Templates with a clip."""
 HEADINGS = {
     "floating": "Floating bodies",
