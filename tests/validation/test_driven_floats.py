@@ -1,8 +1,12 @@
 """The references of the cases of waves and clusters, without their runs."""
 
+import math
+
 import numpy as np
 import pytest
+from scipy.special import k0
 
+from ecume.laws.brownian import thermal_energy
 from ecume.validation import clusters, waves
 
 
@@ -37,3 +41,14 @@ def test_the_share_of_a_label_has_the_error_of_independent_groups():
     found = clusters.share_of("a", ["a", "b"], [["a", "b", "c"], ["a", "a", "b", "b"]])
     assert found == pytest.approx((0.5, 0.0))
     assert clusters.share_of("a", ["a", "b"], [["a"], ["b"]]).error == pytest.approx(0.5)
+
+
+def test_menisci_weigh_rigid_clusters_by_the_distances_of_their_spheres():
+    scene = clusters.scene_of(np.zeros((1, 2)), {}, 1, clusters.CAPILLARY)
+    found = np.array(clusters.capillary_energies(scene)) / thermal_energy(clusters.TEMPERATURE)
+    # Pairs at 1, sqrt(3), 2 and sqrt(7) diameters, with the capillary length in diameters.
+    length = math.sqrt(1e-6 / (1000.0 * 9.81)) / (2.0 * clusters.RADIUS)
+    pairs = np.array([[9, 3, 3, 0], [9, 3, 2, 1], [9, 4, 2, 0]])
+    sums = pairs @ k0(np.sqrt([1.0, 3.0, 4.0, 7.0]) / length)
+    assert found / found[0] == pytest.approx(sums / sums[0], rel=1e-9)
+    assert found[1] - found[2] == pytest.approx(0.97, abs=0.05)

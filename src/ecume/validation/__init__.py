@@ -54,7 +54,7 @@ CASES: dict[str, Case] = {
         _case("waves", "Floats that radiate waves: dispersion, bound surfers, spinners beside measured phases"),
         _case(
             "clusters",
-            "Six small spheres: weights of rigid clusters, entropy production with and without persistence",
+            "Six small spheres: weights of rigid clusters with and without menisci, entropy production",
             long=True,
         ),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),

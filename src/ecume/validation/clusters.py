@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Iterator
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,17 +15,37 @@ from ecume.analysis.series import Mean
 from ecume.analysis.topologies import rigid_weight, topology_of
 from ecume.analysis.transitions import entropy_production
 from ecume.laws.brownian import thermal_energy
+from ecume.laws.capillarity import pair_energy, pair_strength
+from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import StepWarning
+from ecume.models.liquids import liquid_of
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.units import Array
 from ecume.validation.rows import Row, above, within
 
 RADIUS, TEMPERATURE = 1e-6, 300.0
-DEPTH, STEEPNESS, FARTHEST, SPRING = 4.0, 10.0, 2.9, 400.0
-"""Of the attraction: depth (kT), inverse range (1/diameter), largest distance (diameters), and the spring beyond it
+STEEPNESS, FARTHEST, SPRING = 10.0, 2.9, 400.0
+"""Of the short-ranged attraction: inverse range (1/diameter), largest distance (diameters), and the spring beyond it
 (kT per diameter squared), which keeps six spheres together and does not act inside a rigid cluster of six.
 """
+
+
+class Spheres(NamedTuple):
+    """What attracts the spheres, and the clusters that they start from."""
+
+    depth: float
+    """of the short-ranged attraction (kT)"""
+    starts: tuple[int, int, int]
+    """parts of the groups that start as each of the ground states: nearly their shares in equilibrium"""
+    density: float = 1000.0
+    surface_tension: float = 1e-7
+    interaction: dict[str, Any] = {"law": "none", "accuracy": 0.1}  # noqa: RUF012  (read only)
+
+
+SHORT_RANGED = Spheres(4.0, (1, 3, 3))
+CAPILLARY = Spheres(3.0, (1, 2, 4), 6900.0, 1e-6, {"accuracy": 1e-3})
+"""Heavy spheres, whose menisci attract with 2.6 kT K0(r/L); the capillary length L is five diameters."""
 BOND = 1.25
 """Distance, in diameters, up to which two spheres are bound."""
 GROUPS, SPREAD = 49, 1.2e-4
@@ -44,8 +64,8 @@ GROUND_STATES = {
 
 
 def rows() -> list[Row]:
-    """In equilibrium, then with a persistent force."""
-    return [*equilibrium(), *persistence()]
+    """In equilibrium, with and without menisci, then with a persistent force."""
+    return [*equilibrium(), *menisci(), *persistence()]
 
 
 def attraction(distance: Any, parameters: Any) -> Any:
@@ -63,16 +83,45 @@ def attraction(distance: Any, parameters: Any) -> Any:
 def equilibrium() -> Iterator[Row]:
     """Shares of the rigid clusters, beside their weights, and entropy production, for Brownian spheres."""
     found = sequences({"hydrodynamics": {"brownian": True}}, FRAMES)
-    weights = weights_of_ground_states()
-    total = sum(weights.values())
-    names = dict(zip(weights, GROUND_STATES, strict=True))
-    for label, weight in weights.items():
-        share = share_of(label, list(weights), found)
-        name = f"in equilibrium: share of the {names[label]} among rigid clusters (tolerance: 3 standard errors)"
-        yield within(name, share.value, weight / total, 3.0 * share.error)
+    yield from shares(found, weights_of_ground_states(), "in equilibrium")
     rate = entropy_production(found, STEP * STEPS, blocks=1)
     name = "in equilibrium: entropy production, over its standard error (tolerance: 2)"
     yield within(name, rate.value / rate.error, 0.0, 2.0)
+
+
+def menisci() -> Iterator[Row]:
+    """Shares of the rigid clusters of Brownian spheres that attract one another by menisci too: their weights times
+    exp(-U/kT), with the capillary energy U of the rigid cluster.
+    """
+    driving = {"hydrodynamics": {"brownian": True}}
+    scene = scene_of(np.zeros((1, 2)), driving, 1, CAPILLARY)
+    energies = [energy / thermal_energy(TEMPERATURE) for energy in capillary_energies(scene)]
+    weights = {
+        label: weight * math.exp(min(energies) - energy)
+        for (label, weight), energy in zip(weights_of_ground_states().items(), energies, strict=True)
+    }
+    yield from shares(sequences(driving, FRAMES, CAPILLARY), weights, "with menisci")
+
+
+def shares(found: list[list[str]], weights: dict[str, float], name: str) -> Iterator[Row]:
+    """The share of each rigid cluster, beside that of its weight."""
+    for (label, weight), cluster in zip(weights.items(), GROUND_STATES, strict=True):
+        share = share_of(label, list(weights), found)
+        row = f"{name}: share of the {cluster} among rigid clusters (tolerance: 3 standard errors)"
+        yield within(row, share.value, weight / sum(weights.values()), 3.0 * share.error)
+
+
+def capillary_energies(scene: Any) -> list[float]:
+    """Energy (J) of the menisci of each rigid cluster: a sum over its pairs."""
+    charge, length = float(MODELS["floating"].parameters(scene).floats.charge[0]), liquid_of(scene).capillary_length
+    strength = pair_strength(CAPILLARY.surface_tension, charge, charge)
+    one, other = np.triu_indices(6, 1)
+    energies = []
+    for steps in GROUND_STATES.values():
+        place = 2.0 * RADIUS * np.array(steps) @ LATTICE
+        distances = np.linalg.norm(place[one] - place[other], axis=1).tolist()
+        energies.append(math.fsum(pair_energy(distance, strength, length) for distance in distances))
+    return energies
 
 
 def persistence() -> Iterator[Row]:
@@ -82,28 +131,18 @@ def persistence() -> Iterator[Row]:
     yield above("with persistence: entropy production, over its standard error", rate.value / rate.error, 2.0)
 
 
-def sequences(driving: dict[str, Any], frames: int) -> list[list[str]]:
+def sequences(driving: dict[str, Any], frames: int, spheres: Spheres = SHORT_RANGED) -> list[list[str]]:
     """The labels of each group over the frames, without the first fifth. Groups start as rigid clusters in the shares
     of equilibrium, so that relaxation makes no currents.
     """
-    starts = [name for name, weight in zip(GROUND_STATES, (1, 3, 3), strict=True) for _ in range(weight)]
+    starts = [name for name, part in zip(GROUND_STATES, spheres.starts, strict=True) for _ in range(part)]
     side = math.ceil(math.sqrt(GROUPS))
     places = [
         2.0 * RADIUS * np.array(GROUND_STATES[starts[group % len(starts)]]) @ LATTICE
         + SPREAD * np.array([group % side, group // side])
         for group in range(GROUPS)
     ]
-    thermal = thermal_energy(TEMPERATURE)
-    scene = from_plain({
-        "model": "floating", "duration": frames * STEPS * STEP, "frame_every": STEPS * STEP, "seed": 3,
-        "liquid": {"density": 1000.0, "viscosity": 1e-3, "surface_tension": 1e-7, "temperature": TEMPERATURE},
-        "particles": [{"radius": RADIUS, "density": 1000.0, "contact_angle": 0.5 * math.pi,
-                       "positions": np.concatenate(places).tolist()}],
-        "integration": {"integrator": "overdamped", "time_step": STEP}, "contacts": {"law": "none"},
-        "interaction": {"law": "none", "accuracy": 0.1},
-        "user_laws": [{"law": "attraction", "constants": [DEPTH * thermal, STEEPNESS, FARTHEST, SPRING * thermal]}],
-        **driving,
-    })  # fmt: skip
+    scene = scene_of(np.concatenate(places), driving, frames, spheres)
     found: list[list[str]] = [[] for _ in range(GROUPS)]
     with warnings.catch_warnings():
         # The step that is advised is for six neighbors at the steepest place of the law.
@@ -112,6 +151,21 @@ def sequences(driving: dict[str, Any], frames: int) -> list[list[str]]:
             for group, place in enumerate(frame.arrays["position"].reshape(GROUPS, 6, 2)):
                 found[group].append(label_of(place))
     return [labels[len(labels) // 5 :] for labels in found]
+
+
+def scene_of(places: Array, driving: dict[str, Any], frames: int, spheres: Spheres) -> Any:
+    """The scene of these spheres."""
+    thermal = thermal_energy(TEMPERATURE)
+    constants = [spheres.depth * thermal, STEEPNESS, FARTHEST, SPRING * thermal]
+    return from_plain({
+        "model": "floating", "duration": frames * STEPS * STEP, "frame_every": STEPS * STEP, "seed": 3,
+        "liquid": {"density": 1000.0, "viscosity": 1e-3, "surface_tension": spheres.surface_tension,
+                   "temperature": TEMPERATURE},
+        "particles": [{"radius": RADIUS, "density": spheres.density, "contact_angle": 0.5 * math.pi,
+                       "positions": places.tolist()}],
+        "integration": {"integrator": "overdamped", "time_step": STEP}, "contacts": {"law": "none"},
+        "interaction": spheres.interaction, "user_laws": [{"law": "attraction", "constants": constants}], **driving,
+    })  # fmt: skip
 
 
 def label_of(place: Array) -> str:
