@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize, minimize_scalar
 
 from ecume.errors import BadInput
 from ecume.laws import ellipsoids, quadrupoles
@@ -108,6 +109,40 @@ def test_tips_meet_tips_from_afar_and_flanks_meet_flanks_where_they_touch():
     touching_flanks = pair_energy(line, line, 2e-4, (math.pi / 2, math.pi / 2))
     assert touching_flanks < touching_tips < 0.0
     assert pair_energy(line, line, 7e-4, (0.0, math.pi / 2)) > 0.0
+
+
+def touching(axes, other, angles):
+    """Distance of the centers of two ellipses that touch: Perram and Wertheim (1985)."""
+    turn, direction = angles
+    way, (c, s) = np.array([math.cos(direction), math.sin(direction)]), (math.cos(turn), math.sin(turn))
+    rotation = np.array([[c, -s], [s, c]])
+    first, second = np.diag(np.square(axes)), rotation @ np.diag(np.square(other)) @ rotation.T
+
+    def contact(share):
+        return -share * (1.0 - share) * way @ np.linalg.solve((1.0 - share) * first + share * second, way)
+
+    return (-minimize_scalar(contact, bounds=(0.0, 1.0), method="bounded").fun) ** -0.5
+
+
+def docked(ratio, angles):
+    """Energy of ellipses of aspect 4 that touch, the second smaller by this ratio, turned and seen at these angles."""
+    lines = [Line(size, 0.25 * size, 0.0, 2, 0.1 * size) for size in (1.0, 1.0 / ratio)]
+    apart = touching((1.0, 0.25), (1.0 / ratio, 0.25 / ratio), angles)
+    (here, one), (there, other) = (spread_charges(line) for line in lines)
+    c, s = math.cos(angles[0]), math.sin(angles[0])
+    there = there @ np.array([[c, s], [-s, c]]) + apart * np.array([math.cos(angles[1]), math.sin(angles[1])])
+    return float(one @ np.log(np.linalg.norm(here[:, None] - there[None], axis=2)) @ other)
+
+
+def test_ellipses_lie_side_by_side_unless_one_is_much_smaller():
+    """What the page on floating bodies says of arrows [loudet2009]."""
+    side = (0.0, 0.5 * math.pi)
+    for ratio, angle in ((1.0, 0.0), (1.2, 0.0), (1.5, 0.0), (2.0, 25.0)):
+        starts = [(math.radians(turn), math.radians(way)) for turn in (0, -30, 30) for way in (50, 90, 130)]
+        best = min((minimize(lambda at, by=ratio: docked(by, at), start, method="Nelder-Mead") for start in starts),
+                   key=lambda found: found.fun)  # fmt: skip
+        assert abs(math.degrees(best.x[0])) == pytest.approx(angle, abs=0.5)
+        assert (best.fun < 1.001 * docked(ratio, side)) == (angle > 0.0)
 
 
 def test_a_sphere_shifted_or_stretched_upwards_has_a_level_line():
