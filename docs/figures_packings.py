@@ -63,7 +63,7 @@ def suspension() -> Figure:
     friction.set(xscale="log", yscale="log", xlabel="viscous number J", ylabel="friction μ")
     for law, color in (("frictionless", PALETTE[1]), ("frictional", PALETTE[0])):
         flows = suspensions.DIVERGING[law]
-        fractions, end = [flow.fraction for flow in flows], suspensions.jamming(pieces, law)
+        fractions, end = [flow.fraction for flow in flows], suspensions.jamming(pieces, law).fraction
         found = [suspensions.viscosity(pieces[flow]) for flow in flows]
         _points(divergence, fractions, found, color, f"{law}, φ_J = {end.value:.3f} ± {end.error:.3f}")
         divergence.axvline(end.value, color=color, linewidth=0.8, linestyle=":")

@@ -5,10 +5,13 @@ rate, in pieces that are kept: see `flow_pieces`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from ecume.analysis.rheology import CurveFit
+import numpy as np
+
+from ecume.analysis.rheology import CurveFit, power_fit
+from ecume.analysis.series import Mean
 from ecume.scenes.schema import Scene
 from ecume.validation import flow_pieces
 from ecume.validation.flow_pieces import Piece, fitted, kept, sheared
@@ -29,6 +32,8 @@ LIKE = 0.1
 FOLDER = Path("soft-glass-pieces")
 EXPONENT, TOLERANCE = 0.5, 0.05
 """Of the published stress law of soft particle glasses."""
+MODULUS, VISCOSITY, RADIUS = 5e4, 1.0, 1.2e-3
+"""Pa; Pa s; the mean radius (m)"""
 LAWS = ("rotation=false", 'films.interface="elastohydrodynamic"', 'films.prefactors="physical"')
 """Those of the published model: spheres do not rotate, contacts are Hertz's."""
 NUMERICS = ("integration.tolerance=0.01",)
@@ -53,6 +58,10 @@ def rows_of_pieces(pieces: Mapping[tuple[float, float], Piece]) -> Iterator[Row]
         yield within(name, fit.exponent.value, EXPONENT, TOLERANCE)
         yield above(f"yield stress at {at} (N/m), ± {fit.offset.error:.2g}", fit.offset.value, 0.0)
         yield below(f"misfit of Herschel and Bulkley's law at {at}, per degree of freedom", fit.misfit, 3.0)
+    common = friction_curve(every)
+    name = f"exponent of the friction over the film number, ± {common.exponent.error:.3f}; of a film: 0.5"
+    yield within(name, common.exponent.value, EXPONENT, TOLERANCE)
+    yield below("misfit of the friction at all volume fractions, per degree of freedom", common.misfit, 3.0)
 
 
 def rows_of_sizes(
@@ -69,6 +78,29 @@ def rows_of_sizes(
 def curve(pieces: Mapping[tuple[float, float], Piece], fraction: float) -> CurveFit:
     """Herschel and Bulkley's law at a volume fraction."""
     return fitted([pieces[fraction, rate] for rate in RATES[fraction]])
+
+
+def film_number(piece: Piece) -> float:
+    """K = (eta rate/E) (P/(E R))^(-2/3), which the ratio of the tangential to the normal force in a film depends on.
+
+    Sliding with u transmits T ~ sqrt(eta u N a). In a Hertzian contact a ~ R (N/(E R^2))^(1/3); with u ~ rate R and
+    N ~ P R in 2D, T/N ~ sqrt(eta u a/N) ~ sqrt(K). At constant area the pressure, and with it N, grows with the rate.
+    """
+    pressure = piece.pressure.value / (MODULUS * RADIUS)
+    return VISCOSITY * piece.rate / MODULUS / math.cbrt(pressure) ** 2
+
+
+def friction(piece: Piece) -> Mean:
+    """The shear stress over the pressure."""
+    ratio = piece.shear.value / piece.pressure.value
+    error = math.hypot(piece.shear.error / piece.shear.value, piece.pressure.error / piece.pressure.value)
+    return Mean(ratio, ratio * error)
+
+
+def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
+    """Friction as a power of the film number above that of the slowest flows, at all volume fractions together."""
+    ordered = sorted(pieces, key=film_number)
+    return power_fit(np.array([film_number(one) for one in ordered]), [friction(one) for one in ordered])
 
 
 def computed(name: str = "computed") -> dict[tuple[float, float], Piece]:
