@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -123,6 +124,12 @@ def fitted(pieces: Sequence[Piece]) -> CurveFit:
     """Herschel and Bulkley's law of the means over seeds."""
     rates, means = means_over_seeds(pieces, lambda one: one.shear)
     return herschel_bulkley(np.array(rates), means)
+
+
+def friction(shear: Mean, pressure: Mean) -> Mean:
+    """The shear stress over the pressure."""
+    ratio = shear.value / pressure.value
+    return Mean(ratio, abs(ratio) * math.hypot(shear.error / shear.value, pressure.error / pressure.value))
 
 
 def means_over_seeds(pieces: Sequence[Piece], value: Callable[[Piece], Mean]) -> tuple[list[float], list[Mean]]:

@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from ecume.analysis.rheology import CurveFit, power_fit
-from ecume.analysis.series import Mean
 from ecume.scenes.schema import Scene
 from ecume.validation import flow_pieces
-from ecume.validation.flow_pieces import Piece, fitted, kept, sheared
+from ecume.validation.flow_pieces import Piece, fitted, friction, kept, sheared
 from ecume.validation.rows import Row, above, below, within
 
 RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0)}
@@ -90,17 +89,12 @@ def film_number(piece: Piece) -> float:
     return VISCOSITY * piece.rate / MODULUS / math.cbrt(pressure) ** 2
 
 
-def friction(piece: Piece) -> Mean:
-    """The shear stress over the pressure."""
-    ratio = piece.shear.value / piece.pressure.value
-    error = math.hypot(piece.shear.error / piece.shear.value, piece.pressure.error / piece.pressure.value)
-    return Mean(ratio, ratio * error)
-
-
 def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
     """Friction as a power of the film number above that of the slowest flows, at all volume fractions together."""
     ordered = sorted(pieces, key=film_number)
-    return power_fit(np.array([film_number(one) for one in ordered]), [friction(one) for one in ordered])
+    return power_fit(
+        np.array([film_number(one) for one in ordered]), [friction(one.shear, one.pressure) for one in ordered]
+    )
 
 
 def computed(name: str = "computed") -> dict[tuple[float, float], Piece]:
