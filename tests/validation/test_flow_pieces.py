@@ -18,7 +18,9 @@ def readme(name):
 def test_the_readme_of_soft_glasses_states_the_fits():
     pieces, text = soft_glasses.computed(), readme("soft_glasses")
     assert set(pieces) == set(soft_glasses.FLOWS)
-    for fraction in soft_glasses.RATES:
+    common = soft_glasses.friction_curve(list(pieces.values()))
+    assert f"the exponent {common.exponent.value:.2f} ± {common.exponent.error:.2f}" in text
+    for fraction in soft_glasses.FITTED:
         fit = soft_glasses.curve(pieces, fraction)
         assert f"m = {fit.exponent.value:.3f} ± {fit.exponent.error:.3f}" in text
         assert f"σ_y = {1e3 * fit.offset.value:.1f} ± {1e3 * fit.offset.error:.1f} mN/m" in text
