@@ -23,7 +23,6 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 from ecume.validation.flow_pieces import kept_values
 from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import read_table
 
 RATES, SEEDS, STRAIN = (0.1, 1.0, 10.0), (1, 2, 3), 10.0
 """Over the rate of the template; of the random start; of each run."""
@@ -125,18 +124,6 @@ def _left_over(template: str, tolerance: float) -> tuple[float, float]:
     first, last = (frame.numbers for frame in simulate(scene))
     gained = {key: last[key] - first[key] for key in ("injected_work", "total_energy", "dissipated_work", "size_work")}
     return last["time_steps"], abs(2.0 * gained["injected_work"] - sum(gained.values()))
-
-
-def computed() -> dict[Run, Piece]:
-    """The pieces of the table `computed.csv`, which were computed with the scenes of this case."""
-    return {
-        Run(row["template"], float(row["factor"]), int(row["seed"])): Piece(
-            float(row["strain"]), float(row["least_pressure"]), float(row["largest_imbalance"]),
-            float(row["asymmetry"]), Mean(float(row["early_stress"]), float(row["early_error"])),
-            Mean(float(row["late_stress"]), float(row["late_error"])),
-        )
-        for row in read_table("packing", "computed")
-    }  # fmt: skip
 
 
 def piece(run: Run, folder: Path = FOLDER) -> Piece:
