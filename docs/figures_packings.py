@@ -12,26 +12,37 @@ from ecume.analysis.series import Mean
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.units import Array
 from ecume.validation import rheology, soft_glasses, suspensions
-from ecume.validation.flow_pieces import Piece, fitted, means_over_seeds
+from ecume.validation.flow_pieces import Piece, fitted, friction, means_over_seeds
 
 MODULUS, VISCOSITY = 5e4, 1.0
 """Pa and Pa s: of both flow curves."""
 
 
 def soft_glass() -> Figure:
-    """The flow curves with elastohydrodynamic films and with the default laws, and their ratios to the fits."""
-    drawn = figure(9.2, 3.9)
-    left, right = drawn.subplots(1, 2)
+    """The flow curves with elastohydrodynamic films and with the default laws, their ratios to the fits, and the
+    friction over the film number.
+    """
+    drawn = figure(11.0, 3.9)
+    left, right, last = drawn.subplots(1, 3)
     glasses, defaults = soft_glasses.computed(), rheology.computed()
-    for fraction, color in zip(soft_glasses.RATES, (PALETTE[1], PALETTE[2]), strict=True):
+    for fraction, color in zip(soft_glasses.RATES, PALETTE[1:4], strict=True):
         found = [glasses[fraction, rate] for rate in soft_glasses.RATES[fraction]]
-        _flow_curve(left, right, found, color, f"elastohydrodynamic, φ = {fraction:.2f}")
+        if fraction in soft_glasses.FITTED:
+            _flow_curve(left, right, found, color, f"elastohydrodynamic, φ = {fraction:.2f}")
+        numbers = [soft_glasses.film_number(one) for one in found]
+        frictions = [friction(one.shear, one.pressure) for one in found]
+        _points(last, numbers, frictions, color, f"φ = {fraction:.2f}")
+    fit, fine = soft_glasses.friction_curve(list(glasses.values())), np.geomspace(2e-5, 2e-2, 100)
+    label = f"exponent {fit.exponent.value:.2f} ± {fit.exponent.error:.2f}"
+    last.plot(fine, fit(fine), color=INK, linewidth=1.0, label=label)
+    last.set(xscale="log", yscale="log", xlabel="film number K", ylabel="friction σ/P")
+    last.legend(fontsize=7)
     _flow_curve(left, right, defaults, PALETTE[0], f"default laws, φ = {rheology.FRACTION:.2f}")
     left.set(xscale="log", yscale="log", xlabel="rate η/E", ylabel="shear stress / (E R)")
-    left.legend()
+    left.legend(fontsize=7)
     right.axhline(1.0, color=INK, linewidth=1.0)
     right.set(xscale="log", xlabel="rate η/E", ylabel="shear stress / fit", ylim=(0.8, 1.2))
-    right.legend()
+    right.legend(fontsize=7)
     return drawn
 
 
@@ -51,21 +62,24 @@ def suspension() -> Figure:
     """Friction over the viscous number, where the viscosity diverges, and thickening above the critical load."""
     pieces = suspensions.computed()
     drawn = figure(10.6, 3.8)
-    friction, divergence, thickening = drawn.subplots(1, 3)
+    sliding, divergence, thickening = drawn.subplots(1, 3)
     smooth = [pieces[flow] for flow in suspensions.DIVERGING["frictionless"]]
     numbers, frictions = zip(*map(suspensions.friction_point, smooth), strict=True)
-    _points(friction, [one.value for one in numbers], frictions, PALETTE[1], "ecume")
+    _points(sliding, [one.value for one in numbers], frictions, PALETTE[1], "ecume")
     fine = np.geomspace(3e-3, 1.0, 100)
     published = np.array([suspensions.published_friction(one) for one in fine])
-    friction.plot(fine, published, color=INK, linewidth=1.0, label="Morris and Boulay")
-    friction.fill_between(fine, 0.8 * published, 1.2 * published, color=MUTED, alpha=0.2, linewidth=0.0, label="± 20 %")
-    friction.plot(fine, _boyer(fine), color=MUTED, linewidth=1.0, linestyle="--", label="Boyer et al. (frictional)")
-    friction.set(xscale="log", yscale="log", xlabel="viscous number J", ylabel="friction μ")
+    sliding.plot(fine, published, color=INK, linewidth=1.0, label="Morris and Boulay")
+    sliding.fill_between(fine, 0.8 * published, 1.2 * published, color=MUTED, alpha=0.2, linewidth=0.0, label="± 20 %")
+    sliding.plot(fine, _boyer(fine), color=MUTED, linewidth=1.0, linestyle="--", label="Boyer et al. (frictional)")
+    sliding.set(xscale="log", yscale="log", xlabel="viscous number J", ylabel="friction μ")
     for law, color in (("frictionless", PALETTE[1]), ("frictional", PALETTE[0])):
         flows = suspensions.DIVERGING[law]
-        fractions, end = [flow.fraction for flow in flows], suspensions.jamming(pieces, law)
-        found = [suspensions.viscosity(pieces[flow]) for flow in flows]
+        fractions, fit = [flow.fraction for flow in flows], suspensions.jamming(pieces, law)
+        found, end = [suspensions.viscosity(pieces[flow]) for flow in flows], fit.fraction
         _points(divergence, fractions, found, color, f"{law}, φ_J = {end.value:.3f} ± {end.error:.3f}")
+        between = np.linspace(fractions[0], fractions[-1] + 0.005, 100)
+        fitted_line = fit.factor.value * (1.0 - between / end.value) ** -fit.exponent.value
+        divergence.plot(between, fitted_line, color=color, linewidth=1.0)
         divergence.axvline(end.value, color=color, linewidth=0.8, linestyle=":")
     divergence.set(yscale="log", xlabel="volume fraction", ylabel="viscosity of the spheres / (η d)")
     found = [suspensions.viscosity(pieces[flow]) for flow in suspensions.THICKENING]
@@ -73,10 +87,10 @@ def suspension() -> Figure:
     smooth_one = suspensions.viscosity(pieces[suspensions.Flow("frictionless", suspensions.DENSE)])
     thickening.axhline(smooth_one.value, color=PALETTE[1], linewidth=1.0, label="frictionless, 0.1/s")
     thickening.set(xscale="log", yscale="log", xlabel="shear rate (1/s)", ylim=(8.0, 500.0))
-    friction.set_title("frictionless spheres", fontsize=9)
+    sliding.set_title("frictionless spheres", fontsize=9)
     divergence.set_title("rate 0.1/s", fontsize=9)
     thickening.set_title(f"φ = {suspensions.DENSE:.2f}", fontsize=9)
-    for axes in (friction, divergence, thickening):
+    for axes in (sliding, divergence, thickening):
         axes.legend(fontsize=7)
     return drawn
 

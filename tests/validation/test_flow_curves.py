@@ -26,6 +26,18 @@ def test_the_readme_states_the_fit_of_the_computed_pieces():
     assert all(name in text for name in missed)
 
 
+def test_the_readme_states_how_the_exponent_depends_on_the_range_and_on_the_pressure():
+    pieces, text = rheology.computed(), (DATA / "rheology" / "README.md").read_text(encoding="utf-8")
+    for count in range(4, len(rheology.RATES) + 1):
+        fit = flow_pieces.fitted([one for one in pieces if one.rate <= rheology.RATES[count - 1]])
+        stress = f"{1e3 * fit.offset.value:.1f} ± {1e3 * fit.offset.error:.1f}"
+        exponent = f"{fit.exponent.value:.3f} ± {fit.exponent.error:.3f}"
+        assert f"| {stress} | {exponent} | {fit.misfit:.1f} |" in text
+    common = rheology.friction_curve(pieces)
+    assert f"{common.exponent.value:.2f} ± {common.exponent.error:.2f}" in text
+    assert f"{common.offset.value:.2f} ± {common.offset.error:.2f}" in text
+
+
 def flowing(calls, count=600):
     noise = np.random.default_rng(1).normal(size=count)
     for step in range(count):

@@ -18,7 +18,9 @@ def readme(name):
 def test_the_readme_of_soft_glasses_states_the_fits():
     pieces, text = soft_glasses.computed(), readme("soft_glasses")
     assert set(pieces) == set(soft_glasses.FLOWS)
-    for fraction in soft_glasses.RATES:
+    common = soft_glasses.friction_curve(list(pieces.values()))
+    assert f"the exponent {common.exponent.value:.2f} ± {common.exponent.error:.2f}" in text
+    for fraction in soft_glasses.FITTED:
         fit = soft_glasses.curve(pieces, fraction)
         assert f"m = {fit.exponent.value:.3f} ± {fit.exponent.error:.3f}" in text
         assert f"σ_y = {1e3 * fit.offset.value:.1f} ± {1e3 * fit.offset.error:.1f} mN/m" in text
@@ -37,8 +39,9 @@ def test_the_readme_of_suspensions_states_jamming_and_thickening():
     pieces, text = suspensions.computed(), readme("suspensions")
     assert set(pieces) == set(suspensions.FLOWS)
     for law in suspensions.DIVERGING:
-        end = suspensions.jamming(pieces, law)
-        assert f"φ_J = {end.value:.3f} ± {end.error:.3f}" in text
+        found = suspensions.jamming(pieces, law)
+        assert f"| {found.fraction.value:.3f} ± {found.fraction.error:.3f} |" in text
+        assert f"| {found.exponent.value:.2f} ± {found.exponent.error:.2f} |" in text
     rows = list(suspensions.rows_of_pieces(pieces))
     assert f"{rows[-1].computed:.1f}" in text
     assert all(row.name.split(",")[0] in text for row in rows if not row.met)
@@ -50,13 +53,31 @@ def flow_of(shear, pressure, difference=0.0):
                  largest_imbalance=0.0)  # fmt: skip
 
 
-def test_a_straight_line_of_the_inverse_root_gives_the_fraction_of_jamming():
+def test_viscosity_and_pressure_give_the_fraction_of_jamming_with_their_own_exponents():
     unit = suspensions.VISCOSITY * suspensions.RATE * suspensions.DIAMETER
     flows = suspensions.DIVERGING["frictionless"]
-    pieces = {flow: flow_of(2.0 * unit * (1.0 - flow.fraction / 0.85) ** -2, 1.0) for flow in flows}
-    end = suspensions.jamming(pieces, "frictionless")
-    assert end.value == pytest.approx(0.85, rel=1e-12)
-    assert 0.0 < end.error < 0.01
+    distance = {flow: 1.0 - flow.fraction / 0.85 for flow in flows}
+    pieces = {flow: flow_of(2.0 * unit * near**-1.5, 0.1 * unit * near**-2.5) for flow, near in distance.items()}
+    for diverging, exponent in ((suspensions.viscosity, 1.5), (suspensions.pressure_viscosity, 2.5)):
+        found = suspensions.jamming(pieces, "frictionless", diverging)
+        assert found.fraction.value == pytest.approx(0.85, rel=1e-6)
+        assert found.exponent.value == pytest.approx(exponent, rel=1e-5)
+        assert 0.0 < found.fraction.error < 0.01
+
+
+def test_a_flow_that_is_not_stationary_is_computed_again_to_twice_the_strain(monkeypatch, tmp_path):
+    ends = []
+
+    def kept(scene, _, folder):
+        assert folder == tmp_path
+        ends.append(scene.duration * suspensions.RATE)
+        return flow_of(1.0, 1.0)._replace(settled=len(ends) != 2)
+
+    monkeypatch.setattr(suspensions, "kept", kept)
+    flow = suspensions.Flow("frictional", 0.68)
+    assert suspensions.piece(flow, tmp_path).settled  # at once
+    assert suspensions.piece(flow, tmp_path).settled  # the second time
+    assert ends == pytest.approx([4.0, 4.0, 7.0])
 
 
 def test_friction_counts_the_liquid_and_the_compression_across_the_planes_of_shear():

@@ -7,6 +7,7 @@ from __future__ import annotations
 import functools
 import inspect
 import math
+import sys
 from collections.abc import Callable, Mapping
 from numbers import Real as RealNumber
 from typing import Any, ParamSpec, TypeVar
@@ -21,14 +22,18 @@ LEAST_BOND_NUMBER = 1e-20
 LARGEST_BOND_NUMBER = 1e3
 SMALLEST = 5e-324
 """The least distance that is not zero: two centers in one place have neither an energy nor a direction."""
+MOST = sys.float_info.max
+"""The largest float."""
 Row = TypeVar("Row")
 Given = ParamSpec("Given")
 
 
 def require_number(name: str, value: float) -> None:
-    """Refuse what is not one real number."""
-    if not isinstance(value, RealNumber):
+    """Refuse what is not one real number: also True and False, and integers beyond any float."""
+    if isinstance(value, bool) or not isinstance(value, RealNumber):
         raise BadInput(f"the {name} is {value!r}; expected a number")
+    if isinstance(value, int) and abs(value) > MOST:
+        raise BadInput(f"the {name} is an integer of {len(str(abs(value)))} digits; expected less than {MOST:.0e}")
 
 
 def require_positive(name: str, value: float, hint: str = "expected a positive number") -> None:

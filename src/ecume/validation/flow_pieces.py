@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -77,15 +78,22 @@ def piece_of(rate: float, seed: int, instants: Sequence[Instant]) -> Piece:
 
 def kept(scene: Scene, rate: float, folder: Path) -> Piece:
     """The piece of a scene that is kept, or that is computed now."""
+    return _read(
+        kept_values(scene, folder, lambda: piece_of(rate, scene.seed, [instant(frame) for frame in simulate(scene)]))
+    )
+
+
+def kept_values(scene: Scene, folder: Path, compute: Callable[[], Sequence[Any]]) -> list[Any]:
+    """What was computed from a scene and is kept, as JSON contains it; else it is computed now."""
     path = folder / f"{digest(scene)}.json"
-    if path.is_file():
-        return _read(json.loads(path.read_text(encoding="utf-8")))
-    found = piece_of(rate, scene.seed, [instant(frame) for frame in simulate(scene)])
-    folder.mkdir(parents=True, exist_ok=True)
-    # Complete or absent: the file takes its name when all of it is written.
-    partial = path.with_suffix(".part")
-    partial.write_text(json.dumps(found), encoding="utf-8")
-    partial.replace(path)
+    if not path.is_file():
+        text = json.dumps(compute())
+        folder.mkdir(parents=True, exist_ok=True)
+        # Complete or absent: the file takes its name when all of it is written.
+        partial = path.with_suffix(".part")
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(path)
+    found: list[Any] = json.loads(path.read_text(encoding="utf-8"))
     return found
 
 
@@ -116,6 +124,12 @@ def fitted(pieces: Sequence[Piece]) -> CurveFit:
     """Herschel and Bulkley's law of the means over seeds."""
     rates, means = means_over_seeds(pieces, lambda one: one.shear)
     return herschel_bulkley(np.array(rates), means)
+
+
+def friction(shear: Mean, pressure: Mean) -> Mean:
+    """The shear stress over the pressure."""
+    ratio = shear.value / pressure.value
+    return Mean(ratio, abs(ratio) * math.hypot(shear.error / shear.value, pressure.error / pressure.value))
 
 
 def means_over_seeds(pieces: Sequence[Piece], value: Callable[[Piece], Mean]) -> tuple[list[float], list[Mean]]:

@@ -1,26 +1,31 @@
-"""Packings of soft spheres that flow: what holds in a stationary shear flow, at three rates and with three seeds."""
+"""Packings of soft spheres that flow: what holds in a stationary shear flow, at three rates and with three seeds, in
+pieces that are kept: one run each, see `flow_pieces`.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib.resources import files
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from ecume.analysis.rheology import stress_tensor
-from ecume.analysis.series import number, series, steady_mean
+from ecume.analysis.rheology import over_seeds, stress_tensor
+from ecume.analysis.series import Mean, number, series, steady_mean
 from ecume.errors import Diverged
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import Scene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
+from ecume.units import Array
+from ecume.validation.flow_pieces import kept_values
 from ecume.validation.rows import Row, above, below, within
 
-RATES, SEEDS = (0.1, 1.0, 10.0), (1, 2, 3)
-"""Over the rate of the template; of the random start."""
+RATES, SEEDS, STRAIN = (0.1, 1.0, 10.0), (1, 2, 3), 10.0
+"""Over the rate of the template; of the random start; of each run."""
 RATE = 0.25
 """1/s, of both templates."""
 CONTROLS = {
@@ -28,41 +33,131 @@ CONTROLS = {
     "pressed-packing": ("protocol[0].shear_rate={rate}",),
 }
 """What the rate and the strain change in each template."""
-FRAMES = 200
+FRAMES, SPHERES = 200, 30
+"""Of a run; of each size."""
 BALANCE, SYMMETRY, CHANGE = 1e-8, 1e-10, 0.05
 """Limits of the force left on a sphere, of the asymmetry of the stress, and of the change of the mean stress."""
+TOLERANCES, SHORT, FEW, ORDER = (1e-4, 1e-6), 0.1, 8, 2.0
+"""Two tolerances of the steps, the strain, and the spheres of each size, with which the energy budget is computed; the
+order of the scheme.
+"""
+FOLDER = Path("packing-pieces")
+
+
+class Run(NamedTuple):
+    """What is sheared."""
+
+    template: str
+    """a key of `CONTROLS`"""
+    factor: float
+    """over the rate of the template"""
+    seed: int
+
+    def __str__(self) -> str:
+        return f"{self.template}, {self.factor:g} x rate, seed {self.seed}"
+
+
+class Piece(NamedTuple):
+    """The numbers of one run."""
+
+    strain: float
+    """that was reached"""
+    least_pressure: float
+    """N/m; this and the two next after a twentieth of the strain"""
+    largest_imbalance: float
+    """of the forces on a sphere, over the typical force"""
+    asymmetry: float
+    """the largest difference of the shear components of the stress, over their mean magnitude"""
+    early: Mean
+    """the mean shear stress over the second quarter of the strain (N/m)"""
+    late: Mean
+    """over the second half"""
+
+
+RUNS = tuple(Run(*one) for one in itertools.product(CONTROLS, RATES, SEEDS))
 
 
 def rows() -> list[Row]:
-    """All runs."""
-    runs = itertools.product(CONTROLS, RATES, SEEDS)
-    return [row for template, factor, seed in runs for row in rows_of(template, factor, seed)]
+    """All runs, what their means have in common, and the energy budget."""
+    pieces = {run: piece(run) for run in RUNS}
+    each = [row for run, one in pieces.items() for row in rows_of(str(run), one)]
+    flows = itertools.product(CONTROLS, RATES)
+    steady = [stationary(*flow, [pieces[Run(*flow, seed)] for seed in SEEDS]) for flow in flows]
+    return [*each, *steady, *map(budget, CONTROLS)]
 
 
-def rows_of(template: str, factor: float, seed: int, strain: float = 10.0, spheres: int = 30) -> Iterator[Row]:
-    """The rows of one run, with so many spheres of each size."""
-    name = f"{template}, {factor:g} x rate, seed {seed}"
-    frames = _frames(_scene(template, factor, seed, strain, spheres))
-    reached = frames[-1].numbers["strain"]
-    yield within(f"{name}: strain", reached, strain, 1e-9 * strain)
+def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
+    """The rows of one run. Where none of its frames is stationary the numbers are none, and their rows not met."""
+    yield within(f"{name}: strain", piece.strain, strain, 1e-9 * strain)
+    yield above(f"{name}: smallest pressure (N/m)", piece.least_pressure, 0.0)
+    yield below(f"{name}: force left on a sphere", piece.largest_imbalance, BALANCE)
+    yield below(f"{name}: asymmetry of the stress", piece.asymmetry, SYMMETRY)
+
+
+def stationary(template: str, factor: float, pieces: Sequence[Piece]) -> Row:
+    """The mean shear stress over the second half of the strain over that over the quarter before, mean over seeds.
+
+    Blocks of a quarter are shorter than the memory of a small packing, so that the scatter over seeds counts as well.
+    """
+    mean = over_seeds([change(one) for one in pieces])
+    name = f"{template}, {factor:g} x rate: stress of the second half / quarter before, ± {mean.error:.3f}"
+    return within(name, mean.value, 1.0, CHANGE + 2.0 * mean.error)
+
+
+def change(piece: Piece) -> Mean:
+    """The later mean stress over the earlier one."""
+    ratio = piece.late.value / piece.early.value
+    return Mean(ratio, ratio * math.hypot(piece.late.error / piece.late.value, piece.early.error / piece.early.value))
+
+
+def budget(template: str) -> Row:
+    """The order with which the error of the energy budget falls when the steps become shorter."""
+    (many, small), (few, large) = (_left_over(template, tolerance) for tolerance in reversed(TOLERANCES))
+    order = math.log(large / small) / math.log(many / few)
+    return above(f"{template}: order of the error of the energy budget", order, 0.9 * ORDER)
+
+
+def _left_over(template: str, tolerance: float) -> tuple[float, float]:
+    """The number of steps, and what the energy budget lacks at the end of a short run (J/m)."""
+    run = Run(template, 1.0, 1)
+    scene = scene_of(run, SHORT, FEW, frames=1, changes=[f"integration.tolerance={tolerance}"])
+    first, last = (frame.numbers for frame in simulate(scene))
+    gained = {key: last[key] - first[key] for key in ("injected_work", "total_energy", "dissipated_work", "size_work")}
+    return last["time_steps"], abs(2.0 * gained["injected_work"] - sum(gained.values()))
+
+
+def piece(run: Run, folder: Path = FOLDER) -> Piece:
+    """A piece that is kept, or one that is computed now."""
+    scene = scene_of(run)
+    reached, least, imbalance, asymmetry, early, late = kept_values(
+        scene, folder, lambda: piece_of(_frames(scene), STRAIN)
+    )
+    return Piece(reached, least, imbalance, asymmetry, Mean(*early), Mean(*late))
+
+
+def piece_of(frames: Sequence[Frame], strain: float) -> Piece:
+    """The numbers of a run that should have reached this strain."""
     flowing = [frame for frame in frames if frame.numbers["strain"] > 0.05 * strain]
+    early, late = (_mean_stress(frames, (low * strain, 2.0 * low * strain)) for low in (0.25, 0.5))
+    reached = frames[-1].numbers["strain"]
     if not flowing:
-        return
-    numbers = [frame.numbers for frame in flowing]
-    yield above(f"{name}: smallest pressure (N/m)", min(one["pressure"] for one in numbers), 0.0)
-    yield below(f"{name}: force left on a sphere", max(one["imbalance"] for one in numbers), BALANCE)
-    yield below(f"{name}: asymmetry of the stress", _asymmetry(flowing), SYMMETRY)
-    if math.isclose(reached, strain):
-        yield _stationary(name, frames, strain)
+        return Piece(reached, math.nan, math.nan, math.nan, early, late)
+    least = min(frame.numbers["pressure"] for frame in flowing)
+    imbalance = max(frame.numbers["imbalance"] for frame in flowing)
+    return Piece(reached, least, imbalance, _asymmetry(flowing), early, late)
 
 
-def _scene(template: str, factor: float, seed: int, strain: float, spheres: int) -> Scene:
-    rate = factor * RATE
+def scene_of(
+    run: Run, strain: float = STRAIN, spheres: int = SPHERES, *, frames: int = FRAMES, changes: Sequence[str] = ()
+) -> Scene:
+    """The template with fewer spheres of each size, and the rate and seed of the run."""
+    rate = run.factor * RATE
     given = {"rate": rate, "strain": strain, "duration": strain / rate}
-    changes = [change.format(**given) for change in CONTROLS[template]]
-    changes += [f"duration={strain / rate}", f"frame_every={strain / rate / FRAMES}", f"seed={seed}"]
-    changes += [f"particles[{kind}].count={spheres}" for kind in range(2)]
-    return load_scene(Path(str(files("ecume") / "templates" / f"{template}.toml")), changes)
+    controls = [control.format(**given) for control in CONTROLS[run.template]]
+    times = [f"duration={strain / rate}", f"frame_every={strain / rate / frames}", f"seed={run.seed}"]
+    counts = [f"particles[{kind}].count={spheres}" for kind in range(2)]
+    path = Path(str(files("ecume") / "templates" / f"{run.template}.toml"))
+    return load_scene(path, [*controls, *times, *counts, *changes])
 
 
 def _frames(scene: Scene) -> list[Frame]:
@@ -76,18 +171,13 @@ def _frames(scene: Scene) -> list[Frame]:
     return frames
 
 
-def _asymmetry(frames: list[Frame]) -> float:
-    """The largest difference of the shear components of the stress, over their mean magnitude."""
+def _asymmetry(frames: Sequence[Frame]) -> float:
     shear = np.array([stress_tensor(frame)[[0, 1], [1, 0]] for frame in frames])
     return float(np.abs(np.diff(shear, axis=1)).max() / np.abs(shear).mean())
 
 
-def _stationary(name: str, frames: list[Frame], strain: float) -> Row:
-    """The mean shear stress over the second half of the strain, beside that over the quarter before."""
-    strains, stress = series(frames, number("strain"), number("shear_stress"))
-    before, after = (
-        steady_mean(stress[(strains > low * strain) & (strains <= high * strain * (1.0 + 1e-9))])
-        for low, high in ((0.25, 0.5), (0.5, 1.0))
-    )
-    tolerance = CHANGE * abs(before.value) + 2.0 * float(np.hypot(before.error, after.error))
-    return within(f"{name}: mean shear stress of the second half (N/m)", after.value, before.value, tolerance)
+def _mean_stress(frames: Sequence[Frame], strains: tuple[float, float]) -> Mean:
+    """The mean shear stress between two strains (N/m); not a number where there are no frames."""
+    strain, stress = series(frames, number("strain"), number("shear_stress"))
+    chosen: Array = stress[(strain > strains[0]) & (strain <= strains[1] * (1.0 + 1e-9))]
+    return steady_mean(chosen) if len(chosen) else Mean(math.nan, math.nan)

@@ -10,11 +10,14 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
+
+from ecume.analysis.rheology import CurveFit, power_fit, viscous_number
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.validation import flow_pieces
-from ecume.validation.flow_pieces import Piece, fitted, kept, sheared, template
+from ecume.validation.flow_pieces import Piece, fitted, friction, kept, means_over_seeds, sheared, template
 from ecume.validation.rows import Row, above, below, within
 
 RATES, SEEDS = (0.025, 0.08, 0.25, 0.8, 2.5, 8.0, 25.0), (1, 2, 3)
@@ -22,6 +25,8 @@ RATES, SEEDS = (0.025, 0.08, 0.25, 0.8, 2.5, 8.0, 25.0), (1, 2, 3)
 SPHERES, FRACTION, STRAIN = 60, 0.87, 10.0
 """In 2D, of two sizes; after a pre-shear to a strain of 1, during which they are compressed from 0.80."""
 START, FRAMES = 0.80, 550
+LIQUID, DIAMETER = 1.0, 2.4e-3
+"""Viscosity (Pa s) and mean diameter (m)."""
 PIECES = Path("rheology-pieces")
 SETH, TOLERANCE = 0.5, 0.05
 """The exponent of Seth et al. with elastohydrodynamic films, and the tolerance."""
@@ -46,6 +51,14 @@ def rows_of_pieces(pieces: Sequence[Piece]) -> Iterator[Row]:
     yield within(name, fit.exponent.value, SETH, TOLERANCE)
     yield above(f"yield stress (N/m), ± {fit.offset.error:.2g}", fit.offset.value, 0.0)
     yield below("misfit of Herschel and Bulkley's law, per degree of freedom", fit.misfit, 3.0)
+
+
+def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
+    """The friction as a power of the viscous number J = eta rate d/P above that of the slowest flows."""
+    rates, shears = means_over_seeds(pieces, lambda one: one.shear)
+    _, pressures = means_over_seeds(pieces, lambda one: one.pressure)
+    numbers = [viscous_number(LIQUID, rate, one.value / DIAMETER) for rate, one in zip(rates, pressures, strict=True)]
+    return power_fit(np.array(numbers), list(map(friction, shears, pressures)))
 
 
 def computed() -> list[Piece]:

@@ -5,17 +5,21 @@ rate, in pieces that are kept: see `flow_pieces`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from ecume.analysis.rheology import CurveFit
+import numpy as np
+
+from ecume.analysis.rheology import FEWEST_POINTS, CurveFit, power_fit
 from ecume.scenes.schema import Scene
 from ecume.validation import flow_pieces
-from ecume.validation.flow_pieces import Piece, fitted, kept, sheared
+from ecume.validation.flow_pieces import Piece, fitted, friction, kept, sheared
 from ecume.validation.rows import Row, above, below, within
 
-RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0)}
-"""1/s, at each volume fraction."""
+RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0), 1.00: (0.8, 4.5, 25.0)}
+"""1/s, at each volume fraction. Soft glasses of the paper are 1.1 to 1.4 times as dense as at jamming; 1.00 is 1.19."""
+FITTED = tuple(fraction for fraction, rates in RATES.items() if len(rates) >= FEWEST_POINTS)
+"""With as many rates as a fit takes."""
 SEED = 1
 """Of the random start."""
 SPHERES, START, STRAIN = 60, 0.80, 6.0
@@ -29,6 +33,8 @@ LIKE = 0.1
 FOLDER = Path("soft-glass-pieces")
 EXPONENT, TOLERANCE = 0.5, 0.05
 """Of the published stress law of soft particle glasses."""
+MODULUS, VISCOSITY, RADIUS = 5e4, 1.0, 1.2e-3
+"""Pa; Pa s; the mean radius (m)"""
 LAWS = ("rotation=false", 'films.interface="elastohydrodynamic"', 'films.prefactors="physical"')
 """Those of the published model: spheres do not rotate, contacts are Hertz's."""
 NUMERICS = ("integration.tolerance=0.01",)
@@ -47,12 +53,16 @@ def rows_of_pieces(pieces: Mapping[tuple[float, float], Piece]) -> Iterator[Row]
     yield above("smallest pressure of all runs (N/m)", min(one.least_pressure for one in every), 0.0)
     yield below("largest force left on a sphere", max(one.largest_imbalance for one in every), 1e-8)
     yield within("runs whose shear stress is stationary", sum(one.settled for one in every), len(every), 0.0)
-    for fraction in RATES:
+    for fraction in FITTED:
         fit, at = curve(pieces, fraction), f"φ = {fraction:g}"
         name = f"exponent at {at}, ± {fit.exponent.error:.3f}; Seth et al.: 0.5"
         yield within(name, fit.exponent.value, EXPONENT, TOLERANCE)
         yield above(f"yield stress at {at} (N/m), ± {fit.offset.error:.2g}", fit.offset.value, 0.0)
         yield below(f"misfit of Herschel and Bulkley's law at {at}, per degree of freedom", fit.misfit, 3.0)
+    common = friction_curve(every)
+    name = f"exponent of the friction over the film number, ± {common.exponent.error:.3f}; of a film: 0.5"
+    yield within(name, common.exponent.value, EXPONENT, TOLERANCE)
+    yield below("misfit of the friction at all volume fractions, per degree of freedom", common.misfit, 3.0)
 
 
 def rows_of_sizes(
@@ -69,6 +79,24 @@ def rows_of_sizes(
 def curve(pieces: Mapping[tuple[float, float], Piece], fraction: float) -> CurveFit:
     """Herschel and Bulkley's law at a volume fraction."""
     return fitted([pieces[fraction, rate] for rate in RATES[fraction]])
+
+
+def film_number(piece: Piece) -> float:
+    """K = (eta rate/E) (P/(E R))^(-2/3), which the ratio of the tangential to the normal force in a film depends on.
+
+    Sliding with u transmits T ~ sqrt(eta u N a). In a Hertzian contact a ~ R (N/(E R^2))^(1/3); with u ~ rate R and
+    N ~ P R in 2D, T/N ~ sqrt(eta u a/N) ~ sqrt(K). At constant area the pressure, and with it N, grows with the rate.
+    """
+    pressure = piece.pressure.value / (MODULUS * RADIUS)
+    return VISCOSITY * piece.rate / MODULUS / math.cbrt(pressure) ** 2
+
+
+def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
+    """Friction as a power of the film number above that of the slowest flows, at all volume fractions together."""
+    ordered = sorted(pieces, key=film_number)
+    return power_fit(
+        np.array([film_number(one) for one in ordered]), [friction(one.shear, one.pressure) for one in ordered]
+    )
 
 
 def computed(name: str = "computed") -> dict[tuple[float, float], Piece]:

@@ -126,37 +126,45 @@ def _forces(reduced: float | None, ratio: float | None, forces: tuple[float, flo
     """(F_h, F_v) in E R^2."""
     if (reduced is None) == (forces is None):
         raise BadInput("expected either reduced_force or forces; got " + ("neither" if forces is None else "both"))
-    if forces is None:
-        require_positive("reduced_force", reduced or 0.0)
+    if reduced is not None:
+        require_positive("reduced_force", reduced)
         inward = 0.0 if ratio is None else ratio
         require_finite("force_ratio", inward)
         if abs(inward - 1.0 / SQRT3) < EQUAL:
             raise BadInput("force_ratio is 1/sqrt(3): nothing pulls at the horizontal film; expected another")
-        vertical = (reduced or 0.0) / abs(inward - 1.0 / SQRT3)
+        vertical = reduced / abs(inward - 1.0 / SQRT3)
         return inward * vertical, vertical
     if ratio is not None:
         raise BadInput(f"force_ratio is {ratio!r}, but forces give both forces; expected one of the two")
-    if not isinstance(forces, (Sequence, np.ndarray)) or isinstance(forces, str) or len(forces) != 2:
+    both = _items(forces)
+    if both is None or len(both) != 2:
         raise BadInput(f"forces are {forces!r}; expected two numbers, F_h and F_v")
-    for name, force in zip(("F_h of forces", "F_v of forces"), forces, strict=True):
+    for name, force in zip(("F_h of forces", "F_v of forces"), both, strict=True):
         require_finite(name, force)
-    if abs(forces[0] - forces[1] / SQRT3) <= EQUAL * abs(forces[1]):
+    if abs(both[0] - both[1] / SQRT3) <= EQUAL * abs(both[1]):
         raise BadInput(f"forces are {forces!r}; expected F_h different from F_v/sqrt(3)")
-    return float(forces[0]), float(forces[1])
+    return float(both[0]), float(both[1])
+
+
+def _items(value: object) -> tuple[float, ...] | None:
+    """The items of a sequence or of a vector; none of anything else."""
+    listed = isinstance(value, Sequence) and not isinstance(value, str | bytes)
+    vector = isinstance(value, np.ndarray) and value.ndim == 1
+    return tuple(cast("Sequence[float]", value)) if listed or vector else None
 
 
 def _thresholds(threshold: float | Sequence[float]) -> tuple[float, ...]:
     """In the given order."""
-    several = isinstance(threshold, (Sequence, np.ndarray)) and not isinstance(threshold, str)
-    found = cast("tuple[float, ...]", tuple(cast("Sequence[float]", threshold)) if several else (threshold,))
+    several = _items(threshold)
+    found = cast("tuple[float, ...]", (threshold,)) if several is None else several
     if not found:
         raise BadInput("threshold is empty; expected a number between 0 and 1, or several")
-    if len(set(found)) < len(found):
-        raise BadInput(f"threshold is {found!r}; expected different numbers")
     for one in found:
         require_number("threshold", one)
         if not 0.0 < one < 1.0:
             raise BadInput(f"the threshold is {one!r}; expected a part of the force, between 0 and 1")
+    if len(set(found)) < len(found):
+        raise BadInput(f"threshold is {found!r}; expected different numbers")
     return found
 
 
