@@ -87,7 +87,7 @@ def rows() -> list[Row]:
 
 
 def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
-    """The rows of one run. Where none of its frames is stationary the numbers are none, and their rows not met."""
+    """The rows of one run. If it ends too early, its numbers are NaN, and their rows are not met."""
     yield within(f"{name}: strain", piece.strain, strain, 1e-9 * strain)
     yield above(f"{name}: smallest pressure (N/m)", piece.least_pressure, 0.0)
     yield below(f"{name}: force left on a sphere", piece.largest_imbalance, BALANCE)
