@@ -1,4 +1,4 @@
-"""What a wall takes from liquid that hits it: the dissipative pressure of a Riemann problem at the wall, over all of it.
+"""Impacts of liquid on a wall: the dissipative pressure of the Riemann problem there, summed over the whole wall.
 
 A sum over images has one image for each particle that arrives: too little for the tip of a jet, of one or two
 particles, which then stops elastically in a water hammer of rho c u. The wall itself fills its half-space.

@@ -13,9 +13,9 @@ from ecume.engine.cells import Integers
 from ecume.engine.shapes import Ball, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws.kernels import kernel
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
-from ecume.laws.kernels import kernel
 from ecume.models.sph.setup.choices import color_reach_of, free_surface, pressure_of
 from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
@@ -189,7 +189,9 @@ def guard_of(scene: SphScene, support: float) -> Guard:
     normal, tangential = (np.array([_own(scene, spec, key) for spec in own]) for key in COEFFICIENTS)
     packed = sheet(walls, normal, tangential)
     reach = STANDOFF * scene.spacing * (scene.tank.walls != "reflect")
-    return Guard(packed, np.array(owner, np.int64), OFF * scene.spacing, reach, support, braking_weights(scene, support))
+    return Guard(
+        packed, np.array(owner, np.int64), OFF * scene.spacing, reach, support, braking_weights(scene, support)
+    )
 
 
 PLANES = 129
