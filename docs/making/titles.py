@@ -90,6 +90,7 @@ TITLES = {
     "laws.tension": "Surface tension between particles",
     "laws.time_step_limits": "Time step limits",
     "laws.viscous": "Viscous forces",
+    "laws.wall_impact": "Impacts on walls",
     "laws.wall_repulsion": "Wall repulsion",
     "laws.waves": "Exact waves",
     "analysis.gauges": "Gauges",

@@ -164,5 +164,6 @@ Positions are relative to the planes of the mirrored walls ({planes or "none"}).
 - Density diffusion: Molteni's, with the diffusivity of the scene's `method.diffusion_coefficient`. ecume subtracts the
   hydrostatic part.
 - Laminar viscosity: that of RHEO, with the viscosity of the scene.
+- Impacts on walls: not braked; the first particles of a jet have higher pressures.
 - Time: steps of {tank.parameters.time_step:.4g} s, half of those of ecume. LAMMPS does not divide steps.
 """

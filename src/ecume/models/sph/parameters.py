@@ -26,6 +26,10 @@ class Guard(NamedTuple):
     """m, distance from the surface to which particles are reflected"""
     reach: float
     """m, range of the repulsion; zero if walls only reflect"""
+    support: float
+    """m, range of the braking"""
+    weights: Array
+    """1/m, the kernel summed over planes at even distances from zero to the support; none: no braking"""
 
 
 class Material(NamedTuple):

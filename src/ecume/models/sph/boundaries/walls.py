@@ -182,12 +182,12 @@ def repelled_by_wall(parameters: Parameters, state: State, owner: int) -> Repell
     """Particles repelled by a wall or an obstacle."""
     guard, push = parameters.boundary.guard, np.zeros_like(state.position)
     if guard.reach > 0.0:
-        repel(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
+        repel(state.position, *sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
     who = np.flatnonzero(push.any(axis=0))
     return Repelled(owner, who, push[:, who])
 
 
-def _sheet_of(guard: Guard, owner: int) -> Sheet:
+def sheet_of(guard: Guard, owner: int) -> Sheet:
     """The surfaces of one wall or obstacle, with the ranges of an obstacle's planes renumbered."""
     mine = np.flatnonzero(guard.owner == owner)
     kind = guard.sheet.kind[mine].copy()

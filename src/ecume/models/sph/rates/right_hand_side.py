@@ -10,6 +10,7 @@ from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, tota
 from ecume.models.sph.boundaries.open_boundaries import hold_buffers
 from ecume.models.sph.boundaries.prescribed_motion import instant
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay
+from ecume.models.sph.boundaries.wall_impacts import brake_at_walls
 from ecume.models.sph.boundaries.walls import repel_from_bodies, repel_from_walls
 from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.parameters import Parameters
@@ -124,6 +125,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         parameters.friction.loop(*_summed(parameters, workspace), rates.table)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     repel_from_walls(parameters, state)
+    brake_at_walls(parameters, state)
     _push_bodies(parameters, state, workspace)
     if parameters.tension != "none":
         add_surface_tension(parameters, state, workspace)

@@ -35,6 +35,7 @@ from ecume.laws.enthalpy import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
 from ecume.models.sph.boundaries.rigid_bodies import energy_of_bodies
+from ecume.models.sph.boundaries.wall_impacts import braked_by_wall
 from ecume.models.sph.boundaries.walls import repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
@@ -219,9 +220,10 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
     side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
     near = np.flatnonzero(product(normal, state.position - place[:, None]) < now.support)
-    few = state._replace(position=np.ascontiguousarray(state.position[:, near]), mass=state.mass[near])
-    leaning = repelled_by_wall(now, few, side)
-    force = np.sum(leaning.push * few.mass[leaning.who], axis=1)
+    position, moving = (np.ascontiguousarray(vectors[:, near]) for vectors in (state.position, state.velocity))
+    few = state._replace(position=position, velocity=moving, mass=state.mass[near])
+    pushed = repelled_by_wall(now, few, side), braked_by_wall(now, few, side)
+    force = np.sum([np.sum(each.push * few.mass[each.who], axis=1) for each in pushed], axis=0)
     for axis in np.flatnonzero(velocity):
         force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
     return dot(force, velocity)

@@ -11,6 +11,7 @@ from ecume.laws.states import tait_pressure
 from ecume.models.invariants import INJECTED
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
+from ecume.models.sph.boundaries.wall_impacts import all_braked
 from ecume.models.sph.boundaries.walls import Repelled, all_repelled, energy_of, repulsion_load
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Parameters
@@ -91,7 +92,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     still = parameters.gravity
     parameters = instant(parameters, state)
     leaning = all_repelled(parameters, state)
-    solid, units = of_solids(parameters, state, workspace, leaning)
+    solid, units = of_solids(parameters, state, workspace, [*leaning, *all_braked(parameters, state)])
     propped = sum(energy_of(parameters, state, each) for each in leaning)
     state = liquid_alone(parameters, state)
     order = np.argsort(state.identity)
@@ -147,7 +148,7 @@ def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -
 
 
 def of_solids(
-    parameters: Parameters, state: State, workspace: Workspace, leaning: list[Repelled]
+    parameters: Parameters, state: State, workspace: Workspace, pushed: list[Repelled]
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Forces and torques on walls, obstacles and bodies, hits of the guard, and poses of bodies, with units. In 2D
     forces are per meter of depth, and torques about z.
@@ -155,10 +156,10 @@ def of_solids(
     fill(parameters, state, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
-    more = {parameters.boundary.names[each.owner]: repulsion_load(parameters, state, each) for each in leaning}
+    more = [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]
     for name, force, torque in loads(parameters, workspace):
-        if name in more:
-            force, torque = force + more[name][0], torque + more[name][1]
+        force = sum((own for owner, own, _ in more if owner == name), start=force)
+        torque = sum((own for owner, _, own in more if owner == name), start=torque)
         numbers |= {f"{name}_force_{axis}": float(force[k]) for k, axis in enumerate(axes)}
         numbers |= {f"{name}_torque_{axis}": float(torque["xyz".index(axis)]) for axis in turns}
         units |= dict.fromkeys((key for key in numbers if key.startswith(f"{name}_force")), "N")

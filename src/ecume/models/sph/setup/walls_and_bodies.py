@@ -13,9 +13,10 @@ from ecume.engine.cells import Integers
 from ecume.engine.shapes import Ball, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws.kernels import kernel
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
-from ecume.models.sph.setup.choices import color_reach_of
+from ecume.models.sph.setup.choices import color_reach_of, free_surface, pressure_of
 from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array
@@ -39,7 +40,7 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
     centers = np.zeros((len(names), 3))
     centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
     dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
-    return Boundary(sides, table, image_owner, dummies, guard_of(scene), names, centers)
+    return Boundary(sides, table, image_owner, dummies, guard_of(scene, support), names, centers)
 
 
 def require_long_periods(scene: SphScene, support: float) -> None:
@@ -170,7 +171,7 @@ break.
 """
 
 
-def guard_of(scene: SphScene) -> Guard:
+def guard_of(scene: SphScene, support: float) -> Guard:
     """All sides that are walls, and all obstacles."""
     pieces, owner, own = [], list[int](), list[Any]()
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
@@ -188,7 +189,25 @@ def guard_of(scene: SphScene) -> Guard:
     normal, tangential = (np.array([_own(scene, spec, key) for spec in own]) for key in COEFFICIENTS)
     packed = sheet(walls, normal, tangential)
     reach = STANDOFF * scene.spacing * (scene.tank.walls != "reflect")
-    return Guard(packed, np.array(owner, np.int64), OFF * scene.spacing, reach)
+    return Guard(
+        packed, np.array(owner, np.int64), OFF * scene.spacing, reach, support, braking_weights(scene, support)
+    )
+
+
+PLANES = 129
+"""Distances at which the kernel is summed over planes."""
+
+
+def braking_weights(scene: SphScene, support: float) -> Array:
+    """The kernel summed over planes up to the support (1/m); none where there are no impacts with sound, nor in scenes
+    that give zero artificial viscosity.
+    """
+    hits = pressure_of(scene).compressible and free_surface(scene) and scene.tank.walls != "reflect"
+    if not hits or scene.method.artificial_viscosity == 0.0:
+        return np.empty(0)
+    shape = kernel(scene.method.kernel, dim=len(scene.tank.low))
+    found: Array = np.asarray(shape.over_plane(np.linspace(0.0, shape.support, PLANES))) * (shape.support / support)
+    return found
 
 
 COEFFICIENTS = ("restitution", "tangential_restitution")
