@@ -8,7 +8,7 @@ hands back. `SYSTEMS` has a row for each model: its parameters, its commands, an
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -16,8 +16,10 @@ import numpy as np
 
 from ecume.errors import BadInput, Diverged
 from ecume.lammps import floats_in_engine, tanks_in_engine
+from ecume.lammps.expressible import FLOATS, Expressible, require_expressible
 from ecume.lammps.process import Lammps
 from ecume.lammps.program import Program, program
+from ecume.lammps.tanks import TANKS
 from ecume.models.engines import LAMMPS, Engine
 from ecume.models.model import DIVERGED, DONE, Model
 from ecume.trajectories.frame import Frame
@@ -31,6 +33,8 @@ BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 class System(NamedTuple):
     """How LAMMPS integrates the states of one model."""
 
+    expressible: Sequence[Expressible]
+    """what a scene must not contain"""
     parameters: Callable[[Any], Any]
     """parameters(scene), with LAMMPS's time step. Raises SceneError for what LAMMPS cannot express"""
     commands: Callable[[Any, Any, Any], tuple[Mapping[str, str], str]]
@@ -49,6 +53,7 @@ class System(NamedTuple):
 
 SYSTEMS: Mapping[str, System] = {
     "floating": System(
+        expressible=FLOATS,
         parameters=floats_in_engine.parameters,
         commands=floats_in_engine.commands,
         columns=floats_in_engine.COLUMNS,
@@ -57,6 +62,7 @@ SYSTEMS: Mapping[str, System] = {
         invariants=floats_in_engine.invariants,
     ),
     "sph": System(
+        expressible=TANKS,
         parameters=tanks_in_engine.parameters,
         commands=tanks_in_engine.commands,
         columns=tanks_in_engine.COLUMNS,
@@ -119,6 +125,18 @@ def _refused(laws: Any) -> Model:
     raise BadInput("--engine lammps: got user-defined laws; expected none, or --engine local")
 
 
+def system_of(name: str) -> System:
+    """The row of a model. Raises BadInput for a model that LAMMPS cannot simulate."""
+    if name not in SYSTEMS:
+        raise BadInput(f"--engine lammps: got a scene of the model {name}; expected one of: {', '.join(SYSTEMS)}")
+    return SYSTEMS[name]
+
+
+def require_simulable(scene: Any) -> None:
+    """Raise BadInput or SceneError for a scene that LAMMPS cannot simulate."""
+    require_expressible(scene, system_of(scene.model).expressible)
+
+
 @contextmanager
 def lammps_engine(ranks: int = 1) -> Iterator[Engine]:
     """LAMMPS on so many ranks, for `RunOptions.engine`, while the block lasts. Raises BadInput where it is missing."""
@@ -127,10 +145,7 @@ def lammps_engine(ranks: int = 1) -> Iterator[Engine]:
     opened: list[_Open] = []
 
     def model_of(model: Model) -> Model:
-        if model.name not in SYSTEMS:
-            known = ", ".join(SYSTEMS)
-            raise BadInput(f"--engine lammps: got a scene of the model {model.name}; expected one of: {known}")
-        system = SYSTEMS[model.name]
+        system = system_of(model.name)
         own = _Open(system, model, started, ranks)
         opened.append(own)
         return dataclasses.replace(

@@ -21,13 +21,14 @@ from ecume.models.floating.walls.wall_laws import DISH, NO_WALL_LAW, PLANE
 from ecume.units import Array
 
 ROUNDED = 5.0
-"""Capillary lengths over which the distance s = sqrt(r^2 + (5 L)^2) is rounded off at the center; fits are shortest with it."""
+"""b of s^2 = r^2 + (b L)^2, in which the fit of the meniscus has few terms."""
 
 ERROR = 5e-10
 """Largest relative error of the fitted meniscus of a dish."""
 
 SHORTEST, LONGEST = 4, 20
 """Degree of the fit."""
+
 
 class Formula(NamedTuple):
     """A force on atoms as formulas."""
