@@ -8,7 +8,7 @@ hands back. `SYSTEMS` has a row for each model: its parameters, its commands, an
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -16,10 +16,9 @@ import numpy as np
 
 from ecume.errors import BadInput, Diverged
 from ecume.lammps import floats_in_engine, tanks_in_engine
-from ecume.lammps.expressible import FLOATS, Expressible, require_expressible
+from ecume.lammps.expressible import require_simulable
 from ecume.lammps.process import Lammps
 from ecume.lammps.program import Program, program
-from ecume.lammps.tanks import TANKS
 from ecume.models.engines import LAMMPS, Engine
 from ecume.models.model import DIVERGED, DONE, Model
 from ecume.trajectories.frame import Frame
@@ -33,8 +32,8 @@ BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 class System(NamedTuple):
     """How LAMMPS integrates the states of one model."""
 
-    expressible: Sequence[Expressible]
-    """what a scene must not contain"""
+    require: Callable[[Any], None]
+    """require(scene) raises SceneError for what LAMMPS cannot simulate"""
     parameters: Callable[[Any], Any]
     """parameters(scene), with LAMMPS's time step. Raises SceneError for what LAMMPS cannot express"""
     commands: Callable[[Any, Any, Any], tuple[Mapping[str, str], str]]
@@ -53,7 +52,7 @@ class System(NamedTuple):
 
 SYSTEMS: Mapping[str, System] = {
     "floating": System(
-        expressible=FLOATS,
+        require=require_simulable,
         parameters=floats_in_engine.parameters,
         commands=floats_in_engine.commands,
         columns=floats_in_engine.COLUMNS,
@@ -62,7 +61,7 @@ SYSTEMS: Mapping[str, System] = {
         invariants=floats_in_engine.invariants,
     ),
     "sph": System(
-        expressible=TANKS,
+        require=tanks_in_engine.require,
         parameters=tanks_in_engine.parameters,
         commands=tanks_in_engine.commands,
         columns=tanks_in_engine.COLUMNS,
@@ -132,9 +131,9 @@ def system_of(name: str) -> System:
     return SYSTEMS[name]
 
 
-def require_simulable(scene: Any) -> None:
+def require_runnable(scene: Any) -> None:
     """Raise BadInput or SceneError for a scene that LAMMPS cannot simulate."""
-    require_expressible(scene, system_of(scene.model).expressible)
+    system_of(scene.model).require(scene)
 
 
 @contextmanager

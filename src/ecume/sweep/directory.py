@@ -198,9 +198,9 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
     """What the plan of a run in LAMMPS has in addition. Raises BadInput for scenes that LAMMPS cannot simulate."""
-    from ecume.lammps.engine import require_simulable
+    from ecume.lammps.engine import require_runnable
 
-    require_simulable(scene)
+    require_runnable(scene)
     return {"engine": spec.engine, "ranks": spec.ranks}
 
 
