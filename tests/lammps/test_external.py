@@ -61,8 +61,7 @@ def worst(found: Array, expected: Array) -> float:
 
 
 @in_lammps
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize(("place", "ranks"), [("profile", 1), ("image", 2), ("cell", 2)])
 def test_forces_in_lammps_are_ours(place: str, ranks: int) -> None:
     scene = sizes(place)
     parameters = floats_in_engine.parameters(scene)
