@@ -12,8 +12,10 @@ from ecume.lammps.engine import lammps_engine
 from ecume.lammps.expressible import faults_of
 from ecume.lammps.tank_script import setup_text
 from ecume.lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, tank_of
+from ecume.laws.kernels.shapes import quintic_spline_value
 from ecume.laws.wall_repulsion import standoff_push
 from ecume.models.sph.boundaries.walls import speed_of
+from ecume.models.sph.setup.choices import kernel_of, smoothing_of
 from ecume.run import RunOptions, info, run
 from ecume.scenes.load import load_scene
 from ecume.scenes.sph import SphScene
@@ -56,6 +58,16 @@ def test_images_fill_a_box_of_twice_the_size() -> None:
     assert box_of(deck)[0] == pytest.approx((-30.0, 30.0))
     assert box_of(deck)[1][1] > deck.position[:, 1].max() + deck.reach
     assert deck.mass == pytest.approx(1.0, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["wendland-c2", "quintic-spline", "cubic-spline"])
+def test_the_kernel_of_the_deck_has_the_standard_deviation_of_ours(name: str) -> None:
+    scene = tank(method=f'kernel = "{name}"')
+    deck, ours = tank_of(scene), kernel_of(scene)
+    q = np.linspace(0.0, 3.0, 30_001)
+    weight = quintic_spline_value(q) * q
+    deviation = deck.reach / 3.0 * np.sqrt(0.5 * (weight * q * q).sum() / weight.sum())
+    assert deviation == pytest.approx(ours.standard_deviation * smoothing_of(scene) / deck.length, rel=1e-6)
 
 
 def test_periodic_and_open_sides_have_no_images() -> None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ecume.errors import BadInput, Diverged
 from ecume.lammps import floats_in_engine, tanks_in_engine
+from ecume.lammps.expressible import require_simulable
 from ecume.lammps.process import Lammps
 from ecume.lammps.program import Program, program
 from ecume.models.engines import LAMMPS, Engine
@@ -31,6 +32,8 @@ BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 class System(NamedTuple):
     """How LAMMPS integrates the states of one model."""
 
+    require: Callable[[Any], None]
+    """require(scene) raises SceneError for what LAMMPS cannot simulate"""
     parameters: Callable[[Any], Any]
     """parameters(scene), with LAMMPS's time step. Raises SceneError for what LAMMPS cannot express"""
     commands: Callable[[Any, Any, Any], tuple[Mapping[str, str], str]]
@@ -49,6 +52,7 @@ class System(NamedTuple):
 
 SYSTEMS: Mapping[str, System] = {
     "floating": System(
+        require=require_simulable,
         parameters=floats_in_engine.parameters,
         commands=floats_in_engine.commands,
         columns=floats_in_engine.COLUMNS,
@@ -57,6 +61,7 @@ SYSTEMS: Mapping[str, System] = {
         invariants=floats_in_engine.invariants,
     ),
     "sph": System(
+        require=tanks_in_engine.require,
         parameters=tanks_in_engine.parameters,
         commands=tanks_in_engine.commands,
         columns=tanks_in_engine.COLUMNS,
@@ -119,6 +124,18 @@ def _refused(laws: Any) -> Model:
     raise BadInput("--engine lammps: got user-defined laws; expected none, or --engine local")
 
 
+def system_of(name: str) -> System:
+    """The row of a model. Raises BadInput for a model that LAMMPS cannot simulate."""
+    if name not in SYSTEMS:
+        raise BadInput(f"--engine lammps: got a scene of the model {name}; expected one of: {', '.join(SYSTEMS)}")
+    return SYSTEMS[name]
+
+
+def require_runnable(scene: Any) -> None:
+    """Raise BadInput or SceneError for a scene that LAMMPS cannot simulate."""
+    system_of(scene.model).require(scene)
+
+
 @contextmanager
 def lammps_engine(ranks: int = 1) -> Iterator[Engine]:
     """LAMMPS on so many ranks, for `RunOptions.engine`, while the block lasts. Raises BadInput where it is missing."""
@@ -127,10 +144,7 @@ def lammps_engine(ranks: int = 1) -> Iterator[Engine]:
     opened: list[_Open] = []
 
     def model_of(model: Model) -> Model:
-        if model.name not in SYSTEMS:
-            known = ", ".join(SYSTEMS)
-            raise BadInput(f"--engine lammps: got a scene of the model {model.name}; expected one of: {known}")
-        system = SYSTEMS[model.name]
+        system = system_of(model.name)
         own = _Open(system, model, started, ranks)
         opened.append(own)
         return dataclasses.replace(

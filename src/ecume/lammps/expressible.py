@@ -45,6 +45,8 @@ class Expressible(NamedTuple):
     """whether a deck can express this value"""
     expected: str
     reason: str
+    external: bool = False
+    """whether runs can call our forces instead, through `fix external`"""
 
 
 def _names(*names: str) -> Callable[[Any], bool]:
@@ -122,7 +124,7 @@ FLOATS = (
     Expressible("particles.magnetic_moment", lambda scene: int((moments_of(scene) != 0.0).sum()), _zero,
                 "none with a magnetic moment", "the tables hold the capillary law alone"),
     Expressible("particles", lambda scene: len(distinct_kinds(scene)[0]), lambda count: count <= MOST_KINDS,
-                f"at most {MOST_KINDS} kinds of floats", "each pair of kinds has its own table"),
+                f"at most {MOST_KINDS} kinds of floats", "each pair of kinds has its own table", external=True),
     Expressible("integration.integrator", _overdamped_kinds, lambda count: count <= MOST_GROUPS,
                 f"at most {MOST_GROUPS} kinds of overdamped floats", "each kind has a group, and LAMMPS has no more"),
     Expressible("user_laws", lambda scene: len(scene.user_laws), _zero,
@@ -137,11 +139,11 @@ FLOATS = (
     Expressible("waves", _waves, NONE, "none", "LAMMPS has no such forces"),
     Expressible("activity", _active, NONE, "none", "LAMMPS has no such forces with persistence"),
     Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",
-                "a formula of LAMMPS has no table over two coordinates"),
+                "a formula of LAMMPS has no table over two coordinates", external=True),
     Expressible("dish.law", _of_dish("law", "none"), _names("meniscus", "linear", "none"),
-                "meniscus, linear or none", "the deck contains formulas of far fields only"),
+                "meniscus, linear or none", "the deck contains formulas of far fields only", external=True),
     Expressible("dish.image", _of_dish("image", "none"), NONE,
-                "none", "the deck contains formulas of far fields only"),
+                "none", "the deck contains formulas of far fields only", external=True),
     Expressible("dish.shape", shape_of, _names("none", "round", "rectangle"),
                 "round or rectangle", "other walls have no region in the deck"),
     Expressible("dish.motion", _motion, NONE, "a dish at rest",
@@ -172,3 +174,17 @@ def require_expressible(scene: Any, rows: Sequence[Expressible] = FLOATS) -> Non
     """Raise SceneError with everything that a deck cannot express."""
     if faults := faults_of(scene, rows):
         raise SceneError(faults)
+
+
+def calls_us(scene: FloatingScene) -> bool:
+    """Whether LAMMPS has to call our forces, and can: floats with inertia and without friction of contacts."""
+    missing = {fault.path for fault in faults_of(scene)}
+    lifted = {row.path for row in FLOATS if row.external}
+    inertia = scene.integration.integrator != "overdamped"
+    return bool(missing) and missing <= lifted and inertia and not scene.rubs
+
+
+def require_simulable(scene: FloatingScene) -> None:
+    """Raise SceneError with everything that runs in LAMMPS cannot express."""
+    if not calls_us(scene):
+        require_expressible(scene)

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ecume.lammps.data_file import data_text
-from ecume.lammps.expressible import require_expressible
+from ecume.lammps.expressible import calls_us, require_simulable
+from ecume.lammps.host import SCENE
 from ecume.lammps.numbers import numbers_of, parameters_for
 from ecume.lammps.pair_tables import pair_tables, text_of
-from ecume.lammps.script import DATA, TABLES, setup_text
+from ecume.lammps.script import DATA, TABLES, external_text, setup_text
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import DEEPEST, State
 from ecume.models.floating.time_integration.energy_budget import is_driven
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
 from ecume.models.limits import within_steps
+from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -28,13 +33,16 @@ UNKNOWN = ("angle", "collisions", "contact_sweeps", "unconverged_steps")
 
 def parameters(scene: FloatingScene) -> Parameters:
     """The parameters of a scene with springs as contacts. Raises SceneError for what LAMMPS cannot express."""
-    require_expressible(scene)
+    require_simulable(scene)
     return within_steps(scene, parameters_for(scene))
 
 
 def commands(scene: FloatingScene, parameters: Parameters, state: State) -> tuple[dict[str, str], str]:
     """The files and commands with which LAMMPS continues from a state."""
     deck = numbers_of(scene, parameters, state)
+    if calls_us(scene):
+        alike = deck._replace(kinds=deck.kinds[:1], kind=np.zeros_like(deck.kind))
+        return {DATA: data_text(alike), SCENE: json.dumps(to_plain(scene))}, external_text(alike)
     tables = list(pair_tables(deck))
     files = {DATA: data_text(deck), **({TABLES: "".join(map(text_of, tables))} if tables else {})}
     return files, setup_text(deck, tables)

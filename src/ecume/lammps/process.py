@@ -18,6 +18,7 @@ from pathlib import Path
 
 from ecume.errors import BadInput, Diverged, EcumeError
 from ecume.lammps.binary_dump import read_dump
+from ecume.lammps.host import SCENE
 from ecume.lammps.program import Program
 from ecume.units import Array
 
@@ -36,7 +37,7 @@ class Lammps:
     """An open LAMMPS."""
 
     def __init__(self, program: Program, ranks: int, files: Mapping[str, str]) -> None:
-        """Start LAMMPS in a private folder with these files."""
+        """Start LAMMPS in a private folder with these files; a scene among them is one whose forces it calls."""
         self._folder = tempfile.TemporaryDirectory(prefix="ecume-lammps-", ignore_cleanup_errors=True)
         self._count, self._lines = 0, [""]
         self.version = ""
@@ -44,7 +45,7 @@ class Lammps:
             (Path(self._folder.name) / name).write_text(text, encoding="utf-8")
         # A separate session: Ctrl-C reaches ecume only, which then fetches the state for a checkpoint.
         self._process = subprocess.Popen(  # noqa: S603  # an executable that the user has installed or named
-            program.words(ranks),
+            program.words(ranks, calls_us=SCENE in files),
             cwd=self._folder.name,
             env=dict(program.environment),
             stdin=subprocess.PIPE,

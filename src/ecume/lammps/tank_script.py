@@ -157,7 +157,7 @@ Positions are relative to the planes of the mirrored walls ({planes or "none"}).
 
 ## Approximated
 
-- Kernel: the quintic spline of RHEO with the support of the scene's kernel.
+- Kernel: the quintic spline of RHEO with the standard deviation of the scene's kernel.
 - Mass: all particles have the mean one. In ecume, particles that start under pressure are heavier, by less than 1 %.
 - Artificial viscosity: the same coefficient, but only for the part of the relative velocity that the velocity gradient
   does not explain.

@@ -18,12 +18,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume.lammps.expressible import Expressible
+from ecume.laws.kernels import kernel
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.record import checked_parameters, start
 from ecume.models.sph.setup.choices import (
     artificial_viscosity_of,
     filled,
+    kernel_of,
     shifting_of,
     sides_of,
     smoothing_of,
@@ -40,6 +42,9 @@ if TYPE_CHECKING:
 
 SHORTER = 2
 """Steps per step of ecume: LAMMPS does not divide steps when forces are large."""
+
+QUINTIC = "quintic-spline"
+"""The kernel of the deck."""
 
 WALL, OPEN, PERIODIC = "wall", "open", "periodic"
 
@@ -137,6 +142,7 @@ class Tank(NamedTuple):
     time: float
     """s: in which sound moves by one spacing"""
     reach: float
+    """of the kernel of the deck"""
     artificial_viscosity: float
     viscosity: float
     diffusivity: float
@@ -174,7 +180,7 @@ def tank_of(scene: SphScene, parameters: Parameters | None = None, state: State 
         mass=float(state.mass.mean()) / (material.density * length**parameters.dimension),
         length=length,
         time=time,
-        reach=parameters.support / length,
+        reach=reach_of(scene) / length,
         artificial_viscosity=artificial_viscosity_of(scene),
         viscosity=(filled(scene.liquid).viscosity or 0.0) / (material.density * material.sound_speed * length),
         diffusivity=scene.method.diffusion_coefficient * smoothing_of(scene) / length,
@@ -185,6 +191,15 @@ def tank_of(scene: SphScene, parameters: Parameters | None = None, state: State 
         steps=last_step(scene, parameters.steps_per_frame),
         steps_per_frame=parameters.steps_per_frame,
     )
+
+
+def reach_of(scene: SphScene) -> float:
+    """The support (m) of the quintic spline that has the standard deviation of the scene's kernel.
+
+    With the same support it would be narrower by an eighth, and the front of a dam break faster.
+    """
+    ours, theirs = kernel_of(scene), kernel(QUINTIC, dim=len(scene.tank.low))
+    return theirs.support * smoothing_of(scene) * ours.standard_deviation / theirs.standard_deviation
 
 
 def axes_of(scene: SphScene) -> tuple[Axis, ...]:

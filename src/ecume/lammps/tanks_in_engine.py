@@ -26,8 +26,13 @@ UNKNOWN = (INJECTED, "guard_hits", "substeps", "most_substeps")
 
 def parameters(scene: SphScene) -> Parameters:
     """The parameters of a tank with LAMMPS's time step. Raises SceneError for what LAMMPS cannot express."""
-    require_expressible(scene, TANKS)
+    require(scene)
     return parameters_for(scene)
+
+
+def require(scene: SphScene) -> None:
+    """Raise SceneError for what LAMMPS cannot express."""
+    require_expressible(scene, TANKS)
 
 
 def commands(scene: SphScene, parameters: Parameters, state: State) -> tuple[dict[str, str], str]:

@@ -11,18 +11,23 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from ecume.lammps.expressible import shape_of
 from ecume.lammps.numbers import DeckNumbers
 from ecume.laws.special import scaled_bessel_i1
 from ecume.models.floating.parameters import CAPILLARY_LENGTH
 from ecume.models.floating.walls.wall_laws import DISH, NO_WALL_LAW, PLANE
+from ecume.units import Array
 
-NEGLIGIBLE = 1e-10
-"""Terms of the series that are smaller than this fraction of its largest value at the wall are omitted."""
+ROUNDED = 5.0
+"""b of s^2 = r^2 + (b L)^2, in which the fit of the meniscus has few terms."""
 
-PER_VARIABLE = 6
-"""Terms of the series in one formula."""
+ERROR = 5e-10
+"""Largest relative error of the fitted meniscus of a dish."""
+
+SHORTEST, LONGEST = 4, 20
+"""Degree of the fit."""
 
 
 class Formula(NamedTuple):
@@ -62,41 +67,69 @@ def half_sides(deck: DeckNumbers) -> tuple[float, float]:
     return 0.5 * width, 0.5 * height
 
 
-def dish_series(radius_over_length: float) -> list[float]:
-    """The coefficients c_k of I1(r/L)/I1(a/L) = (r/a) sum_k c_k (r/a)^(2k), whose terms are all positive.
+class DishFit(NamedTuple):
+    """(a/r) I1(r/L)/I1(a/L) = exp((s - s_a)/L) s^(-3/2) sum_j c_j k^j with k = slope/s + shift, s^2 = r^2 + (5 L)^2."""
 
-    c_k = (a/2L)^(2k+1)/(k! (k+1)! I1(a/L)), from the power series of I1.
-    """
-    half = 0.5 * radius_over_length
-    scale = math.log(float(scaled_bessel_i1(radius_over_length))) + radius_over_length
-    found: list[float] = []
-    while len(found) <= half or found[-1] > NEGLIGIBLE:
-        k = len(found)
-        found.append(math.exp((2 * k + 1) * math.log(half) - math.lgamma(k + 1) - math.lgamma(k + 2) - scale))
-    return found
+    slope: float
+    """m"""
+    shift: float
+    coefficients: list[float]
+    """m^(3/2)"""
+
+
+def _tail(z: float) -> float:
+    """exp(-s) s^(3/2) I1(z)/z with s^2 = z^2 + 25, a smooth function of 1/s: I1 grows as exp(z)/sqrt(z)."""
+    s = math.hypot(z, ROUNDED)
+    over = 0.5 * math.exp(-z) if z < 1e-6 else float(scaled_bessel_i1(z)) / z
+    return over * math.exp(z - s) * s**1.5
+
+
+def dish_fit(radius: float, length: float) -> DishFit:
+    """The shortest fit within `ERROR`, at Chebyshev's nodes in 1/s between the wall and the center."""
+    end, rounded = math.hypot(radius, ROUNDED * length), ROUNDED * length
+    lowest = rounded / end
+    between = np.linspace(-1.0, 1.0, 1000)
+    exact = _tails(between, lowest)
+    for degree in range(SHORTEST, LONGEST + 1):
+        nodes = chebyshev.chebpts1(degree + 1)
+        fitted = chebyshev.chebfit(nodes, _tails(nodes, lowest), degree)
+        if np.all(np.abs(chebyshev.chebval(between, fitted) - exact) <= ERROR * exact):
+            break
+    at_wall = length / radius * float(scaled_bessel_i1(radius / length))
+    scale = length**1.5 * math.exp((end - radius) / length) / at_wall
+    slope, shift = 2.0 * rounded / (1.0 - lowest), (lowest + 1.0) / (lowest - 1.0)
+    return DishFit(slope, shift, (scale * chebyshev.cheb2poly(fitted)).tolist())
+
+
+def _tails(k: Array, lowest: float) -> Array:
+    """`_tail` between the wall, k = -1, and the center, k = 1."""
+    s = ROUNDED / (lowest + 0.5 * (1.0 - lowest) * (k + 1.0))
+    z = np.sqrt(np.maximum(s * s - ROUNDED * ROUNDED, 0.0))
+    return np.array([_tail(each) for each in z.tolist()])
 
 
 def _round_meniscus(deck: DeckNumbers) -> Formula:
     """F = S/L I1(r/L)/I1(a/L) toward the center: see `ecume.laws.capillarity.dish_force`."""
     radius, length = float(deck.parameters.walls.disc_radius), float(deck.parameters.pair[CAPILLARY_LENGTH])
-    terms = dish_series(radius / length)
-    blocks = [terms[start : start + PER_VARIABLE] for start in range(0, len(terms), PER_VARIABLE)]
-    lines = [f"variable meniscus_u atom (x*x+y*y)/{radius * radius!r}"]
-    rest = ""
-    for number in reversed(range(len(blocks))):
-        lines.append(f"variable meniscus_{number} atom {_horner(blocks[number], rest)}")
-        rest = f"v_meniscus_{number}"
-    # The properties are S/(L a).
-    lines += [f"variable meniscus_{axis} atom -d_meniscus*{axis}*v_meniscus_0" for axis in "xy"]
+    fit, rounded = dish_fit(radius, length), ROUNDED * length
+    end = math.hypot(radius, rounded)
+    lines = [
+        f"variable meniscus_s atom sqrt(x*x+y*y+{rounded * rounded!r})",
+        f"variable meniscus_k atom {fit.slope!r}/v_meniscus_s{fit.shift:+.17g}",
+        f"variable meniscus_0 atom exp((v_meniscus_s-{end!r})/{length!r})*({_horner(fit.coefficients)})"
+        "/(v_meniscus_s*sqrt(v_meniscus_s))",
+        # The properties are S/(L a).
+        *(f"variable meniscus_{axis} atom -d_meniscus*{axis}*v_meniscus_0" for axis in "xy"),
+    ]
     strength = deck.parameters.wall_strength[0, deck.first] / (length * radius)
     return Formula(("d_meniscus",), (strength.tolist(),), tuple(lines))
 
 
-def _horner(terms: list[float], rest: str) -> str:
-    """c_0 + u (c_1 + u (...)), where `rest` is the sum of the terms that follow, or empty."""
-    text = rest
-    for term in reversed(terms):
-        text = f"{term!r}+v_meniscus_u*({text})" if text else repr(term)
+def _horner(terms: list[float]) -> str:
+    """c_0 + k (c_1 + k (...))."""
+    text = repr(terms[-1])
+    for term in reversed(terms[:-1]):
+        text = f"{term!r}+v_meniscus_k*({text})"
     return text
 
 

@@ -16,10 +16,11 @@ from typing import Any, NamedTuple
 
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, Fault, SceneError, StorageError
+from ecume.models.engines import LOCAL
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import OVERRIDDEN, load_scene
-from ecume.scenes.schema import scene_hash, to_plain
+from ecume.scenes.schema import Scene, scene_hash, to_plain
 from ecume.scenes.templates import folder as templates_folder
 from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
 from ecume.sweep.processes import require_arguments, require_settings
@@ -191,7 +192,16 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     source = _source(asked)
     seed = [f"seed={load_scene(source, changes).seed + point.repeat}"] if point.repeat else []
     scene = load_scene(source, [*changes, *seed])
-    return {"scene": to_plain(scene), "hash": scene_hash(scene)}
+    plan = {"scene": to_plain(scene), "hash": scene_hash(scene)}
+    return plan if spec.engine == LOCAL else plan | _in_lammps(scene, spec)
+
+
+def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
+    """What the plan of a run in LAMMPS has in addition. Raises BadInput for scenes that LAMMPS cannot simulate."""
+    from ecume.lammps.engine import require_runnable
+
+    require_runnable(scene)
+    return {"engine": spec.engine, "ranks": spec.ranks}
 
 
 def _source(asked: Asked) -> Path:
@@ -235,8 +245,11 @@ def _toml(value: Any) -> str:
 
 
 def _digest(plan: dict[str, Any]) -> str:
-    found = plan.get("hash") or hashlib.sha256(_json(plan).encode()).hexdigest()
-    return str(found)[:KEY_LENGTH]
+    """Names what is simulated. Another number of ranks changes last digits only, and no name."""
+    if "hash" in plan and "engine" not in plan:
+        return str(plan["hash"])[:KEY_LENGTH]
+    text = f"{plan['hash']} {plan['engine']}" if "hash" in plan else _json(plan)
+    return hashlib.sha256(text.encode()).hexdigest()[:KEY_LENGTH]
 
 
 def _json(value: Any) -> str:

@@ -62,7 +62,8 @@ Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
 @contextlib.contextmanager
 def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
     """The function that runs jobs with an executor and yields an outcome word for each."""
-    workers = min(options.workers or os.cpu_count() or 1, max(missing, 1))
+    cores = (os.cpu_count() or 1) // sweeping.spec.ranks
+    workers = min(options.workers or max(cores, 1), max(missing, 1))
     if not missing:
         yield lambda jobs: iter(())
     elif options.scheduler is None and not options.slurm and workers == 1:
@@ -119,7 +120,8 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         with connected(library, options.scheduler) as client:
             yield client
     elif options.slurm:
-        with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
+        spec = sweeping.spec
+        with slurm_cluster(spec.cluster, sweeping.path, spec.ranks) as found, library.Client(found) as client:
             yield client
     else:
         # The scheduler always has a dashboard: at any free port, so that sweeps at the same time do not compete.
@@ -160,7 +162,7 @@ def require_safe(address: str) -> None:
 
 
 @contextlib.contextmanager
-def slurm_cluster(asked: Cluster, folder: Path) -> Iterator[Any]:
+def slurm_cluster(asked: Cluster, folder: Path, cores: int = 1) -> Iterator[Any]:
     """Workers that SLURM starts, encrypted between one another; each ends before its job does.
 
     Their key lies in the sweep's folder while they work, for its owner's eyes only.
@@ -177,6 +179,7 @@ def slurm_cluster(asked: Cluster, folder: Path) -> Iterator[Any]:
     made = jobqueue.SLURMCluster(
         queue=asked.partition or None,
         cores=1,
+        job_cpu=cores,
         processes=1,
         memory=asked.memory,
         walltime=asked.walltime,
@@ -205,7 +208,7 @@ def write_array(sweeping: Sweeping) -> Path:
         f"--array=0-{tasks - 1}%{cluster.jobs}",
         f"--time={cluster.walltime}",
         f"--mem={cluster.memory.removesuffix('B')}",
-        "--cpus-per-task=1",
+        f"--cpus-per-task={sweeping.spec.ranks}",
         "--requeue",
         f"--signal=B:USR1@{FAREWELL}",
         f"--output={sweeping.path.resolve() / 'array-%a.log'}",

@@ -20,6 +20,7 @@ from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.processes import process_of
+from ecume.sweep.worker import engine_of
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.tables import library
@@ -156,16 +157,19 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
 
 def require_numbers(sweeping: Sweeping) -> None:
     """Raise BadInput where a measure is of a number that runs do not have; the first run begins for that, and no more.
+    Raise it also where the engine is missing.
 
     A sweep should not end with it.
     """
-    from ecume.simulation import simulate
+    from ecume.simulation import moments
 
     wanted = {text: read_measure(text).number for text in sweeping.spec.measures}
-    if not wanted:
-        return
     plan = json_at(sweeping.jobs[0].asked, dict)
-    numbers = next(simulate(from_plain(plan["scene"]))).numbers
+    with engine_of(plan) as engine:
+        if not wanted:
+            return
+        begun = moments(from_plain(plan["scene"]), engine=engine)
+        numbers = next(moment.frame.numbers for moment in begun if moment.frame is not None)
     for text, name in wanted.items():
         if name not in numbers:
             raise BadInput(f"measures: {text!r}: no number {name}; {suggestion(name, sorted(numbers))}")

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, PlainValidator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
+from ecume.models.engines import LAMMPS, LOCAL
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.overrides import KEY
 from ecume.scenes.quantities import STRICT, Seed, Switch, Text
@@ -184,6 +185,10 @@ class SweepSpec:
     measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
     """columns of the table: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; default: the
     last value of every number"""
+    engine: Literal["local", "lammps"] = LOCAL
+    """of all runs: see `ecume run --engine`"""
+    ranks: Annotated[int, Field(strict=True, ge=1, le=65536)] = 1
+    """MPI ranks of LAMMPS in each run"""
     cluster: Cluster = Cluster()
 
     @model_validator(mode="before")
@@ -209,6 +214,10 @@ class SweepSpec:
             yield ("repeats",), "a process has no seed; its repeats would be equal"
         if self.process and self.measures:
             yield ("measures",), f"apply to scenes; the process {self.process} has a fixed list of numbers"
+        if self.process and self.engine != LOCAL:
+            yield ("engine",), f"the process {self.process} integrates its own scenes; expected {LOCAL}"
+        if self.ranks > 1 and self.engine == LOCAL:
+            yield ("ranks",), f"expected them with engine = {LAMMPS!r} only"
 
     def _twice(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
         """The faults of keys or names that are given in two places."""

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ecume.errors import EcumeError, RunExists, Stopped
 from ecume.sweep.directory import Job, json_at
 from ecume.sweep.points import Point
 from ecume.trajectories.durable_files import storing, write_whole
+
+if TYPE_CHECKING:
+    from ecume.models.engines import Engine
 
 THREADS = 1
 """Of each run: many runs share the machine."""
@@ -56,8 +62,21 @@ def _scene(job: Job, plan: dict[str, object]) -> None:
     from ecume.run import RunOptions, resume, run
     from ecume.scenes.schema import from_plain
 
-    options = RunOptions(threads=THREADS)
-    if (job.run / "manifest.json").exists():
-        resume(job.run, options=options)
-    else:
-        run(from_plain(plan["scene"]), job.run, force=job.run.exists(), options=options)  # type: ignore[arg-type]
+    with engine_of(plan) as engine:
+        options = RunOptions(threads=THREADS, engine=engine)
+        if (job.run / "manifest.json").exists():
+            resume(job.run, options=options)
+        else:
+            run(from_plain(plan["scene"]), job.run, force=job.run.exists(), options=options)  # type: ignore[arg-type]
+
+
+@contextlib.contextmanager
+def engine_of(plan: Mapping[str, Any]) -> Iterator[Engine | None]:
+    """The engine of a point. Raises BadInput where it is missing."""
+    if "engine" not in plan:
+        yield None
+        return
+    from ecume.lammps.engine import lammps_engine
+
+    with lammps_engine(plan["ranks"]) as engine:
+        yield engine

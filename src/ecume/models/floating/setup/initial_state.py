@@ -64,7 +64,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
             raise SceneError([Fault("particles", str(error))]) from None
-    return with_angles(_with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
+    return with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
 
 
 def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:
@@ -72,13 +72,13 @@ def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout
     States of earlier versions have no tally of injected work, which only driven scenes need.
     """
     zeros = np.zeros((len(parameters.floats.radius), 2))
-    blank = with_angles(_with_parts(make_state(zeros, zeros), parameters), scene, parameters)
+    blank = with_angles(with_parts(make_state(zeros, zeros), parameters), scene, parameters)
     if state.tally.size == WORK and not is_driven(parameters):
         blank = blank._replace(tally=blank.tally[:WORK])
     return Layout(blank, {"touches": (0, len(blank.touching))})
 
 
-def _with_parts(state: State, parameters: Parameters) -> State:
+def with_parts(state: State, parameters: Parameters) -> State:
     """Return the state with the arrays of all parts."""
     for part, row in interactions_of(parameters):
         state = row.state(part, state)
