@@ -91,6 +91,7 @@ def test_forces_on_a_part_need_its_ghosts_only() -> None:
     assert worst(forces(which[order], images[order], velocity[order[:5]]), expected[order[:5]]) < 1e-12
 
 
+@pytest.mark.compiled
 @in_lammps
 def test_floats_of_many_sizes_run_and_move_as_ours(tmp_path: Path) -> None:
     scene = sizes("profile")

@@ -191,3 +191,32 @@ def test_a_tank_in_lammps_is_that_of_ecume(tmp_path: Path) -> None:
     assert abs(theirs.numbers["front"] - ours.numbers["front"]) < 0.05 * 0.02
     for name in ("kinetic_energy", "potential_energy"):
         assert theirs.numbers[name] == pytest.approx(ours.numbers[name], rel=0.05)
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+@pytest.mark.skipif(command() is None, reason="LAMMPS is not installed")
+def test_a_cube_of_liquid_in_lammps_spreads_as_that_of_ecume(tmp_path: Path) -> None:
+    scene = load_scene("""
+model = "sph"
+duration = "0.15 s"
+frame_every = "50 ms"
+spacing = "25 mm"
+[tank]
+low = [0.0, 0.0, 0.0]
+high = [0.5, 0.4, 0.5]
+top = { kind = "open" }
+[[fluid]]
+low = [0.0, 0.0, 0.0]
+high = [0.15, 0.15, 0.15]
+[liquid]
+maximum_speed = "2.5 m/s"
+""")
+    with lammps_engine() as engine:
+        run(scene, tmp_path / "run", options=RunOptions(engine=engine))
+    *_, ours = simulate(scene)
+    with open_trajectory(tmp_path / "run") as frames:
+        first, last = frames[0].arrays["position"], frames[-1].arrays["position"]
+    front = ours.arrays["position"].max(axis=0)
+    assert front[0] - first[:, 0].max() > 0.05
+    assert np.abs(last.max(axis=0) - front).max() < 0.02 * 0.15

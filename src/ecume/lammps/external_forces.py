@@ -53,7 +53,7 @@ def part_of(parameters: Parameters, which: Integers) -> Parameters:
     count, kick = len(parameters.floats.radius), parameters.kick
     rows = np.concatenate([which, np.arange(count, len(kick.mobility))])
     return parameters._replace(
-        floats=type(parameters.floats)(*(values[which] for values in parameters.floats)),
+        floats=parameters.floats._replace(**{name: row[which] for name, row in parameters.floats._asdict().items()}),
         kick=kick._replace(decay=kick.decay[which], gain=kick.gain[which], mobility=kick.mobility[rows]),
         wall_strength=np.ascontiguousarray(parameters.wall_strength[:, which]),
         periods=np.zeros_like(parameters.periods),

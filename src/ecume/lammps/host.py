@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import json
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ecume.lammps.program import OPTIONS
+from ecume.units import Array
 
 SCENE = "scene.json"
 CHARACTERS, ALL_RANKS = 0x4C000101, 0x44000000
@@ -47,18 +49,31 @@ def register(lammps: Any, name: str) -> None:
     from ecume.lammps.floats_in_engine import parameters
     from ecume.scenes.schema import from_plain
 
-    forces = ExternalForces(parameters(from_plain(json.loads(Path(SCENE).read_text(encoding="utf-8")))))
+    scene: Any = from_plain(json.loads(Path(SCENE).read_text(encoding="utf-8")))
+    forces = ExternalForces(parameters(scene))
+
+    def add(own: int, force: Array) -> None:
+        every = lammps.extract_setting("nall")
+        which = np.array(lammps.numpy.extract_atom("id", nelem=every), dtype=np.int64) - 1
+        position = np.array(lammps.numpy.extract_atom("x", nelem=every, dim=3))[:, :2].copy()
+        velocity = np.array(lammps.numpy.extract_atom("v", nelem=own, dim=3))[:, :2]
+        force[:, :2] = forces(which, position, velocity)
 
     def call(_: Any, step: int, own: int, tag: Any, place: Any, force: Any) -> None:
         force[:] = 0.0
-        if own:
-            every = lammps.extract_setting("nall")
-            which = np.array(lammps.numpy.extract_atom("id", nelem=every), dtype=np.int64) - 1
-            position = np.array(lammps.numpy.extract_atom("x", nelem=every, dim=3))[:, :2].copy()
-            velocity = np.array(lammps.numpy.extract_atom("v", nelem=own, dim=3))[:, :2]
-            force[:, :2] = forces(which, position, velocity)
+        try:
+            if own:
+                add(own, force)
+        except BaseException as error:  # LAMMPS would continue without these forces
+            fail(error)
+            os._exit(1)
 
     lammps.set_fix_external_callback(name, call)
+
+
+def fail(error: BaseException) -> None:
+    """Print an error as LAMMPS does."""
+    print(f"ERROR: {error}", flush=True)  # noqa: T201  # the output of LAMMPS
 
 
 def main() -> int:
@@ -73,7 +88,7 @@ def main() -> int:
             if words[:1] == ["fix"] and "external" in words[3:4]:
                 register(opened, words[1])
     except Exception as error:
-        print(f"ERROR: {error}", flush=True)  # noqa: T201  # the output of LAMMPS
+        fail(error)
         return 1
     return 0
 

@@ -29,13 +29,13 @@ def setup_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
 
 
 def external_text(deck: DeckNumbers) -> str:
-    """The commands before the first time step of floats of one atom type whose forces are ours, but for contacts."""
-    parts = _style(deck), _atoms(deck, {}), _pairs(deck, [], FAR), _walls(deck), _ours()
+    """The commands before the first time step of floats of one type whose forces, but for contacts, are those of ecume."""
+    parts = _style(deck), _atoms(deck, {}), _pairs(deck, [], FAR), _walls(deck), _external()
     return _joined(*parts, iter([f"timestep        {deck.time_step!r}"]))
 
 
-def _ours() -> Iterator[str]:
-    yield "fix             ours all external pf/callback 1 1"
+def _external() -> Iterator[str]:
+    yield "fix             ecume all external pf/callback 1 1"
     yield "fix             move all nve"
     yield "fix             flat all enforce2d"
 

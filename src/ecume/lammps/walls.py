@@ -81,7 +81,7 @@ def _tail(z: float) -> float:
     """exp(-s) s^(3/2) I1(z)/z with s^2 = z^2 + 25, a smooth function of 1/s: I1 grows as exp(z)/sqrt(z)."""
     s = math.hypot(z, ROUNDED)
     over = 0.5 * math.exp(-z) if z < 1e-6 else float(scaled_bessel_i1(z)) / z
-    return over * math.exp(z - s) * s**1.5
+    return float(over * math.exp(z - s) * s**1.5)
 
 
 def dish_fit(radius: float, length: float) -> DishFit:

@@ -185,7 +185,7 @@ class SweepSpec:
     measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
     """columns of the table: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; default: the
     last value of every number"""
-    engine: Literal["local", "lammps"] = LOCAL
+    engine: Literal["local", "lammps"] = "local"
     """of all runs: see `ecume run --engine`"""
     ranks: Annotated[int, Field(strict=True, ge=1, le=65536)] = 1
     """MPI ranks of LAMMPS in each run"""
