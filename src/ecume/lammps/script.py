@@ -29,7 +29,7 @@ def setup_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
 
 
 def external_text(deck: DeckNumbers) -> str:
-    """The commands before the first time step of floats of one type whose forces, but for contacts, are those of ecume."""
+    """The commands before the first time step of floats of one type; ecume computes all forces but contacts."""
     parts = _style(deck), _atoms(deck, {}), _pairs(deck, [], FAR), _walls(deck), _external()
     return _joined(*parts, iter([f"timestep        {deck.time_step!r}"]))
 
