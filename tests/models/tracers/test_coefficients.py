@@ -69,7 +69,7 @@ def test_each_side_of_a_tank_of_liquid_has_its_own_coefficients():
             "obstacles": [{"low": [0.4, 0.6], "high": [0.6, 0.8], "tangential_restitution": 0.3}],
         }
     )  # fmt: skip
-    number = guard_of(scene).sheet.number
+    number = guard_of(scene, support=0.5).sheet.number
     assert number[:, 7].tolist() == [0.1, 0.4, 0.4, 0.4] + [0.4] * 4
     assert number[:, 8].tolist() == [0.9, 0.9, 0.9, 0.2] + [0.3] * 4
 
