@@ -190,6 +190,7 @@ def bowl(duration: str = "50 ms", **changes: object) -> object:
     return scene.replace({name.replace("__", "."): value for name, value in changes.items()})
 
 
+@pytest.mark.compiled
 @in_lammps
 def test_a_run_in_lammps_is_a_run(tmp_path: Path) -> None:
     with lammps_engine() as engine:
@@ -217,6 +218,7 @@ def test_what_lammps_cannot_simulate_is_refused_before_anything_is_written(tmp_p
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.compiled
 @in_lammps
 def test_floats_in_free_flight_are_those_of_ecume(tmp_path: Path) -> None:
     """Without collisions both engines solve the same equations."""
@@ -232,6 +234,7 @@ def test_floats_in_free_flight_are_those_of_ecume(tmp_path: Path) -> None:
     assert apart < 1e-4 * moved
 
 
+@pytest.mark.compiled
 @pytest.mark.long
 @pytest.mark.timeout(600)  # ranks wait for each other by polling, which is slow while other processes need the cores
 @in_lammps

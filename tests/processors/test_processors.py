@@ -14,8 +14,8 @@ from .settings import PROCESSORS, environment_of, same_code
 
 pytestmark = pytest.mark.compiled
 SCENES = ("bowl", "cereal-discs", "channel", "sheared-packing", "bouncing-tracers")
-COMPILED_AGAIN = ("bowl", "channel", "bouncing-tracers")
-"""Where Numba compiles other code, of which the whole gallery takes minutes: see `sh scripts/processors`."""
+COMPILED_AGAIN = ("channel", "bouncing-tracers")
+"""Where Numba compiles other code, which takes minutes for floats or the whole gallery: see `sh scripts/processors`."""
 LONG = ("openblas-prescott", "numpy-baseline", "numba-generic")
 
 

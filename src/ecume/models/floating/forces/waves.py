@@ -7,6 +7,7 @@ force is tabulated once for a run, times the distance, which makes it smooth at 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -260,10 +261,24 @@ def _table(found: Ripples, parameters: Parameters, scene: FloatingScene) -> tupl
     walls = parameters.walls
     across = 2.0 * min(walls.disc_radius, float(np.hypot.reduce(walls.offset)) if len(walls.offset) else math.inf)
     far = min(far, across + 4.0 * spacing)
-    distance = np.asarray(spacing * np.arange(max(math.ceil(far / spacing), 8)), np.float64)
+    given, liquid = scene.waves, liquid_of(scene)
+    assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
+    nodes = max(math.ceil(far / spacing), 8)
+    table = _slopes(given.frequency, liquid.density, liquid.surface_tension, liquid.viscosity, scene.gravity, nodes)
+    return table.copy(), spacing
+
+
+@lru_cache(maxsize=8)
+def _slopes(
+    frequency: float, density: float, surface_tension: float, viscosity: float, gravity: float, nodes: int
+) -> Array:
+    """The table with this number of nodes. It takes a second, and is computed once for scenes with the same waves."""
+    found = radiated_waves.ripples(frequency, density, surface_tension, viscosity, gravity)
+    spacing = found.wavelength / PER_WAVELENGTH
+    distance = np.asarray(spacing * np.arange(nodes), np.float64)
     distance[0] = 1e-3 * spacing
     slope = distance * slope_per_force(distance, found)
-    return np.ascontiguousarray([slope.real, slope.imag]), spacing
+    return np.ascontiguousarray([slope.real, slope.imag])
 
 
 def _quickest(parameters: Parameters, part: Waves, strongest: float, arm: float, gap: float) -> float:
