@@ -71,11 +71,17 @@ def test_what_is_said_to_fit_at_random_fits(radius):
     )
     if radius.min() == radius.max():
         count = int(re.search(r"at most (\d+) floats", output)[1])
-        place_at_random(radius[:count], BOWL, NONE, seed=2)
-    place_at_random(smaller * radius, BOWL, NONE, seed=2)
-    place_at_random(
-        radius, Region((-wider, -wider), (wider, wider), enclosed_by(disc((0.0, 0.0), wider))), NONE, seed=2
-    )
+        assert are_apart(place_at_random(radius[:count], BOWL, NONE, seed=2), radius[:count])
+    assert are_apart(place_at_random(smaller * radius, BOWL, NONE, seed=2), smaller * radius)
+    dish = Region((-wider, -wider), (wider, wider), enclosed_by(disc((0.0, 0.0), wider)))
+    assert are_apart(place_at_random(radius, dish, NONE, seed=2), radius)
+
+
+def are_apart(position, radius):
+    """Whether no two discs overlap."""
+    between = np.hypot(*(position[:, None] - position[None]).T)
+    np.fill_diagonal(between, np.inf)
+    return bool(np.all(between >= radius[:, None] + radius[None]))
 
 
 def test_a_float_larger_than_the_dish_is_reported_in_the_same_words():

@@ -192,9 +192,9 @@ def test_a_cell_is_refused_with(case):
 
 
 def test_a_cell_far_wider_than_any_force_is_accepted():
-    FLOATING.parameters(
-        scene_of(f"{WATER}[[particles]]\ncount = 4\n{HEAVY}[cell]\nsize = [1, 1]\narea_fraction = 3e-9\n")
-    )
+    rest = "[cell]\nsize = [1, 1]\narea_fraction = 3e-9\n"
+    parameters = FLOATING.parameters(scene_of(f"{WATER}[[particles]]\ncount = 4\n{HEAVY}{rest}"))
+    assert 1000.0 * parameters.cutoff < parameters.periods[0].min()
 
 
 def test_the_advised_accuracy_accepts_the_cell():
