@@ -1,15 +1,16 @@
 """LAMMPS as engine on one and two ranks: wall time of a step, gain of the second rank, and memory of large systems.
 
     python benchmarks/lammps_ranks.py             # strong and weak scaling at 100,000 heavy spheres
-    python benchmarks/lammps_ranks.py large       # a million heavy spheres, and a million particles of water
+    python benchmarks/lammps_ranks.py --rounds 3
+    python benchmarks/lammps_ranks.py --large     # a million heavy spheres, and a million particles of water
 
 Ranks busy-wait: no other program may use the cores. Needs the extra `lammps`.
 """
 
 from __future__ import annotations
 
+import argparse
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from importlib.resources import files
@@ -25,7 +26,6 @@ from ecume.lammps.program import program
 from ecume.models import MODELS
 from ecume.scenes.load import load_scene
 
-ROUNDS = 11
 SIZE, STEPS = 100_000, 50
 LARGE, LARGE_STEPS = 1_000_000, 100
 STRONG, WEAK = 1.6, 0.85
@@ -71,14 +71,14 @@ def water(spacing: str) -> Any:
     return load_scene(text, [f"spacing={spacing}", "method.shifting=none"])
 
 
-def scaling() -> None:
+def scaling(count: int) -> None:
     """Print medians and ratios of rounds in which the three runs take turns."""
     runs: dict[str, Callable[[], Cost]] = {
         "half, 1 rank": lambda: cost(spheres(SIZE // 2), 1, STEPS, floats_in_engine),
         "whole, 1 rank": lambda: cost(spheres(SIZE), 1, STEPS, floats_in_engine),
         "whole, 2 ranks": lambda: cost(spheres(SIZE), 2, STEPS, floats_in_engine),
     }
-    rounds = [{name: run() for name, run in runs.items()} for _ in range(ROUNDS)]
+    rounds = [{name: run() for name, run in runs.items()} for _ in range(count)]
     times = {name: [costs[name].step for costs in rounds] for name in runs}
     middle = {name: statistics.median(values) for name, values in times.items()}
     for name, values in times.items():
@@ -86,7 +86,7 @@ def scaling() -> None:
         print(f"{name:15} {middle[name]:.3f} s a step ({min(values):.3f} to {max(values):.3f}), {memory} MB")
     strong = middle["whole, 1 rank"] / middle["whole, 2 ranks"]
     weak = middle["half, 1 rank"] / middle["whole, 2 ranks"]
-    print(f"strong {strong:.2f} (wanted {STRONG}), weak {weak:.2f} (wanted {WEAK}): medians of {ROUNDS} rounds")
+    print(f"strong {strong:.2f} (wanted {STRONG}), weak {weak:.2f} (wanted {WEAK}): medians of {count} rounds")
 
 
 def large() -> None:
@@ -102,8 +102,15 @@ def large() -> None:
 
 def main() -> None:
     """Print the machine, and what was asked for."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--rounds", type=int, default=11)
+    parser.add_argument("--large", action="store_true")
+    asked = parser.parse_args()
     print(machine())
-    (large if "large" in sys.argv[1:] else scaling)()
+    if asked.large:
+        large()
+    else:
+        scaling(asked.rounds)
 
 
 if __name__ == "__main__":

