@@ -25,6 +25,7 @@ print(exchanged(4.0), sum(exchanged.stats.cache_hits.values()))
 """
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_an_edited_law_is_compiled_again_and_an_edit_elsewhere_compiles_nothing(tmp_path):
     copy, script = tmp_path / "src" / "ecume", tmp_path / "collision.py"
@@ -95,6 +96,7 @@ def for_types(node):
     return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not node.orelse
 
 
+@pytest.mark.long
 def test_no_import_of_the_package_is_overlooked():
     for path in PACKAGE.rglob("*.py"):
         text = path.read_text(encoding="utf-8")

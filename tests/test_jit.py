@@ -64,6 +64,7 @@ def test_a_second_process_finds_the_whole_on_the_disk_and_needs_no_part(nested):
     assert run().stdout.split() == ["7.0", "1", "0"]
 
 
+@pytest.mark.long
 def test_a_lost_whole_is_made_again_from_the_parts_on_the_disk(nested):
     run, folder = nested
     run()
@@ -78,6 +79,7 @@ print(type(overload.library).__name__)
 """
 
 
+@pytest.mark.long
 def test_parts_of_the_disk_are_linked_and_never_run_where_they_stand(nested):
     """Code that runs from a part as it was lowered is many times slower than the whole that it is optimized in."""
     run, folder = nested
@@ -90,6 +92,7 @@ def test_parts_of_the_disk_are_linked_and_never_run_where_they_stand(nested):
     assert library == "PartLibrary"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("suffix", ["nbc", "nbi"])
 def test_truncated_files_are_compiled_again(nested, suffix):
     run, folder = nested
@@ -129,6 +132,7 @@ print(values.sum(), sum(other.stats.cache_hits.values()), sum(fill.part.stats.ca
 """
 
 
+@pytest.mark.long
 def test_a_whole_from_the_disk_finds_its_threads_though_its_parts_came_from_there_too(tmp_path):
     script = tmp_path / "in_threads.py"
     script.write_text(THREADED)
@@ -178,6 +182,7 @@ print(hashlib.sha256(rates.tobytes()).hexdigest()[:12], sum(sums.together.stats.
 """
 
 
+@pytest.mark.long
 def test_code_that_was_just_compiled_gives_the_bits_of_code_from_the_disk(tmp_path):
     script = tmp_path / "summed.py"
     script.write_text(SUMMED)
@@ -306,6 +311,7 @@ print(outer(Mine(2.0)).x, outer((2.0,))[0])
 """
 
 
+@pytest.mark.long
 def test_nothing_is_kept_on_disk_for_types_that_no_other_process_knows(tmp_path):
     (tmp_path / "mine.py").write_text(OF_THIS_PROCESS)
     places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}

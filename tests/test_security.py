@@ -176,6 +176,7 @@ print(doubled(21), sum(doubled.stats.cache_hits.values()))
 """
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
 def test_compiled_code_in_a_folder_that_others_may_write_to_is_not_read(tmp_path):

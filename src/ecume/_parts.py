@@ -72,6 +72,7 @@ class Place:
 
     def __init__(self, function: FunctionType, path: str) -> None:
         self._line = function.__code__.co_firstlineno
+        self._py_file = path  # Numba names it where code cannot be cached
         self._folder = _cache.folder(Path(path).absolute(), COMPILER)
 
     @classmethod

@@ -176,6 +176,7 @@ def test_a_bead_run_is_reported_exported_and_not_replaced() -> None:
     assert len(Path(wrote.stdout.split()[1]).read_text().splitlines()) == 1 + 4 * 2
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_scene_starts_from_the_end_of_a_run() -> None:
     assert cli.invoke(app, ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "-q"]).exit_code == 0
@@ -262,6 +263,7 @@ def test_the_users_laws_reach_a_run_and_neither_path_nor_text_is_kept(asked: lis
     assert [law.__name__ for law in options["extra_laws"]] == ["push"]
 
 
+@pytest.mark.long
 def test_a_run_with_laws_is_resumed_with_their_file_and_says_so_without(tmp_path: Path) -> None:
     """As plain Python in processes of their own: to compile the time step with the law would take longer."""
 
@@ -284,6 +286,7 @@ def test_a_run_with_laws_is_resumed_with_their_file_and_says_so_without(tmp_path
     assert b"4e-3" not in kept
 
 
+@pytest.mark.long
 def test_check_names_the_users_laws_and_refuses_one_that_is_not_reciprocal(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(LAW)
     done = cli.invoke(app, ["check", "beads.toml", "--laws", "mine.py"])

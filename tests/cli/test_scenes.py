@@ -145,6 +145,7 @@ def test_small_scenes_are_checked_without_the_compiler_in_a_process_of_their_own
     assert os.environ["NUMBA_DISABLE_JIT"] == "1"
 
 
+@pytest.mark.long
 def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
     cli.invoke(app, ["new", "cereal-bowl"])
     output = subprocess.run(

@@ -36,6 +36,7 @@ def test_left_to_itself_it_lists_the_cases() -> None:
     assert "takes minutes" in done.stdout
 
 
+@pytest.mark.long
 def test_a_case_that_is_met_ends_with_zero() -> None:
     done = cli.invoke(app, ["validate", "floating"])
     assert done.exit_code == 0, done.stdout

@@ -73,6 +73,7 @@ def test_two_floats_repel_by_a_new_law_with_friction_and_without(copy):
     assert "data loaded" in again
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # as plain Python in a process of its own, whatever this one does: once is enough
 def test_a_new_law_holds_what_all_others_hold(copy):
     chosen = "yukawa and not documentation"
@@ -122,6 +123,7 @@ print(force_law([next(ecume.simulate(scene))], scene).axes[0].get_legend_handles
 '''
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_check_cite_and_the_figure_know_a_new_law(copy):
     papers, summary, drawn = copy.printed(KNOWING, NUMBA_DISABLE_JIT="1")

@@ -64,6 +64,7 @@ def test_the_usual_meniscus_is_refused_with_the_reason(copy):
     assert "120 degrees" in done.stdout + done.stderr
 
 
+@pytest.mark.long
 def test_a_new_shape_holds_what_all_others_hold(copy):
     chosen = "hexagon and not documentation"
     page = "tests/contracts/test_wall_shapes.py"

@@ -82,6 +82,7 @@ def test_pairs_that_became_possible_are_not_refused():
     assert not [pair for pair in NEW if refusal(*pair)]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_grid_goes_with_friction_in_compiled_parts():
     scene = scene_with("grid", "friction")

@@ -283,6 +283,7 @@ def test_grids_take_the_laws_that_can_be_split(name):
     assert bool(refused_by(name, lambda: FLOATING.parameters(scene))) != PAIR_LAWS[name].menisci
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @combined
 def test_energy_does_not_rise_where_there_is_drag(name, option):
@@ -297,6 +298,7 @@ def test_energy_does_not_rise_where_there_is_drag(name, option):
     assert (energy[0] - energy[-1] > 0.0) == (PAIR_LAWS[name].has_force or option == "dipoles")
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @combined
 def test_momentum_is_kept_where_there_is_no_drag(name, option):

@@ -144,11 +144,13 @@ def made(tmp_path_factory):
     return files, json.loads(report)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("recipe", EDITS)
 def test_a_recipe_changes_one_file(made, recipe):
     assert len(made[0][recipe]) == 1
 
 
+@pytest.mark.long
 def test_a_new_method_has_forces_that_are_minus_the_slope_of_an_energy_of_many_bodies(made):
     found = {name: np.array(values) for name, values in made[1]["embedded"].items()}
     largest = np.abs(found["forces"]).max()
@@ -245,6 +247,7 @@ def ring(tmp_path_factory):
     return json.loads(report), {path.name for path in copy.changed}
 
 
+@pytest.mark.long
 def test_a_new_model_is_a_file_and_a_row(ring):
     report, changed = ring
     assert changed == {"__init__.py"}
@@ -252,6 +255,7 @@ def test_a_new_model_is_a_file_and_a_row(ring):
     assert '"beads"' in report["refused"]
 
 
+@pytest.mark.long
 def test_a_new_model_keeps_its_energy_and_resumes_bit_for_bit(ring):
     report, _ = ring
     assert report["energy"] == pytest.approx([report["energy"][0]] * 21, rel=1e-2)

@@ -124,7 +124,15 @@ def outcome(one, other):
     return frames_of(plain_of(one, other), LAWS)
 
 
-@pytest.mark.parametrize(("one", "other"), PAIRS, ids=lambda name: name)
+def long(pair):
+    """Walls have contacts of their own, which are compiled by themselves."""
+    return any("wall" in name for name in pair)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [pytest.param(*pair, id="-".join(pair), marks=[pytest.mark.long] * long(pair)) for pair in PAIRS],
+)
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
     frames, reason = outcome(one, other)
     if frames is None:

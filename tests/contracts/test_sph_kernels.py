@@ -201,6 +201,7 @@ def recipe(tmp_path_factory):
     return copy / file, folder, used(folder)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_recipe_for_a_kernel_works_as_it_is_written_and_edits_one_file(recipe):
     _, _, first = recipe

@@ -136,14 +136,14 @@ def reason_of(names):
     return None
 
 
-def long(pair):
-    """Whether a pair is left to the compiled pass."""
-    return PLAIN or "3D" in pair
+def marks(pair):
+    """Pairs in 3D take too long as plain Python, and each compiles time steps of its own."""
+    return [pytest.mark.compiled, pytest.mark.long] if "3D" in pair else [pytest.mark.compiled] * PLAIN
 
 
 @pytest.mark.parametrize(
     "pair",
-    [pytest.param(pair, id=" + ".join(pair), marks=[pytest.mark.compiled] if long(pair) else []) for pair in PAIRS],
+    [pytest.param(pair, id=" + ".join(pair), marks=marks(pair)) for pair in PAIRS],
 )
 def test_a_pair_of_options_keeps_mass_and_energy_or_is_refused(pair, tmp_path):
     if reason_of(pair) is not None:
@@ -179,7 +179,7 @@ SCALED = [*((name,) for name in OPTIONS), *(pair for pair in PAIRS if "pressure_
 
 @pytest.mark.parametrize(
     "names",
-    [pytest.param(each, id=" + ".join(each), marks=[pytest.mark.compiled] if long(each) else []) for each in SCALED],
+    [pytest.param(each, id=" + ".join(each), marks=marks(each)) for each in SCALED],
 )
 def test_a_motion_does_not_depend_on_the_unit_of_mass(names):
     """In units of a gram the same scene has a thousand times the numbers, and moves in the same way."""

@@ -78,6 +78,7 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
     assert unexplained < 1e-12 * np.abs(start).max()
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @settings(max_examples=25)
 @given(rings=st.integers(1, 3), seed=st.integers(0, 2**32 - 1))

@@ -169,6 +169,7 @@ def test_memory_that_is_not_there_is_reported_with_the_way_out(monkeypatch):
         solvers.directly(solvers.Kept(matrix.pattern, 2, 2), matrix, right, right.copy(), 0)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("width", [2, 3])
 def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):

@@ -18,8 +18,11 @@ from tests.torture.regression import differing, recorded
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "examples").glob("*.toml"))
-LONG = ("channel", "dam-break", "rounding-drop", "settling-packing", "sloshing")
-"""Take seconds each."""
+LONG = {
+    "channel", "dam-break", "docking-quadrupoles", "ellipsoids-docking", "pattern-formation", "rounding-drop",
+    "settling-packing", "sloshing", "taylor-green",
+}  # fmt: skip
+"""Take seconds each, some of them to compile a time step that no other test needs."""
 
 
 class Wanted(NamedTuple):

@@ -25,6 +25,7 @@ def test_a_fountain_lifts_grains_and_injects_work(capsys):
     assert work[1] < 0.0 < work[2] < work[4] < work[6]
 
 
+@pytest.mark.long
 def test_laws_for_two_models_in_one_program():
     """As plain Python: the models' own tests compile a user's laws."""
     plain = {**os.environ, "NUMBA_DISABLE_JIT": "1"}

@@ -60,6 +60,7 @@ def worst(found: Array, expected: Array) -> float:
     return float(np.max(np.linalg.norm(found - expected, axis=1) / np.linalg.norm(expected, axis=1)))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @in_lammps
 @pytest.mark.parametrize(("place", "ranks"), [("profile", 1), ("image", 2), ("cell", 2)])
@@ -92,6 +93,7 @@ def test_forces_on_a_part_need_its_ghosts_only() -> None:
     assert worst(forces(which[order], images[order], velocity[order[:5]]), expected[order[:5]]) < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @in_lammps
 def test_floats_of_many_sizes_run_and_move_as_ours(tmp_path: Path) -> None:

@@ -189,6 +189,7 @@ def last_unbraked(scene: SphScene) -> Frame:
     return last
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.skipif(command() is None, reason="LAMMPS is not installed")
 def test_a_tank_in_lammps_is_that_of_ecume(tmp_path: Path) -> None:

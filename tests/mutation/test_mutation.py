@@ -135,6 +135,7 @@ def named(tree, *wanted):
     return [next(one for one in every if what(one.fault) == each)._replace(package="toy") for each in wanted]
 
 
+@pytest.mark.long
 def test_faults_are_caught_or_survive_and_a_run_goes_on_where_it_ended(toy, tmp_path, monkeypatch):
     monkeypatch.setitem(TESTS, "toy", ("tests",))
     record = tmp_path / "results.jsonl"
@@ -156,6 +157,7 @@ def test_faults_are_caught_or_survive_and_a_run_goes_on_where_it_ended(toy, tmp_
     assert selected_tests(lines, toy.package / "energy.py", [15]) == ["tests/test_energy.py::test_cap"]
 
 
+@pytest.mark.long
 def test_named_tests_may_catch_a_fault_and_what_they_miss_is_not_recorded(toy, tmp_path, monkeypatch):
     monkeypatch.setitem(TESTS, "toy", ("tests",))
     record, (fault,) = tmp_path / "results.jsonl", named(toy, ("operator", "*", "/"))

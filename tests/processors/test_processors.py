@@ -16,7 +16,7 @@ pytestmark = pytest.mark.compiled
 SCENES = ("bowl", "cereal-discs", "channel", "sheared-packing", "bouncing-tracers")
 COMPILED_AGAIN = ("channel", "bouncing-tracers")
 """Where Numba compiles other code, which takes minutes for floats or the whole gallery: see `sh scripts/processors`."""
-LONG = ("openblas-prescott", "numpy-baseline", "numba-generic")
+OTHERS = ("openblas-zen", "openblas-prescott", "numpy-baseline", "numba-generic")
 
 
 def scenes_on(processor: str) -> tuple[str, ...]:
@@ -32,11 +32,9 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize(
-    "processor",
-    ["openblas-zen", *(pytest.param(one, marks=pytest.mark.long) for one in LONG)],
-)
+@pytest.mark.parametrize("processor", OTHERS)
 def test_a_run_goes_on_on_any_processor(begun: Path, processor: str, tmp_path: Path) -> None:
     runs = resume(processor, begun, tmp_path / "copy", scenes_on(processor))
     assert len(runs) == len(scenes_on(processor))

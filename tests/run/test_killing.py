@@ -138,6 +138,7 @@ def test_a_second_writer_is_refused_and_the_lock_of_a_dead_one_is_taken_over(
     assert info(tmp_path / "run").state == "done"
 
 
+@pytest.mark.long
 def test_whoever_reads_while_a_run_writes_sees_whole_frames_only(tmp_path: Path, server: Callable[..., Any]) -> None:
     home = RunDirectory(tmp_path / "run")
     one = server("run", home.path, {**ASKED, "duration": 0.8, "frame_every": 0.002, "rest": 0.0}, 0.05)

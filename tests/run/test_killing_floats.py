@@ -56,6 +56,7 @@ def killed(program: str, home: Path, after: float) -> None:
         process.send_signal(signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_floats_killed_twice_at_random_moments_come_to_the_same_bits(
     tmp_path: Path, results: Callable[[Path], dict[str, bytes]]
 ) -> None:

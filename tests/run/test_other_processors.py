@@ -283,6 +283,7 @@ def same(one: Any, other: Any) -> bool:
     return repr(one) == repr(other)
 
 
+@pytest.mark.long
 @given(tree=trees)
 def test_any_constants_come_back_to_the_bit(tmp_path_factory: Any, tree: Outer) -> None:
     home = RunDirectory(tmp_path_factory.mktemp("run"))

@@ -164,6 +164,7 @@ def test_a_run_stopped_often_has_the_samples_of_one_that_was_not(
     assert stopped == whole
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
 def test_a_run_killed_at_random_has_the_samples_of_one_that_was_not(
     tmp_path: Path, server: Callable[..., Any], results: Callable[..., Any]

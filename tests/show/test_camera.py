@@ -150,6 +150,7 @@ def test_many_soft_spheres_in_space_are_balls_in_their_box():
     assert (moved.pixels(steady).copy() != moved.pixels(wider)).any()
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_many_processes_draw_what_one_draws(tmp_path):
     text = (folder() / "two-spheres.toml").read_text()

@@ -90,6 +90,7 @@ def test_a_push_is_the_motion_of_the_side(tank):
     assert tank.liquid().position[0].min() > tank.pushed - 0.01
 
 
+@pytest.mark.long
 def test_a_hand_pushes_no_farther_than_it_may_and_a_wave_comes_back(tank):
     tank.drag(9.0)
     play(tank, 2.0)

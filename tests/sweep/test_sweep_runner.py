@@ -51,12 +51,14 @@ def test_only_what_is_missing_is_run(file, tmp_path):
     assert [row["seed"] for row in open_sweep(tmp_path / "out").table()] == [2, 3, 4, 5, 6]
 
 
+@pytest.mark.long
 def test_many_workers_make_the_same_table(file, tmp_path):
     sweep(file, tmp_path / "alone", ALONE)
     assert sweep(file, tmp_path / "many", ExecutorOptions(workers=2)).done == 4
     assert table(tmp_path / "many") == table(tmp_path / "alone")
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # processes: once is enough
 def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
     with _client(ExecutorOptions(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
@@ -76,6 +78,7 @@ def test_sweeps_at_the_same_time_do_not_compete_for_a_port(file, tmp_path):
     assert [str(each.message) for each in heard if "Port" in str(each.message)] == []
 
 
+@pytest.mark.long
 def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
     jobs = laid_out(load_sweep(file), tmp_path / "out").jobs

@@ -42,7 +42,11 @@ BRIEFLY = {
 TRIALS = {trial.name: trial for trial in torture.TRIALS}
 
 
-@pytest.mark.parametrize("name", BRIEFLY)
+LONG = {"R15 sweeps", "R18 caches"}
+"""Take seconds each."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in BRIEFLY])
 def test_everything_that_is_tried_is_survived(name, tmp_path):
     outcome = TRIALS[name].run(BRIEFLY[name], tmp_path)
     assert outcome.survived == outcome.tried > 0, outcome.note

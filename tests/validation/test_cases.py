@@ -74,6 +74,7 @@ def test_two_floats_meet_when_the_equation_of_motion_says_so():
     assert not missed(rows)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_rafts_and_floats_with_thermal_noise_move_as_their_mobility_says(monkeypatch):
     monkeypatch.setattr(hydrodynamics, "RAFTS", (7, 19))

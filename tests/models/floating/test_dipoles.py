@@ -64,6 +64,7 @@ def test_forces_are_the_slope_of_the_recorded_energy():
     assert workspace.force[0, 0] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-5)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_magnets_come_to_rest_where_the_forces_cancel():
     motion = '[integration]\nintegrator = "overdamped"\n'

@@ -100,6 +100,7 @@ def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
     )
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_energy_from_noise_is_heat():
     """In a well: the energy changes by the heat, but for the third power of a step."""

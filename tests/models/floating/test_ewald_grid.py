@@ -74,6 +74,7 @@ def test_a_pair_pulls_alike_on_both_and_none_on_itself():
     assert np.abs(grid_forces(alone, state, FLOATING.workspace(alone, state, 1.0))).max() < 1e-13 * np.abs(found).max()
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_recorded_energy_is_the_direct_sum_and_forces_are_its_slope():
     scene = scene_of_beads(60, interaction='summation = "grid"\naccuracy = 1e-6')
@@ -129,6 +130,7 @@ def integrated(scene, pauses):
     return state
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_bits_do_not_depend_on_threads_or_pauses():
     scene = scene_of_beads(
@@ -142,6 +144,7 @@ def test_bits_do_not_depend_on_threads_or_pauses():
     assert np.abs(once.position - FLOATING.start(scene, FLOATING.parameters(scene)).position).max() > 0.0
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_an_integration_with_a_grid_is_that_with_cells():
     """Two that fall together, with inertia: the same scheme around other sums."""

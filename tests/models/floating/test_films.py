@@ -73,6 +73,7 @@ def test_films_do_not_slow_floats_of_one_velocity_and_keep_momentum():
     assert np.sum(slowed**2) < np.sum(given**2)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_beads_meet_when_the_law_says():
     """The time from 4 R to 2.02 R, against the integral of zeta lambda / 2F."""

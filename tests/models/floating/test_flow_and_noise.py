@@ -165,6 +165,7 @@ def test_a_rotating_surface_turns_a_float_around():
 
 
 # The step that is advised is for floats at the wall, where the meniscus is steep; these stay in the middle.
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:integration.time_step")
 @pytest.mark.compiled
 def test_warm_floats_spread_in_a_well_as_boltzmann_says():

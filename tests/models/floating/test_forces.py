@@ -81,6 +81,7 @@ def test_a_dish_pushes_along_the_slope_of_its_energy():
     assert found[0, 0] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-5)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_single_precision_keeps_six_digits_wherever_the_floats_are():
     found = []

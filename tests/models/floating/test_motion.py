@@ -68,6 +68,7 @@ def final_position(integrator, step):
     return list(simulate(scene))[-1].arrays["position"][0, 0]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.usefixtures("coarse_steps_allowed")
 @pytest.mark.parametrize("integrator", ORDERS)

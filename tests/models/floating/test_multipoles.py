@@ -57,6 +57,7 @@ def hexagon(radius, gap):
     return 2.0 * radius * (1.0 + gap) * np.array(places)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "dish",
     [
@@ -76,6 +77,7 @@ def test_the_integration_has_the_forces_of_the_solver(dish):
     assert forces(scene) == pytest.approx(found.forces, rel=1e-6, abs=1e-6 * np.abs(found.forces).max())
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_discs_feel_the_same_by_corrected_pairs_as_by_multipoles():
     for apart in (2.0001, 2.03, 2.4, 5.0):
@@ -85,6 +87,7 @@ def test_two_discs_feel_the_same_by_corrected_pairs_as_by_multipoles():
         assert forces(discs(places, "superposition", SMALL))[0, 0] < 0.95 * exact
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_raft_of_seven_small_discs_is_held_six_times_as_hard_as_superposition_says():
     places = hexagon(SMALL, 0.02)
@@ -96,6 +99,7 @@ def test_a_raft_of_seven_small_discs_is_held_six_times_as_hard_as_superposition_
     assert pull["superposition"] < pull["pair-corrected"] < pull["multipole"]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("method", ["multipole", "pair-corrected"])
 def test_half_a_run_and_half_a_run_are_a_run_to_the_bit(method):

@@ -85,7 +85,7 @@ def pulled(parameters, state, workspace):
     [
         "",
         *(
-            pytest.param(f"[dish]\n{size}\n", marks=pytest.mark.compiled)
+            pytest.param(f"[dish]\n{size}\n", marks=[pytest.mark.compiled, pytest.mark.long])
             for size in ('radius = "4 mm"', 'size = ["7 mm", "6 mm"]')
         ),
     ],
@@ -120,6 +120,7 @@ def test_forces_cancel_and_so_do_torques():
     assert abs(turning) < 1e-12 * size * RADIUS
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_round_ellipsoid_floats_and_moves_as_a_sphere():
     places = "positions = [[-1e-3, 0.0], [1e-3, 0.0]]\n"

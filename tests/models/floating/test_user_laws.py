@@ -13,7 +13,7 @@ from ecume.scenes.user_laws import UserLawSpec
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, bowl, scene_of, two_floats
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.long]  # each set of laws compiles a time step of its own
 
 
 SMALL = 1.1e-6

@@ -71,6 +71,7 @@ def test_a_pull_is_reported_with_the_time_in_which_it_separates_two_spheres():
     assert float(rows["separation time"].removesuffix(" s")) == pytest.approx(wanted, rel=0.01)
 
 
+@pytest.mark.long
 def test_a_load_that_grows_and_waves_and_walls_count():
     assert expected(two(1e-3, protocol=[{"time": 0.0}, {"time": 1.0, "load": 3.0}])).force == pytest.approx(3e-3)
     stressed = packing(protocol=[{"time": 0.0, "shear_stress": 2e-4, "normal_stress": 1e-3}])

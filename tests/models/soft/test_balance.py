@@ -13,6 +13,7 @@ from .test_packings import packing
 pytestmark = pytest.mark.compiled
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("drag", [True, False])
 def test_what_is_left_on_a_thousand_sheared_spheres_is_below_1e_8_of_the_typical_force(drag):
     scene = packing(count=500, filled=0.8, strain=0.5, hydrodynamics={"drag": "stokes" if drag else "none"})

@@ -203,6 +203,7 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
         assert math.log(small[2]) < 1.7 * math.log(small[1])
 
 
+@pytest.mark.long
 def test_interruptions_change_no_bit_at_walls():
     scene = channel({"top": {"pressure": 1e-3, "shear_stress": 2e-3}}, rotation=True, duration=8.0, frame_every=8.0)
     whole, pieces = integrated(scene, parts=10**9)[1], integrated(scene, parts=2)[1]

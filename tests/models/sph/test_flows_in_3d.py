@@ -65,6 +65,7 @@ def error_of(frame):
     return math.sqrt(((frame.arrays["velocity"] - exact) ** 2).sum(axis=1).mean()) / faded
 
 
+@pytest.mark.long
 def test_swirls_in_space_only_fade_with_an_error_that_shrinks_in_either_precision():
     coarse, fine = (last_of(swirls(side, "double")) for side in (6, 10))
     assert error_of(fine) < 0.035
@@ -96,6 +97,7 @@ def channel(precision, across=12):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_a_channel_between_plates_in_space_starts_as_its_series_says(precision):
     last = last_of(channel(precision))

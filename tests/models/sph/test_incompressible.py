@@ -190,6 +190,7 @@ def test_steps_are_longer_by_the_mach_number():
     assert SPH.parameters(scene).time_step > 7.0 * SPH.parameters(slow).time_step
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_threads_do_not_change_bits():
     found = []

@@ -62,6 +62,7 @@ def test_a_grain_settles_at_its_terminal_speed():
     assert -state.passive_velocity[1, 0] == pytest.approx(2.291683e-2, rel=1e-4)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_light_grain_rises_and_a_grain_stays_above_the_bottom():
     light = {"positions": [[0.015, 0.01]], "radius": "0.2 mm", "density": 500.0}
@@ -141,6 +142,7 @@ def test_a_carried_particle_has_the_pressure_of_the_liquid_around_it():
     np.testing.assert_allclose(last.arrays["pressure"][-2:], 1000.0 * 9.81 * np.array([0.02, 0.03]), rtol=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("viscosity", [0.0, 40.0])
 def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscosity):

@@ -176,6 +176,7 @@ def test_half_a_run_with_a_body_and_half_a_run_are_a_run():
         assert np.array_equal(one, other), name
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_threads_change_no_bit_of_a_body_or_of_a_load():
     scene = changed(tank(deep=72), bodies=[{"center": [0.5, 0.9], "radius": 0.2, "density": 0.5, "spin": 1.0}])
@@ -191,6 +192,7 @@ def test_threads_change_no_bit_of_a_body_or_of_a_load():
     assert found[0] == found[1]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_box_of_half_the_density_floats_half_immersed():
     box = {"low": [0.25, 0.85], "high": [0.75, 1.15], "density": 0.5}
@@ -203,6 +205,7 @@ def test_a_box_of_half_the_density_floats_half_immersed():
     assert abs(numbers[-1]["body0_angle"]) < 0.1
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_heavy_box_sinks_to_the_bottom():
     # With 8 particles over the depth the box would be exactly three cells wide, and in a perfectly symmetric start it

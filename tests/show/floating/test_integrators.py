@@ -21,6 +21,7 @@ def found():
     return comparison()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_errors_fall_with_the_order_of_the_integrator(found, integrator):
     assert orders(found)[integrator] == pytest.approx(ORDERS[integrator], abs=0.1)
@@ -46,6 +47,7 @@ def test_the_figure_names_every_integrator_with_its_order(found, tmp_path):
     assert [axes.get_xlabel() for axes in drawn.axes] == ["time step (ms)", "time (s)"]
 
 
+@pytest.mark.long
 def test_the_comparison_is_written_where_it_is_wanted(found, tmp_path, monkeypatch):
     monkeypatch.setattr("ecume.show.floating.integrators.comparison", lambda: found)
     out = integrator_comparison(tmp_path / "deep" / "integrators.pdf")

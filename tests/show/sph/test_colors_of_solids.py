@@ -39,6 +39,7 @@ def seen(pixels, color):
     return int((np.abs(pixels[..., :3].astype(int) - wanted).max(axis=-1) < 60).sum())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("dimension", "least"), [(2, 1000), (3, 30)])
 @pytest.mark.parametrize("shapes", [(BOX, DISC), (DISC, BOX)], ids=["a ball floats", "a box floats"])
 def test_movies_draw_solids_in_their_colors(dimension, least, shapes):

@@ -124,6 +124,7 @@ def test_the_bundle_was_made_of_these_sources():
     assert (BUNDLE / "SOURCES.sha256").read_text().strip() == digest.hexdigest(), "run `npm run build` in web/"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(shutil.which("npm") is None, reason="npm is not installed; the digest of the sources stands in")
 def test_building_again_gives_the_same_bytes(tmp_path):
     work = tmp_path / "web"
