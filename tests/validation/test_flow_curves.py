@@ -38,6 +38,14 @@ def test_the_readme_states_how_the_exponent_depends_on_the_range_and_on_the_pres
     assert f"{common.offset.value:.2f} ± {common.offset.error:.2f}" in text
 
 
+def test_the_readme_states_the_effect_of_the_size():
+    larger, text = rheology.computed("doubled"), (DATA / "rheology" / "README.md").read_text(encoding="utf-8")
+    assert tuple(one.rate for one in larger) == rheology.DOUBLED
+    for row in rheology.rows_of_sizes(rheology.computed(), larger):
+        assert row.met
+        assert f"{row.computed:.2f} ± {float(row.name.split('± ')[1]):.2f}" in text
+
+
 def flowing(calls, count=600):
     noise = np.random.default_rng(1).normal(size=count)
     for step in range(count):

@@ -22,6 +22,8 @@ from ecume.validation.rows import Row, above, below, within
 
 RATES, SEEDS = (0.025, 0.08, 0.25, 0.8, 2.5, 8.0, 25.0), (1, 2, 3)
 """1/s; of the random start."""
+DOUBLED, LIKE = (0.25, 0.8, 2.5), 0.1
+"""Rates that are repeated with twice as many spheres; by how much their stress may differ, relatively."""
 SPHERES, FRACTION, STRAIN = 60, 0.87, 10.0
 """In 2D, of two sizes; after a pre-shear to a strain of 1, during which they are compressed from 0.80."""
 START, FRAMES = 0.80, 550
@@ -36,9 +38,10 @@ SHORT = ("particles[0].count=12", "particles[1].count=12", "cell.volume_fraction
 
 
 def rows() -> list[Row]:
-    """All pieces, the fit, and a run in other units."""
+    """All pieces, the fit, the effect of the size, and a run in other units."""
     found = [piece(rate, seed) for rate, seed in itertools.product(RATES, SEEDS)]
-    return [*rows_of_pieces(found), units()]
+    larger = [piece(rate, SEEDS[0], spheres=2 * SPHERES) for rate in DOUBLED]
+    return [*rows_of_pieces(found), *rows_of_sizes(found, larger), units()]
 
 
 def rows_of_pieces(pieces: Sequence[Piece]) -> Iterator[Row]:
@@ -53,6 +56,15 @@ def rows_of_pieces(pieces: Sequence[Piece]) -> Iterator[Row]:
     yield below("misfit of Herschel and Bulkley's law, per degree of freedom", fit.misfit, 3.0)
 
 
+def rows_of_sizes(pieces: Sequence[Piece], larger: Sequence[Piece]) -> Iterator[Row]:
+    """The stress of twice as many spheres over the mean of the others over seeds."""
+    means = dict(zip(*means_over_seeds(pieces, lambda one: one.shear), strict=True))
+    for one in larger:
+        ratio = friction(one.shear, means[one.rate])
+        name = f"stress with {2 * SPHERES} spheres / {SPHERES} at {one.rate:g}/s, ± {ratio.error:.3f}"
+        yield within(name, ratio.value, 1.0, LIKE)
+
+
 def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
     """The friction as a power of the viscous number J = eta rate d/P above that of the slowest flows."""
     rates, shears = means_over_seeds(pieces, lambda one: one.shear)
@@ -61,21 +73,23 @@ def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
     return power_fit(np.array(numbers), list(map(friction, shears, pressures)))
 
 
-def computed() -> list[Piece]:
-    """The pieces of the table `computed.csv`, which were computed with the scenes of this case."""
-    return [one for _, one in flow_pieces.computed("rheology")]
+def computed(name: str = "computed") -> list[Piece]:
+    """The pieces of the table `computed.csv`, which were computed with the scenes of this case. Those of twice as many
+    spheres are in `doubled.csv`.
+    """
+    return [one for _, one in flow_pieces.computed("rheology", name)]
 
 
-def piece(rate: float, seed: int, folder: Path = PIECES) -> Piece:
+def piece(rate: float, seed: int, folder: Path = PIECES, spheres: int = SPHERES) -> Piece:
     """A piece that is kept, or one that is computed now."""
-    return kept(scene_of(rate, seed), rate, folder)
+    return kept(scene_of(rate, seed, spheres), rate, folder)
 
 
-def scene_of(rate: float, seed: int) -> Scene:
+def scene_of(rate: float, seed: int, spheres: int = SPHERES) -> Scene:
     """The template `sheared-packing` with fewer spheres and a higher volume fraction."""
     protocol = [{"time": 0.0, "shear_rate": rate}, {"time": 1.0 / rate, "scale": math.sqrt(START / FRACTION)}]
     duration = (STRAIN + 1.0) / rate
-    return sheared(SPHERES, seed, protocol, duration, FRAMES, [f"cell.volume_fraction={START}"])
+    return sheared(spheres, seed, protocol, duration, FRAMES, [f"cell.volume_fraction={START}"])
 
 
 def units(strain: float = 0.5) -> Row:
