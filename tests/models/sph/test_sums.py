@@ -212,10 +212,10 @@ def test_forces_know_no_axis(force):
     np.testing.assert_allclose(other, one, atol=1e-11 * np.abs(one).max())
 
 
-def test_density_gradients_know_no_axis():
+def test_enthalpy_gradients_know_no_axis():
     def gradients(parameters, state, workspace):
         take_thickening(parameters, state, workspace)
-        return workspace.fields.density_gradient[:, : state.position.shape[1]].copy()
+        return workspace.fields.enthalpy_gradient[:, : state.position.shape[1]].copy()
 
     one, other = with_axes_renamed(coarse_blob(density_diffusion="antuono"), gradients)
     np.testing.assert_allclose(other, one, atol=1e-11 * np.abs(one).max())

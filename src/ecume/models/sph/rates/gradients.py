@@ -30,8 +30,10 @@ Symmetric = tuple[float, float, float, float, float, float]
 
 
 @summing
-def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
-    """Fill the density gradient of the liquid; walls and bodies do not contribute."""
+def fill_enthalpy_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
+    """Fill the enthalpy gradient of the liquid; walls and bodies do not contribute. With too few neighbors it is that of
+    a liquid at rest.
+    """
     kernel, deep, inverse, scale = (
         constants[0].kernel,
         constants[0].dimension == 3,
@@ -41,12 +43,13 @@ def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants:
     counts, neighbor = lists
     for particle in prange(liquid):
         i = INDEX(particle)
-        x, y, z, density = (
+        x, y, z, enthalpy = (
             fields[FIELD.position, i],
             fields[FIELD.position + 1, i],
             fields[FIELD.position + 2, i],
-            fields[FIELD.density, i],
+            fields[FIELD.enthalpy, i],
         )
+        rx, ry, rz = constants[0].rise_x, constants[0].rise_y, constants[0].rise_z
         xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         sx, sy, sz = 0.0, 0.0, 0.0
         for k in range(INDEX(counts[i])):
@@ -56,7 +59,8 @@ def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants:
                 fields[FIELD.position + 1, j] - y,
                 fields[FIELD.position + 2, j] - z,
             )
-            weight, more = fields[FIELD.volume, j] * fields[FIELD.liquid, j], fields[FIELD.density, j] - density
+            weight, more = fields[FIELD.volume, j] * fields[FIELD.liquid, j], fields[FIELD.enthalpy, j] - enthalpy
+            more -= rx * dx + ry * dy + rz * dz
             square = dx * dx + dy * dy
             if deep:
                 square += dz * dz
@@ -73,9 +77,9 @@ def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants:
         if not deep:
             zz, xz, yz, sz = -1.0, 0.0, 0.0, 0.0
         gx, gy, gz = solved((xx, yy, zz, xy, xz, yz), sx, sy, sz)
-        fields[FIELD.density_gradient, i] = gx
-        fields[FIELD.density_gradient + 1, i] = gy
-        fields[FIELD.density_gradient + 2, i] = gz
+        fields[FIELD.enthalpy_gradient, i] = gx + rx
+        fields[FIELD.enthalpy_gradient + 1, i] = gy + ry
+        fields[FIELD.enthalpy_gradient + 2, i] = gz + rz
 
 
 @summed_inside
@@ -105,10 +109,11 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
         x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        rx, ry, rz = constants[0].rise_x, constants[0].rise_y, constants[0].rise_z
         gx, gy, gz = (
-            fields[FIELD.density_gradient, i],
-            fields[FIELD.density_gradient + 1, i],
-            fields[FIELD.density_gradient + 2, i],
+            fields[FIELD.enthalpy_gradient, i],
+            fields[FIELD.enthalpy_gradient + 1, i],
+            fields[FIELD.enthalpy_gradient + 2, i],
         )
         total = zero
         for k in range(INDEX(counts[i])):
@@ -119,16 +124,16 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
                 fields[FIELD.position + 2, j] - z,
             )
             weight = fields[FIELD.weight, j] * fields[FIELD.liquid, j]
-            square = dx * dx + dy * dy
+            square, rise = dx * dx + dy * dy, rx * dx + ry * dy
             own, other = (
                 gx * dx + gy * dy,
-                fields[FIELD.density_gradient, j] * dx + fields[FIELD.density_gradient + 1, j] * dy,
+                fields[FIELD.enthalpy_gradient, j] * dx + fields[FIELD.enthalpy_gradient + 1, j] * dy,
             )
             if deep:
-                square += dz * dz
-                own, other = own + gz * dz, other + fields[FIELD.density_gradient + 2, j] * dz
+                square, rise = square + dz * dz, rise + rz * dz
+                own, other = own + gz * dz, other + fields[FIELD.enthalpy_gradient + 2, j] * dz
             slope = slope_of(math.sqrt(square) * inverse, kernel) * weight
-            total += diffusion.flow(diffusion.beyond_rest(zero, zero, diffusion.mean_rise(own, other)), slope)
+            total += diffusion.flow(diffusion.beyond_rest(zero, rise, diffusion.mean_rise(own, other)), slope)
         rates[RATE.diffusion, i] += factor * total
 
 
