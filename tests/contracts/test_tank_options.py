@@ -42,7 +42,7 @@ FAMILIES = {
                           {"method": {"density_diffusion": "none"}}},
     "pressure": methods("pressure", ["incompressible"], liquid={"sound_speed": None}),
     "viscosity_model": methods("viscosity_model", FRICTIONS, **DRAG),
-    "pressure_force": {**methods("pressure_force", ["monaghan"]), **methods("pressure_force", ["transport"], **FULL)},
+    "pressure_force": {**methods("pressure_force", ["monaghan", "corrected"]), **methods("pressure_force", ["transport"], **FULL)},
     "pressure_split": methods("pressure_split", ["modified"], **FULL),
     "shifting": methods("shifting", SHIFTINGS),
     "surface_tension_model": methods("surface_tension_model", TENSIONS, **TENSE),

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.viscous import friction_left
 from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
 from ecume.models.sph.rates.sums import sum_radial_friction
@@ -134,9 +135,10 @@ def test_diffusion_moves_density_and_makes_none():
     assert abs(flow.sum()) < 1e-12 * np.abs(flow).sum()
 
 
-def test_antuono_does_not_touch_a_density_that_grows_linearly():
+def test_antuono_does_not_touch_an_enthalpy_that_grows_linearly():
     parameters, state, workspace = at_start(free_blob(density_diffusion="antuono"))
-    state.density[...] = 1000.0 + 5.0 * state.position[0] - 3.0 * state.position[1]
+    enthalpy = 0.5 * state.position[0] - 0.3 * state.position[1]
+    state.density[...] = [density_at_enthalpy(each, 1000.0, 10.0, 7.0) for each in enthalpy]
     take_thickening(parameters, state, workspace)
     assert np.abs(workspace.rates.diffusion).max() < 1e-9
 

@@ -31,9 +31,7 @@ Symmetric = tuple[float, float, float, float, float, float]
 
 @summing
 def fill_enthalpy_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
-    """Fill the enthalpy gradient of the liquid; walls and bodies do not contribute. With too few neighbors it is that of
-    a liquid at rest.
-    """
+    """Fill the enthalpy gradient of the liquid, without walls and bodies; that at rest where neighbors are too few."""
     kernel, deep, inverse, scale = (
         constants[0].kernel,
         constants[0].dimension == 3,
