@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.viscous import friction_left
 from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
 from ecume.models.sph.rates.sums import sum_radial_friction
@@ -135,10 +134,9 @@ def test_diffusion_moves_density_and_makes_none():
     assert abs(flow.sum()) < 1e-12 * np.abs(flow).sum()
 
 
-def test_antuono_does_not_touch_an_enthalpy_that_grows_linearly():
+def test_antuono_does_not_touch_a_density_that_grows_linearly():
     parameters, state, workspace = at_start(free_blob(density_diffusion="antuono"))
-    enthalpy = 0.5 * state.position[0] - 0.3 * state.position[1]
-    state.density[...] = [density_at_enthalpy(each, 1000.0, 10.0, 7.0) for each in enthalpy]
+    state.density[...] = 1000.0 + 5.0 * state.position[0] - 3.0 * state.position[1]
     take_thickening(parameters, state, workspace)
     assert np.abs(workspace.rates.diffusion).max() < 1e-9
 
@@ -214,10 +212,10 @@ def test_forces_know_no_axis(force):
     np.testing.assert_allclose(other, one, atol=1e-11 * np.abs(one).max())
 
 
-def test_enthalpy_gradients_know_no_axis():
+def test_density_gradients_know_no_axis():
     def gradients(parameters, state, workspace):
         take_thickening(parameters, state, workspace)
-        return workspace.fields.enthalpy_gradient[:, : state.position.shape[1]].copy()
+        return workspace.fields.density_gradient[:, : state.position.shape[1]].copy()
 
     one, other = with_axes_renamed(coarse_blob(density_diffusion="antuono"), gradients)
     np.testing.assert_allclose(other, one, atol=1e-11 * np.abs(one).max())

@@ -32,7 +32,7 @@ class Fields(NamedTuple):
     """the velocity that friction sees: other than `velocity` on a wall with no slip"""
     transport: Floats
     """the transport velocity less the velocity"""
-    enthalpy_gradient: Floats
+    density_gradient: Floats
     density: Floats
     pressure: Floats
     """gauge pressure"""
@@ -62,7 +62,7 @@ class FieldRows(NamedTuple):
     velocity: int = 3
     friction_velocity: int = 6
     transport: int = 9
-    enthalpy_gradient: int = 12
+    density_gradient: int = 12
     density: int = 15
     pressure: int = 16
     volume: int = 17

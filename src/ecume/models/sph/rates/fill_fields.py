@@ -114,6 +114,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
     part turn for the equation of continuity.
     """
     dimension = len(pull)
+    c0, rho0 = liquid.sound_speed, liquid.density
     away, through, drift, pull_through, steep = 0.0, 0.0, 0.0, 0.0, 0.0
     for axis in range(dimension):
         normal = side[dimension + axis]
@@ -121,7 +122,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         through += (fields[FIELD.velocity + axis, i] - side[2 * dimension + axis]) * normal
         drift += fields[FIELD.transport + axis, i] * normal
         pull_through += (pull[axis] - side[3 * dimension + 2 + axis]) * normal
-        steep += fields[FIELD.enthalpy_gradient + axis, i] * normal
+        steep += fields[FIELD.density_gradient + axis, i] * normal
     for axis in range(dimension):
         normal = side[dimension + axis]
         fields[FIELD.position + axis, image] = fields[FIELD.position + axis, i] - 2.0 * away * normal
@@ -130,8 +131,8 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         turned = 2.0 * side[2 * dimension + axis] - fields[FIELD.friction_velocity + axis, i]
         fields[FIELD.friction_velocity + axis, image] = turned if holds else fields[FIELD.velocity + axis, image]
         # The hydrostatic part continues through the wall, the rest is mirrored.
-        fields[FIELD.enthalpy_gradient + axis, image] = (
-            fields[FIELD.enthalpy_gradient + axis, i] - 2.0 * (steep - pull_through) * normal
+        fields[FIELD.density_gradient + axis, image] = (
+            fields[FIELD.density_gradient + axis, i] - 2.0 * (steep - rho0 / (c0 * c0) * pull_through) * normal
         )
     if fields.shape[0] > FIELD.correction:
         _mirror_correction(fields, i, image, side, dimension)

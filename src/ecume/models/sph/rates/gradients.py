@@ -30,8 +30,8 @@ Symmetric = tuple[float, float, float, float, float, float]
 
 
 @summing
-def fill_enthalpy_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
-    """Fill the enthalpy gradient of the liquid, without walls and bodies; that at rest where neighbors are too few."""
+def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
+    """Fill the density gradient of the liquid; walls and bodies do not contribute."""
     kernel, deep, inverse, scale = (
         constants[0].kernel,
         constants[0].dimension == 3,
@@ -41,13 +41,12 @@ def fill_enthalpy_gradients(fields: Floats, liquid: int, lists: Lists, constants
     counts, neighbor = lists
     for particle in prange(liquid):
         i = INDEX(particle)
-        x, y, z, enthalpy = (
+        x, y, z, density = (
             fields[FIELD.position, i],
             fields[FIELD.position + 1, i],
             fields[FIELD.position + 2, i],
-            fields[FIELD.enthalpy, i],
+            fields[FIELD.density, i],
         )
-        rx, ry, rz = constants[0].rise_x, constants[0].rise_y, constants[0].rise_z
         xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         sx, sy, sz = 0.0, 0.0, 0.0
         for k in range(INDEX(counts[i])):
@@ -57,8 +56,7 @@ def fill_enthalpy_gradients(fields: Floats, liquid: int, lists: Lists, constants
                 fields[FIELD.position + 1, j] - y,
                 fields[FIELD.position + 2, j] - z,
             )
-            weight, more = fields[FIELD.volume, j] * fields[FIELD.liquid, j], fields[FIELD.enthalpy, j] - enthalpy
-            more -= rx * dx + ry * dy + rz * dz
+            weight, more = fields[FIELD.volume, j] * fields[FIELD.liquid, j], fields[FIELD.density, j] - density
             square = dx * dx + dy * dy
             if deep:
                 square += dz * dz
@@ -75,9 +73,9 @@ def fill_enthalpy_gradients(fields: Floats, liquid: int, lists: Lists, constants
         if not deep:
             zz, xz, yz, sz = -1.0, 0.0, 0.0, 0.0
         gx, gy, gz = solved((xx, yy, zz, xy, xz, yz), sx, sy, sz)
-        fields[FIELD.enthalpy_gradient, i] = gx + rx
-        fields[FIELD.enthalpy_gradient + 1, i] = gy + ry
-        fields[FIELD.enthalpy_gradient + 2, i] = gz + rz
+        fields[FIELD.density_gradient, i] = gx
+        fields[FIELD.density_gradient + 1, i] = gy
+        fields[FIELD.density_gradient + 2, i] = gz
 
 
 @summed_inside
@@ -107,11 +105,10 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
         x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        rx, ry, rz = constants[0].rise_x, constants[0].rise_y, constants[0].rise_z
         gx, gy, gz = (
-            fields[FIELD.enthalpy_gradient, i],
-            fields[FIELD.enthalpy_gradient + 1, i],
-            fields[FIELD.enthalpy_gradient + 2, i],
+            fields[FIELD.density_gradient, i],
+            fields[FIELD.density_gradient + 1, i],
+            fields[FIELD.density_gradient + 2, i],
         )
         total = zero
         for k in range(INDEX(counts[i])):
@@ -122,16 +119,16 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
                 fields[FIELD.position + 2, j] - z,
             )
             weight = fields[FIELD.weight, j] * fields[FIELD.liquid, j]
-            square, rise = dx * dx + dy * dy, rx * dx + ry * dy
+            square = dx * dx + dy * dy
             own, other = (
                 gx * dx + gy * dy,
-                fields[FIELD.enthalpy_gradient, j] * dx + fields[FIELD.enthalpy_gradient + 1, j] * dy,
+                fields[FIELD.density_gradient, j] * dx + fields[FIELD.density_gradient + 1, j] * dy,
             )
             if deep:
-                square, rise = square + dz * dz, rise + rz * dz
-                own, other = own + gz * dz, other + fields[FIELD.enthalpy_gradient + 2, j] * dz
+                square += dz * dz
+                own, other = own + gz * dz, other + fields[FIELD.density_gradient + 2, j] * dz
             slope = slope_of(math.sqrt(square) * inverse, kernel) * weight
-            total += diffusion.flow(diffusion.beyond_rest(zero, rise, diffusion.mean_rise(own, other)), slope)
+            total += diffusion.flow(diffusion.beyond_rest(zero, zero, diffusion.mean_rise(own, other)), slope)
         rates[RATE.diffusion, i] += factor * total
 
 

@@ -113,7 +113,7 @@ FRICTIONS: Mapping[str, Friction] = {
 DIFFUSIONS: Mapping[str, DensityDiffusion] = {
     "none": DensityDiffusion(None, "density", balances_weight=False, gradients=False),
     "molteni": DensityDiffusion(diffusion.molteni_excess, "density", balances_weight=False, gradients=False),
-    "antuono": DensityDiffusion(diffusion.antuono_excess, "enthalpy", balances_weight=True, gradients=True),
+    "antuono": DensityDiffusion(diffusion.antuono_excess, "density", balances_weight=False, gradients=True),
     "linear": DensityDiffusion(diffusion.fourtakas_linear_excess, "density", balances_weight=True, gradients=False),
     "hydrostatic": DensityDiffusion(diffusion.fourtakas_excess, "enthalpy", balances_weight=True, gradients=False),
 }

@@ -16,7 +16,7 @@ from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import fill_corrections
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
-from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_enthalpy_gradients, set_eddy_viscosity
+from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, set_eddy_viscosity
 from ecume.models.sph.rates.kernels import kernel_type, require_kernel
 from ecume.models.sph.rates.shifting import shift
 from ecume.models.sph.rates.sums import store_acceleration, store_thickening, sum_both, sum_continuity, sum_momentum
@@ -191,7 +191,7 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if len(images.source):
         fill_images(images.source, *of_images)
     if gradients:
-        fill_enthalpy_gradients(table, count, lists, constants)
+        fill_density_gradients(table, count, lists, constants)
     if real > count:
         clip, equation, dummies = parameters.walls_clip, parameters.equation_of_state, parameters.boundary.dummies
         pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
