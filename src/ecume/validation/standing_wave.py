@@ -1,5 +1,5 @@
-"""A standing wave in a viscous liquid: how fast it swings, and how fast it dies, beside the exact roots; by default, and
-with gradients that are completed at the free surface.
+"""A standing wave in a viscous liquid: how fast it swings, and how fast it dies, beside the exact roots; by default,
+and with gradients that are completed at the free surface.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ def disordered(dimension=2, **method):
 
 @pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.compiled)])
 def test_the_force_is_adjoint_to_the_divergence(dimension):
-    parameters, state, workspace = disordered(dimension)
+    _, state, workspace = disordered(dimension)
     liquid = len(state.density)
     assert np.abs(workspace.fields.correction[3, :liquid]).max() > 0.05
     kinetic = float(np.sum(state.mass * (state.velocity * state.acceleration).sum(axis=0)))
