@@ -83,24 +83,29 @@ def _levels(axis: Axes, run: dam.Broken) -> None:
 
 
 def standing_wave() -> Figure:
-    """A wave at Re = 50 beside the exact one, with two resolutions and two forms of the viscosity."""
-    drawn = figure(8.0, 3.6)
-    axis = drawn.subplots()
-    exact, speed = viscous_decay(math.pi, 1.0, 1.0, 0.02), 0.05
+    """Waves at Re = 50 and 500 beside the exact ones: resolutions, forms of the viscosity, completed gradients."""
+    drawn = figure(10.0, 3.6)
+    left, right = drawn.subplots(1, 2)
     runs: dict[str, tuple[int, tuple[str, ...], Any]] = {
         "16 deep": (16, (), ":"),
         "32 deep": (32, (), "-"),
         "32 deep, morris": (32, ("method.viscosity_model=morris",), "--"),
     }
+    _waves(left, 50.0, runs)
+    _waves(right, 500.0, {"16 deep": (16, (), ":"), "16 deep, corrected": (16, wave.CORRECTED, "--")})
+    return drawn
+
+
+def _waves(axis: Axes, reynolds: float, runs: dict[str, tuple[int, tuple[str, ...], Any]]) -> None:
+    exact, speed = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds), 0.05
     for (name, (deep, changes, dashes)), color in zip(runs.items(), PALETTE, strict=False):
-        times, heights = wave.heights(50.0, deep, changes)
+        times, heights = wave.heights(reynolds, deep, changes)
         axis.plot(times, heights, dashes, color=color, label=name)
     times = np.linspace(0.0, 12.0, 400)
     decayed = speed / exact.frequency * np.exp(-exact.rate * times) * np.sin(exact.frequency * times)
     axis.plot(times, decayed, color=INK, linewidth=0.9, label="exact")
-    axis.set(xlabel="time √(g/H)", ylabel="wave height / H")
+    axis.set(xlabel="time √(g/H)", ylabel="wave height / H", title=f"Re = {reynolds:g}")
     axis.legend()
-    return drawn
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {

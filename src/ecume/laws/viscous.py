@@ -104,6 +104,21 @@ def radial_friction(
     return 4.0 * (dimensions + 2.0) * mean * volume_i * volume_j
 
 
+def corrected_friction(
+    viscosity_i: Viscosity, viscosity_j: Viscosity, volume_i: Volume, volume_j: Volume, dimensions: Number,
+    completion: Number,
+) -> PairFriction:  # fmt: skip
+    """The `radial_friction` of a pair, times its completion x.(B_i + B_j) x / 2 r^2 at a free surface. [schwaiger2008].
+
+    B: the matrix of `kernel_correction`, by which the paper completes the Laplacian of a scalar; here pair by pair, so
+    that friction keeps linear and angular momentum, and never drives the liquid.
+
+    >>> corrected_friction(1.0, 1.0, 2.0, 0.5, 2, 1.5)
+    12.0
+    """
+    return completion * radial_friction(viscosity_i, viscosity_j, volume_i, volume_j, dimensions)
+
+
 def friction_left(pair_distance: Length, surface_per_volume: PerLength, dimensions: Number) -> Number:
     """The part 1 - c (S/V) <r> of the friction of full surroundings that is left in a liquid with a free surface.
 

@@ -1,4 +1,6 @@
-"""A standing wave in a viscous liquid: how fast it swings, and how fast it dies, beside the exact roots."""
+"""A standing wave in a viscous liquid: how fast it swings, and how fast it dies, beside the exact roots; by default,
+and with gradients that are completed at the free surface.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +23,19 @@ DEEP = (16, 32)
 MOST_FREQUENCY = {16: 0.02, 32: 0.01}
 MOST_RATE = {16: 0.05, 32: 0.03}
 """Relative."""
+CORRECTED = ("method.pressure_force=corrected",)
+CORRECTED_WAVES = ((50.0, 16), (100.0, 16), (250.0, 16), (500.0, 16), (500.0, 32))
+"""Reynolds numbers, and particles in the depth."""
+MOST_CORRECTED = Decay(rate=0.05, frequency=0.01)
+"""Relative, at all of these."""
 
 
 def rows() -> list[Row]:
+    """Both forms of the gradients."""
+    return [*by_default(), *corrected()]
+
+
+def by_default() -> list[Row]:
     """Frequency and decay at two viscosities and two resolutions, and how the decay converges."""
     found = []
     for reynolds in REYNOLDS:
@@ -33,6 +45,20 @@ def rows() -> list[Row]:
             found += _rows(f"Re {reynolds:g}, {deep} deep", computed, exact, deep)
         coarse, fine = (abs(waves[deep].rate / exact.rate - 1.0) for deep in DEEP)
         found.append(above(f"Re {reynolds:g}: order of convergence of the decay", math.log2(coarse / fine), 0.5))
+    return found
+
+
+def corrected() -> list[Row]:
+    """Frequency and decay with completed gradients, also in thinner liquids."""
+    found = []
+    for reynolds, deep in CORRECTED_WAVES:
+        exact = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds)
+        computed = fitted(*heights(reynolds, deep, CORRECTED))
+        name, limits = f"corrected, Re {reynolds:g}, {deep} deep", MOST_CORRECTED
+        found += [
+            within(f"{name}: frequency", computed.frequency, exact.frequency, limits.frequency * exact.frequency),
+            within(f"{name}: decay", computed.rate, exact.rate, limits.rate * exact.rate),
+        ]
     return found
 
 

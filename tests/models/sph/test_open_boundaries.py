@@ -46,6 +46,34 @@ def integrated_through(scene, steps, state=None):
 
 
 @pytest.mark.compiled
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(4))
+def test_random_channels_with_a_parabola_keep_flux_and_number_of_particles(seed):
+    """Smoothing lengths of 1.5 spacings, 8 to 12 particles across. Half of the pressure drop 12 eta u L/H^2, over
+    rho c^2, is the mean compression.
+    """
+    dice = np.random.default_rng(seed)
+    across = int(dice.integers(8, 13))
+    length = int(dice.integers(16, 26)) / across
+    plain = to_plain(channel(duration=4.0, frame_every=0.1, spacing=1.0 / across))
+    plain["liquid"]["viscosity"] = float(dice.uniform(0.02, 0.2))
+    plain["tank"] |= {"high": [length, 1.0], "walls": str(dice.choice(["mirror", "dummy"]))}
+    plain["fluid"][0]["high"] = [length, 1.0]
+    plain["method"] |= {"smoothing_ratio": 1.5}
+    frames = list(ecume.simulate(from_plain(plain)))
+    counts = [len(frame.arrays["mass"]) for frame in frames]
+    compression = 6.0 * plain["liquid"]["viscosity"] * length / 15.0**2
+    flux = [float(frame.arrays["mass"] @ frame.arrays["velocity"][:, 0]) / length for frame in frames[10:]]
+    assert np.mean(counts[10:]) / counts[0] == pytest.approx(1.0 + compression, abs=0.006)
+    assert np.mean(flux) == pytest.approx(1.0, abs=0.01)
+    errors = []
+    for frame in frames[20:]:
+        exact = np.array([channel_speed(height, 1.0, 1.0) for height in frame.arrays["position"][:, 1]])
+        errors.append(np.sqrt(np.mean((frame.arrays["velocity"][:, 0] - exact) ** 2)))
+    assert np.mean(errors) < 0.03
+
+
+@pytest.mark.compiled
 def test_a_parabola_that_flows_in_flows_out_as_one():
     frames = list(ecume.simulate(channel()))
     arrays = frames[-1].arrays

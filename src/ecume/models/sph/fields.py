@@ -46,6 +46,8 @@ class Fields(NamedTuple):
     """what the pressure force adds up of two particles: the pressure, or p/rho^2 (see `PressureForce.by_mass`)"""
     weight: Floats
     """what a neighbor counts: its volume, or its mass"""
+    correction: Floats
+    """(6, entries) xx, yy, zz, xy, xz, yz of the matrix that completes gradients; (0, entries) where none is used"""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -69,21 +71,26 @@ class FieldRows(NamedTuple):
     liquid: int = 20
     force_term: int = 21
     weight: int = 22
+    correction: int = 23
 
 
 FIELD = FieldRows()
-FIELDS = 23
+FIELDS, CORRECTED_FIELDS = 23, 29
+"""Rows of a table, without and with the matrices that complete gradients."""
 
 
 def fields_in(table: Floats) -> Fields:
     """The fields of a table, by name."""
     vectors = [table[first : first + 3] for first in FIELD[:5]]
-    return Fields(table, *vectors, *(table[row] for row in FIELD[5:]))
+    more = [*(table[row] for row in FIELD[5:-1]), table[FIELD.correction :]]
+    return Fields(table, *vectors, *more)
 
 
-def zero_fields(count: int, precision: Precision) -> Fields:
-    """Fields of so many particles."""
-    return fields_in(np.zeros((FIELDS, count), precision))
+def zero_fields(count: int, precision: Precision, corrected: bool = False) -> Fields:
+    """Fields of so many particles, with unit matrices where gradients are completed."""
+    fields = fields_in(np.zeros((CORRECTED_FIELDS if corrected else FIELDS, count), precision))
+    fields.correction[:3] = 1.0
+    return fields
 
 
 class Rates(NamedTuple):

@@ -298,6 +298,11 @@ class Parameters(NamedTuple):
         return self.constants[0]
 
     @property
+    def corrects(self) -> bool:
+        """Whether gradients are completed at free surfaces."""
+        return self.pressure_force.continuity is not None or (self.friction is not None and self.friction.corrected)
+
+    @property
     def transports(self) -> bool:
         """Whether particles move with a transport velocity beside the liquid's."""
         return self.background > 0.0 or self.shifting != "none"

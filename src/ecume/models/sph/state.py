@@ -218,7 +218,7 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
         return Workspace(images, lists, before.fields, before.rates, before.before, cells)
-    fields = zero_fields(columns, parameters.precision)
+    fields = zero_fields(columns, parameters.precision, parameters.corrects)
     fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
     rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))

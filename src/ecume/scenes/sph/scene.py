@@ -147,11 +147,13 @@ class MethodSpec:
     """The coefficient alpha of the artificial viscosity; by default 0.02, or 0 where
     `liquid.viscosity` is given. Effect: larger values damp noise and motion."""
     viscosity_model: LawName = "automatic"
-    """The viscous force: `monaghan` along the lines of centers, right at a free surface; `morris` along velocities,
-    right in full tanks; by default the one that fits. Effect: affects the damping near surfaces and walls."""
+    """The viscous force: `monaghan` along the lines of centers, right at a free surface; `corrected`, the same with
+    the part completed that has no neighbors there; `morris` along velocities, right in full tanks; by default the one
+    that fits. Effect: affects the damping near surfaces and walls."""
     pressure_force: LawName = "sum"
-    """The pressure force: `sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (with the transport velocity).
-    Effect: `transport` keeps particles evenly spaced in full tanks."""
+    """The pressure force: `sum` (p_i + p_j), `monaghan` (p/rho^2), `transport` (with the transport velocity) or
+    `corrected` (with gradients completed at the free surface). Effect: `transport` keeps particles evenly spaced in
+    full tanks; with `corrected` waves lose no energy by the method, but still water is less quiet."""
     pressure_split: Literal["none", "modified", "original"] = "none"
     """The treatment of the hydrostatic pressure: `none`, where the Tait pressure is complete; `modified`, where
     gravity is omitted and the hydrostatic pressure added for output, in closed and full tanks only; `original`,

@@ -16,6 +16,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.corrections import between, completed, completion
 from ecume.models.sph.rates.kernels import slope_of
 from ecume.models.sph.rates.sums import damping
 from ecume.models.sph.state import Workspace
@@ -34,6 +35,10 @@ class PairForces(NamedTuple):
     transported: bool
     viscous: bool
     radial: bool
+    corrected: bool
+    """whether the pressure acts along B_i x_ij and B_j x_ij"""
+    completed: bool
+    """whether friction counts for what is missing at a surface"""
 
 
 @compiled_inside
@@ -57,6 +62,23 @@ def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> 
         both * (mean * dx - own * fields[FIELD.velocity, i] - flux * fields[FIELD.velocity, j]),
         both * (mean * dy - own * fields[FIELD.velocity + 1, i] - flux * fields[FIELD.velocity + 1, j]),
         both * (mean * dz - own * fields[FIELD.velocity + 2, i] - flux * fields[FIELD.velocity + 2, j]),
+    )
+
+
+@compiled_inside
+def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float, float]) -> Vector:
+    """Pressure with completed gradients, if none of the two is a dummy (see `sum_corrected_pressure`)."""
+    weight, damp = pair
+    own, push, liquid = fields[FIELD.force_term, i], fields[FIELD.force_term, j], 1.0
+    if fields[FIELD.liquid, i] * fields[FIELD.liquid, j] == 0.0:
+        liquid = 0.0
+    x, y, z = apart
+    ax, ay, az = between(liquid, apart, completed(fields, i, x, y, z))
+    bx, by, bz = between(liquid, apart, completed(fields, j, x, y, z))
+    return (
+        weight * (own * ax + push * bx + damp * x),
+        weight * (own * ay + push * by + damp * y),
+        weight * (own * az + push * bz + damp * z),
     )
 
 
@@ -98,7 +120,7 @@ def press(
     kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
     damper = constants[0].smoothing_length, constants[0].damping_divisor, constants[0].sound_speed, constants[0].alpha
     transported, deep = forces.transported, constants[0].dimension == 3
-    rubs = forces.viscous
+    rubs, corrected, completes = forces.viscous, forces.corrected, forces.completed
     radially = (constants[0].dimension + 2) * (forces.radial)
     counts, neighbor = lists
     for place in prange(len(mine)):
@@ -123,14 +145,15 @@ def press(
                 ) * dy
                 radial += (fields[FIELD.velocity + 2, j] - fields[FIELD.velocity + 2, i]) * dz
                 damps = fields[FIELD.liquid, i] * fields[FIELD.liquid, j] * damping(radial, square, damper)
-                both = (
-                    pull
-                    * fields[FIELD.weight, i]
-                    * fields[FIELD.weight, j]
-                    * (fields[FIELD.force_term, i] + fields[FIELD.force_term, j] + damps)
-                )
-                fx, fy, fz = both * dx, both * dy, both * dz
+                both = pull * fields[FIELD.weight, i] * fields[FIELD.weight, j]
+                if corrected:
+                    fx, fy, fz = _corrected(fields, i, j, (dx, dy, dz), (both, damps))
+                else:
+                    both *= fields[FIELD.force_term, i] + fields[FIELD.force_term, j] + damps
+                    fx, fy, fz = both * dx, both * dy, both * dz
             if rubs and fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j] > 0.0:
+                if completes:
+                    pull *= completion(fields, i, j, (dx, dy, dz)) / max(square, constants[0].softening)
                 rx, ry, rz = _rubbed(fields, i, j, (dx, dy, dz), (pull, radially, constants[0].softening))
                 fx, fy, fz = fx + rx, fy + ry, fz + rz
             force[g, 0, place] += fx
@@ -146,6 +169,8 @@ def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, grou
         transported=parameters.pressure_force.transported,
         viscous=friction is not None,
         radial=friction is not None and friction.radial,
+        corrected=parameters.pressure_force.continuity is not None,
+        completed=friction is not None and friction.corrected,
     )
     press(workspace.fields.table, mine, group, lists, constants, forces, force)
     return force

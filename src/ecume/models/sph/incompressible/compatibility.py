@@ -168,8 +168,8 @@ NEEDS = (
     Need("method.density_diffusion", DENSITY_RATE, _named("method", "density_diffusion", "automatic", "none"),
          f"smooths densities that are integrated in time; an incompressible liquid has none; use 'none', or {TAIT}"),
     Need("method.pressure_force", DENSITY_FORCES, _named("method", "pressure_force", "sum"),
-         "weighs pressures with densities that differ; with equal densities only the sum is the adjoint of the "
-         f"divergence; use 'sum', or {TAIT}"),
+         "weighs pressures with densities that differ, or completes gradients; only the sum is the adjoint of the "
+         f"divergence that is solved for; use 'sum', or {TAIT}"),
     Need("tank", BUFFERS, _gates,
          "the buffer behind it has a separate pressure: the solver knows only pressures at free surfaces and walls; "
          f"{TAIT}"),

@@ -2,5 +2,6 @@
 
 Start with `right_hand_side`. `fill_fields` writes the table that all sums read, `sums` has the sums over neighbors
 (continuity, pressure, viscosity), `kernels` the smoothing kernels in compiled loops, and `methods` the table of forms.
-Optional terms: `gradients` (density diffusion, turbulence), `shifting`, `surface_tension`.
+Optional terms: `corrections` (at free surfaces), `gradients` (density diffusion, turbulence), `shifting`,
+`surface_tension`.
 """

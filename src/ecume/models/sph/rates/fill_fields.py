@@ -134,6 +134,8 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         fields[FIELD.density_gradient + axis, image] = (
             fields[FIELD.density_gradient + axis, i] - 2.0 * (steep - rho0 / (c0 * c0) * pull_through) * normal
         )
+    if fields.shape[0] > FIELD.correction:
+        _mirror_correction(fields, i, image, side, dimension)
     enthalpy = fields[FIELD.enthalpy, i] - 2.0 * away * pull_through
     mass = fields[FIELD.volume, i] * fields[FIELD.density, i]
     density, push = state_at_enthalpy(enthalpy, liquid)
@@ -143,6 +145,19 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
     fields[FIELD.volume, image] = mass / density
     fields[FIELD.viscosity, image] = fields[FIELD.viscosity, i]
     fields[FIELD.liquid, image] = fields[FIELD.liquid, i]
+
+
+@inlined
+def _mirror_correction(fields: Floats, i: int, image: int, side: Array, dimension: int) -> None:
+    """Mirror the matrix of a particle at a side across an axis: components that have this axis once change sign."""
+    across_x, across_y, across_z = math.fabs(side[dimension]), math.fabs(side[dimension + 1]), 0.0
+    if dimension > 2:
+        across_z = math.fabs(side[dimension + 2])
+    for row in range(3):
+        fields[FIELD.correction + row, image] = fields[FIELD.correction + row, i]
+    fields[FIELD.correction + 3, image] = fields[FIELD.correction + 3, i] * (1.0 - 2.0 * (across_x + across_y))
+    fields[FIELD.correction + 4, image] = fields[FIELD.correction + 4, i] * (1.0 - 2.0 * (across_x + across_z))
+    fields[FIELD.correction + 5, image] = fields[FIELD.correction + 5, i] * (1.0 - 2.0 * (across_y + across_z))
 
 
 @spread

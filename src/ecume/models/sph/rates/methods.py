@@ -10,6 +10,11 @@ from typing import Literal, NamedTuple
 
 from ecume.laws import diffusion, viscous
 from ecume.models.sph.fields import ConstantDensity, EquationOfState, Fields, Floats, Tait
+from ecume.models.sph.rates.corrections import (
+    sum_corrected_continuity,
+    sum_corrected_friction,
+    sum_corrected_pressure,
+)
 from ecume.models.sph.rates.sums import sum_friction, sum_radial_friction, sum_transported_pressure
 
 Law = Callable[..., float]
@@ -51,6 +56,8 @@ class PressureForce(NamedTuple):
     """whether particles move with a transport velocity, driven by a background pressure"""
     loop: Loop | None
     """the sum; None: `sums.sum_momentum`"""
+    continuity: Loop | None = None
+    """the equation of continuity to which it is adjoint; None: `sums.sum_continuity`"""
 
 
 class Friction(NamedTuple):
@@ -60,6 +67,8 @@ class Friction(NamedTuple):
     """whether it acts along the line between two particles, instead of along their relative velocity"""
     loop: Loop
     law: Law
+    corrected: bool = False
+    """whether pairs count for the neighbors that are missing at a free surface"""
 
 
 class DensityDiffusion(NamedTuple):
@@ -88,10 +97,18 @@ PRESSURE_FORCES: Mapping[str, PressureForce] = {
     "sum": PressureForce(by_mass=False, per_volume=True, transported=False, loop=None),
     "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, loop=None),
     "transport": PressureForce(by_mass=False, per_volume=False, transported=True, loop=sum_transported_pressure),
+    "corrected": PressureForce(
+        by_mass=False,
+        per_volume=True,
+        transported=False,
+        loop=sum_corrected_pressure,
+        continuity=sum_corrected_continuity,
+    ),
 }
 FRICTIONS: Mapping[str, Friction] = {
     "morris": Friction(radial=False, loop=sum_friction, law=viscous.morris_friction),
     "monaghan": Friction(radial=True, loop=sum_radial_friction, law=viscous.radial_friction),
+    "corrected": Friction(radial=True, loop=sum_corrected_friction, law=viscous.corrected_friction, corrected=True),
 }
 DIFFUSIONS: Mapping[str, DensityDiffusion] = {
     "none": DensityDiffusion(None, "density", balances_weight=False, gradients=False),

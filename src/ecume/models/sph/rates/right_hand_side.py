@@ -14,6 +14,7 @@ from ecume.models.sph.boundaries.wall_impacts import brake_at_walls
 from ecume.models.sph.boundaries.walls import repel_from_bodies, repel_from_walls
 from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.corrections import fill_corrections
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
 from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, set_eddy_viscosity
 from ecume.models.sph.rates.kernels import kernel_type, require_kernel
@@ -22,6 +23,9 @@ from ecume.models.sph.rates.sums import store_acceleration, store_thickening, su
 from ecume.models.sph.rates.surface_tension import add_surface_tension
 from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
+
+UNIT = np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]])
+"""The matrix of liquid in buffers, which continues beyond their ends."""
 
 
 def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -70,7 +74,11 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
     diffusion, rates, kernel = parameters.density_diffusion, workspace.rates, kernel_type(parameters.constants)
     summed = _summed(parameters, workspace)
-    sum_continuity(*summed, kernel, diffusion.diffusing(workspace.fields), rates.table)
+    loop, diffusing = parameters.pressure_force.continuity, diffusion.diffusing(workspace.fields)
+    if loop is None:
+        sum_continuity(*summed, kernel, diffusing, rates.table)
+    else:
+        loop(*summed, diffusing, rates.table)
     if diffusion.gradients:
         factor = number(parameters.constants, "delta") * number(parameters.constants, "slope_factor")
         add_gradient_diffusion(*summed, factor, rates.table)
@@ -189,7 +197,11 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
         pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
         read_liquid(table, count, lists, constants, pulls, clip, equation)
-    if len(images.source) and (real > count or gradients):
+    if parameters.corrects:
+        fill_corrections(table, count, lists, constants)
+        if parameters.gates:
+            fields.correction[:, :count][:, state.zone > 0] = UNIT
+    if len(images.source) and (real > count or gradients or parameters.corrects):
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:
         fill_weights(table, count, by_mass)

@@ -117,7 +117,7 @@ def forces_work(parameters: Parameters) -> bool:
 
 def dummies_work(parameters: Parameters) -> bool:
     """Whether there are dummies; the work of their pressure is known for forces that are sums of two pressures."""
-    compressed = parameters.pressure_method.compressible and parameters.pressure_force.loop is None
+    compressed = parameters.pressure_method.compressible and not parameters.pressure_force.transported
     return bool(parameters.boundary.dummies.position.shape[1]) and compressed
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
-from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous
+from ecume.laws import diffusion, incompressible, kernel_correction, kernels, states, time_step_limits, viscous
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import LiquidProperties
 from ecume.laws.liquids.water import ICE_POINT
@@ -170,7 +170,8 @@ def pressure_force_of(scene: SphScene) -> PressureForce:
 def friction_of(scene: SphScene) -> Friction:
     """The form of the viscosity: the one that is right at a free surface, where there may be one."""
     if scene.method.viscosity_model == "automatic":
-        return FRICTIONS["monaghan" if free_surface(scene) else "morris"]
+        at_surface = "corrected" if scene.method.pressure_force == "corrected" else "monaghan"
+        return FRICTIONS[at_surface if free_surface(scene) else "morris"]
     return FRICTIONS[chosen(scene.method.viscosity_model, FRICTIONS, "method.viscosity_model")]
 
 
@@ -290,6 +291,8 @@ def laws_of(scene: Any) -> list[Source]:
     form = kernels.KERNELS[scene.method.kernel]
     laws: list[Source] = [form.value, *PRESSURE_LAWS[scene.method.pressure]]
     laws += [diffusion.strength, excess] if excess is not None else []
+    if pressure_force_of(scene).continuity is not None:
+        laws += [kernel_correction.missing_neighbors, kernel_correction.correction_share]
     laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
     if liquid.viscosity or turbulent(scene):
         laws += [friction_of(scene).law]

@@ -1,0 +1,136 @@
+"""Gradients that are completed at the free surface: exact there, and still those of a Hamiltonian."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ecume.laws.waves import viscous_decay
+from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
+from ecume.models.sph.record import SPH
+from ecume.models.sph.report.energy_budget import energies
+from ecume.scenes.schema import from_plain, to_plain
+from ecume.validation import standing_wave
+from tests.models.sph.scenes import free_blob, tank
+from tests.models.sph.test_sums import at_start
+
+CORRECTED = {"pressure_force": "corrected", "density_diffusion": "none"}
+
+
+def rate_of_density(force):
+    """How the density of a tank changes by rows from the surface down, in a flow without divergence."""
+    parameters, state, workspace = at_start(tank(12, **{**CORRECTED, "jitter": 0.0, "pressure_force": force}))
+    state.density[...] = 1.0
+    x, y = state.position
+    state.velocity[...] = x, -y
+    middle = np.abs(x - 0.5) < 0.1
+    take_thickening(parameters, state, workspace)
+    rows = np.round((1.0 - y) * 12 - 0.5)
+    return [float(np.abs(state.thickening[middle & (rows == row)]).max()) for row in range(12)]
+
+
+def test_a_flow_without_divergence_changes_no_density_in_the_two_rows_at_a_surface():
+    usual, corrected = rate_of_density("sum"), rate_of_density("corrected")
+    assert min(usual[0], usual[1]) > 0.15
+    assert max(corrected[:2]) < 1e-12
+    # Deeper rows lack few neighbors, and are corrected in part.
+    assert max(corrected) < 0.08
+    assert corrected[4:8] == pytest.approx(usual[4:8], abs=1e-12)
+
+
+def disordered(dimension=2, **method):
+    parameters, state, workspace = at_start(
+        free_blob(dimension, **{**CORRECTED, "artificial_viscosity": 0.0, **method})
+    )
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    state.velocity[...] = np.sin(5.0 * state.position[::-1])
+    take_thickening(parameters, state, workspace)
+    take_forces(parameters, state, workspace, parameters.time_step)
+    return parameters, state, workspace
+
+
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.compiled)])
+def test_the_force_is_adjoint_to_the_divergence(dimension):
+    _, state, workspace = disordered(dimension)
+    liquid = len(state.density)
+    assert np.abs(workspace.fields.correction[3, :liquid]).max() > 0.05
+    kinetic = float(np.sum(state.mass * (state.velocity * state.acceleration).sum(axis=0)))
+    pressure = workspace.fields.pressure[:liquid]
+    elastic = float(np.sum(state.mass * pressure / state.density**2 * state.thickening))
+    assert abs(kinetic) > 1.0
+    assert kinetic == pytest.approx(-elastic, rel=1e-9)
+    np.testing.assert_allclose(state.acceleration @ state.mass, 0.0, atol=1e-9 * np.abs(state.acceleration).max())
+
+
+def test_matrices_of_images_are_mirrored():
+    """At a corner of a tank and its surface, a matrix of an image is that which the image itself would have."""
+    parameters, state, workspace = at_start(tank(8, **CORRECTED))
+    fill(parameters, state, workspace)
+    fields, images, real = workspace.fields, workspace.images, len(workspace.lists.counts)
+    tilted = np.abs(fields.correction[3, images.source]) > 1e-3
+    left = (fields.position[0, real:] < 0.0) & (fields.position[1, real:] > 0.0) & tilted
+    assert left.any()
+    own, mirrored = fields.correction[:, images.source[left]], fields.correction[:, real:][:, left]
+    np.testing.assert_array_equal(mirrored[:3], own[:3])
+    np.testing.assert_array_equal(mirrored[3], -own[3])
+
+
+def stretched(model, region=None):
+    """The dissipation of a region that is stretched along one axis and squeezed along the other, over the exact one."""
+    plain = to_plain(
+        free_blob(viscosity=1.0, viscosity_model=model, jitter=0.0, artificial_viscosity=0.0, density_diffusion="none")
+    )
+    plain["liquid"]["maximum_speed"] = 1.0
+    plain["fluid"] = [region] if region else plain["fluid"]
+    parameters, state, workspace = at_start(from_plain(plain))
+    state.density[...] = 1000.0
+    state.velocity[...] = state.position * np.array([[1.0], [-1.0]])
+    fill(parameters, state, workspace)
+    workspace.rates.acceleration[...] = 0.0
+    parameters.friction.loop(workspace.fields.table, workspace.lists, parameters.constants, workspace.rates.table)
+    power = np.sum(state.mass * (state.velocity * workspace.rates.acceleration[:2]).sum(axis=0))
+    return -float(power) * 1000.0 / (4.0 * float(np.sum(state.mass)))
+
+
+def test_friction_is_complete_up_to_a_surface():
+    """In a square of area one, 8 particles wide, the exact dissipation 2 mu D:D is 4. Without correction a quarter is
+    missing; edges and corners together then have a tenth too much.
+    """
+    assert stretched("monaghan") < 0.8
+    assert stretched("corrected") == pytest.approx(1.0, abs=0.12)
+
+
+def test_friction_is_complete_in_a_disc():
+    """With a radius of eight spacings; along a lattice the interior has four percent too much."""
+    disc = {"center": [0.0, 0.0], "radius": 1.0}
+    assert stretched("monaghan", disc) < 0.9
+    assert stretched("corrected", disc) == pytest.approx(1.0, abs=0.06)
+
+
+def test_completed_friction_does_not_brake_a_rigid_rotation():
+    parameters, state, workspace = at_start(free_blob(viscosity=1.0, viscosity_model="corrected"))
+    x, y = state.position
+    state.velocity[...] = -y, x
+    fill(parameters, state, workspace)
+    workspace.rates.acceleration[...] = 0.0
+    parameters.friction.loop(workspace.fields.table, workspace.lists, parameters.constants, workspace.rates.table)
+    assert np.abs(workspace.rates.acceleration).max() < 1e-12
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("reynolds", [500.0, pytest.param(50.0, marks=pytest.mark.long)])
+def test_a_wave_in_a_thin_liquid_decays_by_its_viscosity(reynolds):
+    exact = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds)
+    found = standing_wave.fitted(*standing_wave.heights(reynolds, 16, standing_wave.CORRECTED))
+    assert found.rate == pytest.approx(exact.rate, rel=0.05)
+    assert found.frequency == pytest.approx(exact.frequency, rel=0.01)
+
+
+def test_a_jet_of_single_particles_is_not_corrected():
+    """Particles with few neighbors have the unit matrix, and their energy stays finite."""
+    parameters, state, workspace = at_start(free_blob(**CORRECTED))
+    state.position[...] = 0.3 * np.arange(state.position.shape[1]) * np.array([[1.0], [0.0]])
+    workspace.take(SPH.workspace(parameters, state, 1.0))
+    fill(parameters, state, workspace)
+    np.testing.assert_array_equal(workspace.fields.correction[:3, : state.position.shape[1]], 1.0)
+    assert np.isfinite(energies(parameters, state, 0.0, 0.0)["total_energy"])
