@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from ecume.laws.deflections import TENSION
-from ecume.laws.elasticity import Prefactors
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
+from ecume.laws.soft_pair import Prefactors
 from ecume.laws.surfaces import SURFACES, Body
 from ecume.models import MODELS
 from ecume.models.soft.contacts.contact import (

@@ -13,7 +13,7 @@ from ecume.lammps.expressible import faults_of
 from ecume.lammps.tank_script import setup_text
 from ecume.lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, tank_of
 from ecume.laws.kernels.shapes import quintic_spline_value
-from ecume.laws.wall_repulsion import standoff_push
+from ecume.laws.wall_forces import standoff_push
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of

@@ -106,7 +106,7 @@ def _forces(tank: Tank) -> Iterator[str]:
 
 
 def _repulsion(tank: Tank, gap: str) -> str:
-    """The acceleration at this distance from a wall: see `ecume.laws.wall_repulsion`."""
+    """The acceleration at this distance from a wall: see `ecume.laws.wall_forces`."""
     return f"{tank.repulsion!r}*({tank.standoff!r}-{gap})*({gap}<{tank.standoff!r})"
 
 

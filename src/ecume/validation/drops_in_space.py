@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ecume.laws.drops import drop_decay
+from ecume.laws.flows import drop_decay
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ecume.laws.drops import drop_decay, drop_period
+from ecume.laws.flows import drop_decay, drop_period
 from ecume.laws.tension import laplace_pressure
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate

@@ -7,7 +7,7 @@ import pytest
 
 from ecume import _jit
 from ecume.errors import SceneError
-from ecume.laws.ellipsoids import ellipsoid_friction
+from ecume.laws.contact_lines import ellipsoid_friction
 from ecume.models.floating import FLOATING
 from ecume.models.floating.report.frames import touching_shapes
 from ecume.models.floating.setup.kinds import float_kinds

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.laws.elasticity import PREFACTORS, surface_energy
-from ecume.laws.soft_pair import SoftPair
+from ecume.laws.soft_pair import PREFACTORS, SoftPair, surface_energy
 from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin

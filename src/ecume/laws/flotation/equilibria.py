@@ -10,14 +10,25 @@ from typing import Any
 
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws.arguments import chosen, require_numbers
-from ecume.laws.flotation.balance import BALANCES, CHARGES
-from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, bond_number, density_ratio
-from ecume.laws.flotation.bubbles import bubble_floating
-from ecume.laws.flotation.carrying import Floating
-from ecume.laws.flotation.lying import lying_floating
-from ecume.laws.flotation.rims import cylinder_floating, disc_floating
-from ecume.laws.flotation.shapes import Bubble, Ellipsoid, HorizontalCylinder, VerticalCylinder
-from ecume.laws.flotation.spheroids import ellipsoid_floating
+from ecume.laws.flotation.balance import BALANCES, CHARGES, Floating
+from ecume.laws.flotation.bodies import (
+    Bubble,
+    Disc,
+    Ellipsoid,
+    HorizontalCylinder,
+    Liquid,
+    Sphere,
+    VerticalCylinder,
+    bond_number,
+    density_ratio,
+)
+from ecume.laws.flotation.nonspherical import (
+    bubble_floating,
+    cylinder_floating,
+    disc_floating,
+    ellipsoid_floating,
+    lying_floating,
+)
 from ecume.units import Angle, Length
 
 Upright = Sphere | Disc | Bubble | VerticalCylinder | Ellipsoid

@@ -19,9 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput
-from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, bond_number, dimensionless_weight
+from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, VerticalCylinder, bond_number, dimensionless_weight
 from ecume.laws.flotation.equilibria import equilibrium
-from ecume.laws.flotation.shapes import VerticalCylinder
 from ecume.laws.multipole.ladders import log_slopes
 from ecume.units import Angle, Array, Length
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian, capillarity, drag, ellipsoids, flotation, images, meniscus, pair_laws
+from ecume.laws import brownian, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
 from ecume.models.actions import Access
 from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
@@ -39,10 +39,10 @@ def laws_of(scene: Any) -> list[Source]:
     laws += [law for row in chosen.interactions for law in row.laws]
     if scene.dish is not None:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
-        laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
+        laws += [meniscus.dish_height, *([meniscus.plane_image_force] if scene.dish.image != "none" else [])]
     laws += [drag.immersion_factor, drag.stokes_friction] if scene.hydrodynamics.resists else []
     if scene.shaped:
-        resistance = [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction]
+        resistance = [contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []
     laws += [brownian.diffusivity] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]

@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
     tangential: float
     gap_weight: float
     deflection_weight: float
-    """the six of `ecume.laws.elasticity.Prefactors`"""
+    """the six of `ecume.laws.soft_pair.Prefactors`"""
     fade_from: float
     """m: the gap above which a film fades"""
     fade_to: float

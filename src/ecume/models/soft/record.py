@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume._portable import exp
-from ecume.laws import elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.check_report import Row
@@ -163,7 +163,7 @@ def _left(seen: Seen) -> float:
 def laws_of(scene: Any) -> list[Source]:
     """Films, surfaces, what acts across."""
     films = scene.films
-    laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
+    laws: list[Source] = [soft_pair.squeeze_friction, soft_pair.shear_friction, soft_pair.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += friction.FRICTIONS[films.friction].papers
     laws += [*TANGENTIAL[films.tangential_law].papers, *TENSION[tension_law_of(scene)].papers]

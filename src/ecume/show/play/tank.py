@@ -13,7 +13,7 @@ import time
 import numpy as np
 
 from ecume.errors import BadInput, Diverged
-from ecume.laws.waves import wave_frequency
+from ecume.laws.flows import wave_frequency
 from ecume.models import MODELS
 from ecume.models.sph.parameters import Drive, Liquid
 from ecume.models.sph.state import make_state

@@ -15,7 +15,7 @@ from ecume.analysis.pressures import with_pressures
 from ecume.analysis.profiles import Profile, velocity_profile
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
-from ecume.laws.column import column_height, column_pressure
+from ecume.laws.states import column_height, column_pressure
 from ecume.scenes.sph import SIDES
 from ecume.show.curves import Frames, energies, evolution, kinetic_energy, over_time, titled
 from ecume.show.samples import samples_of

@@ -1,6 +1,6 @@
 """The flow of many floats without their matrix: neighbors pair by pair, all others by waves on a grid.
 
-The mobility is split in two parts (`laws.flow_split`). The short-range part is a sparse matrix of near pairs. For the
+The mobility is split in two parts (`laws.ewald`). The short-range part is a sparse matrix of near pairs. For the
 smooth part, forces are assigned to a grid by splines, convolved with the flow of a point force by fast Fourier
 transforms, and velocities are interpolated with the same splines, so that the product is symmetric. The grid has
 twice the extent of the floats and no periodic images. Velocities err by `ERROR` of their r.m.s. value for forces of
@@ -20,13 +20,12 @@ from ecume._jit import admit, compiled, compiled_inside, prange, threaded
 from ecume.engine import grid_splines
 from ecume.engine.cells import Integers, make_cells, sort_into_cells
 from ecume.engine.grid_splines import Spread
-from ecume.laws import flow_split, pair_mobility
-from ecume.laws.ewald import spline_correction
-from ecume.laws.flow_split import smooth_curvature, smooth_flow
+from ecume.laws import ewald, pair_mobility
+from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
 from ecume.laws.pair_mobility import rotne_prager
 from ecume.units import Array
 
-admit(pair_mobility, flow_split)
+admit(pair_mobility, ewald)
 
 ERROR = 1e-4
 """R.m.s. error of velocities by forces of random sign, over the r.m.s. velocity."""

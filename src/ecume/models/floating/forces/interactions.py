@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles, radiated_waves
+from ecume.laws import contact_lines, dipoles, ewald, multipole, radiated_waves
 from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
@@ -174,7 +174,7 @@ INTERACTIONS = {
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
         energy=shaped_energies, scratch=make_shaped_scratch, inertia=lambda part: np.asarray(part.inertia),
-        laws=(ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy),
+        laws=(contact_lines.ellipsoid_undulation, contact_lines.spread_charges, contact_lines.quadrupole_energy),
         needs={
             "turns bodies": "its drag differs along and across, and kicks must turn it",
             "superposed": "its charges are superposed",

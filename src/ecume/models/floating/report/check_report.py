@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ecume.laws import capillarity, flotation
-from ecume.laws.flotation.rims import greatest_rim_load
+from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import flow_split, pair_mobility
+from ecume.laws import ewald, pair_mobility
 from ecume.laws.drag import particle_reynolds
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
@@ -130,7 +130,7 @@ MANY = replace(
     HYDRODYNAMICS["rotne-prager"], moves=lambda integrator: COUPLED_ON_GRID,
     make=lambda parameters, scene, turning: GridKicks(coupled_kicks_of(parameters, scene, turning)),
     contacts={"none": "coupled on a grid", "impulse": "coupled on a grid"}, raft_speeds=summed_in_rafts,
-    laws=(pair_mobility.pair_mobility, flow_split.smooth_flow),
+    laws=(pair_mobility.pair_mobility, ewald.smooth_flow),
 )  # fmt: skip
 """Replaces the matrix of Rotne and Prager's mobilities for many floats."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ecume.engine.walls import wall_count
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import capillarity, flotation, images
+from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
@@ -196,7 +196,7 @@ def _check_names(scene: FloatingScene) -> None:
     ]
     if scene.dish is not None:
         choices.append(("dish.law", str(scene.dish.law), (*capillarity.WALLS, "profile")))
-        choices.append(("dish.image", scene.dish.image, ("none", *images.WALLS)))
+        choices.append(("dish.image", scene.dish.image, ("none", *meniscus.WALLS)))
     faults = [
         Fault(path, f"no such law as {name!r}; {_suggestion(name, known)}")
         for path, name, known in choices

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ecume.laws import drag, flotation, rotation
+from ecume.laws import drag, flotation
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
@@ -22,7 +22,7 @@ def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
     if isinstance(kind.body, flotation.Disc):
         return drag.disc_turning_friction(kind.body.radius, viscosity)
     depth = min(max(math.pi - kind.equilibrium.filling_angle, 0.0), math.pi)
-    return rotation.sphere_turning_friction(kind.radius, viscosity, float(rotation.turning_factor(depth)))
+    return drag.sphere_turning_friction(kind.radius, viscosity, float(drag.turning_factor(depth)))
 
 
 def turning_frictions(scene: FloatingScene) -> Array:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.laws import capillarity, flotation, images, meniscus
+from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.capillarity import (
     plane_wall_energy,
 )
@@ -87,7 +87,7 @@ def _round_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> 
     """The image energy -(1/2) sum_m c_m I_m^2 in a dish."""
     radius, length = _radius(dish), liquid.capillary_length
     plane, away = _plane_images(dish, liquid, distance), distance >= HUGGING * radius
-    sums = images.dish_sums((radius - distance[away]) / length, radius / length, images.WALLS[dish.image])
+    sums = meniscus.dish_sums((radius - distance[away]) / length, radius / length, meniscus.WALLS[dish.image])
     energy = -0.5 * sums.height
     # Nearer to the wall, the energy of a plane wall plus a constant.
     beside = energy[0] - plane[away][0]
@@ -141,7 +141,7 @@ def _plane_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> 
     """-(1/2) K0(2 d/L) at a plane wall, with its sign."""
     from scipy.special import k0
 
-    energy: Array = -0.5 * images.WALLS[dish.image] * k0(2.0 * distance / liquid.capillary_length)
+    energy: Array = -0.5 * meniscus.WALLS[dish.image] * k0(2.0 * distance / liquid.capillary_length)
     return energy
 
 

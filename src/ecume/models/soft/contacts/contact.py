@@ -11,17 +11,17 @@ import math
 from typing import NamedTuple
 
 from ecume._jit import admit, compiled_inside, selection
-from ecume.laws import bubbles, deflections, elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws import deflections, friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.deflections import TANGENTIAL, TENSION, Bending, Draw, Widening
-from ecume.laws.elasticity import Prefactors
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES, Resistance
 from ecume.laws.long_range import REMOTE
+from ecume.laws.soft_pair import Prefactors
 from ecume.laws.surfaces import SURFACES, Body, Surface
 from ecume.models.soft.parameters import Contacts
 from ecume.models.tables import codes
 
-admit(elasticity, lubrication, long_range, bubbles, interfaces, friction, surfaces, deflections)
+admit(soft_pair, long_range, surfaces, interfaces, friction, deflections)
 
 FAINTEST = 1e-3
 """Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""

@@ -14,10 +14,10 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
 from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.laws.drag import stokes_friction
-from ecume.laws.elasticity import PREFACTORS, Prefactors
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
+from ecume.laws.soft_pair import PREFACTORS, Prefactors
 from ecume.laws.surfaces import SURFACES
 from ecume.models.liquids import material_of
 from ecume.models.soft.contacts.contact_list import open_all

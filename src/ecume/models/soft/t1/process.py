@@ -18,7 +18,7 @@ import numpy as np
 from ecume._portable import exp, product
 from ecume.errors import BadInput, Diverged
 from ecume.laws.arguments import chosen, require_finite, require_number, require_positive
-from ecume.laws.elasticity import PREFACTORS
+from ecume.laws.soft_pair import PREFACTORS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import attempt, begin
 from ecume.models.soft.integration.time_stepping import one_step

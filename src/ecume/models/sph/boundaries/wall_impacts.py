@@ -13,13 +13,13 @@ import numpy as np
 from ecume._jit import admit, compiled_inside, prange, spread
 from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import SPEED, inward_normal, piece_gap
-from ecume.laws import wall_impact
+from ecume.laws import wall_forces
 from ecume.models.sph.boundaries.walls import Repelled, sheet_of
 from ecume.models.sph.parameters import Guard, Parameters
 from ecume.models.sph.state import State
 from ecume.units import Array
 
-admit(wall_impact)
+admit(wall_forces)
 
 
 @compiled_inside
@@ -50,7 +50,7 @@ def brake(
             for axis in range(dimension):
                 approach += (number[nearest, SPEED + axis] - velocity[axis, i]) * normal[axis]
             if approach > 0.0:
-                push = wall_impact.impact_braking(approach, weight_at(gap, support, weights), sound_speed)
+                push = wall_forces.impact_braking(approach, weight_at(gap, support, weights), sound_speed)
                 for axis in range(dimension):
                     acceleration[axis, i] += push * normal[axis]
 

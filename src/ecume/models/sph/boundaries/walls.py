@@ -24,7 +24,7 @@ from ecume.engine.shapes import Flags
 from ecume.engine.walls import Sheet, reflect_all
 from ecume.engine.walls.sheets import RESTITUTION, SIZE, SPEED, gap_to, inward_normal, piece_gap, worst_gap
 from ecume.engine.walls.surfaces import PLANE
-from ecume.laws import wall_repulsion
+from ecume.laws import wall_forces
 from ecume.models.sph.boundaries.forces_on_solids import total
 from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.models.sph.parameters import Guard, Parameters
@@ -94,7 +94,7 @@ def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
         hits[k] += 1
 
 
-admit(wall_repulsion)
+admit(wall_forces)
 
 FASTEST = 0.1
 """In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
@@ -121,7 +121,7 @@ def repel(position: Array, kind: Integers, number: Array, reach: float, speed: f
             gap, nearest, k = piece_gap(kind, number, k, x, 0.0)
             if gap < reach:
                 push, normal = (
-                    wall_repulsion.standoff_push(gap, reach, speed),
+                    wall_forces.standoff_push(gap, reach, speed),
                     inward_normal(kind, number, nearest, x, 0.0),
                 )
                 for axis in range(position.shape[0]):
@@ -163,7 +163,7 @@ def repelled_by_body(parameters: Parameters, state: State, body: int) -> Repelle
     turn = rotations(state.pose[:, body : body + 1])[0][:d, :d]
     gap, normal = shape.nearest(product(away[:, close].T, turn))
     near = gap < reach
-    push = [wall_repulsion.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
+    push = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
     owner = len(parameters.boundary.names) - len(bodies.shapes) + body
     return Repelled(owner, close[near], np.array(push) * product(turn, normal[near].T))
 
@@ -207,5 +207,5 @@ def energy_of(parameters: Parameters, state: State, leaning: Repelled) -> float:
     """Potential energy of the repulsion of these particles (J)."""
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
-    energy = [wall_repulsion.standoff_energy(own, reach, speed) for own in gap]
+    energy = [wall_forces.standoff_energy(own, reach, speed) for own in gap]
     return dot(state.mass[leaning.who], energy)

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
+from ecume.laws.states import density_at_enthalpy
 from ecume.models.check_report import LONG, Row
 from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.sph.parameters import Material, Parameters, Projection
