@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.engine.ellipses import ellipses_near
+from ecume.engine.outlines import ellipses_near
 from ecume.laws import contact_lines
 from ecume.laws.contact_lines import Line
 from ecume.scenes.load import load_scene

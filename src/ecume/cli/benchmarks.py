@@ -14,8 +14,7 @@ from typing import Annotated, NamedTuple
 import typer
 
 from ecume._extras import install
-from ecume.cli.exit_codes import say
-from ecume.cli.output import Record, keep, print_table
+from ecume.cli.output import Record, keep, print_table, say
 from ecume.cli.progress import lasting
 from ecume.errors import BadInput
 

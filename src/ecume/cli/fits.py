@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.exit_codes import say
-from ecume.cli.output import print_table
+from ecume.cli.output import print_table, say
 from ecume.cli.runs import Quiet
 from ecume.errors import BadInput
 from ecume.value_texts import with_prefix

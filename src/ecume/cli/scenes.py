@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ecume.cli.engines import without_compiler
 from ecume.cli.output import Json, print_json, print_table
-from ecume.cli.plain_python import without_compiler
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.exit_codes import say
-from ecume.cli.output import Json, Record, keep, print_json, print_table
+from ecume.cli.output import Json, Record, keep, print_json, print_table, say
 from ecume.cli.progress import lasting
 from ecume.errors import BadInput, EcumeError
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
-from ecume.analysis.profiles import ENERGIES
+from ecume.analysis.fields import ENERGIES
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.models.invariants import INJECTED

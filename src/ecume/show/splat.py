@@ -59,7 +59,7 @@ class Splat(Artist):
 
     def draw(self, renderer: Any) -> None:
         """Paint them, and lay that over what is there."""
-        from ecume.engine.splat import Dots, Look, splat
+        from ecume.engine.rendering import Dots, Look, splat
 
         axes: Any = self.axes
         if not self.get_visible() or not len(self.places):

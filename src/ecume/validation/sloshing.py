@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.analysis.gauges import water_level
+from ecume.analysis.fields import water_level
 from ecume.laws.flows import BaseExcitation, Tank, sloshing_height
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import curve_fit
 
-from ecume.analysis.gauges import wave_amplitude
+from ecume.analysis.fields import wave_amplitude
 from ecume.laws.flows import Decay, viscous_decay
 from ecume.simulation import simulate
 from ecume.units import Array

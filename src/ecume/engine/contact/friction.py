@@ -16,9 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contact.contacts import Contacts, contact_keys
-from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
-from ecume.engine.contact.warm_start import Memory, recall_each, remember_each
+from ecume.engine.contact.contacts import Contacts, Memory, contact_keys, recall_each, remember_each
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
 from ecume.units import Array
 
 RELAXATION, LEAST_RELAXATION, STALLS = 0.7, 0.1, 8

@@ -15,9 +15,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Candidates, deepest_overlap
-from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
-from ecume.engine.contact.warm_start import ContactKeys
+from ecume.engine.contact.contacts import Candidates, ContactKeys, deepest_overlap
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array

@@ -12,11 +12,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
 
-from ecume.analysis.clusters import Clusters, mean_raft, shares_by_size, touching_clusters
+from ecume.analysis.clusters import (
+    Clusters,
+    Topology,
+    arrangement,
+    entropy_production,
+    mean_raft,
+    shares_by_size,
+    topologies,
+    touching_clusters,
+    transitions,
+)
 from ecume.analysis.series import BLOCKS, times
 from ecume.analysis.structure import whole
-from ecume.analysis.topologies import Topology, arrangement, topologies
-from ecume.analysis.transitions import entropy_production, transitions
 from ecume.errors import BadInput
 from ecume.show.curves import Frames, evolution, span, titled
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, style

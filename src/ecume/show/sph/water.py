@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import AxesImage
 from scipy.ndimage import map_coordinates
 
-from ecume.engine.raycast import MET, Block, Eye, cast
+from ecume.engine.rendering import MET, Block, Eye, cast
 from ecume.engine.shapes import Shape
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import View

@@ -16,10 +16,9 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
-from ecume.engine.contact.contacts import Bodies, Contacts
+from ecume.engine.contact.contacts import Bodies, Contacts, Memory
 from ecume.engine.contact.friction import FrictionRows, Motion
-from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.warm_start import Memory
+from ecume.engine.contact.impulse_solvers import Goal
 from ecume.laws import drag, flotation
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters

@@ -12,11 +12,10 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import dense_contacts, projected_gauss_seidel, warm_start
-from ecume.engine.contact.contacts import Contacts
-from ecume.engine.contact.dense_contacts import DenseRows, make_dense_rows
-from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.warm_start import Memory
+from ecume.engine.contact import impulse_solvers, mobility_contacts
+from ecume.engine.contact.contacts import Contacts, Memory
+from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.mobility_contacts import DenseRows, make_dense_rows
 from ecume.models.floating.contacts.collisions import (
     clear_impulses,
     contact_bodies,
@@ -70,17 +69,17 @@ def collide_coupled(
         rows = dense_rows_of(part, contacts, parameters, len(own.motion))
         if turning:
             recall_rubbing(rows, contacts, memory, state.rub, parameters.time_step)
-        sweeps = dense_contacts.solve(rows, own.mobility, own.motion, goal)
+        sweeps = mobility_contacts.solve(rows, own.mobility, own.motion, goal)
         state.tally[SWEEPS] += sweeps
-        state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
+        state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
         keep_impulses(rows, contacts, parameters, own)
-        warm_start.remember(touching.contact_keys(contacts), memory)
+        touching.remember(touching.contact_keys(contacts), memory)
         if turning:
             rubbing = parameters.time_step * rows.impulse[contacts.total[0] :]
-            warm_start.remember_each(touching.contact_keys(contacts), rubbing, memory, state.rub)
+            touching.remember_each(touching.contact_keys(contacts), rubbing, memory, state.rub)
     else:
         clear_impulses(contacts)
-        warm_start.remember(touching.contact_keys(contacts), memory)
+        touching.remember(touching.contact_keys(contacts), memory)
     store_velocities(own, state, workspace)
     for i in range(len(state.turning) if turning else 0):
         state.turning[i, 1] = own.motion[2 * len(state.turning) + i]
@@ -95,7 +94,7 @@ def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) 
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     require_gaps(False, parameters, contacts)
-    warm_start.recall(touching.contact_keys(contacts), memory_of(state))
+    touching.recall(touching.contact_keys(contacts), memory_of(state))
     touching.normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
     return goal_of(parameters, contacts)
 
@@ -137,7 +136,7 @@ def set_direction(rows: DenseRows, row: int, pair: tuple[int, int], way: tuple[f
 def recall_rubbing(rows: DenseRows, contacts: Contacts, memory: Memory, rubbed: Array, time: float) -> None:
     """Start from the tangential impulses of the previous step, as mean forces."""
     total = contacts.total[0]
-    warm_start.recall_each(touching.contact_keys(contacts), rows.impulse[total:], memory, rubbed)
+    touching.recall_each(touching.contact_keys(contacts), rows.impulse[total:], memory, rubbed)
     for row in range(total):
         rows.impulse[total + row] /= time
 
@@ -148,5 +147,5 @@ def keep_impulses(rows: DenseRows, contacts: Contacts, parameters: Parameters, o
     for row in range(contacts.total[0]):
         contacts.impulse[row] = parameters.time_step * rows.impulse[row]
     for row in range(len(rows.impulse)):
-        for entry in range(dense_contacts.ENTRIES):
+        for entry in range(mobility_contacts.ENTRIES):
             own.load[rows.place[row, entry]] += rows.value[row, entry] * rows.impulse[row]

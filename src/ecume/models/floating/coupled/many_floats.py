@@ -13,9 +13,9 @@ import numpy as np
 
 from ecume._jit import admit, compiled
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import projected_gradient, warm_start
+from ecume.engine.contact import mobility_contacts
 from ecume.engine.contact.contacts import Contacts
-from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import pair_mobility
 from ecume.laws.pair_mobility import rotne_prager
@@ -145,7 +145,7 @@ def collide_on_grid(
         push_on_grid(own, parameters, state, workspace, wanted)
     else:
         clear_impulses(contacts)
-    warm_start.remember(touching.contact_keys(contacts), memory)
+    touching.remember(touching.contact_keys(contacts), memory)
     store_velocities(own.motion, state, workspace)
 
 
@@ -164,11 +164,11 @@ def push_on_grid(own: GridScratch, parameters: Parameters, state: State, workspa
 
     fastest = float(np.max(contacts.bound[:total] - contacts.scratch[:total]))
     goal = Goal(max(wanted.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step)
-    products = projected_gradient.solve(contacts, velocity, respond, goal)
+    products = mobility_contacts.solve_by_products(contacts, velocity, respond, goal)
     state.tally[SWEEPS] += products
-    state.tally[UNCONVERGED] += 1.0 if products > projected_gradient.MOST_PRODUCTS else 0.0
+    state.tally[UNCONVERGED] += 1.0 if products > mobility_contacts.MOST_PRODUCTS else 0.0
     force = np.zeros_like(velocity)
-    projected_gradient.spread_forces(contacts, contacts.impulse, force)
+    mobility_contacts.spread_forces(contacts, contacts.impulse, force)
     own.motion.load[:] += force[:count].ravel()
     own.motion.motion[:] = velocity[:count].ravel()
     contacts.impulse[:total] *= parameters.time_step

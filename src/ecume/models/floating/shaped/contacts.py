@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from ecume._jit import compiled
-from ecume.engine.contact import projected_gauss_seidel, warm_start
+from ecume.engine.contact import contacts, impulse_solvers
 from ecume.engine.contact import torque_contacts as touching
-from ecume.engine.contact.contacts import deepest_overlap
+from ecume.engine.contact.contacts import Memory, deepest_overlap
 from ecume.engine.contact.torque_contacts import TorqueContacts
-from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
 from ecume.models.floating.contacts.collisions import (
     clear_impulses,
@@ -49,16 +48,16 @@ def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: 
 def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     memory = Memory(state.touches, state.touching, state.push)
-    warm_start.recall(touching.contact_keys(levers), memory)
+    contacts.recall(touching.contact_keys(levers), memory)
     touching.normal_velocities(levers, velocity, levers.scratch)
     goal = goal_of(parameters, levers)
     if goal.target > 0.0:
         sweeps = touching.solve(levers, velocity, goal)
         state.tally[SWEEPS] += sweeps
-        state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
+        state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
     else:
         clear_impulses(levers)
-    warm_start.remember(touching.contact_keys(levers), memory)
+    contacts.remember(touching.contact_keys(levers), memory)
 
 
 @compiled
