@@ -22,7 +22,7 @@ from ecume.models.soft.contacts.contact import (
     remote_answer,
 )
 from ecume.models.soft.integration.linear_solvers import begin
-from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import elastic_energy
 from ecume.scenes.schema import from_plain
 

@@ -17,7 +17,7 @@ import typer
 from ecume.errors import BadInput
 
 if TYPE_CHECKING:
-    from ecume.models.engines import Engine
+    from ecume.models.model import Engine
     from ecume.scenes.schema import Scene
 
 
@@ -46,7 +46,7 @@ Ranks = Annotated[
 @contextlib.contextmanager
 def integrating(engine: str | None, ranks: int | None, directory: Path | None = None) -> Iterator[Engine | None]:
     """The selected engine, or that of the run in this directory. Raises BadInput where it is missing."""
-    from ecume.models.engines import LAMMPS, LOCAL
+    from ecume.models.model import LAMMPS, LOCAL
 
     name = _engine_of(directory) if engine is None else engine
     if name not in (LOCAL, LAMMPS):
@@ -64,7 +64,7 @@ def integrating(engine: str | None, ranks: int | None, directory: Path | None = 
 
 def _engine_of(directory: Path | None) -> str:
     """The engine of a run; that of ecume for a new one."""
-    from ecume.models.engines import LOCAL
+    from ecume.models.model import LOCAL
 
     if directory is None:
         return LOCAL

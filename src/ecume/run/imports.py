@@ -15,8 +15,7 @@ from scipy.spatial import cKDTree
 
 from ecume.errors import BadInput, Stopped
 from ecume.models import MODELS
-from ecume.models.engines import Engine
-from ecume.models.model import DONE, EXCHANGE, Model
+from ecume.models.model import DONE, EXCHANGE, Engine, Model
 from ecume.run.directory import RunDirectory, clear, manifest_of
 from ecume.run.progress import Progress
 from ecume.run.runner import RunOptions, RunResult, run

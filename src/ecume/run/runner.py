@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
-from ecume.models.check_report import LONGEST_RUN
-from ecume.models.engines import LOCAL, Engine
+from ecume.models.model import LOCAL, LONGEST_RUN, Engine
 from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint

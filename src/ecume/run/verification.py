@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, EcumeError, StorageError
-from ecume.models.engines import LOCAL, Engine
+from ecume.models.model import LOCAL, Engine
 from ecume.run import checkpoints, constants, lock
 from ecume.run.directory import RunDirectory, existing, has_checksums, manifest_of, read
 from ecume.run.manifest import changed, digest, digests

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
-from ecume.models.tracers.tank import body_of, inside_of
+from ecume.models.tracers.parameters import body_of, inside_of
 from ecume.show.camera import STANDING, Eye, Wires, wires_of
 from ecume.show.curves import Frames, energies, evolution, over_time, titled
 from ecume.show.picture import USUAL, Size, species

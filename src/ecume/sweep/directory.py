@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, Fault, SceneError, StorageError
-from ecume.models.engines import LOCAL
+from ecume.models.model import LOCAL
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import OVERRIDDEN, load_scene

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, PlainValidator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
-from ecume.models.engines import LAMMPS, LOCAL
+from ecume.models.model import LAMMPS, LOCAL
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.overrides import KEY
 from ecume.scenes.quantities import STRICT, Seed, Switch, Text

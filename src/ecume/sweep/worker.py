@@ -14,7 +14,7 @@ from ecume.sweep.points import Point
 from ecume.trajectories.durable_files import storing, write_whole
 
 if TYPE_CHECKING:
-    from ecume.models.engines import Engine
+    from ecume.models.model import Engine
 
 THREADS = 1
 """Of each run: many runs share the machine."""

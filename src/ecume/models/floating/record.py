@@ -10,18 +10,16 @@ import numpy as np
 
 from ecume.laws import brownian, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
 from ecume.models.actions import Access
-from ecume.models.diagnosis import DEEP, first_broken, when
+from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.frames import OVERLAP, invariants, observe
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.report.check_report import summary
-from ecume.models.floating.report.frames import observe
-from ecume.models.floating.report.invariants import OVERLAP, invariants
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.state import DEEPEST, WORK, State, Workspace, make_workspace
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
 from ecume.models.floating.user_laws import interaction_of
-from ecume.models.model import Model, Source
+from ecume.models.model import DEEP, Model, Source, first_broken, when
 from ecume.models.user_laws import BoundLaw
 from ecume.value_texts import with_prefix
 

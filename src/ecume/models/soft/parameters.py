@@ -13,7 +13,7 @@ from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.contacts.user_forces import Tables
-from ecume.models.soft.loading.protocol import Protocol
+from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
 CONTACT_LISTS = ("scalars", "vectors")

@@ -11,22 +11,18 @@ from ecume._portable import exp
 from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.models.actions import Access
-from ecume.models.check_report import Row
-from ecume.models.diagnosis import DEEP, first_broken
+from ecume.models.costs import require_memory
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Seen, part_of
-from ecume.models.limits import require_memory
-from ecume.models.model import Model, Source
+from ecume.models.model import DEEP, Layout, Model, Row, Source, first_broken
 from ecume.models.soft.contacts.contact_list import box_in
 from ecume.models.soft.integration import dirk_schemes
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.check_report import advice, bytes_of
-from ecume.models.soft.report.contact_geometry import LARGE, deflections, remedy, worst_contact
-from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
-from ecume.models.soft.setup.building import parameters_of, start
+from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, deflections, observe, remedy, worst_contact
+from ecume.models.soft.setup import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BUDGET, State, make_state, workspace
-from ecume.models.state_layout import Layout
 from ecume.scenes.soft import SoftScene, tension_law_of
 from ecume.value_texts import with_prefix
 

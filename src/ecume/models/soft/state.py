@@ -13,7 +13,8 @@ from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.engine.linear_solvers.solvers import Kept
 from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
-from ecume.models.soft.contacts.contact_jacobian import ROUNDING
+from ecume.models.soft.cell import Cell, make_cell
+from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
 from ecume.models.soft.contacts.pieces import anchors
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
@@ -21,7 +22,6 @@ from ecume.models.soft.contacts.user_forces import across
 from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
 from ecume.models.soft.integration.bordered_system import MOST, Borders, make_borders
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.loading.cell import Cell, make_cell
 from ecume.models.soft.parameters import Parameters
 from ecume.units import Array
 

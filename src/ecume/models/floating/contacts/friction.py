@@ -22,8 +22,7 @@ from ecume.engine.contact.impulse_solvers import Goal
 from ecume.laws import drag, flotation
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_frictions
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 

@@ -25,14 +25,6 @@ from ecume.models.floating.forces.activity import (
     renew_activity,
     with_activity,
 )
-from ecume.models.floating.forces.dipoles import (
-    DipoleMoments,
-    dipole_energies,
-    dipole_forces,
-    dipoles_of,
-    make_sorted_moments,
-    sort_moments,
-)
 from ecume.models.floating.forces.ewald_grid import (
     Split,
     make_reference,
@@ -43,14 +35,20 @@ from ecume.models.floating.forces.ewald_grid import (
 )
 from ecume.models.floating.forces.films import Films, apply_films, films_of
 from ecume.models.floating.forces.flow_and_noise import add_flow
-from ecume.models.floating.forces.magnetic_fields import (
+from ecume.models.floating.forces.magnets import (
+    DipoleMoments,
     MagneticField,
+    dipole_energies,
+    dipole_forces,
+    dipoles_of,
     magnetic_energy,
     magnetic_field_of,
     magnetic_forces,
     magnetic_lines,
     make_magnetic_scratch,
+    make_sorted_moments,
     renew_field,
+    sort_moments,
 )
 from ecume.models.floating.forces.multipoles import (
     Multipoles,

@@ -51,8 +51,8 @@ from ecume.models.floating.parameters import Parameters, part_of
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.state import State, Workspace, make_state
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
+from ecume.models.floating.walls.menisci import acts
 from ecume.models.floating.walls.shapes import meniscus_of
-from ecume.models.floating.walls.wall_laws import acts
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 

@@ -34,7 +34,7 @@ from ecume.models.floating.parameters import (
     Parameters,
 )
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.walls.wall_laws import acts, wall_energy, wall_force
+from ecume.models.floating.walls.menisci import acts, wall_energy, wall_force
 from ecume.units import Array
 
 if TYPE_CHECKING:

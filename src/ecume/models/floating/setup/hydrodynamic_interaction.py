@@ -14,14 +14,13 @@ from ecume.laws import ewald, pair_mobility
 from ecume.laws.drag import particle_reynolds
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
-from ecume.models.floating.coupled.flow_grid import ERROR
-from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO, GridKicks
+from ecume.models.floating.coupled.many_floats import ERROR, MATRIX_UP_TO, GridKicks
 from ecume.models.floating.coupled.mobility import CoupledKicks, hydrodynamic_radius
 from ecume.models.floating.forces.interactions import RESISTANCES, Resistance
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import Parameters, distinct_rows
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.models.floating.time_integration.integrators import COUPLED, COUPLED_ON_GRID, Integrator
 from ecume.models.liquids import liquid_of
 from ecume.units import Array

@@ -15,6 +15,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
+from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
@@ -42,8 +43,8 @@ from ecume.models.floating.setup.hydrodynamic_interaction import (
     hydrodynamics_of,
     warn_of_fast_floats,
 )
+from ecume.models.floating.setup.initial_state import boundary_of, periods_in, require_room
 from ecume.models.floating.setup.kinds import floats_of, moments_of
-from ecume.models.floating.setup.periodic_cell import boundary_of, periods_in, require_room
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
 from ecume.models.floating.time_integration.integrators import (
@@ -53,9 +54,8 @@ from ecume.models.floating.time_integration.integrators import (
     Integrator,
 )
 from ecume.models.floating.time_integration.step_size import GOOD, NOISE_DEVIATIONS, good_step, kick_of, step_of
+from ecume.models.floating.walls.menisci import is_far_field
 from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
-from ecume.models.floating.walls.wall_laws import is_far_field
-from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array

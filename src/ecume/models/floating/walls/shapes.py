@@ -17,7 +17,7 @@ from ecume.engine.walls import Surfaces, Walls, enclosed_by, enclosures, no_wall
 from ecume.laws import flotation
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import Floats
-from ecume.models.floating.walls import menisci, wall_laws
+from ecume.models.floating.walls import menisci
 from ecume.models.floating.walls.menisci import FACING, ROUND, Meniscus
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
@@ -107,7 +107,7 @@ def _has_meniscus(dish: DishSpec | None) -> bool:
 def wall_law_of(scene: FloatingScene) -> int:
     """The compiled law that the walls follow."""
     dish = scene.dish
-    return menisci.law_of(dish, meniscus_of(dish)) if dish and _has_meniscus(dish) else wall_laws.NO_WALL_LAW
+    return menisci.law_of(dish, meniscus_of(dish)) if dish and _has_meniscus(dish) else menisci.NO_WALL_LAW
 
 
 def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:

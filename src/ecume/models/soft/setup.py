@@ -1,4 +1,4 @@
-"""From a scene to parameters and the first state."""
+"""From a scene to parameters and the first state: random packings, checks of the start, and building."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.optimize import minimize
 
 from ecume.engine.linear_solvers import cholmod
 from ecume.engine.linear_solvers.solvers import SOLVERS
-from ecume.engine.walls import planes
+from ecume.engine.walls import nearest_points, planes
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
 from ecume.laws.deflections import TANGENTIAL, TENSION
@@ -20,27 +21,196 @@ from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import PREFACTORS, Prefactors
 from ecume.laws.surfaces import SURFACES
 from ecume.models.liquids import material_of
-from ecume.models.soft.contacts.contact_list import open_all
+from ecume.models.soft.cell import Box, box_of, shape_at
+from ecume.models.soft.contacts.contact_list import neighbors, open_all, wall_gaps
+from ecume.models.soft.contacts.pieces import UNBALANCED, loose_spheres, pieces
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
-from ecume.models.soft.loading.cell import box_of, shape_at
-from ecume.models.soft.loading.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
-from ecume.models.soft.setup.packing import places
-from ecume.models.soft.setup.start_checks import (
-    require_balance,
-    require_gaps,
-    require_hold,
-    require_moderate_forces,
-    require_no_torque,
-    require_room,
-)
+from ecume.models.soft.protocol import LOAD, SCALE, Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.models.tables import code_of
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
 from ecume.units import Array
+from ecume.value_texts import with_prefix
+
+GAP = 1e-2
+"""Of the smallest radius."""
+WIDER = 1.05
+"""Spheres are pushed apart as if their gap were this much wider, so that it is there when they have nearly stopped."""
+WAY_OUT = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
+ROUNDS, PUSHES = 20, 400
+"""Of the minimization: at most so many rounds of so many evaluations."""
+
+
+def places(scene: SoftScene, parameters: Parameters) -> Array:
+    """The initial positions: as given, or random from the seed of the scene."""
+    given = [place for species in scene.particles for place in species.positions]
+    if all(species.count is None for species in scene.particles):
+        return np.array(given, np.float64)
+    random = np.random.default_rng(scene.seed)
+    box = box_of(parameters.box, shape_at(parameters.box, drive_at(parameters.protocol, 0.0)), parameters.dimensions)
+    ends = np.where(box.sides > 0.0, box.sides, sides_of(scene) or 0.0)
+    position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * ends
+    begin = 0
+    for species in scene.particles:
+        end = begin + (species.count or len(species.positions))
+        if species.positions:
+            position[begin:end] = species.positions
+        begin = end
+    least = (
+        GAP * float(parameters.radius.min())
+        if scene.cell is None or scene.cell.minimum_gap is None
+        else scene.cell.minimum_gap
+    )
+    _require_room(parameters, np.where(box.sides > 0.0, ends, ends + 2.0 * parameters.radius.max()), least)
+    return pushed_apart(parameters, position, box, least)
+
+
+def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
+    """Raise SceneError if spheres with half of the least gap around each would fill more than the whole region."""
+    unit = math.pi if parameters.dimensions == 2 else 4.0 / 3.0 * math.pi
+    filled = unit * float(((parameters.radius + 0.5 * least) ** parameters.dimensions).sum()) / float(np.prod(ends))
+    if filled > 1.0:
+        message = f"spheres with gaps of {with_prefix(least, 'm', 3)} would fill {filled:.3g} times the region"
+        raise SceneError([Fault("cell.size", f"{message}; {WAY_OUT}")])
+
+
+def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
+    """The nearest places, more or less, without gaps below `least`: overlaps cost their square. Raises SceneError."""
+    wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
+    unit, walls = float(parameters.radius.min()), parameters.walls.surfaces
+    points = nearest_points(walls)
+
+    def cost(flat: Array) -> tuple[float, Array]:
+        pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, box)
+        length = np.linalg.norm(between, axis=1)
+        overlap = (parameters.radius[pair].sum(axis=1) + WIDER * least - length) / unit
+        push = (overlap / np.maximum(length, 1e-12 * unit))[:, None] * between
+        slope = np.zeros_like(position)
+        np.add.at(slope, pair[:, 0], push)
+        np.add.at(slope, pair[:, 1], -push)
+        to_wall = wall_gaps(parameters, flat.reshape(position.shape) * unit, points)
+        inside = np.maximum(WIDER * least - to_wall, 0.0)
+        for wall, normal in enumerate(walls.place[:, : position.shape[1]]):
+            slope -= inside[:, wall, None] / unit * normal
+        return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), slope.ravel()
+
+    flat = position.ravel() / unit
+    tight = parameters._replace(contacts=parameters.contacts._replace(fade_from=least))
+    for _ in range(ROUNDS):
+        flat = minimize(
+            cost, flat, jac=True, method="L-BFGS-B", options={"maxiter": PUSHES, "ftol": 0.0, "gtol": 1e-12}
+        ).x
+        found = np.asarray(flat.reshape(position.shape) * unit)
+        if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, points) >= least).all():
+            return found
+    message = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
+    raise SceneError([Fault("cell.size", f"{message}; {WAY_OUT}")])
+
+
+MOST_FORCE = 2.0
+"""Over modulus and radius squared: it deflects a surface by more than a radius."""
+MOST_FILLED = 1.5
+"""The largest volume fraction, of undeformed spheres."""
+
+
+def require_balance(parameters: Parameters) -> None:
+    """Forces that nothing balances would push all spheres away together."""
+    if parameters.drag.any() or len(parameters.walls.modulus):
+        return
+    force = parameters.force + parameters.weight
+    total, largest = np.abs(force.sum(axis=0)).max(), np.abs(force).max()
+    if total > UNBALANCED * largest * len(force):
+        raise SceneError(
+            [
+                Fault(
+                    "particles",
+                    f"the forces on all spheres sum to {with_prefix(total, 'N', 3)}, and nothing holds them; "
+                    "expected a sum of zero, walls, or hydrodynamics.drag = 'stokes'",
+                )
+            ]
+        )
+
+
+def require_no_torque(parameters: Parameters, state: State) -> None:
+    """Spinning spheres that nothing holds would be turned all together without resistance."""
+    if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.modulus):
+        return
+    arm, force = np.zeros((2, len(state.position), 3))
+    arm[:, : parameters.dimensions], force[:, : parameters.dimensions] = state.position, parameters.force
+    own = parameters.torque * parameters.radius[:, None]
+    moment = np.cross(arm - arm.mean(axis=0), force)[:, -own.shape[1] :] + own
+    total, largest = np.abs(moment.sum(axis=0)).max(), np.abs(moment).max()
+    size = np.abs(parameters.force).max() * parameters.radius.max()
+    if total > UNBALANCED * max(largest, size) * len(moment):
+        cause = f"the total torque on all spheres is {with_prefix(total, 'N m', 3)}, and nothing balances it"
+        raise SceneError([Fault("particles", f"{cause}; expected 0, or hydrodynamics.drag = 'stokes'")])
+
+
+def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
+    """Undeformed spheres that overlap have no film between them."""
+    touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
+    pair, _, between = neighbors(touching, position, box)
+    if len(pair):
+        first, second = pair[0]
+        overlap = with_prefix(parameters.radius[pair[0]].sum() - np.linalg.norm(between[0]), "m", 3)
+        message = f"spheres {first} and {second} overlap by {overlap} before they are deformed"
+        raise SceneError([Fault("particles", f"{message}; expected a gap for the film")])
+    gap = wall_gaps(parameters, position, nearest_points(parameters.walls.surfaces))
+    if not (gap > 0.0).all():
+        sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
+        message = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
+        raise SceneError([Fault("particles", message)])
+
+
+def require_hold(parameters: Parameters, state: State) -> None:
+    """Raise SceneError for spheres without drag that something pulls at and no film connects to the rest."""
+    _, pulled = loose_spheres(parameters, state)
+    if len(pulled):
+        walled = state.touching.shape[1] > 0
+        piece = pieces(state)
+        others = [one for one in pulled if walled or piece[one] != piece[0]]
+        alone = int((others or pulled)[0])
+        message = f"sphere {alone} has no film to {'any wall' if walled else 'sphere 0'}, and nothing else holds it"
+        raise SceneError([Fault("particles", f"{message}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])
+
+
+def require_moderate_forces(parameters: Parameters) -> None:
+    """Raise SceneError for external forces that would deflect a surface by more than a radius."""
+    load = float(np.abs(parameters.protocol.courses[:, LOAD, 0]).max())
+    forces = {"particles": load * parameters.force, "gravity": parameters.weight}
+    for path, force in forces.items():
+        part = np.sqrt((force**2).sum(axis=1)) / (parameters.modulus * parameters.radius**2)
+        sphere = int(np.argmax(part))
+        if part[sphere] > MOST_FORCE:
+            size = with_prefix(float(np.linalg.norm(force[sphere])), "N", 3)
+            most = with_prefix(float(MOST_FORCE * parameters.modulus[sphere] * parameters.radius[sphere] ** 2), "N", 3)
+            message = f"a force of {size} on sphere {sphere} would deflect its surface by more than a radius"
+            raise SceneError([Fault(path, f"{message}; expected at most {most}, twice the modulus times radius^2")])
+
+
+def fillings(parameters: Parameters) -> float:
+    """The largest volume fraction of the protocol, if it prescribes the size of the box; 0 without a box."""
+    box, dimensions = parameters.box[: parameters.dimensions], parameters.dimensions
+    if not box.all():
+        return 0.0
+    unit, power = (math.pi, 2) if dimensions == 2 else (4.0 / 3.0 * math.pi, 3)
+    times = parameters.protocol.times
+    scale = min(drive_at(parameters.protocol, float(time)).scale for time in times)
+    return float(unit * (parameters.radius**power).sum() / np.prod(box) / scale**dimensions)
+
+
+def require_room(parameters: Parameters) -> None:
+    """Raise SceneError for boxes into which spheres do not fit, however they are deformed."""
+    filled = fillings(parameters)
+    if filled > MOST_FILLED:
+        path = "protocol" if parameters.protocol.courses[:, SCALE, 0].min() < 1.0 else "cell.size"
+        message = f"spheres would fill {filled:.3g} times the cell; expected at most {MOST_FILLED:g} times"
+        raise SceneError([Fault(path, message)])
+
 
 TICKS = 1024
 """Ticks between two frames, in which progress is reported; there are far fewer time steps."""

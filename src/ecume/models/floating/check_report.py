@@ -10,6 +10,7 @@ import numpy as np
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.models.costs import Content, frame_cost
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
@@ -20,7 +21,6 @@ from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
-from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import liquid_of
 from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene

@@ -1,4 +1,4 @@
-"""The cost of frames in time and on the disk: measured by writing a few to a disk."""
+"""The cost of a run: what no machine could do, and the cost of frames in time and on the disk."""
 
 from __future__ import annotations
 
@@ -8,17 +8,39 @@ import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
+import psutil
 
-from ecume.errors import StorageError
-from ecume.models.check_report import LONGEST_RUN, Row
+from ecume.errors import Fault, SceneError, StorageError
+from ecume.models.model import LONGEST_RUN, Row
 from ecume.scenes.common import Common
+from ecume.scenes.quantities import MOST_STEPS
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import Recorder
 from ecume.trajectories.samples import STATISTICS
 from ecume.value_texts import duration_text, size_text
+
+Parameters = TypeVar("Parameters")
+
+
+def within_steps(scene: Common, parameters: Parameters) -> Parameters:
+    """The same parameters, if a run with their time step comes to an end. Raises SceneError."""
+    step: float = parameters.time_step  # type: ignore[attr-defined]  # every model's have one
+    if scene.duration / step > MOST_STEPS:
+        message = f"is {scene.duration / step:.3g} steps of {step:.3g} s, more than {MOST_STEPS:.0e}; make it shorter"
+        raise SceneError([Fault("duration", message)])
+    return parameters
+
+
+def require_memory(path: str, what: str, wanted: float, way_out: str = "use fewer") -> None:
+    """Raise SceneError if this machine has less memory (bytes) than something needs."""
+    there = psutil.virtual_memory().total
+    if wanted > there:
+        message = f"{what} need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; {way_out}"
+        raise SceneError([Fault(path, message)])
+
 
 PROBES = 4
 """Frames that are written, besides a first one that opens the file."""

@@ -1,7 +1,8 @@
 """The periodic box in a step: how it is sheared and sized, by what is imposed and by what answers to a stress.
 
-Its copies above lie a `tilt` further along x; kept in box widths, it grows by height/width times the shear. So a strain
-is always that of the box as it stands: its rate is the upper copy's speed over the height, however that changes.
+Its copies above lie a `tilt` further along x; kept in box widths, it grows by height/width times the shear. So a
+strain is always that of the box as it stands: its rate is the upper copy's speed over the height, however that
+changes.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from ecume.engine.array_copies import clear_rows
 from ecume.engine.cells import Integers
 from ecume.models.soft.contacts.films import Pairs
 from ecume.models.soft.integration.dirk_schemes import Scheme
-from ecume.models.soft.loading.protocol import Drive
+from ecume.models.soft.protocol import Drive
 from ecume.units import Array
 
 TILT, WIDTH, HEIGHT, DEPTH, STRAIN = range(5)
