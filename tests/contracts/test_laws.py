@@ -75,7 +75,7 @@ COMPILED = (
 )
 RESCALED = (
     brownian,
-    capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.interaction,
+    capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
     flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, diffusion, tension,
     time_step_limits, wall_forces, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, friction,
     deflections, dish_motion, dam_breaks, liquids, soft_contacts, swirls,

@@ -11,7 +11,7 @@ from ecume.lammps.decks import DECKS, write_deck
 from ecume.lammps.engine import lammps_engine
 from ecume.lammps.expressible import faults_of
 from ecume.lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, setup_text, tank_of
-from ecume.laws.kernels.shapes import quintic_spline_value
+from ecume.laws.kernels import quintic_spline_value
 from ecume.laws.wall_forces import standoff_push
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters

@@ -1,6 +1,6 @@
 """The command line: verbs, their help, and the end of each.
 
-Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `validation`, `benchmarks`; each lists
+Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `comparisons`; each lists
 its own in `VERBS`. `output` prints, and turns errors into messages and exit codes; `progress` reports. Nothing heavy is
 imported before a verb runs, so that `ecume --help` answers at once.
 """
@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import benchmarks, browser, fits, pictures, progress, runs, scenes, sweeps, validation
+from ecume.cli import browser, comparisons, fits, pictures, progress, runs, scenes, sweeps
 from ecume.cli.engines import own_process
 from ecume.cli.output import Ending, warned
 
@@ -33,8 +33,8 @@ cannot be read or written, 75 stopped with a checkpoint (continue with `ecume re
 
 ALONE = (
     scenes.new,
-    validation.validate,
-    benchmarks.bench,
+    comparisons.validate,
+    comparisons.bench,
     runs.resume,
     runs.info,
     runs.list_runs,
@@ -50,7 +50,7 @@ ALONE = (
 NAMES: dict[Callable[..., None], str] = {runs.list_runs: "list", runs.import_run: "import"}
 """Verbs whose names are Python's own words."""
 
-MODULES = (scenes, runs, runs, pictures, browser, sweeps, fits, validation, benchmarks)
+MODULES = (scenes, runs, pictures, browser, sweeps, fits, comparisons)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(NAMES.get(verb), no_args_is_help=verb not in ALONE)(verb)
 

@@ -134,8 +134,7 @@ def keep(found: Fit, directory: Path) -> None:
     from ecume.scenes.writing import to_toml
     from ecume.show.fit_figures import fit_figure
     from ecume.show.style import save
-    from ecume.trajectories.durable_files import storing, write_whole
-    from ecume.trajectories.records import as_json
+    from ecume.trajectories.records import as_json, storing, write_whole
 
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)

@@ -198,7 +198,7 @@ ENDINGS = {
 
 def eye(azimuth: float | None, elevation: float | None) -> Any:
     """The viewpoint; None where neither angle was given."""
-    from ecume.show.camera import Eye
+    from ecume.show.picture import Eye
 
     asked = {"azimuth": azimuth, "elevation": elevation}
     given = {name: angle for name, angle in asked.items() if angle is not None}
@@ -231,9 +231,9 @@ def movie(
     · `ecume movie runs/dam --color speed --azimuth 60` · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
-    from ecume.show.camera import Aim
     from ecume.show.movies import MovieOptions
     from ecume.show.movies import movie as make
+    from ecume.show.picture import Aim
 
     existing(directory)
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
@@ -432,7 +432,7 @@ def export(
         require_folder(out)
     path = out or directory / RESULTS / f"frames{ENDINGS[to]}"
     if to in (Format.HEIGHTS, Format.HEIGHTS_VTK):
-        from ecume.show.floating.fields import export_heights
+        from ecume.show.floating.surface import export_heights
 
         wrote(export_heights(directory, path), quiet=quiet)
         return

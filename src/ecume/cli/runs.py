@@ -364,7 +364,7 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
     if not wanted:
         yield
         return
-    from ecume.run.stop_requests import ask_to_stop
+    from ecume.run.lock import ask_to_stop
     from ecume.show.view.live import Source, serving
 
     ended: list[str] = []

@@ -126,7 +126,7 @@ def _end(done: Outcome, *, quiet: bool) -> None:
 
 
 def _print_status(directory: Path, *, json: bool) -> None:
-    from ecume.sweep.status import standing
+    from ecume.sweep.directory import standing
 
     now = standing(directory)
     if json:

@@ -21,7 +21,7 @@ from scipy.optimize import linear_sum_assignment
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import echo, suggestion
-from ecume.scenes.files import text_of
+from ecume.scenes.tables import text_of
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, factor

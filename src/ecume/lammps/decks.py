@@ -16,8 +16,8 @@ from ecume.lammps.script import DATA, TABLES, data_text, script_text
 from ecume.lammps.tanks import TANKS, tank_of
 from ecume.models.floating.contacts.springs import SHALLOW
 from ecume.models.floating.forces.pair_forces import row_of
-from ecume.models.floating.walls.menisci import NO_WALL_LAW
-from ecume.trajectories.durable_files import storing, write_whole
+from ecume.models.floating.menisci import NO_WALL_LAW
+from ecume.trajectories.records import storing, write_whole
 from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from ecume.models.model import LONGEST_RUN, Row
 from ecume.scenes.common import Common
 from ecume.scenes.quantities import MOST_STEPS
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorder import Recorder
 from ecume.trajectories.samples import STATISTICS
+from ecume.trajectories.segments import Recorder
 from ecume.value_texts import duration_text, size_text
 
 Parameters = TypeVar("Parameters")

@@ -18,7 +18,7 @@ from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.drop_oscillations import longest_rise, swing_of
+from ecume.validation.drops import longest_rise, swing_of
 from ecume.validation.rows import Row, above, below, within
 from ecume.validation.runner import sph_scene
 

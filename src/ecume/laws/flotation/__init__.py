@@ -29,8 +29,11 @@ from ecume.laws.flotation.bodies import (
     weight_number,
     young_contact_angle,
 )
-from ecume.laws.flotation.equilibria import Body, Equilibrium, capillary_charge, equilibrium
-from ecume.laws.flotation.interaction import (
+from ecume.laws.flotation.equilibria import (
+    Body,
+    Equilibrium,
+    capillary_charge,
+    equilibrium,
     pair_energy,
     pair_force,
     superposition_excess,

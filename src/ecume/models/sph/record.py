@@ -18,9 +18,9 @@ from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.rigid_bodies import at_reference, instant
 from ecume.models.sph.boundaries.walls import flag_outside
 from ecume.models.sph.fields import FIELDS, RATES
-from ecume.models.sph.incompressible.projection import failed
 from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Liquid, Parameters
+from ecume.models.sph.projection import failed
 from ecume.models.sph.report.check_report import advice
 from ecume.models.sph.report.energy_budget import invariants
 from ecume.models.sph.report.observation import observe

@@ -23,6 +23,7 @@ from ecume.engine.periodic import nearest
 from ecume.engine.walls import wall_count
 from ecume.laws import capillarity, dipoles, ewald, pair_laws, special
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, settable
+from ecume.models.floating.menisci import acts, wall_energy, wall_force
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
@@ -34,7 +35,6 @@ from ecume.models.floating.parameters import (
     Parameters,
 )
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.walls.menisci import acts, wall_energy, wall_force
 from ecume.units import Array
 
 if TYPE_CHECKING:

@@ -25,11 +25,11 @@ from ecume.laws.contact_lines import (
     spread_charges,
     star_charges,
 )
+from ecume.models.floating.dishes import wall_strengths
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.shaped.bodies import Shaped, body_pair_forces
-from ecume.models.floating.walls.shapes import wall_strengths
 from ecume.units import Array
 
 if TYPE_CHECKING:

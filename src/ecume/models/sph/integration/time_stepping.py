@@ -25,7 +25,6 @@ from ecume.models.sph.boundaries.rigid_bodies import (
 )
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import number
-from ecume.models.sph.incompressible.projection import failed, project
 from ecume.models.sph.integration.particle_loops import (
     correct,
     drift,
@@ -37,6 +36,7 @@ from ecume.models.sph.integration.particle_loops import (
 )
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.projection import failed, project
 from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_other_forces, take_thickening
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,

@@ -20,7 +20,7 @@ from ecume.laws.time_step_limits import (
     tension_limit,
     viscous_limit,
 )
-from ecume.models.sph.incompressible.compatibility import projection_of, require_suitable
+from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
 from ecume.models.sph.rates.methods import DIFFUSIONS

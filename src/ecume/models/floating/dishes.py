@@ -1,7 +1,7 @@
 """The shapes that a dish can have: `SHAPES`, the table of them.
 
-A row holds everything that depends on the shape. Distances, normals, the region inside, its outline in pictures and on
-pages, and the places where floats can start follow from its surfaces (`ecume.engine.walls`).
+A row holds everything that depends on the shape. Distances, normals, the region inside, its outline in pictures and
+on pages, and the places where floats can start follow from its surfaces (`ecume.engine.walls`).
 """
 
 from __future__ import annotations
@@ -15,15 +15,16 @@ import numpy as np
 from ecume.engine import walls as surfaces
 from ecume.engine.walls import Surfaces, Walls, enclosed_by, enclosures, no_walls, wall_count
 from ecume.laws import flotation
+from ecume.models.floating import menisci
+from ecume.models.floating.menisci import FACING, ROUND, Meniscus
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import Floats
-from ecume.models.floating.walls import menisci
-from ecume.models.floating.walls.menisci import FACING, ROUND, Meniscus
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import DishSpec, FloatingScene
+
 
 FIRST_MODE = 1.8411837813406593
 """The first zero of J1'."""

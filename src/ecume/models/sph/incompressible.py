@@ -1,4 +1,4 @@
-"""Constants of the solver, and what an incompressible liquid needs from other options of a scene."""
+"""Constants of the solver for incompressible liquids, and what such a liquid needs from other options of a scene."""
 
 from __future__ import annotations
 
