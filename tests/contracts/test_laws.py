@@ -57,7 +57,7 @@ COMPILED = (
     brownian,
     capillarity,
     contact,
-    kernels.shapes,
+    kernels,
     states,
     viscous,
     diffusion,
@@ -142,7 +142,7 @@ BESIDE = {
     special.fit_k1, special.k1_over_x, states.density_at_enthalpy, contact_lines.needle_charge,
     contact_lines.spread_charges, contact_lines.star_charges,
     surfaces.hertz_surface, surfaces.bubble_surface, surfaces.hertz_check_lines, surfaces.hertz_doubts,
-    surfaces.bubble_check_lines,
+    surfaces.bubble_check_lines, kernels.kernel,
 }  # fmt: skip
 """Beside the laws: root finders, fits, sets of charges, and functions of a contact as a whole."""
 

@@ -1,13 +1,13 @@
 """Contacts of bodies that move one another: their mobility is a full matrix, or known by its products only.
 
 Contacts of bodies whose mobility is a full matrix: each impulse changes the velocities of all bodies. The conditions
-are those of `projected_gauss_seidel`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
+are those of `impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
 mobility M. Each row of the Jacobian J has at most six numbers. A change of an impulse adds its column of M J^T to all
 velocities; columns are computed when an impulse first becomes positive. Sweeps and conjugate directions are those of
 the other solvers.
 
 Contacts of bodies whose mobility is known by its products only: projected gradients. The conditions are those of
-`projected_gauss_seidel`. Gauss-Seidel sweeps require the response to each single impulse; with the flow of ten
+`impulse_solvers`. Gauss-Seidel sweeps require the response to each single impulse; with the flow of ten
 thousand floats only the response to all impulses at once is affordable. The impulses minimize a quadratic function
 under p >= 0, by steps along the projected gradient with the lengths of Barzilai & Borwein, as for suspensions in
 [yan2019]. Each step is one product.
@@ -145,7 +145,7 @@ def residual(rows: DenseRows, motion: Array) -> float:
 
 @compiled
 def _accelerate(rows: DenseRows, mobility: Array, motion: Array, ratio: float) -> None:
-    """Step along the conjugate direction: see `projected_gauss_seidel`."""
+    """Step along the conjugate direction: see `impulse_solvers`."""
     impulse, direction, contacts = rows.impulse, rows.direction, len(rows.bound)
     for row in range(len(impulse)):
         along, old = ratio * direction[row], impulse[row]

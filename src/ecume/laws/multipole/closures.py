@@ -137,7 +137,7 @@ class Undulated:
 
 def undulated_closure(body: Undulated, liquid: Liquid, order: int) -> Closure:
     """A pinned rim that is not flat: alpha_m + c_m = (H/2) exp(-i m angle). Far away, two quadrupoles follow
-    `quadrupoles.pair_energy`. Derived as in [stamou2000].
+    `contact_lines.quadrupole_energy`. Derived as in [stamou2000].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> bool(abs(undulated_closure(Undulated(Disc(1e-6, 0.0), ((2, 1e-8, 0.0),)), water, 3).source[2]) > 0)

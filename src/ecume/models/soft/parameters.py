@@ -17,7 +17,7 @@ from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
 CONTACT_LISTS = ("scalars", "vectors")
-"""What frames contain of contacts: see `report.contact_lists`."""
+"""What frames contain of contacts: see `report.observation`."""
 
 
 class Contacts(NamedTuple):

@@ -5,7 +5,7 @@ powers are evaluated at each stage of a step, and added with the weights of the 
 of the scheme. The work of external forces follows from displacements, since positions have no rates.
 
 The surface law has no potential: the size of a contact follows its gap, without a force on the film. The energy that
-surfaces take or give in this way is a separate entry; see `elasticity.gap_energy`.
+surfaces take or give in this way is a separate entry; see `soft_pair.gap_energy`.
 """
 
 from __future__ import annotations

@@ -236,7 +236,7 @@ def brake(
     position: Array, velocity: Array, kind: Integers, number: Array, support: float, weights: Array, sound_speed: float,
     acceleration: Array,
 ) -> None:  # fmt: skip
-    """Add the braking by walls and obstacles: see `wall_impact.impact_braking`."""
+    """Add the braking by walls and obstacles: see `wall_forces.impact_braking`."""
     dimension = position.shape[0]
     for i in prange(position.shape[1]):
         k, z = 0, position[2, i] if dimension == 3 else 0.0
