@@ -1,8 +1,7 @@
 """Verification of a run: each byte of its files is what was written, or the fault is named; and recovery.
 
-Verification of a run: each byte of its files is what was written, or the fault is named. A completed run is compared
-with the digests in `DONE.json`. Of any other run, records, lines, checkpoints and frames are compared with their own
-checksums. `deep` computes all frames again and compares bits.
+A completed run is compared with the digests in `DONE.json`. Of any other run, records, lines, checkpoints and frames
+are compared with their own checksums. `deep` computes all frames again and compares bits.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 Very many particles: discs painted into pixels, as no collection of patches could do as fast. In 3D they are balls,
 lit from the viewer's side; nearer ones hide farther ones.
 
-The parts that pictures of every model share: size, view, scale bar, legend, fast drawing. What never changes is drawn
-once; a movie then draws only the rest of each frame.
+What never changes is drawn once; a movie then draws only the rest of each frame.
 """
 
 from __future__ import annotations

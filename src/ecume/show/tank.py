@@ -1,8 +1,7 @@
 """Tanks as seen from the side: walls, obstacles, what moves, and particles to scale, colored by a quantity.
 
-Tanks as seen from the side: walls, obstacles, and particles to scale, colored by species or by a quantity. Any model
-with a tank can have its pictures here. In 3D they show the first and the last axis, or what a camera of the setting
-sees.
+Any model with a tank can have its pictures here. In 3D they show the first and the last axis, or what a camera of the
+setting sees.
 """
 
 from __future__ import annotations

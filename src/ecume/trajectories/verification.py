@@ -1,9 +1,8 @@
 """Verification of a trajectory: each byte is what was written, or is reported; and repair, which keeps whole frames.
 
-Verification of a trajectory: each byte of its files is what was written, or is reported. The checksum of a frame
-covers its chunks: their names, shapes and data. All else in a file follows from the index: the header, the list of
-names, blocks of the index that were left behind when it grew, and zeros in between. What a killed process wrote after
-the last whole frame belongs to no frame; it is reported as a remark.
+The checksum of a frame covers its chunks: their names, shapes and data. All else in a file follows from the index:
+the header, the list of names, blocks of the index that were left behind when it grew, and zeros in between. What a
+killed process wrote after the last whole frame belongs to no frame; it is reported as a remark.
 """
 
 from __future__ import annotations

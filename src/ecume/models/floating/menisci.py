@@ -1,8 +1,7 @@
 """The menisci at the walls of a dish: height of the liquid, and forces on floats, also in compiled code.
 
-The menisci at the walls of a dish: height of the liquid, and forces on floats. Two kinds are known, each one record:
-inside a round wall (`ROUND`) and between two pairs of facing walls (`FACING`). Each law has a number, which compiled
-code reads here.
+Two kinds are known, each one record: inside a round wall (`ROUND`) and between two pairs of facing walls (`FACING`).
+Each law has a number, which compiled code reads here.
 
 Exact menisci and mirror images have no formula. A table has heights and image energies of a unit charge with their
 slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the

@@ -1,6 +1,5 @@
 """A tank that a user plays with: liquid is poured and scooped out, gates open and close, a wall is pushed, all tilts.
 
-A tank that a user plays with: liquid is poured and scooped out, gates open and close, a wall is pushed, all tilts.
 The model itself integrates the motion. A push is the motion of a side, a tilt is the acceleration of a shaken tank,
 an open gate is an obstacle less: so what is played is a scene at any moment, and can be saved as one.
 """

@@ -1,9 +1,8 @@
 """One contact as numbers: film and surface in series, and its response to small changes within a stage.
 
-One contact as numbers: film and surface in series. A contact's own state is the logarithm q of its gap and the
-direction n of its gap vector G = (R_i + R_j + h) n. Where the spheres are says how far its surfaces are deflected:
-delta = X_j - X_i - G. The force of the deflection drives the film, dG/dt = Z^-1 F. How it answers small changes
-stands in `links`.
+A contact's own state is the logarithm q of its gap and the direction n of its gap vector G = (R_i + R_j + h) n. Where
+the spheres are says how far its surfaces are deflected: delta = X_j - X_i - G. The force of the deflection drives the
+film, dG/dt = Z^-1 F. How it answers small changes stands in `links`.
 
 Jacobian of one contact within a stage: its response to changes of its internal variables and of the positions. Within
 the plane of n and the surface's shear direction a contact has four variables: q, the rotation of n, and the normal

@@ -1,6 +1,5 @@
 """Walls and obstacles: reflection of particles that cross a surface, repulsion of those too close, and impacts.
 
-Walls and obstacles: reflection of particles that cross a surface, and repulsion of those that come too close.
 Reflection (the guard): a particle outside after a drift repeats its path through `ecume.engine.walls`: the first
 surface hit, the rest of the step, the next surface, and so on. In a smooth flow this does not occur; the hits are
 counted. With walls = "reflect" nothing else confines the liquid.
