@@ -1,4 +1,4 @@
-// Limits of a curve's axis that a few outliers would otherwise compress: the rule of `ecume.show.curves`.
+// Limits of a curve's axis that a few outliers would otherwise compress: the rule of `ecume.show.spikes`.
 
 const FEWEST = 20;
 const PART = 0.02;

@@ -15,12 +15,12 @@ from ecume.models.sph.report.energy_budget import (
     energies,
     energy_of_bodies,
     exchanged_energy,
-    invariants,
     power_of_base_excitation,
     power_of_dummies,
     power_of_forces,
     reflection_work,
 )
+from ecume.models.sph.report.observation import invariants
 from ecume.models.sph.state import WORK
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch

@@ -22,8 +22,7 @@ from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.models.sph.projection import failed
 from ecume.models.sph.report.check_report import advice
-from ecume.models.sph.report.energy_budget import invariants
-from ecume.models.sph.report.observation import observe
+from ecume.models.sph.report.observation import invariants, observe
 from ecume.models.sph.setup.building import parameters_of
 from ecume.models.sph.setup.choices import kernel_of, laws_of, require_right_split, smoothing_of
 from ecume.models.sph.setup.initial_particles import liquid_of

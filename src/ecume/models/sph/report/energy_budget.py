@@ -1,11 +1,11 @@
-"""Energies of liquid and bodies, the work done on them from outside, and the invariants that follow.
+"""Energies of the liquid and the bodies, and the work done on them from outside. Energy minus work never increases.
 
 Moving walls, and the liquid behind inflows and outflows, do work by their forces F, pair by pair as in the sums over
 neighbors. The work of a wall is W = integral of F.w dt with its force F on the liquid and its velocity w; that of a
 shaken tank is the integral of M.a with the apparent acceleration a and the momentum M. A buffer particle b does
 F_ib.(v_i + v_b)/2 on the particle i before it: the energy flux of a pair, the mean of what i gains and b loses. The
-rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses i if it is pressure, up to (P_i -
-P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy, and particles that cross a
+rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses i if it is pressure, up to
+(P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy, and particles that cross a
 periodic side are lifted, in gravity, by the length of the tank.
 
 Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`. So
@@ -19,7 +19,7 @@ velocity by which it is multiplied.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,6 @@ from ecume.engine.neighbor_rows import Lists
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import states
 from ecume.laws.states import tait_energy
-from ecume.models.invariants import Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, instant
 from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
@@ -41,8 +40,6 @@ from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.fill_fields import fill_images
 from ecume.models.sph.rates.kernels import slope_of
 from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace, put_dummies
-from ecume.scenes.sph import SphScene
-from ecume.scenes.sph.tank import SIDES
 from ecume.units import Array
 
 admit(states)
@@ -341,62 +338,3 @@ def reflection_work(now: Parameters, state: State, before: Array) -> float:
         change = product(row[:d], (state.velocity - before)[:, near])
         work += dot(row[SPEED : SPEED + d], row[:d]) * dot(state.mass[near], change)
     return work
-
-
-SQUEEZED = 0.2
-"""The largest change of density that a weakly compressible liquid may have: one of 1 % is meant."""
-RISE = 0.02
-"""Of the energy: densities that are diffused and particles that are shifted bring a little."""
-TURNED_BACK = 1e-3
-"""Hits of the guard, a particle and step."""
-FAINT = 0.05
-"""Of the speed that is expected: what goes so slowly has no more energy than layers lose and gain as they settle."""
-DRIFT = 1e-6
-"""Of momentum."""
-
-
-def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene."""
-    return list(_rows(scene, parameters))
-
-
-def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
-    volume = scene.spacing ** len(scene.tank.low)
-    yield at_most("mass", "particles that are lost", "lost", 0.0)
-    yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
-
-    def turned_back(seen: Seen) -> float:
-        return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))
-
-    yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
-    if not has_unbudgeted_work(parameters):
-        yield energy_never_rises(RISE, _faint(parameters))
-    if _alone(scene):
-        density = parameters.material.density
-
-        def momenta(seen: Seen) -> float:
-            return math.sqrt(2.0 * density * seen.first["volume"] * seen.largest["kinetic_energy"])
-
-        yield kept("momentum", ("momentum_x", "momentum_y", "momentum_z"), momenta, DRIFT)
-
-
-def _faint(parameters: Parameters) -> Callable[[Seen], float]:
-    """The energy of a faint motion, and of a weight that is lifted by a particle's size: a liquid at rest moves by some
-    hundredths of that while its layers settle.
-    """
-    material = parameters.material
-    pull = float(np.linalg.norm(parameters.gravity))
-    each = material.density * (0.5 * (FAINT * material.fastest) ** 2 + pull * parameters.spacing)
-    return lambda seen: each * seen.first["volume"]
-
-
-def _kinds(scene: SphScene) -> list[str]:
-    """The kind of each side of the tank."""
-    return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
-
-
-def _alone(scene: SphScene) -> bool:
-    """Whether no external force acts on the liquid."""
-    around = all(kind == "periodic" for kind in _kinds(scene))
-    pulled = bool(np.any(scene.gravity)) or scene.central_force is not None
-    return around and not (pulled or scene.bodies or scene.obstacles)

@@ -1,4 +1,4 @@
-"""From a state to a frame: particles in their order at the start, pressures, gauges, and the numbers of the whole.
+"""From a state to a frame: particles in their order at the start, pressures, gauges, numbers and invariants.
 
 The four pressures of a liquid. Frames hold the gauge pressure; the others are derived from it and the position.
 
@@ -24,7 +24,7 @@ from ecume._portable import product
 from ecume.engine.interpolation import added, dry, near, planes
 from ecume.laws.kernels import kernel
 from ecume.laws.states import hydrostatic_pressure, tait_pressure
-from ecume.models.invariants import INJECTED
+from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
 from ecume.models.sph.boundaries.walls import Repelled, all_braked, all_repelled, energy_of, repulsion_load
@@ -32,9 +32,9 @@ from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import surface_energy
-from ecume.models.sph.report.energy_budget import energies, has_external_work, liquid_alone
+from ecume.models.sph.report.energy_budget import energies, has_external_work, has_unbudgeted_work, liquid_alone
 from ecume.models.sph.setup.choices import filled, held_pull
-from ecume.models.sph.setup.shapes import part_of
+from ecume.models.sph.setup.shapes import part_of as part_of_space
 from ecume.models.sph.state import (
     CAME,
     GUARD_HITS,
@@ -49,7 +49,7 @@ from ecume.models.sph.state import (
     Workspace,
 )
 from ecume.scenes.sph import SphScene
-from ecume.scenes.sph.tank import TankSpec
+from ecume.scenes.sph.tank import SIDES, TankSpec
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -60,7 +60,7 @@ def reference_of(scene: SphScene) -> PressureReference:
     up = upward(gravity)
     levels = []
     for region in scene.fluid:
-        low, high = part_of(region, scene.spacing).bounds()
+        low, high = part_of_space(region, scene.spacing).bounds()
         levels.append(float(np.sum(np.maximum(low * up, high * up))))
     return PressureReference(liquid.density or 0.0, gravity, max(levels), liquid.atmospheric_pressure)
 
@@ -411,3 +411,62 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "substeps": state.tally[SUBSTEPS],
         "most_substeps": state.tally[MOST_SUBSTEPS],
     }
+
+
+SQUEEZED = 0.2
+"""The largest change of density that a weakly compressible liquid may have: one of 1 % is meant."""
+RISE = 0.02
+"""Of the energy: densities that are diffused and particles that are shifted bring a little."""
+TURNED_BACK = 1e-3
+"""Hits of the guard, a particle and step."""
+FAINT = 0.05
+"""Of the speed that is expected: what goes so slowly has no more energy than layers lose and gain as they settle."""
+DRIFT = 1e-6
+"""Of momentum."""
+
+
+def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
+    """The rows of a scene."""
+    return list(_rows(scene, parameters))
+
+
+def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
+    volume = scene.spacing ** len(scene.tank.low)
+    yield at_most("mass", "particles that are lost", "lost", 0.0)
+    yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
+
+    def turned_back(seen: Seen) -> float:
+        return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))
+
+    yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
+    if not has_unbudgeted_work(parameters):
+        yield energy_never_rises(RISE, _faint(parameters))
+    if _alone(scene):
+        density = parameters.material.density
+
+        def momenta(seen: Seen) -> float:
+            return math.sqrt(2.0 * density * seen.first["volume"] * seen.largest["kinetic_energy"])
+
+        yield kept("momentum", ("momentum_x", "momentum_y", "momentum_z"), momenta, DRIFT)
+
+
+def _faint(parameters: Parameters) -> Callable[[Seen], float]:
+    """The energy of a faint motion, and of a weight that is lifted by a particle's size: a liquid at rest moves by some
+    hundredths of that while its layers settle.
+    """
+    material = parameters.material
+    pull = float(np.linalg.norm(parameters.gravity))
+    each = material.density * (0.5 * (FAINT * material.fastest) ** 2 + pull * parameters.spacing)
+    return lambda seen: each * seen.first["volume"]
+
+
+def _kinds(scene: SphScene) -> list[str]:
+    """The kind of each side of the tank."""
+    return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
+
+
+def _alone(scene: SphScene) -> bool:
+    """Whether no external force acts on the liquid."""
+    around = all(kind == "periodic" for kind in _kinds(scene))
+    pulled = bool(np.any(scene.gravity)) or scene.central_force is not None
+    return around and not (pulled or scene.bodies or scene.obstacles)
