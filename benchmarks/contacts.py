@@ -17,8 +17,8 @@ from timed_runs import TimedRun, heavy_spheres, machine
 
 from ecume._jit import use_threads
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import projected_gauss_seidel
-from ecume.engine.contact.projected_gauss_seidel import CONVERGED, Goal
+from ecume.engine.contact import impulse_solvers
+from ecume.engine.contact.impulse_solvers import CONVERGED, Goal
 from ecume.models.floating.contacts.collisions import TOLERABLE, contact_bodies
 from ecume.models.floating.time_integration.integration import forces_at
 
@@ -51,9 +51,9 @@ def solved(run: TimedRun, velocity: np.ndarray) -> tuple[int, float, float]:
     fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
     goal = Goal(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     began = time.process_time()
-    sweeps = projected_gauss_seidel.solve(contacts, velocity, mobility, goal)
+    sweeps = impulse_solvers.solve(contacts, velocity, mobility, goal)
     spent = time.process_time() - began
-    return sweeps, projected_gauss_seidel.residual(contacts, velocity) / fastest, spent
+    return sweeps, impulse_solvers.residual(contacts, velocity) / fastest, spent
 
 
 def measured(size: int) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume.laws.pair_mobility import compact_raft, surface_mobility
 from ecume.models import MODELS
-from ecume.models.floating.coupled.flow_grid import flow_product, place_flow_grid
+from ecume.models.floating.coupled.many_floats import flow_product, place_flow_grid
 from ecume.models.model import CROWDED
 from ecume.scenes.schema import from_plain
 

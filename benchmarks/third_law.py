@@ -12,7 +12,7 @@ import numpy as np
 
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
-from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.scenes.schema import from_plain
 from ecume.units import Array
 

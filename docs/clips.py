@@ -14,8 +14,7 @@ from pathlib import Path
 from PIL import Image
 
 import ecume
-from ecume.show.encoders import ffmpeg
-from ecume.show.movies import MovieOptions, film
+from ecume.show.movies import MovieOptions, ffmpeg, film
 from ecume.show.picture import Size
 
 ROOT = Path(__file__).parents[1]

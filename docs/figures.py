@@ -36,7 +36,7 @@ from scipy.special import k1
 
 from ecume.analysis.series import number, series, times
 from ecume.laws import capillarity, drag, flotation, meniscus
-from ecume.laws.screened import fit_k1, k1_over_x
+from ecume.laws.special import fit_k1, k1_over_x
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import Size

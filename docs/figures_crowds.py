@@ -12,7 +12,7 @@ from scipy.special import k1
 from ecume.laws import dipoles
 from ecume.models import MODELS
 from ecume.models.floating.forces import ewald_grid
-from ecume.models.floating.forces.dipoles import DipoleMoments
+from ecume.models.floating.forces.magnets import DipoleMoments
 from ecume.models.floating.parameters import part_of
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene

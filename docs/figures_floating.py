@@ -33,7 +33,7 @@ def bodies() -> Figure:
     left.legend()
     loads = np.linspace(0.0, 1.0, 60)[1:]
     for size, color in zip((0.3, 1.0, 3.0), PALETTE, strict=False):
-        most = flotation.rims.greatest_rim_load(size * L, WATER)
+        most = flotation.nonspherical.greatest_rim_load(size * L, WATER)
         slopes = [flotation.equilibrium(flotation.Disc(size * L, 0.9999 * part * most), WATER) for part in loads]
         right.plot(loads, [math.degrees(found.slope_angle) for found in slopes], color=color, label=f"{size:g} L")
     right.set(xlabel="load / maximum load of the rim", ylabel="slope at the rim (degrees)", ylim=(0, 180))

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.engine.ellipses import ellipses_near
-from ecume.laws import quadrupoles
-from ecume.laws.lines import Line
+from ecume.engine.outlines import ellipses_near
+from ecume.laws import contact_lines
+from ecume.laws.contact_lines import Line
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import Size
@@ -69,8 +69,8 @@ def _energy(slender: float, angles: tuple[float, float], apart: float) -> float:
 
 def _over_law(slender: float, angles: tuple[float, float], apart: float) -> float:
     moment = 0.01 * SMALL * (0.5 * SMALL * (1.0 + slender)) ** 2
-    strength = quadrupoles.quadrupole_strength(1.0, moment, moment)
-    return _energy(slender, angles, apart) / quadrupoles.quadrupole_energy(apart, sum(angles), strength)
+    strength = contact_lines.quadrupole_strength(1.0, moment, moment)
+    return _energy(slender, angles, apart) / contact_lines.quadrupole_energy(apart, sum(angles), strength)
 
 
 def _touching_energy(slender: float, lean: float) -> float:

@@ -13,12 +13,11 @@ from matplotlib.ticker import NullFormatter
 from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, recorded
 
 from ecume.analysis.rheology import over_seeds
-from ecume.laws.bubbles import bubble_force
-from ecume.laws.elasticity import PREFACTORS, surface_force
 from ecume.laws.friction import sliding_force
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
-from ecume.laws.soft_pair import SoftPair, passage_time
+from ecume.laws.soft_pair import PREFACTORS, SoftPair, passage_time, surface_force
+from ecume.laws.surfaces import bubble_force
 from ecume.models.soft import t1_process
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes.load import load_scene

@@ -54,7 +54,6 @@ def test_a_time_step_depends_on_its_laws_and_on_nothing_that_draws_or_reads():
         "_jit.py",
         "engine/contact/contacts.py",
         "laws/capillarity.py",
-        "laws/screened.py",
         "laws/special.py",
     } <= names
     assert {name.split("/")[0] for name in names}.isdisjoint({"show", "run", "cli", "scenes", "analysis"})

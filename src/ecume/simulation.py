@@ -12,9 +12,7 @@ import numpy as np
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
-from ecume.models.engines import Engine
-from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
-from ecume.models.state_layout import misfit
+from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Engine, Model, misfit
 from ecume.models.step_counts import BEFORE, last_step, sample_clock
 from ecume.trajectories.frame import Frame
 

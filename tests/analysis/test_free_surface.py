@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+from ecume.analysis.fields import energy_budget, grid_over, linear_on_grid, on_grid, profile_along, velocity_profile
 from ecume.analysis.free_surface import Walls, free_surface, front_position, level_by_column, mirrored, top_by_column
-from ecume.analysis.grids import grid_over, linear_on_grid, on_grid
-from ecume.analysis.profiles import energy_budget, profile_along, velocity_profile
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.analysis.boxes import Box, at_home
-from ecume.analysis.non_affine_motion import local_deformation, nonaffine_displacement, nonaffine_velocity
+from ecume.analysis.rearrangements import local_deformation, nonaffine_displacement, nonaffine_velocity
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 

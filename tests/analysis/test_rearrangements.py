@@ -8,8 +8,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from ecume.analysis.boxes import Box, at_home, copies, nearest
-from ecume.analysis.rearrangements import contact_swaps, neighbor_swaps
-from ecume.analysis.triangulation import neighbors_of, radical_neighbors
+from ecume.analysis.rearrangements import contact_swaps, neighbor_swaps, neighbors_of, radical_neighbors
 from ecume.errors import BadInput
 from ecume.models.soft import t1_process
 from ecume.models.soft.t1.cluster import t1_scene

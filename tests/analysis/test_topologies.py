@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.analysis.clusters import touching_pairs
-from ecume.analysis.topologies import arrangement, frequencies, rigid_weight, topologies, topology_of
+from ecume.analysis.clusters import arrangement, frequencies, rigid_weight, topologies, topology_of, touching_pairs
 from ecume.engine.placement import place_on_lattice
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from ecume.analysis.clusters import Clusters, mean_raft
+from ecume.analysis.clusters import Clusters, cycles, entropy_production, mean_raft, transitions
 from ecume.analysis.structure import fractal_dimension
-from ecume.analysis.transitions import cycles, entropy_production, transitions
 from ecume.errors import BadInput
 
 

@@ -5,8 +5,8 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from ecume.cli import app, benchmarks
-from ecume.cli.benchmarks import BENCHES, PEERS, Bench
+from ecume.cli import app, comparisons
+from ecume.cli.comparisons import BENCHES, PEERS, Bench
 from ecume.validation import Case
 from ecume.validation.rows import below, within
 
@@ -24,14 +24,16 @@ def scripts(tmp_path, monkeypatch):
         Bench("bad", "about bad", "bad.py"),
         Bench("lonely", "about peers", "good.py", needs=("no_such_module",)),
     )
-    monkeypatch.setattr(benchmarks, "BENCHES", {one.name: one for one in asked})
-    monkeypatch.setattr(benchmarks, "folder", lambda: tmp_path)
+    monkeypatch.setattr(comparisons, "BENCHES", {one.name: one for one in asked})
+    monkeypatch.setattr(comparisons, "folder", lambda: tmp_path)
     return tmp_path
 
 
 def test_every_benchmark_has_its_script_and_every_script_its_benchmark():
     shared = {"timed_runs.py", "versions.py"}  # the latter needs two checkouts
-    assert {one.script for one in BENCHES.values()} == {path.name for path in benchmarks.folder().glob("*.py")} - shared
+    assert {one.script for one in BENCHES.values()} == {
+        path.name for path in comparisons.folder().glob("*.py")
+    } - shared
 
 
 def test_left_to_itself_it_lists_what_there_is():

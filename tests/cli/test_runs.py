@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume._compiler_events import watch
-from ecume.cli import app, clock, runs
+from ecume.cli import app, progress, runs
 from ecume.cli.progress import Lines, ahead, lasting, line, place, shown, waiting
 from ecume.cli.runs import summary, use_at_most
 from ecume.run import Progress, RunOptions, RunResult
@@ -45,7 +45,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     monkeypatch.setattr(ecume.run, "run", run)
     # Whatever ran before in this process: its first command would count all of its time, and set variables for Numba.
-    monkeypatch.setattr(clock, "_began", [0.0])
+    monkeypatch.setattr(progress, "_began", [0.0])
     monkeypatch.setattr(runs, "use_at_most", lambda threads: None)
     return calls
 
@@ -223,10 +223,10 @@ def test_the_last_line_names_setup_where_it_takes_much_of_the_time(monkeypatch: 
 
 def test_a_command_is_timed_from_its_start(monkeypatch: pytest.MonkeyPatch) -> None:
     now = iter([100.0, 103.5])
-    monkeypatch.setattr("ecume.cli.clock.time.monotonic", lambda: next(now))
-    monkeypatch.setattr("ecume.cli.clock._began", [50.0])
-    clock.start()
-    assert clock.elapsed() == 3.5
+    monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(now))
+    monkeypatch.setattr("ecume.cli.progress._began", [50.0])
+    progress.start()
+    assert progress.elapsed() == 3.5
 
 
 def test_a_total_that_is_unknown_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:

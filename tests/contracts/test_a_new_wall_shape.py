@@ -44,7 +44,7 @@ STEPS = [
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
     """The package with the new shape: one file is changed."""
-    made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "models/floating/walls/shapes.py"
+    made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "models/floating/dishes.py"
     made.edit(file, "before", "SHAPES = {", block("hexagon") + "\n\n")
     made.edit(file, "after", "SHAPES = {", block("hexagon-row"))
     (made.folder / "hexagon.toml").write_text(HEXAGON, encoding="utf-8")

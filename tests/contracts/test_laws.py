@@ -18,38 +18,30 @@ from tests.oracles import dam_breaks, liquids, soft_contacts, swirls
 
 import ecume.laws
 from ecume import _jit
-from ecume.laws import (  # fmt: skip
+from ecume.laws import (
     brownian,
-    bubbles,
     capillarity,
-    column,
     contact,
+    contact_lines,
     deflections,
     diffusion,
     dish_motion,
     drag,
-    elasticity,
-    ellipsoids,
     flotation,
     flows,
     friction,
-    images,
     interfaces,
     kernels,
     long_range,
-    lubrication,
     meniscus,
-    quadrupoles,
-    sloshing,
     soft_pair,
     special,
     states,
+    surfaces,
     tension,
     time_step_limits,
     viscous,
-    wall_impact,
-    wall_repulsion,
-    waves,
+    wall_forces,
 )
 from ecume.laws.surfaces import Body
 from ecume.units import Unit
@@ -65,19 +57,17 @@ COMPILED = (
     brownian,
     capillarity,
     contact,
-    kernels.shapes,
+    kernels,
     states,
-    column,
     viscous,
     diffusion,
     tension,
     time_step_limits,
-    wall_impact,
-    wall_repulsion,
-    lubrication,
+    wall_forces,
+    soft_pair,
     long_range,
-    quadrupoles,
-    bubbles,
+    contact_lines,
+    surfaces,
     interfaces,
     friction,
     deflections,
@@ -85,13 +75,10 @@ COMPILED = (
 )
 RESCALED = (
     brownian,
-    capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
-    flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
-    flotation.plane, flotation.closeness, images,
-    states, column, viscous, diffusion, tension, time_step_limits, wall_impact, wall_repulsion, waves, sloshing, flows,
-    lubrication, elasticity,
-    long_range, soft_pair, quadrupoles, bubbles, interfaces, friction, deflections, ellipsoids, dish_motion,
-    dam_breaks, liquids, soft_contacts, swirls,
+    capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
+    flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, diffusion, tension,
+    time_step_limits, wall_forces, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, friction,
+    deflections, dish_motion, dam_breaks, liquids, soft_contacts, swirls,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -108,13 +95,13 @@ SAMPLES = {
     "bubble": flotation.Bubble(0.21), "disc": flotation.Disc(0.21, 0.1),
     "cylinder": flotation.VerticalCylinder(0.21, 0.3, 4.0, 1.2), "lying": flotation.HorizontalCylinder(0.21, 4.0, 1.2),
     "ellipsoid": flotation.Ellipsoid((0.21, 0.3, 0.15), 4.0, 1.2),
-    "spheroid": flotation.spheroids.Spheroid(0.3, 0.2, 1.2, 1.3),
+    "spheroid": flotation.nonspherical.Spheroid(0.3, 0.2, 1.2, 1.3),
     "q": 0.7, "density": 3.1, "reference_density": 3.0, "sound_speed": 11.0, "pressure": 2.7, "stiff": 50.0,
     "gravity": 1.9, "height": 0.3, "surface_height": 0.9, "depth": 0.6, "largest_speed": 0.4, "load": 1.7,
     "approach": -0.8, "distance_squared": 0.4, "smoothing_length": 0.6, "alpha": 0.1,
     "dimensions": 3.0, "viscosity_i": 0.3, "viscosity_j": 0.7, "volume_i": 0.02, "volume_j": 0.03, "strain_rate": 5.0,
     "spacing": 0.4, "strain_component": 1.3, "divergence": 0.2, "diagonal": 1.0, "excess": 0.3, "delta": 0.1,
-    "tank": sloshing.Tank(1.7, 0.9, 1.9, 0.01), "excitation": sloshing.BaseExcitation(0.2, 1.1, 0.3),
+    "tank": flows.Tank(1.7, 0.9, 1.9, 0.01), "excitation": flows.BaseExcitation(0.2, 1.1, 0.3),
     "slope": -2.5, "reach": 0.05, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
     "turning": -0.4, "spread": 0.6,
@@ -122,7 +109,7 @@ SAMPLES = {
     "wavenumber": 1.7, "time": 0.3, "dam_depth": 1.1, "downstream_depth": 0.2, "kinematic_viscosity": 0.01,
     "contact_size": 0.3, "gap": 0.02, "prefactor": 1.3, "radius_i": 0.4, "radius_j": 0.7, "modulus": 5.0,
     "modulus_i": 5.0, "modulus_j": 3.0, "reduced_radius": 0.25, "deflection": 0.01, "compression": 0.01,
-    "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": elasticity.Prefactors(), "steric_length": 0.05,
+    "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": soft_pair.Prefactors(), "steric_length": 0.05,
     "hamaker": 0.3, "layer_strength": 0.2, "debye_length": 0.04, "force": 0.7, "gap_from": 0.01, "gap_to": 0.2,
     "separation": 2.7, "sign": 1.0, "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
     "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
@@ -150,10 +137,22 @@ ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""
 
 
+BESIDE = {
+    flotation.balance.round_load, flotation.balance.stable_load, flotation.balance.greatest_load,
+    flotation.balance.slope_of_greatest, flotation.young_laplace.outer_meniscus, flotation.young_laplace.refined,
+    special.fit_k1, special.k1_over_x, states.density_at_enthalpy, contact_lines.needle_charge,
+    contact_lines.spread_charges, contact_lines.star_charges,
+    surfaces.hertz_surface, surfaces.bubble_surface, surfaces.hertz_check_lines, surfaces.hertz_doubts,
+    surfaces.bubble_check_lines, kernels.kernel,
+}  # fmt: skip
+"""Beside the laws: root finders, fits, sets of charges, and functions of a contact as a whole."""
+
+
 def public(module):
     return {
         name: law for name, law in vars(module).items()
         if inspect.isfunction(law) and law.__module__ == module.__name__ and not name.startswith("_")
+        and law not in BESIDE
     }  # fmt: skip
 
 
@@ -188,13 +187,16 @@ def rescaled(value, hint):
     return value * scale(units[0].symbol) if units else value
 
 
-PLAIN = {capillarity.truncation_radius, states.absolute_pressure, states.hydrostatic_fault}
-"""What compiled code does not call."""
+PLAIN = {
+    capillarity.truncation_radius, soft_pair.surface_energy, soft_pair.surface_force, states.absolute_pressure,
+    states.hydrostatic_fault,
+}  # fmt: skip
+"""What compiled code does not call, or calls with the names of arguments."""
 UNSCALED = {
     brownian.thermal_energy,
     states.absolute_pressure,
     states.hydrostatic_fault,
-    waves.viscous_decay,
+    flows.viscous_decay,
     dam_breaks.stoker_bore,
 }
 """Defaults in SI, words, or results of several units: they cannot be asked in other units."""
@@ -216,7 +218,7 @@ def numbers(result):
     """Every number in a result."""
     if is_dataclass(result):
         return [float(getattr(result, f.name)) for f in fields(result)]
-    if isinstance(result, flotation.carrying.Load):
+    if isinstance(result, flotation.balance.Load):
         return [result.slope_angle, result.carried, result.change]
     return [float(value) for value in np.ravel(np.asarray(result, dtype=float))]
 
@@ -275,10 +277,10 @@ TABLES = {
     "laminar": list(viscous.LAMINAR.values()),
     "excesses": list(diffusion.EXCESSES.values()),
     "quadrupoles": [
-        quadrupoles.quadrupole_strength,
-        quadrupoles.quadrupole_energy,
-        quadrupoles.quadrupole_force,
-        quadrupoles.quadrupole_torque,
+        contact_lines.quadrupole_strength,
+        contact_lines.quadrupole_energy,
+        contact_lines.quadrupole_force,
+        contact_lines.quadrupole_torque,
     ],
     "remote": [law for row in long_range.REMOTE.values() for law in (row.energy, row.force, row.slope)],
     "interfaces": list(interfaces.INTERFACES.values()),

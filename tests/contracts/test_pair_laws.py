@@ -17,8 +17,8 @@ from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, Setting, row_of
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
 from ecume.models.floating.forces.pair_forces import law_of, two_floats
+from ecume.models.floating.frames import observe
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
-from ecume.models.floating.report.frames import observe
 from ecume.models.floating.time_integration import step_size
 from ecume.models.floating.time_integration.integrators import SCHEMES
 from ecume.models.user_laws import bind

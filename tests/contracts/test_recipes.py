@@ -25,8 +25,8 @@ EDITS = {
         ("models/floating/time_integration/integrators.py", "after", "INTEGRATORS = {", block("heun-row")),
     ],
     "measured quantity": [
-        ("models/floating/report/frames.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
-        ("models/floating/report/frames.py", "after", '        "momentum_x": ', block("gyration-value")),
+        ("models/floating/frames.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
+        ("models/floating/frames.py", "after", '        "momentum_x": ', block("gyration-value")),
     ],
     "figure": [
         ("show/floating/figures.py", "before", "FLOATING_FIGURES = {", block("fastest") + "\n\n"),

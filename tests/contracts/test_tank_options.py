@@ -17,7 +17,7 @@ from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCE
 from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.record import SPH
-from ecume.models.sph.report.invariants import invariants
+from ecume.models.sph.report.observation import invariants
 from ecume.models.sph.setup.choices import TURBULENCES
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch

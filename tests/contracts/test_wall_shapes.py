@@ -12,9 +12,9 @@ from tests.models.floating.bowls import WATER, scene_of
 from ecume.engine.walls import enclosures, wall_count, wall_distance
 from ecume.errors import SceneError
 from ecume.models import MODELS
+from ecume.models.floating.dishes import SHAPES, outline_of, walls_of
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
-from ecume.models.floating.walls.menisci import FACING, ROUND
-from ecume.models.floating.walls.shapes import SHAPES, outline_of, walls_of
+from ecume.models.floating.menisci import FACING, ROUND
 from ecume.show.figures import FIGURES
 from ecume.show.movies import FILMS
 from ecume.show.picture import Size

@@ -17,10 +17,10 @@ from ecume.cli import app
 from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.laws import drag, flotation
 from ecume.laws.capillarity import truncation_radius
-from ecume.laws.elasticity import PREFACTORS
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
+from ecume.laws.soft_pair import PREFACTORS
 from ecume.laws.surfaces import SURFACES
 from ecume.models import MODELS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES

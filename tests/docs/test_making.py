@@ -102,7 +102,7 @@ def test_the_gallery_shows_every_example(makers):
 
 
 def test_what_is_recorded_belongs_to_cases_and_benchmarks_of_today(makers):
-    from ecume.cli.benchmarks import BENCHES
+    from ecume.cli.comparisons import BENCHES
 
     records = makers("records")
     assert set(records.recorded("recorded-validation.json")) <= set(CASES)

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from ecume.engine.contact import active_set, projected_gauss_seidel
+from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import make_contacts
-from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.impulse_solvers import Goal
 
 COMPILED = os.environ.get("NUMBA_DISABLE_JIT") != "1"
 sizes = st.tuples(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
@@ -23,7 +23,7 @@ def test_the_least_squares_are_those_of_scipy(size):
     rows, columns, seed = size
     random = np.random.default_rng(seed)
     matrix, right = random.normal(size=(rows, columns)), random.normal(size=rows)
-    solution, found = active_set.nonnegative_least_squares(matrix, right, random.random(columns) < 0.5)
+    solution, found = impulse_solvers.nonnegative_least_squares(matrix, right, random.random(columns) < 0.5)
     expected, rest = nnls(matrix, right)
     assert found
     assert solution.min() >= 0.0
@@ -71,8 +71,8 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
     velocity = start.copy()
     contacts.impulse[:total] = 0.1 * swept  # from whatever impulses
     pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
-    active_set._push(pair, contacts.impulse[:total], velocity, mobility)
-    assert active_set.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
+    impulse_solvers._push(pair, contacts.impulse[:total], velocity, mobility)
+    assert impulse_solvers.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
     wrong, unexplained = optimality(contacts, start, velocity, mobility)
     assert wrong < 1e-12 * np.abs(start).max()
     assert unexplained < 1e-12 * np.abs(start).max()
@@ -85,8 +85,8 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
 def test_any_braced_raft_converges(rings, seed):
     contacts, start, mobility = raft(rings, seed)
     velocity = start.copy()
-    sweeps = projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-9, 1e-7))
-    assert sweeps <= projected_gauss_seidel.MOST_SWEEPS
+    sweeps = impulse_solvers.solve(contacts, velocity, mobility, Goal(1e-9, 1e-7))
+    assert sweeps <= impulse_solvers.MOST_SWEEPS
     wrong, unexplained = optimality(contacts, start, velocity, mobility)
     assert wrong <= 1e-7
     assert unexplained < 1e-12
@@ -97,7 +97,7 @@ def test_a_fixed_body_stays():
     total, velocity = contacts.total[0], start.copy()
     mobility[0], velocity[0] = 0.0, 0.0
     pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
-    assert active_set.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
+    assert impulse_solvers.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
     assert velocity[0].tolist() == [0.0, 0.0]
     start[0] = 0.0
     assert optimality(contacts, start, velocity, mobility)[0] < 1e-12
@@ -116,9 +116,7 @@ def test_an_island_is_solved_without_touching_the_others(seed):
             getattr(both, name)[rows] = getattr(one, name)[:total]
     starts, mobilities = np.concatenate([start, 2.0 * start]), np.concatenate([mobility, mobility])
     velocity = starts.copy()
-    assert projected_gauss_seidel.solve_by_active_set(
-        both, (total, 2 * total), velocity, mobilities, Goal(1e-12, 1e-12)
-    )
+    assert impulse_solvers.solve_by_active_set(both, (total, 2 * total), velocity, mobilities, Goal(1e-12, 1e-12))
     np.testing.assert_array_equal(velocity[:count], starts[:count])
     assert not both.impulse[:total].any()
     one.impulse[:total] = both.impulse[total : 2 * total]
@@ -133,6 +131,6 @@ def test_what_cannot_be_solved_is_left_as_it_was():
     contacts.bound[: contacts.total[0]] = 1.0
     velocity = start.copy()
     span = (0, int(contacts.total[0]))
-    assert not projected_gauss_seidel.solve_by_active_set(contacts, span, velocity, mobility, Goal(1e-12, 1e-12))
+    assert not impulse_solvers.solve_by_active_set(contacts, span, velocity, mobility, Goal(1e-12, 1e-12))
     np.testing.assert_array_equal(velocity, start)
     assert not contacts.impulse.any()

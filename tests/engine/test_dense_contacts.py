@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import dense_contacts, projected_gauss_seidel
-from ecume.engine.contact.dense_contacts import make_dense_rows, residual, row_speed, solve
-from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact import impulse_solvers, mobility_contacts
+from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.mobility_contacts import make_dense_rows, residual, row_speed, solve
 
 GOAL = Goal(1e-10, 1e-8)
 
@@ -33,7 +33,7 @@ def test_a_diagonal_mobility_gives_the_velocities_of_the_other_solver():
     motion = velocity.ravel().copy()
     solve(rows, np.diag(np.repeat(mobility, 2)), motion, GOAL)
     touching.set_effective_masses(contacts, mobility)
-    projected_gauss_seidel.solve(contacts, velocity, mobility, GOAL)
+    impulse_solvers.solve(contacts, velocity, mobility, GOAL)
     assert motion == pytest.approx(velocity.ravel(), abs=1e-8)
     assert np.count_nonzero(contacts.impulse > 0.0) >= 3
 
@@ -57,7 +57,7 @@ def test_the_conditions_hold_with_a_full_matrix(friction):
     assert residual(rows, motion) <= GOAL.target
     jacobian = np.zeros((len(rows.impulse), size))
     for row in range(len(jacobian)):
-        for entry in range(dense_contacts.ENTRIES):
+        for entry in range(mobility_contacts.ENTRIES):
             jacobian[row, rows.place[row, entry]] += rows.value[row, entry]
     assert motion == pytest.approx(given + mobility @ jacobian.T @ rows.impulse, abs=1e-9)
     speed, p = jacobian @ motion, rows.impulse[:total]

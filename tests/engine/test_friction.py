@@ -6,11 +6,10 @@ from tests.engine.test_contacts import a_raft, all_candidates
 
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rough
-from ecume.engine.contact import projected_gauss_seidel, warm_start
-from ecume.engine.contact.contacts import Bodies
+from ecume.engine.contact import impulse_solvers
+from ecume.engine.contact.contacts import Bodies, Memory
 from ecume.engine.contact.friction import Motion
-from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.warm_start import Memory
+from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.periodic import no_periods
 from ecume.engine.walls import box, enclosed_by, no_walls
 
@@ -47,7 +46,7 @@ def energy(mass, motion):
 def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     position, _, motion = shaken_raft()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), friction, no_walls())
-    assert rough.solve(contacts, rubbing, motion, Goal(1e-10, 0.0)) <= projected_gauss_seidel.MOST_SWEEPS
+    assert rough.solve(contacts, rubbing, motion, Goal(1e-10, 0.0)) <= impulse_solvers.MOST_SWEEPS
     rows, sliding = contacts.total[0], np.zeros(len(contacts.gap))
     rough.tangential_velocities(contacts, rubbing, motion, sliding)
     p, q, s = contacts.impulse[:rows], rubbing.impulse[:rows], sliding[:rows]
@@ -64,8 +63,8 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     position, _, motion = shaken_raft(7)
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.3, no_walls())
     sweeps = rough.solve(contacts, rubbing, motion, Goal(0.0, 1e-6))
-    assert sweeps % projected_gauss_seidel.PATIENCE == 0
-    assert sweeps < projected_gauss_seidel.MOST_SWEEPS
+    assert sweeps % impulse_solvers.PATIENCE == 0
+    assert sweeps < impulse_solvers.MOST_SWEEPS
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.compiled) for each in (1, 2, 3))])
@@ -95,7 +94,7 @@ def test_without_friction_the_solution_is_that_of_smooth_contacts():
     spin = motion.spin.copy()
     rough.solve(contacts, rubbing, motion, Goal(1e-11, 0.0))
     contacts.impulse[:] = 0.0
-    projected_gauss_seidel.solve(contacts, smooth, motion.mobility, Goal(1e-11, 0.0))
+    impulse_solvers.solve(contacts, smooth, motion.mobility, Goal(1e-11, 0.0))
     assert motion.velocity == pytest.approx(smooth, abs=1e-9)
     assert np.array_equal(motion.spin, spin)
 
@@ -152,10 +151,10 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     rubbed = np.zeros(300)
     first = rough.solve(contacts, rubbing, cold, Goal(1e-9, 0.0))
     found = rubbing.impulse.copy()
-    warm_start.remember(touching.contact_keys(contacts), memory)
+    touching.remember(touching.contact_keys(contacts), memory)
     rough.remember(contacts, rubbing, memory, rubbed)
     contacts.impulse[:], rubbing.impulse[:] = 0.0, 0.0
-    warm_start.recall(touching.contact_keys(contacts), memory)
+    touching.recall(touching.contact_keys(contacts), memory)
     rough.recall(contacts, rubbing, memory, rubbed)
     assert np.array_equal(rubbing.impulse, found)
     assert rough.solve(contacts, rubbing, motion, Goal(1e-8, 0.0)) < 0.2 * first

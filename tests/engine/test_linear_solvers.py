@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import bsr_array
 from scipy.spatial import cKDTree
 
-from ecume.engine.linear_solvers import bicgstab, block_matrix, dense_elimination, nested_dissection, solvers, sparse_lu
+from ecume.engine.linear_solvers import bicgstab, block_matrix, dense_elimination, solvers, sparse_lu
 from ecume.errors import BadInput
 
 WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
@@ -139,13 +139,13 @@ def test_a_factorization_of_many_blocks_leaves_no_residual(width, held):
 def test_halves_are_connected_only_through_the_separators_that_are_eliminated_after_them():
     _, first, second = links(200)
     pattern = block_matrix.make_pattern(200, first, second)
-    level, part, depth = nested_dissection._cut(pattern)
+    level, part, depth = sparse_lu._cut(pattern)
     assert depth > 3
     for row in range(200):
         for column in pattern.column[pattern.start[row] : pattern.start[row + 1]]:
             low, high = sorted((row, column), key=lambda one: level[one])
             assert part[high] >> (level[high] - level[low]) == part[low]
-    order = nested_dissection.elimination_order(pattern)
+    order = sparse_lu.elimination_order(pattern)
     rank = np.argsort(order)
     assert sorted(order) == list(range(200))
     for row in np.flatnonzero(level < depth):

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.engine.ellipses import farthest_from_origin
-from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, wall_near
+from ecume.engine.outlines import Outlines, Stance, bodies_near, farthest_from_origin, turn_corners, wall_near
 from ecume.engine.walls import box, disc, enclosed_by
 
 SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])

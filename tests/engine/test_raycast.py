@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.engine.raycast import MET, Block, Eye, cast
+from ecume.engine.rendering import MET, Block, Eye, cast
 
 SIDE = 24
 RADIUS = 0.35

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.engine.splat import DIMMEST, Dots, Look, splat
+from ecume.engine.rendering import DIMMEST, Dots, Look, splat
 
 INK = np.array([0.0, 0.0, 0.0])
 FLAT = Look(False, 0.0, INK)
@@ -68,7 +68,7 @@ def test_the_order_of_bands_and_their_number_changes_no_pixel(monkeypatch):
     places, colors = rng.uniform(0, 40, (60, 2)), rng.uniform(0, 255, (60, 3))
     look = Look(True, 0.7, INK)
     plainly = getattr(splat, "py_func", splat)
-    from ecume.engine import splat as module
+    from ecume.engine import rendering as module
 
     monkeypatch.setattr(module, "BANDS", 1)
     one = np.zeros((40, 50, 4), np.uint8)

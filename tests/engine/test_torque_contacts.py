@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from tests.engine.test_outlines import needle, outlines, square
 
+from ecume.engine.contact import contacts
 from ecume.engine.contact import torque_contacts as touching
-from ecume.engine.contact import warm_start
-from ecume.engine.contact.contacts import deepest_overlap, make_candidates
-from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
-from ecume.engine.contact.warm_start import Memory
+from ecume.engine.contact.contacts import Memory, deepest_overlap, make_candidates
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
 from ecume.engine.outlines import Stance
 from ecume.engine.walls import box, enclosed_by, no_walls
 
@@ -156,7 +155,7 @@ def test_impulses_are_found_again_by_pair_and_feature():
     memory = Memory(np.zeros(1, np.int64), np.zeros((8, 2), np.int64), np.zeros(8))
     kept = 1.0 + np.arange(levers.total[0])
     levers.impulse[: levers.total[0]] = kept
-    warm_start.remember(touching.contact_keys(levers), memory)
+    contacts.remember(touching.contact_keys(levers), memory)
     levers.impulse[:] = 0.0
-    warm_start.recall(touching.contact_keys(levers), memory)
+    contacts.recall(touching.contact_keys(levers), memory)
     assert levers.impulse[: levers.total[0]] == pytest.approx(kept)

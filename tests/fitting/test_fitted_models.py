@@ -8,10 +8,10 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Tracks, picked
-from ecume.fitting.initial_conditions import start_at
+from ecume.fitting.estimation import astray, swapped
 from ecume.fitting.least_squares import Problem
 from ecume.fitting.parameters import Free, free_parameters, with_values
-from ecume.fitting.remarks import astray, swapped
+from ecume.fitting.tracks import start_at
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 

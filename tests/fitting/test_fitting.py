@@ -11,9 +11,9 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Camera, Tracks, read_tracks
-from ecume.fitting.initial_conditions import matched
 from ecume.fitting.least_squares import certainty, positions_at, solved
 from ecume.fitting.parameters import free_parameters
+from ecume.fitting.tracks import matched
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame

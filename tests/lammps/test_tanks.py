@@ -10,10 +10,9 @@ from ecume.lammps import tanks_in_engine
 from ecume.lammps.decks import DECKS, write_deck
 from ecume.lammps.engine import lammps_engine
 from ecume.lammps.expressible import faults_of
-from ecume.lammps.tank_script import setup_text
-from ecume.lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, tank_of
-from ecume.laws.kernels.shapes import quintic_spline_value
-from ecume.laws.wall_repulsion import standoff_push
+from ecume.lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, setup_text, tank_of
+from ecume.laws.kernels import quintic_spline_value
+from ecume.laws.wall_forces import standoff_push
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of

@@ -8,7 +8,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipk, jv
 
-from ecume.laws.bubbles import (
+from ecume.laws.friction import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
+from ecume.laws.interfaces import INTERFACES, drop_factor, drop_power, mobility
+from ecume.laws.soft_pair import entrained_force, reduced_radius, shear_friction
+from ecume.laws.surfaces import (
+    Body,
     bubble_energy,
     bubble_force,
     bubble_gap_energy,
@@ -18,11 +22,6 @@ from ecume.laws.bubbles import (
     softness,
     stiffening,
 )
-from ecume.laws.elasticity import reduced_radius
-from ecume.laws.friction import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
-from ecume.laws.interfaces import INTERFACES, drop_factor, drop_power, mobility
-from ecume.laws.lubrication import entrained_force, shear_friction
-from ecume.laws.surfaces import Body
 
 PAIRS = {"equal": (2.0, 0.5), "unequal": (1.3, reduced_radius(0.4, 0.9)), "wall": (0.7, 0.7)}
 each_pair = pytest.mark.parametrize("body", PAIRS.values(), ids=PAIRS)

@@ -8,7 +8,7 @@ from scipy.integrate import quad, solve_ivp
 
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws import flotation
-from ecume.laws.flotation import bubbles, carrying, rims
+from ecume.laws.flotation import balance, nonspherical
 
 WATER = flotation.Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3, gas_density=1.2)
 L = WATER.capillary_length
@@ -142,7 +142,7 @@ def test_a_lying_cylinder_is_carried_by_two_lines_and_what_it_displaces():
 @pytest.mark.parametrize("psi", [-0.4, 0.9, 2.2])
 def test_the_far_surface_of_a_straight_line_is_its_exponential(psi):
     """Integrated along the arc from the contact line, past the vertical too."""
-    z = flotation.plane.sloping_height(psi)
+    z = flotation.young_laplace.sloping_height(psi)
 
     def growth(_, at):
         return math.cos(at[2]), math.sin(at[2]), at[1]
@@ -150,7 +150,7 @@ def test_the_far_surface_of_a_straight_line_is_its_exponential(psi):
     arc = solve_ivp(growth, (0.0, 9.0), (0.0, z, psi), "DOP853", rtol=1e-13, atol=1e-15)
     x, height, slope = arc.y[:, -1]
     grown = 0.5 * (height - math.tan(slope)) * math.exp(x)  # what decays, without the error's part that grows
-    assert grown == pytest.approx(flotation.plane.sloping_amplitude(psi), rel=1e-5)
+    assert grown == pytest.approx(flotation.young_laplace.sloping_amplitude(psi), rel=1e-5)
 
 
 def test_a_thin_lying_cylinder_has_the_slope_of_its_weight():
@@ -186,8 +186,8 @@ def shrunk(body, share):
 @pytest.mark.parametrize(
     ("floats", "sinks"),
     [
-        (lambda most: flotation.Disc(2e-3, most), lambda: rims.greatest_rim_load(2e-3, WATER)),
-        (lambda most: flotation.Disc(2e-2, most), lambda: rims.greatest_rim_load(2e-2, WATER)),
+        (lambda most: flotation.Disc(2e-3, most), lambda: nonspherical.greatest_rim_load(2e-3, WATER)),
+        (lambda most: flotation.Disc(2e-2, most), lambda: nonspherical.greatest_rim_load(2e-2, WATER)),
     ],
 )
 def test_a_disc_sinks_above_its_greatest_load(floats, sinks):
@@ -201,7 +201,7 @@ def test_a_disc_sinks_above_its_greatest_load(floats, sinks):
 def test_a_lying_cylinder_sinks_above_the_greatest_load_of_all_slopes(radius):
     angle = 1.3
     slopes = np.linspace(1e-3, angle, 20001)
-    loads = [flotation.lying.lying_load(radius / L, angle, float(psi)).carried for psi in slopes]
+    loads = [flotation.nonspherical.lying_load(radius / L, angle, float(psi)).carried for psi in slopes]
     most = max(loads) * WATER.density_difference + WATER.gas_density
     assert flotation.equilibrium(flotation.HorizontalCylinder(radius, most * (1 - 1e-6), angle), WATER).floats
     with pytest.raises(FloaterSinks, match="D_max"):
@@ -210,7 +210,10 @@ def test_a_lying_cylinder_sinks_above_the_greatest_load_of_all_slopes(radius):
 
 def test_a_standing_cylinder_sinks_when_its_upper_rim_gives_way():
     angle, radius, height = 1.1, 1e-3, 1e-3
-    most = rims.greatest_rim_load(radius, WATER, angle) / (math.pi * radius**2 * height * WATER.gravity) + WATER.density
+    most = (
+        nonspherical.greatest_rim_load(radius, WATER, angle) / (math.pi * radius**2 * height * WATER.gravity)
+        + WATER.density
+    )
     assert flotation.equilibrium(flotation.VerticalCylinder(radius, height, most * (1 - 1e-6), angle), WATER).floats
     with pytest.raises(FloaterSinks, match="upper rim carries"):
         flotation.equilibrium(flotation.VerticalCylinder(radius, height, most * (1 + 1e-6), angle), WATER)
@@ -242,7 +245,7 @@ def test_an_ellipsoid_sinks_where_a_sphere_of_its_axes_does():
 
 @pytest.mark.parametrize("radius", [0.02, 0.4, 1.5])
 def test_a_bubble_is_lifted_by_what_it_displaces_and_held_by_the_rim_of_its_film(radius):
-    shape = bubbles._shape(*bubbles._found(radius))
+    shape = nonspherical._shape(*nonspherical._found(radius))
     assert shape.volume == pytest.approx(4 / 3 * math.pi * radius**3, rel=1e-8)
     lift = shape.lifted - shape.rim_height * math.pi * shape.rim_radius**2
     assert lift == pytest.approx(2 * math.pi * shape.rim_radius * math.sin(shape.rim_angle), rel=1e-6)
@@ -289,10 +292,10 @@ def test_unlike_bodies_repel_and_newtons_third_law_holds():
 
 def test_the_greatest_load_is_found_where_it_lies_at_the_first_slope_tried():
     def load(psi):
-        return carrying.Load(psi, psi - 100.0 * psi**2, 1.0 - 200.0 * psi, None)
+        return balance.Load(psi, psi - 100.0 * psi**2, 1.0 - 200.0 * psi, None)
 
-    assert carrying.greatest_load(load, 1.0).slope_angle == pytest.approx(0.005, abs=1e-6)
-    assert carrying.greatest_load(load, 0.001).slope_angle == pytest.approx(0.001)
+    assert balance.greatest_load(load, 1.0).slope_angle == pytest.approx(0.005, abs=1e-6)
+    assert balance.greatest_load(load, 0.001).slope_angle == pytest.approx(0.001)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.laws.kernels import KERNEL_CODES, KERNELS, gaussian_deficit, kernel, shapes
+from ecume.laws import kernels
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, gaussian_deficit, kernel
 from ecume.validation import kernels as validation
 
 DIMENSIONS = (1, 2, 3)
@@ -211,8 +212,8 @@ def test_every_kernel_has_a_number_of_its_own():
     assert sorted(KERNEL_CODES.values()) == list(range(len(KERNELS)))
 
 
-SHAPES = [law for name, law in vars(shapes).items() if name.endswith(("_value", "_slope"))
-          and law.__module__ == shapes.__name__]  # fmt: skip
+SHAPES = [law for name, law in vars(kernels).items() if name.endswith(("_value", "_slope"))
+          and law.__module__ == kernels.__name__]  # fmt: skip
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.__name__)

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import minimize, minimize_scalar
 
 from ecume.errors import BadInput
-from ecume.laws import ellipsoids, quadrupoles
+from ecume.laws import contact_lines
+from ecume.laws.contact_lines import Line, spread_charges, star_charges
 from ecume.laws.drag import disc_friction, disc_turning_friction
-from ecume.laws.lines import Line, spread_charges, star_charges
 from ecume.laws.special import bessel_k0
 
 LINES = [(1.0, 1.0), (1.0, 0.9), (1.0, 0.5), (1.0, 0.25), (1.0, 0.1)]
@@ -93,9 +93,9 @@ def test_two_lines_far_apart_follow_the_law_of_quadrupoles(angles):
     """Of moments H (a + b)^2 / 4: what r^2 h cos 2 phi is far outside an ellipse."""
     one, other = Line(1e-4, 0.4e-4, 0.0, 2, 1e-6), Line(1e-4, 1e-4, 0.0, 2, -2e-6)
     moments = [line.rise * (0.5 * (line.along + line.across)) ** 2 for line in (one, other)]
-    strength = quadrupoles.quadrupole_strength(1.0, *moments)
+    strength = contact_lines.quadrupole_strength(1.0, *moments)
     found = pair_energy(one, other, 3e-3, angles)
-    expected = quadrupoles.quadrupole_energy(3e-3, sum(angles), strength)
+    expected = contact_lines.quadrupole_energy(3e-3, sum(angles), strength)
     # The next order falls as (a/l)^2; the pull of gravity changes K0 at 1e-3 L by as little.
     assert found == pytest.approx(expected, rel=0.01, abs=0.01 * abs(strength) / 3e-3**4)
 
@@ -146,9 +146,9 @@ def test_ellipses_lie_side_by_side_unless_one_is_much_smaller():
 
 
 def test_a_sphere_shifted_or_stretched_upwards_has_a_level_line():
-    assert ellipsoids.ellipsoid_undulation(1.0, 1.0, 0.7) == 0.0
-    assert ellipsoids.ellipsoid_undulation(1.3, 1.0, math.pi / 2) == pytest.approx(0.0, abs=1e-16)
-    assert ellipsoids.ellipsoid_undulation(1.3, 1.0, 0.7) == -ellipsoids.ellipsoid_undulation(1.0, 1.3, 0.7)
+    assert contact_lines.ellipsoid_undulation(1.0, 1.0, 0.7) == 0.0
+    assert contact_lines.ellipsoid_undulation(1.3, 1.0, math.pi / 2) == pytest.approx(0.0, abs=1e-16)
+    assert contact_lines.ellipsoid_undulation(1.3, 1.0, 0.7) == -contact_lines.ellipsoid_undulation(1.0, 1.3, 0.7)
 
 
 @pytest.mark.parametrize("angle", [0.6, 1.2, 2.3])
@@ -156,7 +156,7 @@ def test_the_contact_line_of_an_almost_round_ellipsoid_keeps_youngs_angle(angle)
     """The surface z = z0 + H (r_c/r)^2 cos 2 phi meets the ellipsoid everywhere at one angle, to second order."""
     small = 1e-4
     axes = np.array([1.0 + small, 1.0 - small, 1.0])
-    rise = ellipsoids.ellipsoid_undulation(axes[0], axes[1], angle)
+    rise = contact_lines.ellipsoid_undulation(axes[0], axes[1], angle)
     radius = math.sin(angle)
 
     def cosine(phi, rise):
@@ -180,13 +180,13 @@ def test_the_contact_line_of_an_almost_round_ellipsoid_keeps_youngs_angle(angle)
 
 
 def test_thin_ellipsoids_drag_as_discs_and_long_ones_less_along_than_across():
-    half = 0.5 * ellipsoids.ellipsoid_friction(1.0, 1.0, 1e-6, 2.0)
+    half = 0.5 * contact_lines.ellipsoid_friction(1.0, 1.0, 1e-6, 2.0)
     assert half == pytest.approx(disc_friction(1.0, 2.0), rel=1e-4)
-    turning = 0.5 * ellipsoids.ellipsoid_turning_friction(1.0, 1.0, 1e-6, 2.0)
+    turning = 0.5 * contact_lines.ellipsoid_turning_friction(1.0, 1.0, 1e-6, 2.0)
     assert turning == pytest.approx(disc_turning_friction(1.0, 2.0), rel=1e-4)
     along, across = (
-        ellipsoids.ellipsoid_friction(1.0, 1e-4, 1e-4, 1.0),
-        ellipsoids.ellipsoid_friction(1e-4, 1.0, 1e-4, 1.0),
+        contact_lines.ellipsoid_friction(1.0, 1e-4, 1e-4, 1.0),
+        contact_lines.ellipsoid_friction(1e-4, 1.0, 1e-4, 1.0),
     )
     # Slender bodies: 4 pi eta a/(ln(2a/b) - 1/2) along, 8 pi eta a/(ln(2a/b) + 1/2) across.
     log = math.log(2e4)

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from ecume.errors import BadInput
-from ecume.laws.liquids import LIQUIDS, liquid, water
+from ecume.laws import liquids
+from ecume.laws.liquids import LIQUIDS, liquid
 
 IAPWS = {
     # degrees Celsius: density (IAPWS-95), viscosity (IAPWS 2008), speed of sound (IAPWS-95), at 101325 Pa
@@ -34,7 +35,7 @@ def test_water_is_that_of_the_reference_formulations(celsius, expected):
 
 @pytest.mark.parametrize(("celsius", "expected"), TENSIONS.items())
 def test_the_surface_tension_of_water_is_the_table_of_the_release(celsius, expected):
-    assert 1e3 * water.water_surface_tension(273.15 + celsius) == pytest.approx(expected, abs=0.006)
+    assert 1e3 * liquids.water_surface_tension(273.15 + celsius) == pytest.approx(expected, abs=0.006)
 
 
 @pytest.mark.parametrize(
@@ -42,12 +43,12 @@ def test_the_surface_tension_of_water_is_the_table_of_the_release(celsius, expec
     [(5.0, 0.0, 999.96675), (5.0, 0.035, 1027.67547), (25.0, 0.0, 997.04796), (25.0, 0.035, 1023.34306)],
 )
 def test_seawater_has_the_check_values_of_its_equation_of_state(celsius, salinity, expected):
-    assert water.seawater_density(273.15 + celsius, salinity) == pytest.approx(expected, abs=6e-6)
+    assert liquids.seawater_density(273.15 + celsius, salinity) == pytest.approx(expected, abs=6e-6)
 
 
 def test_sound_in_the_sea_has_the_check_value_of_the_nine_term_equation():
     depth = 1.630e-2 * 1000.0 + 1.675e-7 * 1000.0**2 - 7.139e-13 * 25.0 * 1000.0**3
-    assert water.seawater_sound_speed(298.15, 0.035) + depth == pytest.approx(1550.744, abs=6e-4)
+    assert liquids.seawater_sound_speed(298.15, 0.035) + depth == pytest.approx(1550.744, abs=6e-4)
 
 
 def test_salt_makes_water_denser_thicker_and_faster():
@@ -62,9 +63,9 @@ def test_salt_makes_water_denser_thicker_and_faster():
 @pytest.mark.parametrize("celsius", [2.0, 10.0, 20.0, 30.0])
 def test_salt_thickens_water_as_an_older_correlation_says(celsius):
     """Millero's of 1974, from the volume chlorinity; ours is said to be within 1.5 %."""
-    chlorinity = water.seawater_density(273.15 + celsius, 0.035) * 35.0 / 1806.55
+    chlorinity = liquids.seawater_density(273.15 + celsius, 0.035) * 35.0 / 1806.55
     ratio = 1.0 + (5.185e-5 * celsius + 1.0675e-4) * chlorinity**0.5 + (3.3e-5 * celsius + 2.591e-3) * chlorinity
-    found = water.seawater_viscosity(273.15 + celsius, 0.035) / water.water_viscosity(273.15 + celsius)
+    found = liquids.seawater_viscosity(273.15 + celsius, 0.035) / liquids.water_viscosity(273.15 + celsius)
     assert found == pytest.approx(ratio, rel=0.015)
 
 

@@ -7,9 +7,9 @@ import pytest
 from scipy.special import k0, k1
 
 from ecume.errors import BadInput, FloaterSinks
-from ecume.laws import flotation, multipole, quadrupoles
-from ecume.laws.multipole.graf import make_rims
-from ecume.laws.multipole.walls import images
+from ecume.laws import contact_lines, flotation, multipole
+from ecume.laws.multipole.many import images
+from ecume.laws.multipole.solving import make_rims
 
 # Capillary length 1 m, surface tension 1 N/m.
 LIQUID = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
@@ -225,18 +225,18 @@ def test_what_cannot_be_solved_is_refused_with_a_way_out():
 
 
 def test_quadrupoles_pull_tip_to_tip_and_turn_until_they_are():
-    strength = quadrupoles.quadrupole_strength(1.0, 1e-3, 1e-3)
-    assert quadrupoles.quadrupole_force(1.0, 0.0, strength) < 0.0
-    assert quadrupoles.quadrupole_force(1.0, math.pi / 2, strength) > 0.0
+    strength = contact_lines.quadrupole_strength(1.0, 1e-3, 1e-3)
+    assert contact_lines.quadrupole_force(1.0, 0.0, strength) < 0.0
+    assert contact_lines.quadrupole_force(1.0, math.pi / 2, strength) > 0.0
     fine = 1e-5
     for law, given in (("force", (1.3, 0.4)), ("torque", (1.3, 0.4))):
         ahead = [given[0] + (law == "force") * k * fine for k in (1, -1)]
         turned = [given[1] + (law == "torque") * k * fine for k in (1, -1)]
         slope = (
-            quadrupoles.quadrupole_energy(ahead[0], turned[0], strength)
-            - quadrupoles.quadrupole_energy(ahead[1], turned[1], strength)
+            contact_lines.quadrupole_energy(ahead[0], turned[0], strength)
+            - contact_lines.quadrupole_energy(ahead[1], turned[1], strength)
         ) / (2 * fine)
-        found = getattr(quadrupoles, f"quadrupole_{law}")(*given, strength)
+        found = getattr(contact_lines, f"quadrupole_{law}")(*given, strength)
         assert found == pytest.approx(-slope, rel=1e-8)
 
 

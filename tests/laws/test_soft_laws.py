@@ -7,24 +7,23 @@ from scipy.integrate import quad, solve_ivp
 from tests.oracles.soft_contacts import deflection_under_force, gap_speed, relaxation_passage
 
 from ecume.errors import BadInput
-from ecume.laws.elasticity import (
+from ecume.laws.long_range import REMOTE
+from ecume.laws.soft_pair import (
     PREFACTORS,
     Prefactors,
+    SoftPair,
     contact_size,
+    crossover_gap,
     gap_energy,
+    optimal_force,
     pair_modulus,
+    passage_time,
     reduced_radius,
+    shear_friction,
+    size_under_force,
+    squeeze_friction,
     surface_energy,
     surface_force,
-)
-from ecume.laws.long_range import REMOTE
-from ecume.laws.lubrication import shear_friction, squeeze_friction
-from ecume.laws.soft_pair import (
-    SoftPair,
-    crossover_gap,
-    optimal_force,
-    passage_time,
-    size_under_force,
     viscous_time,
 )
 

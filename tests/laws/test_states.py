@@ -6,7 +6,7 @@ from scipy.integrate import quad, solve_ivp
 from tests.oracles import liquids
 
 from ecume.errors import BadInput
-from ecume.laws import column, states
+from ecume.laws import states
 
 EXPONENTS = pytest.mark.parametrize("exponent", [1.0, 1.4, 7.0])
 
@@ -50,7 +50,7 @@ def test_the_absolute_pressure_is_the_sum_that_the_original_writes():
 
 
 def test_in_a_liquid_that_feels_its_weight_the_sum_counts_the_weight_twice():
-    density = column.hydrostatic_density(1.0, 9.81, 1000.0, 100.0)
+    density = states.hydrostatic_density(1.0, 9.81, 1000.0, 100.0)
     twice = states.absolute_pressure(density, 0.0, 1.0, sound_speed=100.0)
     assert twice == pytest.approx(2 * 1000.0 * 9.81, rel=2e-3)
     right = states.tait_pressure(density, 1000.0, 100.0)
@@ -97,10 +97,10 @@ def test_what_makes_no_equation_of_state_is_refused(given):
 @EXPONENTS
 def test_a_column_carries_its_own_weight(exponent):
     given = (9.81, 1000.0, 25.0, exponent)
-    height = column.column_height(1000.0, *given)
-    mass, _ = quad(lambda depth: column.hydrostatic_density(depth, *given), 0.0, height, epsabs=1e-10)
+    height = states.column_height(1000.0, *given)
+    mass, _ = quad(lambda depth: states.hydrostatic_density(depth, *given), 0.0, height, epsabs=1e-10)
     assert mass == pytest.approx(1000.0, rel=1e-11)
-    assert column.column_pressure(height, *given) == pytest.approx(9810.0, rel=1e-12)
+    assert states.column_pressure(height, *given) == pytest.approx(9810.0, rel=1e-12)
 
 
 def test_a_column_solves_the_equation_of_equilibrium():
@@ -108,7 +108,7 @@ def test_a_column_solves_the_equation_of_equilibrium():
         return 9.81 * states.tait_density(pressure, 1000.0, 25.0)
 
     found = solve_ivp(gain, (0.0, 2.0), [0.0], rtol=1e-11, atol=1e-9).y[0, -1]
-    assert column.column_pressure(2.0, 9.81, 1000.0, 25.0) == pytest.approx(found, rel=1e-9)
+    assert states.column_pressure(2.0, 9.81, 1000.0, 25.0) == pytest.approx(found, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -121,13 +121,13 @@ def test_a_column_solves_the_equation_of_equilibrium():
     ],
 )
 def test_a_column_is_shorter_than_its_water_at_rest_density(mach, exponent, shorter, bottom):
-    height = column.column_height(1.0, 1.0, 1.0, mach, exponent)
+    height = states.column_height(1.0, 1.0, 1.0, mach, exponent)
     assert 100.0 * (1.0 - height) == pytest.approx(shorter, abs=6e-6)
     if bottom:
-        assert column.hydrostatic_density(height, 1.0, 1.0, mach, exponent) == pytest.approx(bottom, abs=6e-9)
+        assert states.hydrostatic_density(height, 1.0, 1.0, mach, exponent) == pytest.approx(bottom, abs=6e-9)
 
 
 def test_ten_times_the_fastest_wave_keeps_the_density_within_a_percent():
     speed = states.numerical_sound_speed(2.0, 0.5, 9.81)
-    assert column.hydrostatic_density(2.0, 9.81, 1000.0, speed) / 1000.0 - 1.0 < 0.01
+    assert states.hydrostatic_density(2.0, 9.81, 1000.0, speed) / 1000.0 - 1.0 < 0.01
     assert states.numerical_sound_speed(2.0, 50.0, 9.81) == 500.0

@@ -3,7 +3,7 @@
 import pytest
 
 from ecume.models import MODELS
-from ecume.models.frame_cost import Content, FrameCost, frame_cost, probed
+from ecume.models.costs import Content, FrameCost, frame_cost, probed
 from ecume.run import run
 from ecume.scenes.common import Common
 from ecume.scenes.load import load_scene

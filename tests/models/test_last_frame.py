@@ -6,7 +6,7 @@ import pytest
 
 from ecume.errors import Stopped
 from ecume.run import RunOptions, resume, run
-from ecume.run.stop_requests import ask_to_stop
+from ecume.run.lock import ask_to_stop
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments, simulate
 from ecume.trajectories.reader import open_trajectory

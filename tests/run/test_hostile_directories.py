@@ -15,9 +15,9 @@ import ecume
 from ecume import _plain_files
 from ecume.errors import EcumeError, StorageError
 from ecume.run import RunDirectory, RunOptions, checkpoints, compare, info, list_runs, lock, repair, resume, run
-from ecume.run.archives import arrays_of
+from ecume.run.checkpoints import arrays_of
 from ecume.run.directory import manifest_of, write
-from ecume.trajectories.gsd_layout import ENTRY
+from ecume.trajectories.gsd import ENTRY
 from ecume.trajectories.reader import open_trajectory
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows makes links for administrators alone, and no pipes")
@@ -286,12 +286,12 @@ HEADERS = {
 
 @pytest.mark.parametrize("name", HEADERS)
 def test_a_header_that_no_run_writes_is_an_error_and_no_allocation(name):
-    from ecume.trajectories import gsd_schema
+    from ecume.trajectories import gsd
 
     plain = {"format": 1, "first": 0, "arrays": {"position": ["<f8", [2]]}, "numbers": [], "units": {}}
     chunk = np.frombuffer(json.dumps({**plain, **HEADERS[name]}).encode(), np.uint8)
     with pytest.raises(StorageError, match="header is damaged"):
-        gsd_schema.read({gsd_schema.HEADER: chunk}, "0000.gsd")
+        gsd.read({gsd.HEADER: chunk}, "0000.gsd")
 
 
 def test_a_scene_starts_from_no_run_with_links(tmp_path, killed):

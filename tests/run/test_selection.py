@@ -14,7 +14,7 @@ import toy
 
 from ecume.errors import BadInput, SceneError, Stopped
 from ecume.run import RunDirectory, RunOptions, checkpoints, resume, run, runner
-from ecume.run.stop_requests import ask_to_stop
+from ecume.run.lock import ask_to_stop
 from ecume.simulation import simulate
 from ecume.trajectories.reader import open_trajectory
 

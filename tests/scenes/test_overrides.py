@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ecume.errors import SceneError
-from ecume.scenes.load import load_scene
-from ecume.scenes.overrides import split
+from ecume.scenes.load import load_scene, split
 
 SCENE = """\
 model = "floating"

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ecume.scenes.faults import read_path, written
-from ecume.scenes.places import place_of, places
+from ecume.scenes.faults import place_of, places, read_path, written
 
 TEXT = """\
 model = "é" # remark

@@ -15,7 +15,7 @@ from ecume.scenes.objects import scene as made
 from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 SCENE = """\
 model = "floating"

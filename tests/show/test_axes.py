@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.show.curves import evolution, scaling
+from ecume.show.curves import cut_spikes, evolution, limits_without_spikes, scaling
 from ecume.show.soft.measures import cumulative
-from ecume.show.spikes import cut_spikes, limits_without_spikes
 from ecume.show.style import DARK_CANVAS, LEAST_CONTRAST, contrast, figure, seen_part
 from ecume.trajectories.frame import Frame
 

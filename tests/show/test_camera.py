@@ -11,11 +11,9 @@ from ecume.run import runner
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene
-from ecume.show.camera import STANDING, WIDE, Aim, Eye, aimed, wires_of
 from ecume.show.movies import MovieOptions, drawn_by_many, film, movie, picture_of
-from ecume.show.picture import Size
-from ecume.show.soft.packing import Packing
-from ecume.show.soft.picture import soft_picture
+from ecume.show.picture import STANDING, WIDE, Aim, Eye, Size, aimed, wires_of
+from ecume.show.soft.packing import Packing, soft_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 

@@ -8,8 +8,8 @@ from PIL import Image
 
 from ecume.errors import BadInput
 from ecume.show import movies
-from ecume.show.camera import Eye
 from ecume.show.movies import MovieOptions, film, movie, picture_of
+from ecume.show.picture import Eye
 from ecume.trajectories.frame import Frame
 
 

@@ -16,10 +16,8 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.scenes.writing import to_toml
 from ecume.show.play import tank as playing
-from ecume.show.play import tank_scene
 from ecume.show.play.pages import game_of
-from ecume.show.play.tank import ANEW, CALMED, HURRY, PUSHED, STEEPEST, Tank
-from ecume.show.play.tank_scene import MOST, Push, tilting
+from ecume.show.play.tank import ANEW, CALMED, HURRY, MOST, PUSHED, STEEPEST, Push, Tank, tilting
 
 pytestmark = pytest.mark.compiled
 COARSE = ["spacing=8 cm", "obstacles=[{low = [0.72, 0.0], high = [1.04, 1.0]}]", "fluid[1].low=[1.04, 0.0]"]
@@ -205,7 +203,7 @@ def test_a_gate_stays_open_where_there_is_no_room_for_what_stands_there(tank, mo
     tank.open_gate()
     play(tank, 0.3)
     before = places_of(tank)
-    monkeypatch.setattr(tank_scene, "ROOM", 99.0)
+    monkeypatch.setattr(playing, "ROOM", 99.0)
     with pytest.raises(BadInput, match="the liquid at the gate has no room"):
         tank.close_gate()
     assert np.array_equal(places_of(tank), before)
@@ -322,7 +320,7 @@ def test_where_there_is_no_wall_nothing_is_pushed():
 
 def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_with_both(monkeypatch):
     played = []
-    monkeypatch.setattr("ecume.show.play.game_server.Game.run", lambda game: played.append(game.toy.moving))
+    monkeypatch.setattr("ecume.show.play.pages.Game.run", lambda game: played.append(game.toy.moving))
     monkeypatch.setattr("ecume.cli.browser.offered", contextlib.nullcontext)
     both = CliRunner().invoke(app, ["play", "--tank", "mine.toml"])
     assert both.exit_code == 2

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.show.samples import samples, samples_of, shown_numbers
+from ecume.show.curves import samples, samples_of, shown_numbers
 from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 STATISTICS = ("{}{}", "{}_min{}", "{}_max{}", "{}_error{}")
 HEADING = [

@@ -11,7 +11,7 @@ import pytest
 
 from ecume.errors import StorageError
 from ecume.show import serving
-from ecume.show.play.game_server import Game
+from ecume.show.play.pages import Game
 from ecume.show.serving import Answer, redirect_file, served
 
 

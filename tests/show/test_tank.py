@@ -3,8 +3,7 @@ import pytest
 
 from ecume.scenes.tracers import ObstacleSpec, OpeningSpec, ParticleSpec, TankSpec, TracersScene
 from ecume.show.picture import Size
-from ecume.show.scenery import Round, Setting
-from ecume.show.tank import Coloring, Tank
+from ecume.show.tank import Coloring, Round, Setting, Tank
 from ecume.show.tracers import TRACER_FIGURES, setting_of, tracers_picture, wall_names
 from ecume.trajectories.frame import Frame
 

@@ -7,8 +7,7 @@ import pytest
 
 from ecume.errors import BadInput, SceneError
 from ecume.scenes.templates import sweep_templates
-from ecume.sweep.points import load_sweep, points_of, varied
-from ecume.sweep.spec import READER
+from ecume.sweep.spec import READER, load_sweep, points_of, varied
 
 
 def spec_of(text):

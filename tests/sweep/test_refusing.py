@@ -11,7 +11,7 @@ from ecume.errors import BadInput, SceneError, StorageError
 from ecume.scenes.load import load_scene
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import laid_out
-from ecume.sweep.points import load_sweep
+from ecume.sweep.spec import load_sweep
 
 
 def test_an_argument_that_a_process_has_not_is_refused_before_anything_is_written(tmp_path):

@@ -12,7 +12,7 @@ from ecume.run import info
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.executors import write_array
-from ecume.sweep.points import load_sweep
+from ecume.sweep.spec import load_sweep
 
 TWO = BOWLS.replace("[1, 2, 3, 4]", "[1, 2]").replace("0.2 s", "0.02 s").replace("50 ms", "10 ms")
 LED = 'engine = "lammps"\n'

@@ -20,10 +20,9 @@ from ecume.errors import Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, laid_out
-from ecume.sweep.executors import ExecutorOptions, _client, next_word
-from ecume.sweep.points import load_sweep
+from ecume.sweep.executors import ExecutorOptions, _client, next_word, work
 from ecume.sweep.runner import Outcome
-from ecume.sweep.worker import work
+from ecume.sweep.spec import load_sweep
 
 
 def table(directory):
@@ -82,7 +81,7 @@ def test_sweeps_at_the_same_time_do_not_compete_for_a_port(file, tmp_path):
 def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
     jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
-    call = f"from ecume.sweep.worker import work; work({str(jobs[0].folder)!r})"
+    call = f"from ecume.sweep.executors import work; work({str(jobs[0].folder)!r})"
     with subprocess.Popen([sys.executable, "-c", call]) as worker:
         while not (jobs[0].run / "traj").exists() and worker.poll() is None:
             time.sleep(0.01)
@@ -188,7 +187,7 @@ def test_what_breaks_in_a_point_is_reported_in_a_line_and_the_rest_continues(fil
             raise ZeroDivisionError("nobody\nthought of it")
         (job.folder / "result.json").write_text("{}")
 
-    monkeypatch.setattr("ecume.sweep.worker._scene", breaks)
+    monkeypatch.setattr("ecume.sweep.executors._scene", breaks)
     monkeypatch.setattr("ecume.sweep.runner.write_table", lambda sweeping: None)
     heard = []
     done = sweep(file, tmp_path / "out", ExecutorOptions(workers=1, failed=lambda *now: heard.append(now)))

@@ -10,9 +10,8 @@ from tests.sweep.four_bowls import ALONE
 from ecume.cli.progress import counted
 from ecume.errors import BadInput
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.directory import laid_out
-from ecume.sweep.points import load_sweep
-from ecume.sweep.status import remaining, standing
+from ecume.sweep.directory import laid_out, remaining, standing
+from ecume.sweep.spec import load_sweep
 
 
 class Frames:

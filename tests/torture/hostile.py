@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 from ecume.cli import app
 from ecume.errors import StorageError
 from ecume.run import RunDirectory, RunOptions, resume, run, verify
-from ecume.trajectories.gsd_layout import ENTRY
+from ecume.trajectories.gsd import ENTRY
 
 from .damage import damaged
 from .trials import ONE_THREAD, Outcome, Trial, ended, forked, results, scene_of, times, warmed

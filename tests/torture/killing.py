@@ -17,7 +17,7 @@ from ecume.run import RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.run.checkpoints import Checkpoint
 from ecume.simulation import moments
 from ecume.trajectories.reader import open_trajectory
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 from .trials import ONE_THREAD, SCENES, Outcome, Trial, ended, forked, go_on, results, scene_of, times, until, warmed
 

@@ -19,7 +19,7 @@ import numba
 from ecume._jit import use_threads
 from ecume.errors import EcumeError
 from ecume.models import MODELS
-from ecume.scenes.salvage import load_and_examine
+from ecume.scenes.load import load_and_examine
 from ecume.scenes.templates import folder as templates
 from ecume.simulation import Integration
 

@@ -9,7 +9,7 @@ import pytest
 from some_frames import frame_at
 
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 Frames = Callable[..., list[Frame]]
 

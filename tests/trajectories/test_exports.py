@@ -17,7 +17,7 @@ import pytest
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.exports import EXPORTS, export
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]

@@ -10,7 +10,7 @@ from some_frames import frame_at
 
 from ecume.trajectories.exports import export
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 io = pytest.importorskip("ovito.io")
 

@@ -21,7 +21,7 @@ from some_frames import frame_at, same
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 
 Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]
@@ -202,7 +202,7 @@ def test_arrays_that_could_not_come_back_are_refused(tmp_path: Path, frames: Fra
 
 def test_reading_and_writing_frames_waits_for_no_compiler() -> None:
     code = (
-        "import sys; import ecume.trajectories.reader, ecume.trajectories.recorder, ecume.trajectories.exports;"
+        "import sys; import ecume.trajectories.reader, ecume.trajectories.segments, ecume.trajectories.exports;"
         "assert not {'numba', 'h5py', 'pydantic', 'matplotlib'} & sys.modules.keys()"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -214,7 +214,7 @@ import os, sys
 from pathlib import Path
 sys.path.insert(0, {here!r})
 from some_frames import frame_at
-from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.segments import Recorder
 for line in sys.stdin:
     if not (child := os.fork()):
         with Recorder(Path(line.strip()), largest=60_000) as recorder:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.gsd_schema import SIDES
+from ecume.trajectories.gsd import SIDES
 from ecume.units import Array, Length, Number
 
 Integers = NDArray[np.int64]

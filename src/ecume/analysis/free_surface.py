@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from ecume.analysis.grids import filled_on_grid, grid_over
+from ecume.analysis.fields import filled_on_grid, grid_over
 from ecume.engine.boundary_images import Sides, images_of, positions_of_images
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput

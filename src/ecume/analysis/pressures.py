@@ -1,4 +1,4 @@
-"""Gauge, hydrostatic, dynamic and absolute pressure of tanks; `ecume.models.sph.report.pressures` defines them.
+"""Gauge, hydrostatic, dynamic and absolute pressure of tanks; `ecume.models.sph.report.observation` defines them.
 
 Frames hold the gauge pressure; the others follow from it, the position and the scene.
 """
@@ -26,7 +26,7 @@ def with_pressures(scene: Any) -> Callable[[Frame], Frame]:
     """
     if scene.model != "sph":
         return lambda frame: frame
-    from ecume.models.sph.report.pressures import PRESSURES, reference_of
+    from ecume.models.sph.report.observation import PRESSURES, reference_of
 
     reference = reference_of(scene)
 

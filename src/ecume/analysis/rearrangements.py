@@ -1,8 +1,14 @@
-"""T1 events: two neighbors part, and two others, that both had for neighbors, meet between them.
+"""Rearrangements of packings: neighbors by triangulation, T1 events, and non-affine motion.
 
-In 2D every particle's region borders on others, and the number of borders is fixed: neighbors change by swaps.
-Where four regions nearly meet in a point the borders flicker; so a pair counts as parted only when the pair that takes
-its place has a border that is not short, and as long as no border is, nothing has happened.
+Neighbors in 2D by the radical triangulation, which is Delaunay's where all radii are equal. A point belongs to the
+disc whose tangent to it is the shortest; two discs are neighbors where their regions share a border. Discs that touch
+without overlapping are always neighbors, however unequal they are, which is not so in Delaunay's triangulation of
+their centers. [gellatly1982].
+
+T1 events: two neighbors part, and two others, that both had for neighbors, meet between them. In 2D every particle's
+region borders on others, and the number of borders is fixed: neighbors change by swaps. Where four regions nearly
+meet in a point the borders flicker; so a pair counts as parted only when the pair that takes its place has a border
+that is not short, and as long as no border is, nothing has happened.
 """
 
 from __future__ import annotations
@@ -13,13 +19,91 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
-from ecume.analysis.boxes import Box, Integers, box_of, nearest
+from ecume.analysis.boxes import Box, Integers, box_of, copies, nearest
 from ecume.analysis.contacts import near_pairs
-from ecume.analysis.triangulation import neighbors_of
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
-from ecume.units import Array
+from ecume.units import Array, Length
+
+MARGIN = 5.0
+"""Of the mean spacing: copies so far around a box leave no trace of where they end."""
+TOP = (0.0, 0.0, 10.0)
+"""A point above all, so that the hull is a body even where all places are on one circle."""
+
+
+class Neighbors(NamedTuple):
+    """The pairs of neighbors at one instant, in order."""
+
+    pairs: Integers
+    """(E, 2), i < j"""
+    border: Array
+    """(E,) m: how long the border is that two regions share; infinite at an open edge"""
+
+
+def neighbors_of(frame: Frame, box: Box | None = None) -> Neighbors:
+    """The neighbors in a 2D frame of any model; without radii all particles count as equal.
+
+    The box is that of the frame, if it has one. Two particles that meet in several copies count once, with their
+    longest border: the box should be more than four spacings wide.
+    """
+    position = frame.arrays["position"]
+    if position.shape[1] != 2:
+        raise BadInput(f"neighbors are found in 2D; these frames have {position.shape[1]} dimensions")
+    radius = np.asarray(frame.arrays.get("radius", np.zeros(len(position))), dtype=float)
+    return radical_neighbors(position, radius, box or box_of(frame))
+
+
+def radical_neighbors(position: Array, radius: Array, box: Box | None = None) -> Neighbors:
+    """The pairs of neighbors among discs. They are edges of the lower hull of (x, y, x^2 + y^2 - r^2)."""
+    count = len(position)
+    margin = 0.0 if box is None else MARGIN * _spacing(position, box)
+    around = copies(position, box, margin)
+    place = around.position - around.position.mean(axis=0) if count else around.position
+    unit = float(np.abs(place).max(initial=0.0)) or 1.0
+    edges, border = _edges(place / unit, radius[around.owner] / unit)
+    inside = (edges < count).any(axis=1)
+    pairs = np.sort(around.owner[edges[inside]], axis=1)
+    return _once(pairs, unit * border[inside])
+
+
+def _spacing(position: Array, box: Box) -> float:
+    """The mean distance between particles; along an open axis, in the length that they take up."""
+    sides = np.where(box.sides > 0.0, box.sides, np.ptp(position, axis=0)) if len(position) else box.sides
+    return float(np.sqrt(np.prod(sides) / max(len(position), 1)))
+
+
+def _edges(place: Array, radius: Array) -> tuple[Integers, Array]:
+    """Edges between places, each twice, and the lengths of the borders across them."""
+    lifted = np.vstack([np.column_stack([place, (place**2).sum(axis=1) - radius**2]), TOP])
+    try:
+        hull = ConvexHull(lifted)
+    except (QhullError, ValueError) as error:
+        raise BadInput("neighbors need three particles or more that do not lie on one line") from error
+    normal = hull.equations[:, :3]
+    below = (normal[:, 2] < -1e-12) & (hull.simplices < len(place)).all(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        center = -0.5 * normal[:, :2] / normal[:, 2:]
+    edges, border = [], []
+    for corner in range(3):
+        other = hull.neighbors[below, corner]
+        length = np.linalg.norm(center[below] - center[other], axis=1)
+        edges.append(np.delete(hull.simplices[below], corner, axis=1))
+        border.append(np.where(below[other], length, np.inf))
+    return np.concatenate(edges).astype(np.int64), np.concatenate(border)
+
+
+def _once(pairs: Integers, border: Array) -> Neighbors:
+    """Each pair once, with its longest border; no particle is a neighbor of its copy."""
+    apart = pairs[:, 0] != pairs[:, 1]
+    pairs, border = pairs[apart], border[apart]
+    order = np.lexsort((-border, pairs[:, 1], pairs[:, 0]))
+    pairs, border = pairs[order], border[order]
+    first = np.ones(len(pairs), bool)
+    first[1:] = (pairs[1:] != pairs[:-1]).any(axis=1)
+    return Neighbors(pairs[first], border[first])
+
 
 FIRM = 0.1
 """Of the mean distance of neighbors: a longer border counts. In a honeycomb all are 0.58 long, at a swap zero."""
@@ -278,3 +362,80 @@ def _gaps(frame: Frame, reach: float, box: Box | None) -> _Gaps:
     near = near_pairs(frame, reach, box)
     rows = zip(near.pairs.tolist(), near.gap.tolist(), strict=True)
     return _Gaps(frame.time, {(i, j): gap for (i, j), gap in rows}, reach)
+
+
+class LocalDeformation(NamedTuple):
+    """The deformation of the neighborhood of each particle between two frames."""
+
+    gradient: Array
+    """(N, d, d): the even deformation F that maps old ways to neighbors onto new ones best; d x_k / d X_m"""
+    rest: Array
+    """(N,) m^2: what it leaves, the mean square over neighbors; D^2_min"""
+    neighbors: Integers
+    """(N,) how many there were; below d the fit means nothing, and both others are not numbers"""
+
+
+def local_deformation(
+    before: Frame, after: Frame, reach: Length, boxes: tuple[Box, Box] | None = None
+) -> LocalDeformation:
+    """The best local deformation and what it leaves, D^2_min, for neighbors within `reach` of each particle's center.
+
+    D^2_min is divided by the number of neighbors, unlike in [falk1998]. Ways to neighbors are the shortest,
+    before and after: the reach should be well below half a box, and particles must be the same ones in both frames.
+    """
+    start, end = _boxes(before, after, boxes)
+    position = before.arrays["position"]
+    around = copies(position, start, reach)
+    near = cKDTree(around.position).query_pairs(reach, output_type="ndarray")
+    near = np.concatenate([near, near[:, ::-1]])
+    near = near[near[:, 0] < len(position)]
+    first, second = near[:, 0], around.owner[near[:, 1]]
+    old = around.position[near[:, 1]] - around.position[first]
+    then = after.arrays["position"]
+    new = nearest(then[second] - then[first], end)
+    return _fitted(len(position), first, old, new)
+
+
+def _fitted(count: int, first: Integers, old: Array, new: Array) -> LocalDeformation:
+    """Least squares for each particle at once."""
+    dimensions = old.shape[1]
+    onto, square = np.zeros((2, count, dimensions, dimensions))
+    np.add.at(onto, first, new[:, :, None] * old[:, None, :])
+    np.add.at(square, first, old[:, :, None] * old[:, None, :])
+    number = np.bincount(first, minlength=count)
+    spread = np.linalg.eigvalsh(square)
+    solvable = spread[:, 0] > 1e-9 * spread[:, -1]
+    gradient = np.full((count, dimensions, dimensions), np.nan)
+    gradient[solvable] = onto[solvable] @ np.linalg.inv(square[solvable])
+    left = new - np.einsum("nkm,nm->nk", gradient[first], old)
+    rest = np.bincount(first, (left**2).sum(axis=1), minlength=count)
+    return LocalDeformation(gradient, np.where(solvable, rest / np.maximum(number, 1), np.nan), number)
+
+
+def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] | None = None) -> Array:
+    """The displacement of each particle beyond the deformation of the box, (N, d) m, with a mean of zero.
+
+    For a periodic box, sheared or squeezed; no particle may have moved further than half of it relative to that motion.
+    """
+    start, end = _boxes(before, after, boxes)
+    if start is None or end is None or not (start.closed and end.closed):
+        raise BadInput("an even deformation is that of a periodic box; these frames have none: see local_deformation")
+    position = before.arrays["position"]
+    even = position @ (end.tilt @ np.linalg.inv(start.tilt)).T
+    moved = nearest(after.arrays["position"] - even, end)
+    # A mean that depends on which copies were taken would shift with them: twice, around what most have in common.
+    moved = nearest(moved - np.median(moved, axis=0), end)
+    return np.asarray(moved - moved.mean(axis=0))
+
+
+def nonaffine_velocity(before: Frame, after: Frame, boxes: tuple[Box, Box] | None = None) -> Array:
+    """The same over the time between the two frames, (N, d) m/s."""
+    if not after.time > before.time:
+        raise BadInput(f"a velocity takes time: the frames are at {before.time:g} s and {after.time:g} s")
+    return nonaffine_displacement(before, after, boxes) / (after.time - before.time)
+
+
+def _boxes(before: Frame, after: Frame, boxes: tuple[Box, Box] | None) -> tuple[Box | None, Box | None]:
+    if before.arrays["position"].shape != after.arrays["position"].shape:
+        raise BadInput("the frames contain different particles; expected the same ones in both")
+    return boxes or (box_of(before), box_of(after))

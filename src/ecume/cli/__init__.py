@@ -1,8 +1,8 @@
 """The command line: verbs, their help, and the end of each.
 
-Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `validation`, `benchmarks`; each lists
-its own in `VERBS`. `exit_codes` turns errors into messages and exit codes, `progress` and `output` print. Nothing heavy
-is imported before a verb runs, so that `ecume --help` answers at once.
+Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `comparisons`; each lists
+its own in `VERBS`. `output` prints, and turns errors into messages and exit codes; `progress` reports. Nothing heavy is
+imported before a verb runs, so that `ecume --help` answers at once.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import benchmarks, browser, clock, fits, pictures, run_lists, runs, scenes, sweeps, validation
-from ecume.cli.exit_codes import Ending, warned
-from ecume.cli.plain_python import own_process
+from ecume.cli import browser, comparisons, fits, pictures, progress, runs, scenes, sweeps
+from ecume.cli.engines import own_process
+from ecume.cli.output import Ending, warned
 
 app = typer.Typer(
     name="ecume",
@@ -33,11 +33,11 @@ cannot be read or written, 75 stopped with a checkpoint (continue with `ecume re
 
 ALONE = (
     scenes.new,
-    validation.validate,
-    benchmarks.bench,
+    comparisons.validate,
+    comparisons.bench,
     runs.resume,
     runs.info,
-    run_lists.list_runs,
+    runs.list_runs,
     runs.verify,
     runs.repair,
     pictures.movie,
@@ -47,10 +47,10 @@ ALONE = (
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-NAMES: dict[Callable[..., None], str] = {run_lists.list_runs: "list", runs.import_run: "import"}
+NAMES: dict[Callable[..., None], str] = {runs.list_runs: "list", runs.import_run: "import"}
 """Verbs whose names are Python's own words."""
 
-MODULES = (scenes, runs, run_lists, pictures, browser, sweeps, fits, validation, benchmarks)
+MODULES = (scenes, runs, pictures, browser, sweeps, fits, comparisons)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(NAMES.get(verb), no_args_is_help=verb not in ALONE)(verb)
 
@@ -70,7 +70,7 @@ def _options(
     ] = False,
 ) -> None:
     """Particles on, in and between liquids: from a scene file to a movie."""
-    clock.start()
+    progress.start()
 
 
 def main() -> None:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.exit_codes import say
-from ecume.cli.output import print_table
+from ecume.cli.output import print_table, say
 from ecume.cli.runs import Quiet
 from ecume.errors import BadInput
 from ecume.value_texts import with_prefix
@@ -135,8 +134,7 @@ def keep(found: Fit, directory: Path) -> None:
     from ecume.scenes.writing import to_toml
     from ecume.show.fit_figures import fit_figure
     from ecume.show.style import save
-    from ecume.trajectories.durable_files import storing, write_whole
-    from ecume.trajectories.records import as_json
+    from ecume.trajectories.records import as_json, storing, write_whole
 
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)

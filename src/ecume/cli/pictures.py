@@ -1,7 +1,10 @@
-"""The verbs that make files of a run: movie, plot and export."""
+"""The verbs that make files of a run: movie, plot and export; and their options."""
 
 from __future__ import annotations
 
+import re
+import sys
+import tempfile
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,33 +12,141 @@ from typing import Annotated, Any
 import typer
 
 from ecume._extras import install
-from ecume.cli.exit_codes import say
-from ecume.cli.export_targets import require_folder, to_stdout
-from ecume.cli.picture_options import (
-    Azimuth,
-    Begin,
-    Color,
-    Elevation,
-    End,
-    Every,
-    Follow,
-    ForceLaw,
-    Fps,
-    Integrators,
-    Listed,
-    Out,
-    Particles,
-    PictureSize,
-    Verbose,
-    What,
-    Workers,
-    Zoom,
-)
-from ecume.cli.plain_python import without_compiler
+from ecume.cli.engines import without_compiler
+from ecume.cli.output import say
 from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.cli.scenes import Overrides, placed
 from ecume.errors import BadInput
+
+NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
+
+
+def _figures(incomplete: str) -> list[str]:
+    """Figures that begin so, for the shell's completion."""
+    from ecume.show.figures import FIGURES
+
+    known = dict.fromkeys(name for figures in FIGURES.values() for name in figures)
+    return [name for name in known if name.startswith(incomplete)]
+
+
+def seconds(text: str) -> float:
+    """A time from the command line: `2.5`, `2 s`, `3 min`."""
+    from ecume.units import parse
+
+    try:
+        return float(text) if NUMBER.fullmatch(text) else parse(text, "s")
+    except ValueError as fault:
+        raise typer.BadParameter(str(fault)) from None
+
+
+def pixels(text: str) -> tuple[int, int]:
+    """A size from the command line: `1280x960`."""
+    match = re.fullmatch(r"\s*([0-9]{1,6})\s*[x×]\s*([0-9]{1,6})\s*", text)
+    if match is None:
+        raise typer.BadParameter(f"got {text!r}; expected WIDTHxHEIGHT in pixels, such as 1280x960")
+    return int(match[1]), int(match[2])
+
+
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--out", metavar="FILE", help="Output file or folder; default: in DIR/results.", show_default=False
+    ),
+]
+Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Frames per second.")]
+Every = Annotated[int, typer.Option("--every", metavar="N", help="Use every N-th frame of the run.")]
+PictureSize = Annotated[
+    Any,
+    typer.Option(
+        "--size",
+        parser=pixels,
+        metavar="WxH",
+        help="Size of the picture in pixels; default: 960x720, 640x480 for a GIF.",
+        show_default=False,
+    ),
+]
+Begin = Annotated[
+    Any,
+    typer.Option("--from", parser=seconds, metavar="TIME", help="Start time: 2.5 or '2.5 s'.", show_default=False),
+]
+End = Annotated[Any, typer.Option("--to", parser=seconds, metavar="TIME", help="End time.", show_default=False)]
+Color = Annotated[
+    str | None,
+    typer.Option(
+        "--color",
+        metavar="WHAT",
+        help="Color a liquid by pressure, dynamic-pressure, absolute-pressure, speed, density or region.",
+        show_default=False,
+    ),
+]
+Particles = Annotated[
+    bool, typer.Option("--particles", help="Draw the particles of a liquid instead of a continuous surface.")
+]
+Zoom = Annotated[float, typer.Option("--zoom", metavar="Z", help="Zoom factor.")]
+Follow = Annotated[
+    int | None,
+    typer.Option(
+        "--follow", metavar="N", help="Center the picture on particle N (the first is 0).", show_default=False
+    ),
+]
+Azimuth = Annotated[
+    float | None,
+    typer.Option("--azimuth", metavar="DEGREES", help="Azimuth of the camera (3D).", show_default=False),
+]
+Elevation = Annotated[
+    float | None,
+    typer.Option("--elevation", metavar="DEGREES", help="Elevation of the camera (3D).", show_default=False),
+]
+Workers = Annotated[int, typer.Option("--workers", metavar="N", help="Number of drawing processes.")]
+What = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--what",
+        metavar="NAME",
+        help="Name of a figure, see --list, or number:NAME of frames; can be repeated. Default: all.",
+        autocompletion=_figures,
+        show_default=False,
+    ),
+]
+Listed = Annotated[bool, typer.Option("--list", help="List the figures of this run and draw none.")]
+Verbose = Annotated[bool, typer.Option("--verbose", help="Report omitted figures and the reasons.")]
+Integrators = Annotated[
+    bool, typer.Option("--integrators", help="Compare the integrators; writes integrators.png and needs no run.")
+]
+ForceLaw = Annotated[
+    Path | None,
+    typer.Option(
+        "--force-law",
+        metavar="SCENE",
+        help="Draw the forces between the floats of a scene by superposition, corrected pairs and multipoles "
+        "into NAME-forces.png, and needs no run.",
+        show_default=False,
+    ),
+]
+
+
+TEXT = ("csv", "numbers", "samples", "xyz")
+"""Formats that can be read on a terminal and piped."""
+
+
+def to_stdout(directory: Path, kind: str) -> None:
+    """Write the frames of a run to the standard output."""
+    from ecume.trajectories.exports import export
+
+    if kind not in TEXT:
+        raise BadInput(f"-o -: {kind} is a binary format; expected one of {', '.join(TEXT)}, or the name of a file")
+    with tempfile.TemporaryDirectory() as folder, export(directory, kind, Path(folder) / "frames").open("rb") as file:
+        for part in iter(lambda: file.read(2**20), b""):
+            sys.stdout.buffer.write(part)
+        sys.stdout.buffer.flush()
+
+
+def require_folder(file: Path) -> None:
+    """Raise BadInput where a file would be in a folder that does not exist."""
+    if not file.parent.is_dir():
+        raise BadInput(f"-o {file}: the folder {file.parent} does not exist")
+
 
 RESULTS = "results"
 """The folder in a run's directory for what is made of it: movies, figures, exports."""
@@ -87,7 +198,7 @@ ENDINGS = {
 
 def eye(azimuth: float | None, elevation: float | None) -> Any:
     """The viewpoint; None where neither angle was given."""
-    from ecume.show.camera import Eye
+    from ecume.show.picture import Eye
 
     asked = {"azimuth": azimuth, "elevation": elevation}
     given = {name: angle for name, angle in asked.items() if angle is not None}
@@ -120,9 +231,9 @@ def movie(
     · `ecume movie runs/dam --color speed --azimuth 60` · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
-    from ecume.show.camera import Aim
     from ecume.show.movies import MovieOptions
     from ecume.show.movies import movie as make
+    from ecume.show.picture import Aim
 
     existing(directory)
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
@@ -321,7 +432,7 @@ def export(
         require_folder(out)
     path = out or directory / RESULTS / f"frames{ENDINGS[to]}"
     if to in (Format.HEIGHTS, Format.HEIGHTS_VTK):
-        from ecume.show.floating.fields import export_heights
+        from ecume.show.floating.surface import export_heights
 
         wrote(export_heights(directory, path), quiet=quiet)
         return

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ecume.cli.engines import without_compiler
 from ecume.cli.output import Json, print_json, print_table
-from ecume.cli.plain_python import without_compiler
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
@@ -91,11 +91,11 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set particles[0].count=60`
     """
-    from ecume.scenes.salvage import load_and_examine
+    from ecume.scenes.load import load_and_examine
 
     changes = overrides or []
     asked = load_and_examine(scene, changes, examine)
-    from ecume.run.selection import names_quantities
+    from ecume.run.recording import names_quantities
 
     if not laws and not names_quantities(asked):
         without_compiler(asked)
@@ -131,7 +131,7 @@ def examine(scene: Scene) -> None:
 
 def _require_known(scene: Scene) -> None:
     """Raise SceneError for quantities that the frames of a scene do not have."""
-    from ecume.run.selection import names_quantities, require_known
+    from ecume.run.recording import names_quantities, require_known
 
     if names_quantities(scene):
         from ecume.simulation import simulate

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.exit_codes import say
-from ecume.cli.output import Json, print_json
+from ecume.cli.output import Json, print_json, say
 from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
 from ecume.errors import BadInput, Stopped
@@ -127,7 +126,7 @@ def _end(done: Outcome, *, quiet: bool) -> None:
 
 
 def _print_status(directory: Path, *, json: bool) -> None:
-    from ecume.sweep.status import standing
+    from ecume.sweep.directory import standing
 
     now = standing(directory)
     if json:

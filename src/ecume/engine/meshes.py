@@ -8,8 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ecume._portable import product
-from ecume.engine.shapes import Cells, Flags, fitted_cells, scaled_to
-from ecume.engine.shapes.parts import whole_within
+from ecume.engine.shapes import Cells, Flags, fitted_cells, scaled_to, whole_within
 from ecume.units import Array
 
 OBLIQUE = np.array([0.53779, 0.61803, 0.57309])

@@ -3,8 +3,8 @@
 fit = ecume.fit("tracks.csv", "two-beads.toml", ["contact_angle", "viscosity"])
 print(fit.estimates)
 
-Start with `estimation.fit`. `tracks` reads tables, `parameters` finds what is free, `initial_conditions` assigns
-objects to particles, `least_squares` minimizes the residuals of simulations, `remarks` says what the result is worth.
+Start with `estimation.fit`, which also says what the result is worth. `tracks` reads tables and assigns objects to
+particles, `parameters` finds what is free, `least_squares` minimizes the residuals of simulations.
 """
 
 from ecume.fitting.estimation import Estimate, Fit, fit

@@ -13,9 +13,8 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from ecume.errors import BadInput, Diverged
-from ecume.fitting.initial_conditions import start_at
 from ecume.fitting.parameters import Free, with_values
-from ecume.fitting.tracks import Tracks
+from ecume.fitting.tracks import Tracks, start_at
 from ecume.models import MODELS
 from ecume.scenes.schema import Scene, from_plain
 from ecume.simulation import simulate

@@ -16,7 +16,7 @@ from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.liquids import liquid_of
 from ecume.scenes.faults import Path, echo, read_path, suggestion, value_at, written
-from ecume.scenes.overrides import KEY, put
+from ecume.scenes.load import KEY, put
 from ecume.scenes.schema import ANGLE, unit_of
 
 if TYPE_CHECKING:

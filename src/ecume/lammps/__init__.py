@@ -2,7 +2,6 @@
 
 Start with `decks.write_deck` and `engine.lammps_engine`. `expressible` and `tanks` hold the tables of what a deck can
 contain. Floats: `numbers` computes the numbers of a deck from a scene, `pair_tables` tabulates pair laws, `walls` holds
-walls and their menisci as commands, and `script`, `data_file` and `readme` write the files. Tanks: `tanks` and
-`tank_script`. `program` finds LAMMPS, `process` runs it, and `floats_in_engine` and `tanks_in_engine` connect it to the
-states of the models.
+walls and their menisci as commands, and `script` writes the files. Tanks: `tanks`. `process` finds LAMMPS and runs it,
+and `floats_in_engine` and `tanks_in_engine` connect it to the states of the models.
 """

@@ -17,10 +17,8 @@ import numpy as np
 from ecume.errors import BadInput, Diverged
 from ecume.lammps import floats_in_engine, tanks_in_engine
 from ecume.lammps.expressible import require_simulable
-from ecume.lammps.process import Lammps
-from ecume.lammps.program import Program, program
-from ecume.models.engines import LAMMPS, Engine
-from ecume.models.model import DIVERGED, DONE, Model
+from ecume.lammps.process import Lammps, Program, program
+from ecume.models.model import DIVERGED, DONE, LAMMPS, Engine, Model
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 from ecume.value_texts import with_prefix

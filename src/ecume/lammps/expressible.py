@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import Fault, SceneError
 from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.models.floating.dishes import name_of
 from ecume.models.floating.setup.kinds import distinct_kinds, moments_of
-from ecume.models.floating.walls.shapes import name_of
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene

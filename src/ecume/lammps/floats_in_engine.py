@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.lammps.data_file import data_text
 from ecume.lammps.expressible import calls_us, require_simulable
-from ecume.lammps.host import SCENE
 from ecume.lammps.numbers import numbers_of, parameters_for
 from ecume.lammps.pair_tables import pair_tables, text_of
-from ecume.lammps.script import DATA, TABLES, external_text, setup_text
+from ecume.lammps.process import SCENE
+from ecume.lammps.script import DATA, TABLES, data_text, external_text, setup_text
+from ecume.models.costs import within_steps
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import DEEPEST, State
-from ecume.models.floating.time_integration.energy_budget import is_driven
+from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
-from ecume.models.limits import within_steps
 from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from ecume.lammps.program import OPTIONS
+from ecume.lammps.process import OPTIONS, SCENE
 from ecume.units import Array
 
-SCENE = "scene.json"
 CHARACTERS, ALL_RANKS = 0x4C000101, 0x44000000
 """MPI_CHAR and MPI_COMM_WORLD in the binary interface of MPICH."""
 LONGEST = 65536

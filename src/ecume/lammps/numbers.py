@@ -14,9 +14,8 @@ from ecume.models.floating.contacts.friction import float_inertia
 from ecume.models.floating.contacts.springs import Springs
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.initial_state import start
-from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_friction_of
 from ecume.models.floating.setup.scene_parameters import parameters_of
-from ecume.models.floating.setup.turning_friction import turning_friction_of
 from ecume.models.floating.state import State
 from ecume.models.step_counts import last_step
 from ecume.units import Array

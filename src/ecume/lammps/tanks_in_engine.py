@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ecume.lammps.expressible import require_expressible
-from ecume.lammps.tank_script import DATA, data_text, setup_text
-from ecume.lammps.tanks import TANKS, axes_of, folded, parameters_for, tank_of
+from ecume.lammps.tanks import DATA, TANKS, axes_of, data_text, folded, parameters_for, setup_text, tank_of
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.report.energy_budget import has_external_work

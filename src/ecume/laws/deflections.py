@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ecume.laws.elasticity import Stiffness
+from ecume.laws.soft_pair import Stiffness
 from ecume.units import Area, Energy, Force, Length, Number, Pressure
 
 DEFINITE = 4.9

@@ -2,7 +2,7 @@
 
 Each law gives the film's friction against squeezing and against shear, and by which powers of contact size and gap they
 change there, which an implicit step requires. Prefactors c_n and c_t are those of rigid surfaces
-(`ecume.laws.lubrication`).
+(`ecume.laws.soft_pair`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Annotated, NamedTuple
 
-from ecume.laws.lubrication import entrained_force, shear_friction, squeeze_friction
+from ecume.laws.soft_pair import entrained_force, shear_friction, squeeze_friction
 from ecume.laws.surfaces import Body
 from ecume.units import Force, Friction, Length, Number, Unit, Viscosity
 

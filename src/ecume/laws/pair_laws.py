@@ -16,8 +16,7 @@ from typing import Annotated, Any, NamedTuple, get_args, get_type_hints
 from ecume.laws.capillarity import one_sided_legacy_force, pair_energy, pair_force, pair_strength
 from ecume.laws.dipoles import DipoleStrength, dipole_energy, dipole_force
 from ecume.laws.ewald import SplitFit, fitted_short_pull
-from ecume.laws.screened import DEGREE, ScreenedFit, fit_k1, k1_over_x
-from ecume.laws.special import bessel_k0, bessel_k1
+from ecume.laws.special import DEGREE, ScreenedFit, bessel_k0, bessel_k1, fit_k1, k1_over_x
 from ecume.units import Area, Energy, Force, Length, Number, SurfaceTension, Unit
 
 Stiffness = Annotated[float, Unit("N/m")]

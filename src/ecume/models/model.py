@@ -1,16 +1,31 @@
-"""What a model is: a record of functions that the driver calls."""
+"""What a model is: a record of functions that the driver calls; with engines, diagnosis and layouts of states.
+
+Whether a state fits the parameters of a scene: sizes and indices, which compiled loops trust. States come from
+checkpoints, and run directories may come from anyone. A state that does not fit would be read beyond the ends of its
+arrays.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from ecume.errors import BadInput
 from ecume.models.actions import Access
 from ecume.models.invariants import Invariant, nothing
-from ecume.models.state_layout import Layout
 from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+Row = tuple[str, str, str]
+"""Name, value with unit, remark."""
+LONG = 86400.0
+"""Seconds of a run from which on `ecume check` suggests how to shorten it."""
+LONGEST_RUN = 30.0 * 86400.0
+"""Seconds of wall time, 30 days: runs that are expected to take longer are refused unless their user allows it."""
+
 
 DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
 
@@ -106,3 +121,88 @@ class Model:
     """laws(scene): the laws that a scene uses, for `ecume cite`."""
     summary: Callable[[Any], list[tuple[str, str, str]]] = field(kw_only=True, default=no_summary)
     """summary(scene): derived numbers for `ecume check`, as (name, value with unit, remark)."""
+
+
+LOCAL = "local"
+"""The loops of the model itself."""
+LAMMPS = "lammps"
+
+
+def _no_facts() -> Mapping[str, str | int]:
+    """Nothing beside the versions that each session states."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Integrates the states of a scene; frames and checkpoints are those of its model."""
+
+    model: Callable[[Model], Model]
+    """makes of the scene's model one that integrates in another way"""
+    name: str = LOCAL
+    """as in `--engine`; the manifest of a run states it, since states of one engine fit no other"""
+    repeats: bool = True
+    """whether frames that are computed again have the same bits"""
+    facts: Callable[[], Mapping[str, str | int]] = _no_facts
+    """version and number of ranks, for the manifest; called after the first step"""
+
+
+DEEP = 0.1
+"""Fraction of a radius: larger overlaps are reported; they do not occur in a correct run."""
+
+
+def when(parameters: Any, state: Any) -> str:
+    """The time of a state that goes by equal steps."""
+    step = int(state.step[0])
+    return f"at t = {step * parameters.time_step:.6g} s (step {step})"
+
+
+class Broken(NamedTuple):
+    """A number that is NaN or infinite."""
+
+    particle: int
+    term: str
+
+
+def first_broken(terms: Mapping[str, Array]) -> Broken | None:
+    """The particle with NaN or infinity in the first of these terms that contains one; rows are particles.
+
+    >>> first_broken({"position": np.zeros((3, 2)), "velocity": np.array([0.0, 1.0, np.nan])})
+    Broken(particle=2, term='velocity')
+    """
+    for term, numbers in terms.items():
+        broken = ~np.isfinite(numbers.reshape(len(numbers), -1)).all(axis=1)
+        if broken.any():
+            return Broken(int(np.argmax(broken)), term)
+    return None
+
+
+class Layout(NamedTuple):
+    """What the state of a scene looks like."""
+
+    blank: Any
+    """a state with as many particles and as much room; its values do not matter"""
+    indices: Mapping[str, tuple[float, float]] = {}
+    """lowest and highest value of the fields whose values are counts or indices"""
+    sets: Mapping[str, int] = {}
+    """fields that contain each number below this one once"""
+
+
+def misfit(state: Any, layout: Layout) -> str:
+    """The first fault of a state, with its field; empty if it fits."""
+    return next(_faults(state, layout), "")
+
+
+def _faults(state: Any, layout: Layout) -> Iterator[str]:
+    for name, expected in layout.blank._asdict().items():
+        got = getattr(state, name)
+        if got.shape != expected.shape or got.dtype != expected.dtype:
+            yield f"{name} is {got.dtype}{list(got.shape)}; expected {expected.dtype}{list(expected.shape)}"
+    for name, (low, high) in layout.indices.items():
+        values = getattr(state, name)
+        wrong = values[(values < low) | (values > high)]
+        if len(wrong):
+            yield f"{name} contains {wrong.flat[0]:g}; expected {low:g} to {high:g}"
+    for name, count in layout.sets.items():
+        if not np.array_equal(np.sort(getattr(state, name)), np.arange(count)):
+            yield f"{name} does not number the particles; expected each number below {count} once"

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from ecume._plain_files import opened
 from ecume.errors import StorageError
-from ecume.run.archives import arrays_of
+from ecume.run.checkpoints import arrays_of
 from ecume.run.directory import RunDirectory, manifest_of
-from ecume.trajectories.durable_files import replacing, storing
+from ecume.trajectories.records import replacing, storing
 
 STEPS = "steps_per_frame"
 """The one whole number that follows from rounded ones: it belongs to the time step."""

@@ -21,8 +21,7 @@ from ecume.errors import BadInput
 from ecume.run.directory import RunDirectory, existing, manifest_of
 from ecume.run.lock import held
 from ecume.run.manifest import PROGRAMS
-from ecume.trajectories.durable_files import storing, write_whole
-from ecume.trajectories.records import as_json, scene_at
+from ecume.trajectories.records import as_json, scene_at, storing, write_whole
 
 CONTEXT = ["https://w3id.org/ro/crate/1.1/context", {"sha256": "https://schema.org/sha256"}]
 PROFILE = "https://w3id.org/ro/crate/1.1"

@@ -11,8 +11,7 @@ from typing import Any
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, RunExists, StorageError
 from ecume.trajectories import samples
-from ecume.trajectories.durable_files import storing
-from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, write_record
+from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, storing, write_record
 
 MOST_NAMED = 5
 """Runs that a message lists if the user named no run."""

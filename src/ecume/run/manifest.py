@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 import ecume
 from ecume._plain_files import opened
 from ecume.run.directory import RunDirectory, manifest_of, write
-from ecume.trajectories.durable_files import storing
-from ecume.trajectories.records import clean
+from ecume.trajectories.records import clean, storing
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene

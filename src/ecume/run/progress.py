@@ -10,8 +10,7 @@ from ecume._plain_files import append, opened
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, write
 from ecume.run.manifest import now
-from ecume.trajectories.durable_files import storing
-from ecume.trajectories.records import clean, sealed_line
+from ecume.trajectories.records import clean, sealed_line, storing
 
 if TYPE_CHECKING:
     from ecume.simulation import Moment

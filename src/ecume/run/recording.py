@@ -1,33 +1,304 @@
-"""The frames of a run onto disk, also those of a run that was interrupted.
+"""The frames of a run onto disk: the quantities that are selected, the table of numbers, and samples between frames.
 
-What a killed run wrote after its last checkpoint is computed again, and compared bit for bit instead of being written
-again: each crash is a test of determinism. On another processor or with other versions of the libraries the last bits
-may differ; then the old frames are replaced, and the run says by how much they differ.
+Numbers sampled between frames: averaged in blocks, and written to `samples.csv` of a run. A checkpoint contains the
+length of the file and the block that is not complete yet. A resumed run cuts the file there and continues the block,
+so the bytes are those of a run without interruption.
+
+The frames of a run onto disk, also those of a run that was interrupted. What a killed run wrote after its last
+checkpoint is computed again, and compared bit for bit instead of being written again: each crash is a test of
+determinism. On another processor or with other versions of the libraries the last bits may differ; then the old
+frames are replaced, and the run says by how much they differ.
 """
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import warnings
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from io import FileIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._plain_files import append
-from ecume.errors import StorageError
-from ecume.run.directory import RunDirectory
+from ecume._plain_files import append, opened
+from ecume.errors import BadInput, Fault, SceneError, StorageError, nearest
+from ecume.models.step_counts import BEFORE
+from ecume.run.directory import RunDirectory, has_checksums
 from ecume.run.manifest import changed, circumstances_of_frame, record
-from ecume.run.numbers import continued, scalars_line
 from ecume.run.progress import note
-from ecume.run.selection import Selection
 from ecume.scenes.common import Kind, colors_of
-from ecume.trajectories.durable_files import storing
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, RecordedArrays
 from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.recorder import LARGEST, Recorder
+from ecume.trajectories.records import LINE, line_of, sealed_line, storing, write_whole
+from ecume.trajectories.samples import heading, read_heading
+from ecume.trajectories.segments import LARGEST, Recorder
+
+if TYPE_CHECKING:
+    from ecume.models.model import Model
+    from ecume.scenes.common import Common, SamplesSpec
+
+
+POSITION = "position"
+"""The array that all frames have."""
+
+
+class Selection(NamedTuple):
+    """The arrays that are written: all, or those of these names."""
+
+    names: frozenset[str] | None = None
+    single: bool = False
+
+    def of(self, frame: Frame) -> Frame:
+        """The frame as it will be read from the disk."""
+        arrays, units = frame.arrays, frame.units
+        if self.names is not None:
+            omitted = [name for name in arrays if name not in self.names]
+            arrays = RecordedArrays({name: arrays[name] for name in arrays if name in self.names}, omitted)
+            units = {name: unit for name, unit in units.items() if name not in omitted}
+        if self.single:
+            rounded = {name: _rounded(array) for name, array in arrays.items()}
+            arrays = RecordedArrays(rounded, arrays.omitted) if isinstance(arrays, RecordedArrays) else rounded
+        return frame._replace(arrays=arrays, units=units)
+
+
+def selection_of(scene: Common, model: Model) -> Selection:
+    """The selection of a scene: with positions, and with quantities that the model never changes."""
+    asked, single = scene.output.quantities, scene.output.precision == "single"
+    return Selection(frozenset((*asked, POSITION, *model.constant)) if asked else None, single)
+
+
+def _rounded(array: NDArray[Any]) -> NDArray[Any]:
+    """Floating-point numbers in single precision, as float64."""
+    if array.dtype.kind != "f":
+        return array
+    with np.errstate(over="ignore"):
+        return array.astype(np.float32).astype(np.float64)
+
+
+def names_quantities(scene: Common) -> bool:
+    """Whether a scene names quantities, which can only be checked in a frame."""
+    asked = scene.output
+    return bool(asked.quantities or (asked.samples and asked.samples.numbers))
+
+
+def require_known(scene: Common, frame: Frame) -> None:
+    """Raise SceneError for names of quantities that the frames of a scene do not have."""
+    samples = scene.output.samples
+    faults = list(_unknown("output.quantities", scene.output.quantities, frame.arrays))
+    faults += _unknown("output.samples.numbers", samples.numbers if samples else (), frame.numbers)
+    if faults:
+        raise SceneError(faults)
+
+
+def require_numbers(names: Sequence[str], frame: Frame) -> None:
+    """Raise BadInput for names of numbers that a frame does not have."""
+    if faults := [fault.message for fault in _unknown("", names, frame.numbers)]:
+        raise BadInput(f"numbers of frames: {'; '.join(faults)}")
+
+
+def _unknown(path: str, names: Sequence[str], known: Iterable[str]) -> Iterator[Fault]:
+    """A fault for each name that does not exist."""
+    there = list(known)
+    for place, name in enumerate(names):
+        if name not in there:
+            near = nearest(name, there)
+            hint = f"; {near}" if near.startswith("did you mean") else ""
+            yield Fault(f"{path}[{place}]", f"got {name!r}; expected one of {', '.join(there)}{hint}")
+
+
+LONGEST = 2**20
+"""Bytes of a line."""
+
+
+def scalars_line(step: int, frame: Frame) -> str:
+    """One line; what is no finite number is null."""
+    return sealed_line({"step": step, "time": frame.time, **_finite(frame.numbers)})
+
+
+def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
+    return {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
+
+
+def lines_of(home: RunDirectory) -> Iterator[dict[str, Any]]:
+    """The numbers of the frames. Raises StorageError at the first line that is damaged."""
+    if not home.scalars.exists():
+        return
+    checked = has_checksums(home)
+    for number, content in enumerate(split(home, home.scalars), start=1):
+        try:
+            yield line_of(content, LINE, checked=checked)
+        except ValueError as error:
+            raise StorageError(f"{home.scalars}: damaged: line {number}: {error}") from error
+
+
+def split(home: RunDirectory, path: Path) -> Iterator[bytes]:
+    """The lines of a file of a run with their line breaks."""
+    with storing(path), io.BufferedReader(opened(path, "r", home.path)) as file:
+        while line := file.readline(LONGEST):
+            yield line
+
+
+def good_lines(home: RunDirectory, most: int) -> tuple[int, int]:
+    """How many of the first lines are as they were written, at most so many, and how many bytes they have."""
+    count = size = 0
+    try:
+        for content in split(home, home.scalars):
+            if count == most:
+                break
+            line_of(content, LINE, checked=True)
+            count, size = count + 1, size + len(content)
+    except (StorageError, ValueError):
+        pass
+    return count, size
+
+
+def continued(home: RunDirectory, former: Trajectory, frames: int) -> FileIO:
+    """The table, open for appending, with a line for each of so many frames. Where lines are missing or damaged, all
+    are taken from the trajectory.
+    """
+    with storing(home.scalars):
+        count, size = good_lines(home, frames)
+        if count == frames:
+            file = opened(home.scalars, "a", home.path)
+            os.ftruncate(file.fileno(), size)
+            return file
+    steps = former.steps
+    lines = (scalars_line(int(steps[number]), former[number]) for number in range(frames))
+    write_whole(home.scalars, "".join(lines), home.path)
+    with storing(home.scalars):
+        return opened(home.scalars, "a", home.path)
+
+
+Kept = Mapping[str, NDArray[np.float64]]
+"""The position of the sampling as a checkpoint holds it."""
+NOTHING: Kept = {}
+
+
+class Block:
+    """The average of samples that are added one after the other (Welford's algorithm): mean, minimum, maximum and
+    standard error, without storing the samples.
+
+    >>> block = Block(1)
+    >>> for time in range(4):
+    ...     block.add(time, np.array([float(time)]))
+    >>> block.cells()
+    [1.5, 4, 1.5, 0.0, 3.0, 0.6454972243679028]
+    """
+
+    def __init__(self, width: int, kept: Kept = NOTHING) -> None:
+        """An empty block, or one that a checkpoint holds."""
+        self.count = int(kept["count"][0]) if kept else 0
+        self.time = float(kept["block_time"][0]) if kept else 0.0
+        empty = np.zeros(width)
+        self.mean, self.squares = kept.get("mean", empty).copy(), kept.get("squares", empty).copy()
+        self.least, self.largest = kept.get("least", empty).copy(), kept.get("largest", empty).copy()
+
+    def add(self, time: float, values: NDArray[np.float64]) -> None:
+        """Include a sample."""
+        self.count += 1
+        self.time += (time - self.time) / self.count
+        with np.errstate(invalid="ignore", over="ignore"):
+            ahead = values - self.mean
+            self.mean = self.mean + ahead / self.count
+            self.squares = self.squares + ahead * (values - self.mean)
+        first = self.count == 1
+        self.least = values if first else np.minimum(self.least, values)
+        self.largest = values if first else np.maximum(self.largest, values)
+
+    def cells(self) -> list[float]:
+        """The mean time, the number of samples, and of each number the mean, minimum, maximum and standard error."""
+        with np.errstate(invalid="ignore"):
+            variance = self.squares / (self.count - 1) if self.count > 1 else np.full(len(self.mean), math.nan)
+            error = np.sqrt(variance / self.count)
+        rows = np.stack([self.mean, self.least, self.largest, error], axis=1)
+        return [self.time, self.count, *rows.ravel().tolist()]
+
+    def kept(self) -> dict[str, NDArray[np.float64]]:
+        """The block as arrays."""
+        numbers = {"count": float(self.count), "block_time": self.time}
+        arrays = {"mean": self.mean, "squares": self.squares, "least": self.least, "largest": self.largest}
+        return {name: np.array([value]) for name, value in numbers.items()} | arrays
+
+
+class SampleFile:
+    """The open table of samples of a run."""
+
+    def __init__(self, path: Path, asked: SamplesSpec, kept: Kept = NOTHING) -> None:
+        """Continue the table at a checkpoint, or begin it."""
+        self._path, self._asked = path, asked
+        self.last = int(kept["last"][0]) if kept else BEFORE
+        """The position of the last sample on the model's clock."""
+        self._size = int(kept["bytes"][0]) if kept else 0
+        self._names: list[str] = []
+        self._pending: list[str] = []
+        with storing(path):
+            self._file = opened(path, "a+", path.parent)
+            self._file.truncate(self._size)
+            if self._size:
+                self._names = read_heading(self._file.readline().decode())[0]
+            self._file.seek(self._size)
+        self._block = Block(len(self._names), kept if self._names else NOTHING)
+
+    def take(self, frame: Frame, step: int, last: int) -> None:
+        """Include a sample; `last` is its position on the model's clock."""
+        if not self._names:
+            self._names = list(self._asked.numbers or frame.numbers)
+            self._pending.append(heading(self._names, frame.units, blocks=self._asked.block > 1))
+            self._block = Block(len(self._names))
+        self.last = last
+        values = np.array([frame.numbers.get(name, math.nan) for name in self._names], dtype=np.float64)
+        if self._asked.block == 1:
+            self._pending.append(_row(step, [frame.time, *values.tolist()]))
+            return
+        self._block.add(frame.time, values)
+        if self._block.count == self._asked.block:
+            self.end_block(step)
+
+    def end_block(self, step: int) -> None:
+        """Write the average of the samples since the last row, if there are any."""
+        if self._block.count:
+            self._pending.append(_row(step, self._block.cells()))
+            self._block = Block(len(self._names))
+
+    def flush(self) -> None:
+        """Write complete rows."""
+        left = memoryview("".join(self._pending).encode())
+        self._pending = []
+        with storing(self._path):
+            while left:
+                written = self._file.write(left)
+                self._size += written
+                left = left[written:]
+
+    def settle(self) -> None:
+        """Write complete rows to the disk, before a checkpoint refers to them."""
+        self.flush()
+        with storing(self._path):
+            os.fsync(self._file.fileno())
+
+    def kept(self) -> Kept:
+        """The position of the sampling, after `settle`."""
+        position = {"last": np.array([float(self.last)]), "bytes": np.array([float(self._size)])}
+        return position | (self._block.kept() if self._names else {})
+
+    def close(self) -> None:
+        """Close the file; rows after the last checkpoint are computed again by a resumed run."""
+        self._file.close()
+
+
+def missing_rows(path: Path, kept: Kept) -> str:
+    """The fault of a checkpoint whose samples are not on the disk; empty where all are there."""
+    there = path.stat().st_size if path.exists() else 0
+    return "samples before it are missing" if kept and kept["bytes"][0] > there else ""
+
+
+def _row(step: int, cells: Iterable[float]) -> str:
+    return ",".join([str(step), *map(repr, cells)]) + "\n"
+
 
 EVERYTHING = Selection()
 """All quantities of frames, in double precision."""

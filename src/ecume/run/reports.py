@@ -1,23 +1,80 @@
-"""Information about a run from outside, whatever became of it."""
+"""Information about runs from outside: one run, all runs in a folder, and two runs compared."""
 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ecume._hooks import html_of
-from ecume.errors import StorageError
+from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.run.directory import RunDirectory, existing, manifest_of, read
 from ecume.run.invariant_monitor import summary_line as watched
 from ecume.run.lock import held, is_held
-from ecume.run.recovery import mended
-from ecume.trajectories.durable_files import storing
-from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.records import FAILED, STATUS
-from ecume.trajectories.repair import Repaired
+from ecume.run.manifest import circumstances
+from ecume.run.verification import mended
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.reader import Trajectory, open_trajectory
+from ecume.trajectories.records import FAILED, STATUS, manifest_at, scene_at, storing
+from ecume.trajectories.verification import Repaired
+
+
+class RunSummary(NamedTuple):
+    """One run of a folder; `state` is as in `Info`, or damaged."""
+
+    directory: Path
+    model: str
+    title: str
+    state: str
+    time: float
+    """simulated so far, s"""
+    duration: float
+    frames: int
+    size: int
+    """bytes on disk"""
+    why: str
+    """What is wrong with it, and how to continue; or nothing."""
+
+
+def list_runs(folder: str | os.PathLike[str] = ".") -> list[RunSummary]:
+    """All runs in a folder and the folders in it, those of sweeps too, by their paths. Links are not followed."""
+    if not Path(folder).is_dir():
+        raise BadInput(f"{folder}: got no folder; expected one that contains runs")
+    return [_summary(path) for path in _runs_below(Path(folder))]
+
+
+def _runs_below(folder: Path) -> Iterator[Path]:
+    for root, folders, files in os.walk(folder):
+        if "manifest.json" in files and ("resolved.json" in files or "traj" in folders):
+            folders.clear()  # runs are not nested
+            yield Path(root)
+        folders.sort()
+
+
+def _summary(path: Path) -> RunSummary:
+    try:
+        found = info(path)
+    except EcumeError as error:
+        return RunSummary(path, "", "", "damaged", 0.0, 0.0, 0, 0, str(error))
+    model = str(found.manifest.get("model", ""))
+    return RunSummary(
+        path, model, _title(path), found.state, found.time, found.duration, found.frames, found.size, found.why
+    )
+
+
+def _title(path: Path) -> str:
+    """The title in a run's scene; nothing where the scene cannot be read."""
+    try:
+        return str(scene_at(path, manifest_at(path)).get("title", ""))
+    except StorageError:
+        return ""
+
 
 T = TypeVar("T")
 
@@ -140,3 +197,136 @@ def _newest_step(home: RunDirectory) -> int | None:
     with storing(home.checkpoints):
         steps = [int(path.stem) for path in home.checkpoints.glob("*.npz") if path.stem.isdecimal()]
     return max(steps, default=None)
+
+
+SAME_TIME = 1e-9
+"""Frames belong together whose times differ by less than this fraction of the longer run."""
+
+
+class Change(NamedTuple):
+    """A value that two runs do not share; None where a run does not have it."""
+
+    name: str
+    first: object
+    second: object
+
+
+class QuantityDifference(NamedTuple):
+    """How a quantity differs between the frames of two runs."""
+
+    name: str
+    unit: str
+    from_time: float
+    """of the first frame in which it differs, s"""
+    largest: float
+    """largest difference in any frame, in the quantity's unit; infinite where shapes or finite values differ"""
+    relative: float
+    """the same over the quantity's largest value in the first run"""
+
+
+class Comparison(NamedTuple):
+    """What distinguishes two runs."""
+
+    scene: list[Change]
+    programs: list[Change]
+    """versions and processor"""
+    frames: tuple[int, int]
+    common: int
+    """how many frames have the same time in both"""
+    quantities: list[QuantityDifference]
+
+    @property
+    def same(self) -> bool:
+        """Whether all frames are in both runs, bit for bit."""
+        return not self.quantities and self.frames == (self.common, self.common)
+
+
+def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
+    """Compare two runs: keys of their scenes, versions, and each quantity in all frames of the same time."""
+    homes = existing(first), existing(second)
+    manifests = [manifest_of(home) for home in homes]
+    names = circumstances()
+    programs = [{name: manifest.get(name) for name in names} for manifest in manifests]
+    with open_trajectory(homes[0].path) as one, open_trajectory(homes[1].path) as other:
+        pairs = _same_times(one.times, other.times)
+        quantities = _differences((one[i], other[j]) for i, j in pairs)
+        frames = len(one), len(other)
+    return Comparison(
+        scene=_changes(*(dict(_flat(scene_at(home.path, one))) for home, one in zip(homes, manifests, strict=True))),
+        programs=_changes(*programs),
+        frames=frames,
+        common=len(pairs),
+        quantities=quantities,
+    )
+
+
+def _flat(value: object, path: str = "") -> Iterator[tuple[str, object]]:
+    """The values of nested tables by their paths: `particles[0].radius`."""
+    if isinstance(value, dict):
+        for key, each in value.items():
+            yield from _flat(each, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list) and any(isinstance(each, dict) for each in value):
+        for number, each in enumerate(value):
+            yield from _flat(each, f"{path}[{number}]")
+    else:
+        yield path, value
+
+
+def _changes(first: Mapping[str, object], second: Mapping[str, object]) -> list[Change]:
+    names = dict.fromkeys((*first, *second))
+    pairs = [Change(name, first.get(name), second.get(name)) for name in names]
+    return [pair for pair in pairs if pair.first != pair.second]
+
+
+def _same_times(first: NDArray[np.float64], second: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """The numbers of frames that have the same time."""
+    if not len(first) or not len(second):
+        return []
+    limit = SAME_TIME * max(first[-1], second[-1])
+    place = np.clip(np.searchsorted(first, second - limit), 0, len(first) - 1)
+    return [(int(i), j) for j, i in enumerate(place) if abs(first[i] - second[j]) <= limit]
+
+
+def _differences(pairs: Iterator[tuple[Frame, Frame]]) -> list[QuantityDifference]:
+    """One entry for each quantity that differs in some pair of frames."""
+    found: dict[str, QuantityDifference] = {}
+    scales: dict[str, float] = {}
+    for first, second in pairs:
+        mine, theirs = _quantities(first), _quantities(second)
+        for name in dict.fromkeys((*mine, *theirs)):
+            one, other = mine.get(name), theirs.get(name)
+            if one is not None:
+                scales[name] = max(scales.get(name, 0.0), _largest(one))
+            if (size := _distance(one, other)) is None:
+                continue
+            before = found.get(name)
+            largest = max(size, before.largest if before else 0.0)
+            start = before.from_time if before else first.time
+            found[name] = QuantityDifference(name, str(first.units.get(name, "")), start, largest, math.nan)
+    return [one._replace(relative=_over(one.largest, scales.get(name, 0.0))) for name, one in found.items()]
+
+
+def _quantities(frame: Frame) -> dict[str, NDArray[Any]]:
+    return {**frame.arrays, **{name: np.asarray(value, float) for name, value in frame.numbers.items()}}
+
+
+def _largest(values: NDArray[Any]) -> float:
+    finite = values[np.isfinite(values)] if values.dtype.kind in "fi" else np.zeros(0)
+    return float(np.abs(finite).max(initial=0.0))
+
+
+def _distance(one: NDArray[Any] | None, other: NDArray[Any] | None) -> float | None:
+    """The largest difference of two arrays; None if they are equal, infinite if they cannot be subtracted."""
+    if one is None or other is None or (one.shape, one.dtype) != (other.shape, other.dtype):
+        return math.inf
+    if one.tobytes() == other.tobytes():
+        return None
+    if not np.array_equal(np.isfinite(one), np.isfinite(other)):
+        return math.inf
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(one - other)
+    return float(np.nanmax(apart, initial=0.0)) or None
+
+
+def _over(size: float, scale: float) -> float:
+    return size / scale if scale > 0.0 else size

@@ -16,25 +16,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
-from ecume.models.check_report import LONGEST_RUN
-from ecume.models.engines import LOCAL, Engine
+from ecume.models.model import LOCAL, LONGEST_RUN, Engine
 from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
-from ecume.run.lock import held
+from ecume.run.lock import PATIENT, StopRequest, held, stop_requests
 from ecume.run.progress import Pace, Progress, StatusFile, note
-from ecume.run.recording import Recording
-from ecume.run.sampling import NOTHING, Kept, SampleFile
-from ecume.run.selection import require_known, require_numbers, selection_of
-from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
+from ecume.run.recording import NOTHING, Kept, Recording, SampleFile, require_known, require_numbers, selection_of
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
 from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
-from ecume.trajectories.durable_files import storing, write_whole
-from ecume.trajectories.records import DONE, as_json, clean, scene_at
-from ecume.trajectories.repair import repair
-from ecume.trajectories.verification import good_frames
+from ecume.trajectories.records import DONE, as_json, clean, scene_at, storing, write_whole
+from ecume.trajectories.verification import good_frames, repair
 
 if TYPE_CHECKING:
     from ecume.models.actions import Action

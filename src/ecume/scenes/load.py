@@ -1,22 +1,214 @@
-"""The reading of scene files: a scene, or all of its faults."""
+"""The reading of scene files: a scene, or all of its faults; and changes from the command line."""
 
 from __future__ import annotations
 
+import copy
+import itertools
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path as File
 from typing import Any, NamedTuple
 
 from ecume.errors import Fault, SceneError
-from ecume.scenes.faults import Inconsistent, Path, echo, read_path, written
-from ecume.scenes.files import NotText, text_of
+from ecume.scenes.faults import MISSING, Inconsistent, Path, echo, place_of, places, read_path, value_at, written
 from ecume.scenes.floating.sources import RUN as START
 from ecume.scenes.floating.sources import SOURCES, rows_from
-from ecume.scenes.overrides import overridden
-from ecume.scenes.places import place_of, places
 from ecume.scenes.schema import Scene, examined
+from ecume.scenes.tables import NotText, text_of
 from ecume.scenes.templates import templates
+
+KEY = re.compile(r"[A-Za-z0-9_-]{1,60}(?:\[[0-9]{1,9}\])*(?:\.[A-Za-z0-9_-]{1,60}(?:\[[0-9]{1,9}\])*){0,9}")
+LONGEST = 10_000
+
+
+def overridden(raw: dict[str, Any], overrides: Sequence[str]) -> tuple[set[Path], list[tuple[Path, str]]]:
+    """Write the overrides into `raw`; the paths they set, and what is wrong with them."""
+    changed: set[Path] = set()
+    faults: list[tuple[Path, str]] = []
+    for override in overrides:
+        try:
+            path, value = split(override)
+            put(raw, path, value)
+            changed.add(path)
+        except ValueError as fault:
+            faults.append(((), f"--set {echo(override)}: {fault}"))
+    return changed, faults
+
+
+def split(override: str) -> tuple[Path, Any]:
+    """The path and the value of `key=value`.
+
+    >>> split("particles[0].count=10")
+    (('particles', 0, 'count'), 10)
+    """
+    key, equals, text = override.partition("=")
+    if not equals or KEY.fullmatch(key.strip()) is None:
+        raise ValueError("expected key=value, such as particles[0].count=10")
+    return read_path(key), value_of(text.strip())
+
+
+def value_of(text: str) -> Any:
+    """A value as TOML writes it; what TOML cannot read is text, so that the shell needs no second pair of quotes."""
+    if len(text) > LONGEST:
+        raise ValueError(f"a value of {len(text)} characters is too long")
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return document["value"] if document.keys() == {"value"} else text
+
+
+def put(raw: Any, path: Path, value: Any) -> None:
+    """Set the value at `path`; missing tables on the way are created."""
+    for depth, (key, following) in enumerate(itertools.pairwise(path)):
+        if isinstance(key, str) and isinstance(raw, dict) and isinstance(following, str):
+            raw.setdefault(key, {})
+        raw = raw[_fitting(raw, key, path[: depth + 1])]
+    raw[_fitting(raw, path[-1], path, new=True)] = value
+
+
+def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
+    """The key, if something stands there."""
+    if isinstance(key, str) and isinstance(raw, dict) and (new or key in raw):
+        return key
+    if isinstance(key, int) and isinstance(raw, list) and key < len(raw):
+        return key
+    if isinstance(raw, list):
+        whole = written(path[:-1])
+        held = f"{whole}[0]" if len(raw) == 1 else f"{whole}[0] to {whole}[{len(raw) - 1}]"
+        raise ValueError(f"{whole} is a list; expected one of it: {held}" if raw else f"{whole} is an empty list")
+    raise ValueError(f"the scene has no {written(path)}")
+
+
+ROUNDS = 8
+"""Corrections that are tried one after the other, and lines that are omitted."""
+QUICK = 20_000
+"""Placing more particles than this can take longer than correcting the faults that are known."""
+MEANT = re.compile(r"no such key; did you mean (\w+)\?")
+"""A misspelt key."""
+
+
+def load_and_examine(file: File, overrides: Sequence[str], examine: Callable[[Scene], Any]) -> Scene:
+    """The scene of a file. Raises SceneError with its faults, and with those that `examine` finds in what is valid."""
+    try:
+        return load_scene(file, overrides)
+    except SceneError as error:
+        raise SceneError(merged(error, file, overrides, examine), error.source) from None
+
+
+def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Callable[[Scene], Any]) -> list[Fault]:
+    """The faults of a scene, and those of its valid part, in the order of the file."""
+    try:
+        text, syntax = without_bad_lines(source_of(file))
+    except SceneError:  # there is no such file
+        return list(error.faults)
+    faults = [*syntax] if syntax else list(error.faults)
+    if syntax:
+        faults += _faults_of(text, overrides)
+    scene, dropped = valid_part(text, overrides)
+    if scene is not None and _placed(scene) <= QUICK:
+        try:
+            examine(scene)
+        except SceneError as more:
+            faults += _located(more, text, overrides, dropped)
+    unique = {(fault.path, fault.message): fault for fault in faults}.values()
+    return sorted(unique, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))
+
+
+def _placed(scene: Scene) -> int:
+    """How many particles have to be placed."""
+    return sum(getattr(species, "count", 0) or 0 for species in getattr(scene, "particles", ()))
+
+
+def without_bad_lines(source: Source) -> tuple[Source, list[Fault]]:
+    """The text with an empty line for each that is not TOML, and the faults of these lines."""
+    faults: list[Fault] = []
+    for _ in range(ROUNDS):
+        try:
+            parsed(source)
+        except SceneError as error:
+            (fault,) = error.faults
+            lines = source.text.split("\n")
+            if fault.line is None or fault.line > len(lines) or not lines[fault.line - 1].strip():
+                break
+            faults.append(fault)
+            lines[fault.line - 1] = ""
+            source = source._replace(text="\n".join(lines))
+        else:
+            break
+    return source, faults
+
+
+def _faults_of(source: Source, overrides: Sequence[str]) -> list[Fault]:
+    """The faults of the keys of a text; none where it is no TOML at all."""
+    try:
+        raw = tomllib.loads(source.text)
+    except (ValueError, RecursionError):
+        return []
+    changed, faults = overridden(raw, overrides)
+    _, found = _examined(raw, source)
+    return placed(source, [*faults, *found], changed)
+
+
+def _examined(raw: dict[str, Any], source: Source) -> tuple[Scene | None, list[tuple[Path, str]]]:
+    """The scene of plain data, with what its tables and files hold, or its faults."""
+    name_liquid(raw)
+    dry = sources_followed(raw, source.folder)
+    rows = rows_from(raw, source.folder)
+    if rows.plain and not rows.faults:
+        raw["rows"] = rows.plain
+    scene, found = examined(raw, also=SOURCES)
+    return scene, [*dry, *rows.faults, *found]
+
+
+def valid_part(source: Source, overrides: Sequence[str]) -> tuple[Scene | None, set[Path]]:
+    """The scene with misspelt keys corrected and faulty ones omitted, and the paths of these; None where what is left
+    is no scene.
+    """
+    try:
+        raw = tomllib.loads(source.text)
+    except (ValueError, RecursionError):
+        return None, set()
+    overridden(raw, overrides)
+    dropped: set[Path] = set()
+    for _ in range(ROUNDS):
+        scene, found = _examined(copy.deepcopy(raw), source)
+        if not found:
+            return scene, dropped
+        if any(message.startswith(MISSING) for _, message in found) or not _corrected(raw, found, dropped):
+            misspelt = [one for one in found if MEANT.match(one[1])]
+            if not misspelt or not _corrected(raw, misspelt, dropped):
+                return None, dropped
+    return None, dropped
+
+
+def _corrected(raw: dict[str, Any], found: Sequence[tuple[Path, str]], dropped: set[Path]) -> bool:
+    """Rename misspelt keys and remove faulty ones; whether any was there."""
+    done = False
+    for path, message in found:
+        table = value_at(raw, path[:-1], None) if path else None
+        if not isinstance(table, dict) or path[-1] not in table:
+            continue
+        value, meant = table.pop(path[-1]), MEANT.match(message)
+        if meant and meant[1] not in table:
+            table[meant[1]] = value
+        else:
+            dropped.add(path)
+        done = True
+    return done
+
+
+def _located(error: SceneError, source: Source, overrides: Sequence[str], dropped: set[Path]) -> list[Fault]:
+    """Faults of the valid part with their lines, without those of omitted keys."""
+    raw = tomllib.loads(source.text)
+    changed = overridden(raw, overrides)[0]
+    name_liquid(raw)
+    sources_followed(raw, source.folder)
+    rows = rows_from(raw, source.folder)
+    faults = rows.with_origins([(read_path(fault.path), fault.message) for fault in error.faults])
+    return placed(source, [one for one in faults if one[0] not in dropped], changed)
+
 
 BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")
 """A line with words that stand without quotes."""

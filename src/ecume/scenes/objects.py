@@ -20,8 +20,7 @@ from ecume.errors import Fault, SceneError
 from ecume.scenes.common import Common, Given
 from ecume.scenes.faults import as_faults, read_path
 from ecume.scenes.floating import FloatingScene
-from ecume.scenes.load import assembled
-from ecume.scenes.overrides import KEY, put
+from ecume.scenes.load import KEY, assembled, put
 from ecume.scenes.schema import Scene, from_plain
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene

@@ -73,7 +73,7 @@ PLAIN = {"1", "kg/m^3"}
 
 def write_scene(scene: Scene, path: str | os.PathLike[str], *, force: bool = False) -> File:
     """Write a scene file, from which `load_scene` reads an equal scene. A file that exists is replaced with `force`."""
-    from ecume.trajectories.durable_files import write_whole
+    from ecume.trajectories.records import write_whole
 
     file = File(path)
     if file.exists() and not force:

@@ -1,4 +1,4 @@
-"""Figures that any model can have: its numbers over time, clusters of what touches, paths. And what figures share."""
+"""Figures that any run can have: numbers over time, clusters of what touches, paths, and samples between frames."""
 
 from __future__ import annotations
 
@@ -12,17 +12,81 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
-from ecume.analysis.profiles import ENERGIES
+from ecume.analysis.fields import ENERGIES
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
+from ecume.models import MODELS
 from ecume.models.invariants import INJECTED
 from ecume.scenes.faults import suggestion
 from ecume.show.style import INK, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.samples import Samples
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
+
+
+FEWEST = 20
+"""Instants below which nothing counts as an outlier."""
+PART = 0.02
+"""The part of all instants, and at least two, that may be outliers at either end."""
+FENCE = 1.0
+"""How far beyond the range of all other values an outlier is, in parts of that range."""
+ROOM = 0.06
+"""Beyond the limits, in parts of the range."""
+
+
+def limits_without_spikes(curves: Array | list[Array]) -> tuple[float, float]:
+    """The least and the largest value of curves (K, N), without outliers.
+
+    >>> limits_without_spikes([np.array([0.0, 1.0] * 20 + [99.0])])
+    (0.0, 1.0)
+    """
+    values = np.asarray(curves, dtype=float)
+    finite = np.sort(values[np.isfinite(values)])
+    if not len(finite):
+        return 0.0, 1.0
+    if values.shape[-1] < FEWEST:
+        return float(finite[0]), float(finite[-1])
+    few = max(2, round(PART * len(finite)))
+    low, high = finite[few], finite[-1 - few]
+    room = FENCE * (high - low)
+    kept = finite[(finite >= low - room) & (finite <= high + room)] if room > 0.0 else finite
+    return float(kept[0]), float(kept[-1])
+
+
+def cut_spikes(axes: Axes, instants: Array, curves: Array, unit: str) -> None:
+    """Set limits without outliers, and mark each outlier at the edge of the axes with its value.
+
+    Of outliers that follow each other only the largest one is marked.
+    """
+    low, high = limits_without_spikes(curves)
+    room = ROOM * (high - low)
+    if not room > 0.0:
+        return
+    for values in curves:
+        for sign, edge in ((1.0, high), (-1.0, low)):
+            for peak in _peaks(sign * values, sign * edge):
+                _mark(axes, (instants[peak], edge + sign * room), f"{values[peak]:.3g} {unit}", up=sign > 0.0)
+    outside = (curves > high).any(), (curves < low).any()
+    if any(outside):
+        axes.set_ylim(low - (1.0 + outside[1]) * room, high + (1.0 + outside[0]) * room)
+
+
+def _peaks(values: Array, edge: float) -> list[int]:
+    """The indices of the largest value in each interval above the edge."""
+    above = np.flatnonzero(values > edge)
+    groups = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1) if len(above) else []
+    return [int(group[np.argmax(values[group])]) for group in groups]
+
+
+def _mark(axes: Axes, at: tuple[float, float], text: str, *, up: bool) -> None:
+    """A triangle that points out of the axes, and a value beside it."""
+    axes.plot(*at, marker="^" if up else "v", color=INK, markersize=5, clip_on=False, zorder=5)
+    axes.annotate(text, at, (6, 0), textcoords="offset points", va="center", fontsize=8, color=INK)
+
 
 MOST_INSTANTS = 400
 """A curve or a path of more frames than this looks no different, and takes longer to read and to draw."""
@@ -160,3 +224,59 @@ def over_time(drawn: Figure, scene: Scene, what: str) -> Axes:
     axes = drawn.add_subplot(xlabel="time (s)", title=titled(what, scene))
     axes.margins(x=0)
     return axes
+
+
+MOST_PANELS = 8
+"""Numbers that one figure shows; of more, the main ones of the model."""
+
+
+def samples_of(frames: Frames) -> Samples | None:
+    """The samples of a run, if it has at least two rows of them."""
+    if not isinstance(frames, Trajectory):
+        return None
+    try:
+        found = frames.samples
+    except BadInput:
+        return None
+    return found if len(found) > 1 else None
+
+
+def samples(frames: Frames, scene: Scene) -> Figure:
+    """The numbers sampled between frames over time; of blocks the mean, and the range as a band."""
+    found = samples_of(frames)
+    if found is None:
+        raise BadInput("the run has no two rows of samples; write a table [output.samples] with every and block")
+    names = shown_numbers(found, MODELS[scene.model].main_numbers)
+    with style():
+        drawn = figure(6.4, 1.2 + 1.3 * len(names))
+        panels = drawn.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, name in zip(panels, names, strict=True):
+            _curve(axes, found, name)
+        panels[0].set_title(titled(_title(found), scene))
+        panels[-1].set(xlabel="time (s)", xlim=span(found.times))
+    return drawn
+
+
+def shown_numbers(found: Samples, main: tuple[str, ...]) -> list[str]:
+    """The numbers of the figure: all of a few, the main ones of many."""
+    if len(found.names) <= MOST_PANELS:
+        return found.names
+    return [name for name in found.names if name in main][:MOST_PANELS] or found.names[:MOST_PANELS]
+
+
+def _title(found: Samples) -> str:
+    return f"Averages of {found.counts[0]} samples" if found.blocks else "Samples"
+
+
+def _curve(axes: Axes, found: Samples, name: str) -> None:
+    """One number with its range, in the unit that fits it."""
+    low, high, mean = found.minimum(name), found.maximum(name), found.mean(name)
+    sizes = np.abs(np.concatenate([low, high]))
+    unit = found.units[name]
+    scale = scale_for(float(sizes[np.isfinite(sizes)].max(initial=0.0)), unit) if unit != "1" else None
+    factor = scale.factor if scale else 1.0
+    if found.blocks:
+        axes.fill_between(found.times, factor * low, factor * high, color=PALETTE[1], alpha=0.25, linewidth=0.0)
+    axes.plot(found.times, factor * mean, color=PALETTE[1], linewidth=1.0)
+    label = plain(name.replace("_", " "))
+    axes.set_ylabel(f"{label}\n({scale.unit})" if scale else label, fontsize="small")

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
-from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time
+from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time, samples
 from ecume.show.figure_names import NUMBER
 from ecume.show.floating.figures import FLOATING_FIGURES
-from ecume.show.samples import samples
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.sph.figures import SPH_FIGURES
 from ecume.show.style import save

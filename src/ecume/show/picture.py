@@ -1,10 +1,14 @@
-"""The parts that pictures of every model share: size, view, scale bar, legend, fast drawing.
+"""The parts that pictures of every model share: camera, size, view, scale bar, legend, fast drawing.
+
+Very many particles: discs painted into pixels, as no collection of patches could do as fast. In 3D they are balls,
+lit from the viewer's side; nearer ones hide farther ones.
 
 What never changes is drawn once; a movie then draws only the rest of each frame.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import textwrap
 from collections.abc import Sequence
@@ -15,20 +19,103 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
-from matplotlib.colors import to_rgba_array
+from matplotlib.colors import to_rgb, to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
+from ecume.errors import BadInput
 from ecume.scenes.common import colors_of
-from ecume.show.splat import MANY, Splat, splat_in
 from ecume.show.style import INK, MUTED, plain, scale_for
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
+
+
+FARTHEST = 0.45
+"""How bright the farthest ball is, the nearest being 1."""
+MANY = 1500
+"""So many circles are painted sooner than drawn one by one."""
+POINT = 1.0 / 72.0
+"""In inches."""
+
+
+class Splat(Artist):
+    """Particles in axes, painted with as many pixels as the figure has there when it is drawn. `radius` is (N,) or
+    one for all (m); `rim` is how wide the line around each is (points). `room` are the corners beyond which nothing is
+    painted (m); infinite where there is no wall.
+    """
+
+    def __init__(
+        self, radius: Array | float, *, balls: bool = False, rim: float = 0.0, room: tuple[Array, Array] | None = None
+    ) -> None:
+        super().__init__()
+        self.radius, self.balls, self.rim, self.room = radius, balls, rim, room
+        self.places, self.shades = np.zeros((0, 2)), np.zeros((0, 3))
+        self.order: Any = slice(None)
+
+    def put(self, places: Array, depth: Array | None, colors: Array) -> None:
+        """Draw discs: positions (N, 2) in m, how near to the eye each is, and colors (N, 3 or 4) from 0 to 1."""
+        self.places, self.shades, self.order = places, 255.0 * colors[:, :3], slice(None)
+        if depth is not None and len(depth):
+            self.order = np.argsort(depth, kind="stable")
+            near = (depth - depth.min()) / max(float(np.ptp(depth)), 1e-300)
+            self.shades = self.shades * (FARTHEST + (1.0 - FARTHEST) * near)[:, None]
+
+    def set_offsets(self, places: Array) -> None:
+        """Move them."""
+        self.places = places
+
+    def _pixel(self, corner: Array) -> Array:
+        """A corner in pixels of the figure; infinite where it is."""
+        axes: Any = self.axes
+        shown: Array = axes.transData.transform(np.where(np.isfinite(corner), corner, 0.0))
+        return np.where(np.isfinite(corner), shown, corner)
+
+    def draw(self, renderer: Any) -> None:
+        """Paint them, and lay that over what is there."""
+        from ecume.engine.rendering import Dots, Look, splat
+
+        axes: Any = self.axes
+        if not self.get_visible() or not len(self.places):
+            return
+        box, per_meter = axes.bbox, axes.transData.transform
+        left, bottom = round(box.x0), round(box.y0)
+        pixels = np.zeros((max(1, round(box.y1) - bottom), max(1, round(box.x1) - left), 4), np.uint8)
+        across, up = per_meter(self.places).T
+        zoom = float(np.ptp(per_meter([(0.0, 0.0), (1.0, 0.0)])[:, 0]))
+        radius = np.broadcast_to(zoom * np.asarray(self.radius, dtype=np.float64), len(across))
+        columns = (across - left, len(pixels) - (up - bottom), radius)
+        dots = Dots(*(np.ascontiguousarray(column[self.order]) for column in (*columns, self.shades)))
+        rim = self.rim * POINT * axes.figure.dpi
+        splat(pixels, dots, Look(self.balls, rim, 255.0 * np.array(to_rgb(INK))))
+        if self.room is not None:
+            cut(pixels, [self._pixel(corner) - (left, bottom) for corner in self.room])
+        context = renderer.new_gc()
+        renderer.draw_image(context, left, bottom, pixels[::-1])
+        context.restore()
+
+
+def cut(pixels: NDArray[np.uint8], corners: Sequence[Array]) -> None:
+    """Clear the pixels (rows from the top) that are left of or below the first corner, or right of or above the second
+    one, counted in pixels from the lower left.
+    """
+    rows, columns = pixels.shape[:2]
+    (left, bottom), (right, top) = corners
+    across, up = np.arange(columns) + 0.5, rows - np.arange(rows) - 0.5
+    pixels[:, (across < left) | (across > right)] = 0
+    pixels[(up < bottom) | (up > top)] = 0
+
+
+def splat_in(axes: Axes, splat: Splat, zorder: float) -> Splat:
+    """Put it into axes."""
+    splat.set_zorder(zorder)
+    axes.add_artist(splat)
+    return splat
+
 
 DPI = 100
 LONGEST_TITLE = 50
@@ -245,3 +332,114 @@ def species_dots(kinds: Sequence[Species]) -> list[Line2D]:
     """The markers of the species in a legend."""
     look: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 8, "markeredgecolor": INK}
     return [Line2D([], [], color=kind.color, label=plain(kind.name), **look) for kind in kinds]
+
+
+UPRIGHT = np.eye(3)
+"""The directions right, up and towards the eye of an eye straight before it, where y points up."""
+STANDING = np.array([(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)])
+"""The same where z points up."""
+
+
+class Eye(NamedTuple):
+    """The viewpoint of a picture in 3D."""
+
+    azimuth: float = 28.0
+    """degrees by which it goes around the vertical, to its right"""
+    elevation: float = 20.0
+    """degrees by which it looks from above"""
+
+    def camera(self, ahead: Array = UPRIGHT) -> Array:
+        """The directions right, up, and towards the eye, (3, 3). `ahead` are the same at azimuth and elevation 0."""
+        turn, rise = math.radians(self.azimuth), math.radians(self.elevation)
+        right = np.array([math.cos(turn), 0.0, -math.sin(turn)])
+        level = np.array([math.sin(turn), 0.0, math.cos(turn)])
+        toward = math.cos(rise) * level + math.sin(rise) * np.array([0.0, 1.0, 0.0])
+        seen: Array = np.array([right, np.cross(toward, right), toward]) @ ahead
+        return seen
+
+
+class Wires(NamedTuple):
+    """Edges of a box, as they are seen: (2, 2) m each."""
+
+    front: list[Array]
+    behind: list[Array]
+
+
+def edges_of(low: Array, high: Array) -> list[Array]:
+    """The twelve edges of a box, (2, 3) each."""
+    corners = [np.where(choice, high, low) for choice in itertools.product((False, True), repeat=3)]
+    pairs = itertools.combinations(corners, 2)
+    return [np.array(pair) for pair in pairs if np.count_nonzero(pair[0] != pair[1]) == 1]
+
+
+def wires_of(low: Any, high: Any, camera: Array) -> Wires:
+    """The edges of a box that are behind its contents, and the others."""
+    low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    farthest, found = np.where(camera[2] > 0.0, low, high), Wires([], [])
+    for edge in edges_of(low, high):
+        hidden = (edge == farthest).all(axis=1).any()
+        (found.behind if hidden else found.front).append(edge @ camera[:2].T)
+    return found
+
+
+class Aim(NamedTuple):
+    """The part of the world that a picture shows."""
+
+    zoom: float = 1.0
+    """How many times larger all is seen."""
+    follow: int | None = None
+    """The particle that stays in the middle; by default the middle of the world does."""
+
+
+WIDE = Aim()
+"""All that there is."""
+
+
+class Aimed(Picture):
+    """An open picture that shows a part of another one's world."""
+
+    def __init__(self, picture: Picture, aim: Aim) -> None:
+        self.picture, self.aim = picture, aim
+        self.figure, self.layers, self.bars = picture.figure, picture.layers, picture.bars
+        whole = picture.view
+        self.view = view_around(
+            (whole.left + whole.right) / 2.0,
+            (whole.bottom + whole.top) / 2.0,
+            whole.width / aim.zoom,
+            whole.height / aim.zoom,
+        )
+        _measure(self.bars, scale_bar(picture.figure.axes[0], self.view))
+        self._look(self.view)
+
+    def show(self, frame: Frame) -> None:
+        """Put a frame into the picture."""
+        if self.aim.follow is not None:
+            x, y = self.place(frame, self.aim.follow)
+            self._look(view_around(float(x), float(y), self.view.width, self.view.height))
+        self.picture.show(frame)
+
+    def place(self, frame: Frame, one: int) -> Any:
+        """The position at which a particle is seen (m)."""
+        count = len(frame.arrays["position"])
+        if not 0 <= one < count:
+            raise BadInput(f"no particle {one} at {frame.time:g} s; expected 0 to {count - 1}")
+        return self.picture.place(frame, one)
+
+    def _look(self, view: View) -> None:
+        self.figure.axes[0].set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
+        self.layers.forget()
+
+
+def aimed(picture: Picture, aim: Aim) -> Picture:
+    """The picture itself where there is nothing to aim at."""
+    return picture if aim == WIDE else Aimed(picture, aim)
+
+
+def _measure(bars: list[Any], right: list[Any]) -> None:
+    """Let a scale bar say what another one says, which then goes."""
+    (bar, text), (new_bar, new_text) = bars, right
+    bar.set_xdata(new_bar.get_xdata())
+    text.set_text(new_text.get_text())
+    text.set_position(new_text.get_position())
+    for artist in right:
+        artist.remove()

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput, StorageError
 from ecume.scenes.common import PALETTE as PALETTE
-from ecume.trajectories.durable_files import replacing
+from ecume.trajectories.records import replacing
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
 HEIGHT_COLORS = LinearSegmentedColormap.from_list(

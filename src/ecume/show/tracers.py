@@ -12,13 +12,11 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
-from ecume.models.tracers.tank import body_of, inside_of
-from ecume.show.camera import STANDING, Eye, Wires, wires_of
+from ecume.models.tracers.parameters import body_of, inside_of
 from ecume.show.curves import Frames, energies, evolution, over_time, titled
-from ecume.show.picture import USUAL, Size, species
-from ecume.show.scenery import Round, Setting, Shape
+from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
-from ecume.show.tank import Tank, seen
+from ecume.show.tank import Round, Setting, Shape, Tank, seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 

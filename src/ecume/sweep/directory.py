@@ -1,7 +1,8 @@
-"""The directory of a sweep: `sweep.toml` as it was asked, `points.json`, and a folder for each point.
+"""The directory of a sweep, and its status as seen from outside, from the files alone.
 
-A point's folder is named by the digest of what is simulated in it, so that a sweep whose file has changed finds what it
-has already, and only what is missing is run.
+The directory of a sweep: `sweep.toml` as it was asked, `points.json`, and a folder for each point. A point's folder
+is named by the digest of what is simulated in it, so that a sweep whose file has changed finds what it has already,
+and only what is missing is run.
 """
 
 from __future__ import annotations
@@ -10,23 +11,24 @@ import hashlib
 import json
 import math
 import re
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, Fault, SceneError, StorageError
-from ecume.models.engines import LOCAL
+from ecume.models.model import LOCAL
+from ecume.run.directory import RunDirectory
+from ecume.run.lock import is_held
 from ecume.scenes.faults import echo, read_path, value_at
-from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import Scene, scene_hash, to_plain
+from ecume.scenes.tables import beside, require_there
 from ecume.scenes.templates import folder as templates_folder
-from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
 from ecume.sweep.processes import require_arguments, require_settings
-from ecume.sweep.spec import SweepSpec
-from ecume.trajectories.durable_files import storing, write_whole
-from ecume.trajectories.records import anything, key, listed, named, plain_of, table, whole
+from ecume.sweep.spec import Asked, Point, SweepSpec, load_sweep, points_of, varied
+from ecume.trajectories.records import anything, key, listed, named, plain_of, storing, table, whole, write_whole
 
 KEY_LENGTH = 16
 MOST_BYTES = 2**30
@@ -254,3 +256,54 @@ def _digest(plan: dict[str, Any]) -> str:
 
 def _json(value: Any) -> str:
     return json.dumps(value, sort_keys=True, indent=1)
+
+
+RECENT = 50
+"""The number of last points whose rate is reported."""
+SILENT = 10.0
+"""Factor over the usual time between two points, and seconds: without a new point for longer, no worker is active."""
+
+
+class Standing(NamedTuple):
+    """The number of points in each state."""
+
+    done: int
+    failed: list[tuple[Path, str]]
+    """folders, and why"""
+    running: int
+    """runs that a process holds; what processes such as `t1` do is not seen from outside"""
+    missing: int
+    remaining: float | None
+    """s, until all are done; None where that is not known"""
+
+
+def standing(directory: Path) -> Standing:
+    """The status of a sweep. Raises BadInput if it does not exist."""
+    jobs = distinct(existing_sweep(directory).jobs)
+    states = [job.state for job in jobs]
+    failed = [(job.folder, job.why) for job, state in zip(jobs, states, strict=True) if state == "failed"]
+    waiting = [job for job, state in zip(jobs, states, strict=True) if state == "missing"]
+    running = sum(is_held(RunDirectory(job.run)) for job in waiting)
+    ended = sorted(_ended(job) for job, state in zip(jobs, states, strict=True) if state == "done")
+    return Standing(len(ended), failed, running, len(waiting) - running, remaining(ended, len(waiting), time.time()))
+
+
+def _ended(job: Job) -> float:
+    """The time at which a point was completed."""
+    marker = job.result if job.result.exists() else RunDirectory(job.run).done
+    return marker.stat().st_mtime
+
+
+def remaining(ended: Sequence[float], waiting: int, now: float) -> float | None:
+    """The time that so many points take at the pace of those completed last (s).
+
+    >>> remaining([0.0, 10.0, 20.0], waiting=6, now=24.0)
+    72.0
+    """
+    recent = ended[-RECENT:]
+    if not waiting or len(recent) < 2:
+        return None
+    usual = (recent[-1] - recent[0]) / (len(recent) - 1)
+    if now - recent[-1] > SILENT * (1.0 + usual):
+        return None
+    return waiting * (now - recent[0]) / (len(recent) - 1)

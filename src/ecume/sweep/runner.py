@@ -11,7 +11,7 @@ from types import FrameType
 from typing import NamedTuple
 
 from ecume.errors import Stopped
-from ecume.run.stop_requests import handled
+from ecume.run.lock import handled
 from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct
 from ecume.sweep.executors import ExecutorOptions, hands
 from ecume.sweep.results import require_numbers, write_table

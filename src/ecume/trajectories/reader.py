@@ -16,12 +16,10 @@ from ecume._hooks import html_of, scene_of
 from ecume._plain_files import require_plain
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories import tables
-from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorder import segment_files
-from ecume.trajectories.records import manifest_at, scene_at
+from ecume.trajectories.records import manifest_at, scene_at, storing
 from ecume.trajectories.samples import FILE, Samples
-from ecume.trajectories.segments import Segment
+from ecume.trajectories.segments import Segment, segment_files
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ecume._plain_files import content_of
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories import tables
-from ecume.trajectories.durable_files import storing
+from ecume.trajectories.records import storing
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame

@@ -1,4 +1,4 @@
-"""One file of a trajectory: read frame by frame, and grown by whole frames."""
+"""The files of a trajectory: read frame by frame, and grown by whole frames as a recorder writes them."""
 
 from __future__ import annotations
 
@@ -9,22 +9,21 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ecume._plain_files import opened, place_of, require_memory
 from ecume.errors import StorageError
-from ecume.trajectories import gsd_layout, gsd_schema
-from ecume.trajectories.durable_files import replacing, storing
+from ecume.trajectories import gsd
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.gsd_layout import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES
-from ecume.trajectories.gsd_schema import Chunks
+from ecume.trajectories.gsd import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES, Chunks
+from ecume.trajectories.records import replacing, storing
 
 FIRST_ROOM = 512
 """Entries in the first block of an index."""
-NAMES_LOCATION = gsd_layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
+NAMES_LOCATION = gsd.FILE_HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
 """The place of the list of names."""
 
 
@@ -39,7 +38,7 @@ class Segment:
             self._base = 0
             self.refresh()
             self.first = self._at(0)
-            self.header = gsd_schema.read(self.first, path)
+            self.header = gsd.read(self.first, path)
             self._base = self.header.first
         except BaseException:
             self._file.close()
@@ -47,7 +46,7 @@ class Segment:
 
     def refresh(self) -> None:
         """See what a run has written meanwhile."""
-        self.index = gsd_layout.read_index(self._file, self.path)
+        self.index = gsd.read_index(self._file, self.path)
         self.frames = self.index.frames
         self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
 
@@ -56,9 +55,9 @@ class Segment:
         chunks = {**self.first, **self._at(frame)}
         if CHECKSUM not in chunks or chunks[CHECKSUM].shape != (2, 1):
             raise StorageError(self.damage(frame, "its checksum is missing"))
-        if any(name not in chunks for name in gsd_schema.number_names(self.header)):
+        if any(name not in chunks for name in gsd.number_names(self.header)):
             raise StorageError(self.damage(frame, "a number is missing"))
-        expected = [gsd_schema.checksum(chunks), gsd_schema.numbers_checksum(chunks, self.header)]
+        expected = [gsd.checksum(chunks), gsd.numbers_checksum(chunks, self.header)]
         if chunks[CHECKSUM][:, 0].tolist() != expected:
             raise StorageError(self.damage(frame))
         return chunks
@@ -71,15 +70,15 @@ class Segment:
             first: dict[int, tuple[bytes, int, int]] = {}
             entries = self.index.entries
             fields = (entries[name].tolist() for name in ("name", "rows", "columns", "location"))
-            rows = list(zip(*fields, entries["type"].tolist(), gsd_layout.sizes(entries).tolist(), strict=True))
+            rows = list(zip(*fields, entries["type"].tolist(), gsd.sizes(entries).tolist(), strict=True))
             names = self.index.names
             order = sorted((name, number) for number, name in enumerate(names) if name != CHECKSUM)
-            numbers = [names.index(name) for name in gsd_schema.number_names(self.header) if name in names]
+            numbers = [names.index(name) for name in gsd.number_names(self.header) if name in names]
             seal = names.index(CHECKSUM)
-            crowded = gsd_layout.size_of(entries) > len(data)
+            crowded = gsd.size_of(entries) > len(data)
             for frame in range(self.frames):
                 found = dict(first)
-                if crowded and gsd_layout.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
+                if crowded and gsd.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
                     yield frame
                     continue
                 for name, count, wide, start, kind, size in rows[self._starts[frame] : self._starts[frame + 1]]:
@@ -93,7 +92,7 @@ class Segment:
     def frame(self, number: int) -> Frame:
         """A frame. Raises StorageError where it is damaged."""
         try:
-            return gsd_schema.frame_of(self.chunks(number), self.header)
+            return gsd.frame_of(self.chunks(number), self.header)
         except (KeyError, ValueError, IndexError) as error:
             raise StorageError(self.damage(number, f"its data do not fit its header: {error}")) from error
 
@@ -103,7 +102,7 @@ class Segment:
 
     def numbers(self) -> NDArray[np.void]:
         """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
-        names = gsd_schema.number_names(self.header)
+        names = gsd.number_names(self.header)
         size = self._file.seek(0, os.SEEK_END)
         data = np.memmap(cast(Any, self._file), np.uint8, "r", shape=(size,))
         raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
@@ -126,10 +125,10 @@ class Segment:
 
     def _at(self, frame: int) -> Chunks:
         entries = self.index.entries[self._starts[frame] : self._starts[frame + 1]]
-        if gsd_layout.overlap(entries):
+        if gsd.overlap(entries):
             raise StorageError(self.damage(frame, "its data overlap"))
         with storing(self.path):
-            require_memory(gsd_layout.size_of(entries), self.path)
+            require_memory(gsd.size_of(entries), self.path)
             return {self.index.names[entry["name"]]: self._chunk(entry) for entry in entries}
 
     def _chunk(self, entry: Any) -> NDArray[Any]:
@@ -196,7 +195,7 @@ class GrowingSegment:
 
     def takes(self, chunks: Chunks) -> bool:
         """Whether the frame has the same arrays and numbers as the frames before."""
-        return chunks.keys() == self._first.keys() and _same(chunks[gsd_schema.HEADER], self._first[gsd_schema.HEADER])
+        return chunks.keys() == self._first.keys() and _same(chunks[gsd.HEADER], self._first[gsd.HEADER])
 
     def append(self, chunks: Chunks) -> None:
         """Commit one frame: its chunks that differ from those of the first."""
@@ -263,7 +262,7 @@ def create(path: Path, chunks: Chunks) -> None:
     names = tuple(chunks)
     names_after = listed(names)
     entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
-    header = header_of(gsd_layout.HEADER.itemsize, FIRST_ROOM, names)
+    header = header_of(gsd.FILE_HEADER.itemsize, FIRST_ROOM, names)
     block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
     with replacing(path, root_of(path)) as file:
         file.write(header + block + names_after + data)
@@ -277,8 +276,8 @@ def listed(names: Sequence[str]) -> bytes:
 
 def header_of(location: int, room: int, names: Sequence[str]) -> bytes:
     """The header of a file with these names and this block of entries."""
-    header = np.zeros(1, gsd_layout.HEADER)
-    header["magic"], header["schema"], header["application"] = gsd_layout.MAGIC, b"hoomd", b"ecume"
+    header = np.zeros(1, gsd.FILE_HEADER)
+    header["magic"], header["schema"], header["application"] = gsd.MAGIC, b"hoomd", b"ecume"
     header["schema_version"], header["gsd_version"] = 1 << 16 | 4, 2 << 16
     header["index_location"], header["index_room"] = location, room
     header["names_location"], header["names_room"] = NAMES_LOCATION, len(listed(names)) // NAME_UNIT
@@ -314,9 +313,102 @@ def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tup
 
 
 def _data_end(entries: NDArray[Any]) -> int:
-    return int((entries["location"] + gsd_layout.sizes(entries)).max(initial=0))
+    return int((entries["location"] + gsd.sizes(entries)).max(initial=0))
 
 
 def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
     """The same bits: a NaN equals itself, and minus zero is not zero."""
     return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
+
+
+LARGEST = 512 * 2**20
+"""Bytes after which a new segment is begun."""
+
+
+def segment_files(folder: Path) -> list[Path]:
+    """The segments of a trajectory, in order."""
+    return sorted(path for path in folder.glob("*.gsd") if path.stem.isdecimal())
+
+
+class Recorder:
+    """An open trajectory that frames are added to: a folder with `0000.gsd`, `0001.gsd` and so on.
+
+    A folder that holds frames is continued. When `write` returns, the frame is on the disk, whole.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        species: Sequence[str] = (),
+        colors: Sequence[str] = (),
+        largest: int = LARGEST,
+        single: bool = False,
+    ) -> None:
+        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`, for viewers of the
+        files. `single` is the precision of arrays.
+        """
+        self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
+        self._single = single
+        with storing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+        self._segment: GrowingSegment | None = None
+        self._attach()
+
+    def write(self, frame: Frame, step: int) -> None:
+        """Commit one frame, taken at this time step."""
+        if self._segment is None or not self._appended(self._segment, frame, step):
+            self._begin(frame, step)
+        self.frames += 1
+
+    def cut(self, frames: int) -> None:
+        """Forget all but the first frames."""
+        self.close()
+        for path in reversed(segment_files(self.folder)):
+            with contextlib.closing(Segment(path)) as segment:
+                first, held = segment.header.first, segment.frames
+            if first + held > frames:
+                cut(path, max(0, frames - first))
+        self._attach()
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._segment is not None:
+            self._segment.close()
+        self._segment = None
+
+    def __enter__(self) -> Self:
+        """The recorder itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the file."""
+        self.close()
+
+    def _attach(self) -> None:
+        """Go on with the last segment, cut back to its whole frames."""
+        files = segment_files(self.folder)
+        self._number, self.frames = int(files[-1].stem) + 1 if files else 0, 0
+        if files:
+            with contextlib.closing(Segment(files[-1])) as segment:
+                held = segment.frames
+            self._segment = GrowingSegment(files[-1], held)
+            self.frames = self._segment.header.first + held
+
+    def _appended(self, segment: GrowingSegment, frame: Frame, step: int) -> bool:
+        """Whether this segment has room for the frame, and now has it."""
+        header = gsd.header_of(frame, segment.header.first, self._species, single=self._single)
+        chunks = gsd.chunks_of(frame, step, header, self._colors)
+        if not segment.takes(chunks) or segment.size + sum(chunk.nbytes for chunk in chunks.values()) > self._largest:
+            return False
+        segment.append(chunks)
+        return True
+
+    def _begin(self, frame: Frame, step: int) -> None:
+        """A new segment, that begins with this frame."""
+        self.close()
+        path = self.folder / f"{self._number:04d}.gsd"
+        header = gsd.header_of(frame, self.frames, self._species, single=self._single)
+        create(path, gsd.chunks_of(frame, step, header, self._colors))
+        self._segment = GrowingSegment(path, 1)
+        self._number += 1

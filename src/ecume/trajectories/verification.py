@@ -1,8 +1,8 @@
-"""Verification of a trajectory: each byte of its files is what was written, or is reported.
+"""Verification of a trajectory: each byte is what was written, or is reported; and repair, which keeps whole frames.
 
-The checksum of a frame covers its chunks: their names, shapes and data. All else in a file follows from the index: the
-header, the list of names, blocks of the index that were left behind when it grew, and zeros in between. What a killed
-process wrote after the last whole frame belongs to no frame; it is reported as a remark.
+The checksum of a frame covers its chunks: their names, shapes and data. All else in a file follows from the index:
+the header, the list of names, blocks of the index that were left behind when it grew, and zeros in between. What a
+killed process wrote after the last whole frame belongs to no frame; it is reported as a remark.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume._plain_files import place_of
 from ecume.errors import StorageError
-from ecume.trajectories import gsd_layout, segments
-from ecume.trajectories.gsd_layout import ENTRY, HEADER
-from ecume.trajectories.recorder import segment_files
-from ecume.trajectories.segments import Segment
+from ecume.trajectories import gsd, segments
+from ecume.trajectories.gsd import ENTRY, FILE_HEADER
+from ecume.trajectories.records import storing
+from ecume.trajectories.segments import Segment, segment_files
 
 
 class Checked(NamedTuple):
@@ -84,7 +85,7 @@ def misplaced(segment: Segment) -> tuple[list[str], list[str]]:
     index, path = segment.index, segment.path
     faults, remarks = [], []
     expected = segments.header_of(index.location, index.room, index.names)
-    if segment.bytes_at(0, HEADER.itemsize) != expected:
+    if segment.bytes_at(0, FILE_HEADER.itemsize) != expected:
         faults.append(f"{path}: damaged: its header is not what was written")
     listed = segments.listed(index.names)
     if segment.bytes_at(segments.NAMES_LOCATION, len(listed)) != listed:
@@ -108,8 +109,8 @@ def _gaps(segment: Segment, names: int) -> tuple[int, list[tuple[int, int]]]:
     """The end of the data of a segment, and the stretches before it that are neither index, names nor chunks."""
     index = segment.index
     starts = index.entries["location"].astype(np.int64)
-    sizes = gsd_layout.sizes(index.entries)
-    fixed = [(0, HEADER.itemsize), (index.location, index.room * ENTRY.itemsize), (segments.NAMES_LOCATION, names)]
+    sizes = gsd.sizes(index.entries)
+    fixed = [(0, FILE_HEADER.itemsize), (index.location, index.room * ENTRY.itemsize), (segments.NAMES_LOCATION, names)]
     starts = np.concatenate([starts, np.array([start for start, _ in fixed], np.int64)])
     ends = starts + np.concatenate([sizes, np.array([size for _, size in fixed], np.int64)])
     order = np.argsort(starts, kind="stable")
@@ -123,3 +124,39 @@ def _was_block(content: bytes, entries: bytes) -> bool:
     filled = content.rstrip(b"\0")
     whole = -(-len(filled) // ENTRY.itemsize) * ENTRY.itemsize
     return content[:whole] == entries[:whole] or not filled
+
+
+class Repaired(NamedTuple):
+    """The number of good frames, the faults of the others (a line each), and the files without any."""
+
+    good: int
+    faults: tuple[str, ...]
+    unusable: tuple[Path, ...]
+
+
+def repair(folder: Path) -> Repaired:
+    """Make the segments of a folder readable again: whole frames stay, what was half written goes.
+
+    Each damaged frame is named. A file without any whole frame is set aside, under a name that ends in `.damaged`.
+    """
+    good, faults, unusable = 0, [], []
+    for path in segment_files(folder):
+        try:
+            segment = Segment(path)
+        except StorageError as error:
+            faults.append(str(error))
+            unusable.append(_set_aside(path))
+            continue
+        with contextlib.closing(segment):
+            found = [fault for _, fault in damages(segment)]
+        segments.cut(path, segment.frames)
+        good += segment.frames - len(found)
+        faults += found
+    return Repaired(good, tuple(faults), tuple(unusable))
+
+
+def _set_aside(path: Path) -> Path:
+    aside = path.with_suffix(".gsd.damaged")
+    with storing(path), place_of(path, segments.root_of(path)) as place:
+        place.beside(aside.name).take(place)
+    return aside

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import StorageError
-from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.exported_frames import ExportedFrames
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.records import replacing, storing
 
 if TYPE_CHECKING:
     import h5py

@@ -2,7 +2,7 @@
 
 `CASES` is the table; start there. Each case is a module whose function `rows` runs it and returns `rows.Row`s; its
 scene, its tables and a README with their sources are in `data/CASE`. `runner` reads and runs them; `float_motion` and
-`drop_oscillations` are shared by several cases.
+the oscillations in `drops` are shared by several cases.
 """
 
 from __future__ import annotations

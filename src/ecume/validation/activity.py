@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.analysis.structure import mean_square_displacement
 from ecume.models import MODELS
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate

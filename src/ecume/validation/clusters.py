@@ -10,10 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.analysis.clusters import touching_pairs
+from ecume.analysis.clusters import entropy_production, rigid_weight, topology_of, touching_pairs
 from ecume.analysis.series import Mean
-from ecume.analysis.topologies import rigid_weight, topology_of
-from ecume.analysis.transitions import entropy_production
 from ecume.laws.brownian import thermal_energy
 from ecume.laws.capillarity import pair_energy, pair_strength
 from ecume.models import MODELS

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ecume.laws.drops import drop_decay
+from ecume.laws.flows import drop_decay
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left
@@ -18,7 +18,7 @@ from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.drop_oscillations import longest_rise, swing_of
+from ecume.validation.drops import longest_rise, swing_of
 from ecume.validation.rows import Row, above, below, within
 from ecume.validation.runner import sph_scene
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from ecume.laws import capillarity, drag, flotation, images, meniscus
+from ecume.laws import capillarity, drag, flotation, meniscus
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.validation import multipole as beyond
 from ecume.validation.rows import Row, above, below, within
@@ -40,7 +40,7 @@ def sinking(case: Case) -> float:
     bond, angle = float(case["bond_number"]), math.radians(float(case["contact_angle_deg"]))
     if case["quantity"] == "slope_angle_deg":
         load = partial(flotation.balance.load, bond, angle)
-        return math.degrees(flotation.carrying.greatest_load(load, angle).slope_angle)
+        return math.degrees(flotation.balance.greatest_load(load, angle).slope_angle)
     return flotation.sinking_density_ratio(bond_number=bond, contact_angle=angle)
 
 
@@ -97,9 +97,9 @@ def image_forces(case: Case) -> Row:
     distance, word = float(case["distance_over_L"]), case["wall"]
     if case["dish_radius_over_L"]:
         radius = float(case["dish_radius_over_L"])
-        force = images.image_force(1.0, radius - distance, radius, LIQUID, word)
+        force = meniscus.image_force(1.0, radius - distance, radius, LIQUID, word)
     else:
-        force = images.plane_image_force(1.0, distance, LIQUID, word)
+        force = meniscus.plane_image_force(1.0, distance, LIQUID, word)
     where = f"a/L={case['dish_radius_over_L'] or 'plane'} d/L={case['distance_over_L']}"
     return _row(f"image of a wall, {word} {where}", float(force) / LIQUID.surface_tension, case)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ecume.laws import flotation, multipole, quadrupoles
+from ecume.laws import contact_lines, flotation, multipole
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Array
 from ecume.validation.rows import Row, below, within
@@ -149,24 +149,24 @@ def _quadrupoles() -> list[Row]:
 
     alone = multipole.solve([[0.0, 0.0]], [rim(0.0)], LIQUID, 12).energy
     found = multipole.solve(_pair(apart), [rim(angle_a), rim(angle_b)], LIQUID, 12)
-    strength = quadrupoles.quadrupole_strength(1.0, height * a * a, height * a * a)
+    strength = contact_lines.quadrupole_strength(1.0, height * a * a, height * a * a)
     given = apart, angle_a + angle_b, strength
     return [
         within(
             "quadrupoles: energy over the law",
-            (found.energy - 2.0 * alone) / quadrupoles.quadrupole_energy(*given),
+            (found.energy - 2.0 * alone) / contact_lines.quadrupole_energy(*given),
             1.0,
             2e-3,
         ),
         within(
             "quadrupoles: force over the law",
-            float(found.forces[1, 0]) / quadrupoles.quadrupole_force(*given),
+            float(found.forces[1, 0]) / contact_lines.quadrupole_force(*given),
             1.0,
             3e-3,
         ),
         within(
             "quadrupoles: torque over the law",
-            float(found.torques[0]) / quadrupoles.quadrupole_torque(*given),
+            float(found.torques[0]) / contact_lines.quadrupole_torque(*given),
             1.0,
             2e-3,
         ),

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import k0, k1
 
-from ecume.laws import quadrupoles
-from ecume.laws.lines import Line, spread_charges
+from ecume.laws import contact_lines
+from ecume.laws.contact_lines import Line, spread_charges
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.simulation import simulate
@@ -34,14 +34,14 @@ def law_rows() -> list[Row]:
     """Small quadrupoles far apart, on their law; gamma and L are one."""
     a, rise, angles = 1e-3, 1e-5, (0.3, 0.8)
     line, apart = Line(a, a, 0.0, 2, rise), FAR * a
-    strength = quadrupoles.quadrupole_strength(1.0, rise * a * a, rise * a * a)
+    strength = contact_lines.quadrupole_strength(1.0, rise * a * a, rise * a * a)
     given = apart, sum(angles), strength
     pair = placed(line, angles[0], 0.0), placed(line, angles[1], apart)
     force, torque = pulled(*pair)
     return [
-        within("energy over the law", energy(*pair) / quadrupoles.quadrupole_energy(*given), 1.0, 2e-3),
-        within("force over the law", -force[0] / quadrupoles.quadrupole_force(*given), 1.0, 2e-3),
-        within("torque over the law", torque / quadrupoles.quadrupole_torque(*given), 1.0, 2e-3),
+        within("energy over the law", energy(*pair) / contact_lines.quadrupole_energy(*given), 1.0, 2e-3),
+        within("force over the law", -force[0] / contact_lines.quadrupole_force(*given), 1.0, 2e-3),
+        within("torque over the law", torque / contact_lines.quadrupole_torque(*given), 1.0, 2e-3),
     ]
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ecume.laws.drops import drop_decay, drop_period
+from ecume.laws.flows import drop_decay, drop_period
 from ecume.laws.tension import laplace_pressure
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation.drop_oscillations import axes, longest_rise, swing_of
+from ecume.validation.drops import axes_of_liquid, longest_rise, swing_of
 from ecume.validation.rows import Row, below, within
 from ecume.validation.runner import frames_of
 
@@ -44,7 +44,7 @@ def square() -> list[Row]:
     drift = abs(frames[-1].numbers["momentum_x"]) / mass / frames[-1].numbers["largest_speed"]
     return [
         within("square: farthest particle over half the side", farthest, ROUND, 0.05 * ROUND),
-        within("square: logarithm of the ratio of the axes", axes(frames[-1]), 0.0, 0.03),
+        within("square: logarithm of the ratio of the axes", axes_of_liquid(frames[-1]), 0.0, 0.03),
         below("square: mean velocity over the largest", drift, 1e-9),
         below("square: rise of the total energy over that of the surface", longest_rise(frames), 1e-6),
     ]

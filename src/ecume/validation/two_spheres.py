@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft.setup.building import prefactors_of
+from ecume.models.soft.setup import prefactors_of
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 from ecume.simulation import simulate
 from ecume.validation.rows import Row, within

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ecume.laws.flows import wave_frequency
 from ecume.laws.radiated_waves import ripples
-from ecume.laws.waves import wave_frequency
 from ecume.models.floating.forces.activity import Activity
 from ecume.models.floating.forces.waves import Waves
 from ecume.scenes.schema import from_plain

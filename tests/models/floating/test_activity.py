@@ -53,7 +53,7 @@ def test_a_random_force_is_stationary_and_forgets_at_its_rate():
 
 def test_a_torque_makes_a_float_swim_in_a_circle():
     """Its radius is that of the speed p/zeta over the rate T/zeta_r."""
-    from ecume.models.floating.setup.turning_friction import turning_frictions
+    from ecume.models.floating.setup.kinds import turning_frictions
 
     scene = swimmers("propulsion = 1e-12\ntorque = 1e-17\n", duration=1.0, frame_every=0.01)
     parameters, state, workspace = set_up(scene)

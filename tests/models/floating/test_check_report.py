@@ -3,7 +3,7 @@
 import pytest
 
 from ecume.laws import flotation
-from ecume.models.floating.report.check_report import _summary_of_raft_speeds, seconds_per_step, summary
+from ecume.models.floating.check_report import _summary_of_raft_speeds, seconds_per_step, summary
 from ecume.scenes.schema import from_plain
 
 SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from ecume.errors import SceneError
 from ecume.laws import capillarity, dipoles
 from ecume.models import MODELS
-from ecume.models.floating.report.frames import observe
+from ecume.models.floating.frames import observe
 from ecume.models.floating.state import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene

@@ -8,8 +8,8 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.floating.forces import ewald_grid
+from ecume.models.floating.frames import observe
 from ecume.models.floating.parameters import part_of
-from ecume.models.floating.report.frames import observe
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models.floating.bowls import WATER, scene_of
 

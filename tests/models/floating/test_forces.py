@@ -7,13 +7,13 @@ from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models import MODELS
+from ecume.models.floating import menisci
 from ecume.models.floating.contacts.collisions import require_rest
 from ecume.models.floating.forces.pair_forces import law_of, summed_law, two_floats
-from ecume.models.floating.report.frames import observe
+from ecume.models.floating.frames import observe
 from ecume.models.floating.state import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.floating.time_integration.step_size import raft_pull
-from ecume.models.floating.walls import menisci
 from ecume.scenes.floating import DishSpec
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.models import MODELS, limits
+from ecume.models import MODELS, costs
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
@@ -82,7 +82,7 @@ def test_a_sphere_that_must_sink_is_refused_with_the_limit():
 
 
 def test_absurd_counts_are_refused_before_anything_is_laid_out(monkeypatch):
-    monkeypatch.setattr(limits.psutil, "virtual_memory", lambda: SimpleNamespace(total=8e9))
+    monkeypatch.setattr(costs.psutil, "virtual_memory", lambda: SimpleNamespace(total=8e9))
     with pytest.raises(SceneError, match=r"50000000 floats need about .* GB, this machine has 8 GB"):
         FLOATING.parameters(scene_of(f"{WATER}[[particles]]\ncount = 50000000\n{HEAVY}"))
 

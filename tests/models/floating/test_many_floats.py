@@ -9,9 +9,16 @@ import pytest
 
 from ecume.laws.pair_mobility import compact_raft, surface_mobility
 from ecume.models import MODELS
-from ecume.models.floating.coupled import flow_grid
-from ecume.models.floating.coupled.flow_grid import ERROR, best_spacing, flow_divergence, flow_product, place_flow_grid
-from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO, GridKicks
+from ecume.models.floating.coupled import many_floats
+from ecume.models.floating.coupled.many_floats import (
+    ERROR,
+    MATRIX_UP_TO,
+    GridKicks,
+    best_spacing,
+    flow_divergence,
+    flow_product,
+    place_flow_grid,
+)
 from ecume.models.floating.coupled.mobility import CoupledKicks, add_divergence
 from ecume.models.floating.setup import hydrodynamic_interaction
 from tests.models.floating.bowls import WATER, scene_of
@@ -30,7 +37,7 @@ def few_are_many(monkeypatch):
 @pytest.fixture
 def fine(monkeypatch):
     """Grids as fine as those of thousands of floats: few are summed as pairs where that is less work."""
-    monkeypatch.setattr(flow_grid, "PAIR", 1000.0)
+    monkeypatch.setattr(many_floats, "PAIR", 1000.0)
 
 
 def packing(count, spread, seed=3):
@@ -150,6 +157,6 @@ def test_the_bits_do_not_depend_on_the_number_of_threads():
 
 
 def test_the_extent_is_rounded_up_so_that_the_flow_is_transformed_once():
-    shapes = {flow_grid.shape_around(np.array([1.0, 1.0]) * (1.0 + 0.001 * k), 0.01) for k in range(20)}
+    shapes = {many_floats.shape_around(np.array([1.0, 1.0]) * (1.0 + 0.001 * k), 0.01) for k in range(20)}
     assert len(shapes) <= 2
     assert min(min(shape) for shape in shapes) >= 2.0 * math.ceil(1.0 / 0.01)

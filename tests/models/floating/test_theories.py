@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.laws import capillarity, flotation, images, meniscus
+from ecume.laws import capillarity, flotation, meniscus
 from ecume.models import MODELS
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
-from ecume.models.floating.report.frames import observe
+from ecume.models.floating.frames import observe
+from ecume.models.floating.menisci import DISH, PLANE, TABLED
 from ecume.models.floating.state import make_state
 from ecume.models.floating.time_integration.integration import forces_at
-from ecume.models.floating.walls.wall_laws import DISH, PLANE, TABLED
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -76,30 +76,30 @@ def at_the_law(law, image, place, dish=ROUND):
 
 
 @pytest.mark.parametrize("r", [1e-3, 0.01, 0.02, 0.0287])
-@pytest.mark.parametrize("image", images.WALLS)
+@pytest.mark.parametrize("image", meniscus.WALLS)
 def test_a_tabled_dish_is_its_meniscus_and_its_image(r, image):
     parameters, force = at_the_law("meniscus", image, (0.0, r))
     charge, strength = parameters.floats.charge[0], 2 * math.pi * 0.0728
     amplitude = strength * parameters.floats.charge[0] * meniscus.wall_amplitude(math.radians(35.0), LIQUID)
-    wanted = images.image_force(charge, r, 0.03, LIQUID, image) - capillarity.dish_force(r, amplitude, L, 0.03)
+    wanted = meniscus.image_force(charge, r, 0.03, LIQUID, image) - capillarity.dish_force(r, amplitude, L, 0.03)
     assert force[0] == 0.0
     assert force[1] == pytest.approx(wanted, rel=2e-6)
 
 
-@pytest.mark.parametrize("image", images.WALLS)
+@pytest.mark.parametrize("image", meniscus.WALLS)
 @pytest.mark.parametrize("distance", [1.2e-3, 1.9e-3, 1.99e-3, 2.01e-3, 2.1e-3, 4e-3])
 def test_beside_the_wall_of_a_wide_dish_its_image_is_that_of_a_plane_wall(image, distance):
     parameters, force = at_the_law("none", image, (0.2 - distance, 0.0), "radius = 0.2")
     assert force[0] == pytest.approx(
-        images.image_force(parameters.floats.charge[0], 0.2 - distance, 0.2, LIQUID, image), rel=0.011
+        meniscus.image_force(parameters.floats.charge[0], 0.2 - distance, 0.2, LIQUID, image), rel=0.011
     )
 
 
-@pytest.mark.parametrize("image", images.WALLS)
+@pytest.mark.parametrize("image", meniscus.WALLS)
 def test_a_tabled_rectangle_has_an_image_behind_each_wall(image):
     place = 0.037, 0.005
     parameters, force = at_the_law("none", image, place, RECTANGLE)
-    wanted = images.rectangle_image_force(parameters.floats.charge[0], place, (0.08, 0.06), LIQUID, image)
+    wanted = meniscus.rectangle_image_force(parameters.floats.charge[0], place, (0.08, 0.06), LIQUID, image)
     assert force[0] == pytest.approx(wanted[0], rel=1e-6)
     assert abs(force[1] - wanted[1]) < 1e-6 * abs(wanted[0])
 

@@ -9,7 +9,7 @@ from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
 from ecume.models.user_laws import bind
-from ecume.scenes.user_laws import UserLawSpec
+from ecume.scenes.common import UserLawSpec
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, bowl, scene_of, two_floats
 

@@ -6,12 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from ecume.laws.elasticity import PREFACTORS, surface_energy
-from ecume.laws.soft_pair import SoftPair
+from ecume.laws.soft_pair import PREFACTORS, SoftPair, surface_energy
 from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
-from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.record import ROUNDED, most_missing
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, released
 from ecume.scenes.schema import from_plain

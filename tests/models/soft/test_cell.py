@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.soft.loading.cell import (
+from ecume.models.soft.cell import (
     HEIGHT,
     STRAIN,
     TILT,
@@ -14,7 +14,7 @@ from ecume.models.soft.loading.cell import (
     end_cell,
     make_cell,
 )
-from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.record import SOFT
 from ecume.models.soft.report.observation import velocity_at_home
 from ecume.scenes.schema import from_plain

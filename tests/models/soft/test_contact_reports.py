@@ -10,7 +10,7 @@ from ecume.analysis.contacts import contact_table
 from ecume.analysis.rheology import stress_tensor
 from ecume.errors import BadInput, Diverged
 from ecume.models.soft import SOFT
-from ecume.models.soft.report.contact_geometry import Deflections, remedy, worst_contact
+from ecume.models.soft.report.observation import Deflections, remedy, worst_contact
 from ecume.simulation import simulate
 
 from .clusters import contacts

@@ -10,7 +10,7 @@ from ecume.models.soft.state import ACCEPTED
 from ecume.run import RunOptions, info, resume, run
 from ecume.run.checkpoints import newest
 from ecume.run.directory import RunDirectory
-from ecume.run.stop_requests import ask_to_stop
+from ecume.run.lock import ask_to_stop
 from ecume.scenes.load import load_scene
 from ecume.trajectories.reader import open_trajectory
 

@@ -9,9 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ecume.errors import SceneError
-from ecume.laws.elasticity import contact_size, pair_modulus, reduced_radius
 from ecume.laws.interfaces import INTERFACES
-from ecume.laws.soft_pair import SoftPair, passage_time
+from ecume.laws.soft_pair import SoftPair, contact_size, pair_modulus, passage_time, reduced_radius
 from ecume.laws.surfaces import SURFACES, Body
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import ACCEPTED, FAILED
@@ -82,7 +81,7 @@ def test_unlike_spheres_move_as_alike_ones_of_the_same_reduced_radius_and_modulu
 
 
 def _set(name):
-    from ecume.laws.elasticity import PREFACTORS
+    from ecume.laws.soft_pair import PREFACTORS
 
     return PREFACTORS[name]
 

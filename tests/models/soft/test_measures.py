@@ -7,7 +7,7 @@ import pytest
 
 from ecume.analysis.boxes import box_of, nearest
 from ecume.analysis.contacts import coordination, films
-from ecume.analysis.non_affine_motion import nonaffine_displacement
+from ecume.analysis.rearrangements import nonaffine_displacement
 from ecume.analysis.rheology import stress_tensor
 from ecume.laws.long_range import steric_force
 from ecume.scenes.schema import from_plain

@@ -14,7 +14,7 @@ from ecume.models.soft.integration.dirk import begin_stage, first_stage
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.force_assembly import imbalance, resist
 from ecume.models.soft.integration.linear_solvers import ITERATIONS, choices
-from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import FAILED
 
 from .clusters import integrated

@@ -11,12 +11,12 @@ from ecume.analysis.rheology import stress_tensor
 from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
+from ecume.models.soft.cell import Goal
 from ecume.models.soft.integration import dirk, newton
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.integration.time_stepping import one_step
-from ecume.models.soft.loading.cell import Goal
-from ecume.models.soft.loading.protocol import Drive, drive_at, next_stop, protocol_of
+from ecume.models.soft.protocol import Drive, drive_at, next_stop, protocol_of
 from ecume.models.soft.state import ACCEPTED, CLOCK
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import RateStepsSpec, StageSpec

@@ -13,11 +13,11 @@ from ecume.errors import SceneError
 from ecume.laws.drag import stokes_friction
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import SOFT
+from ecume.models.soft.cell import Goal
 from ecume.models.soft.integration import newton
 from ecume.models.soft.integration.dirk import first_stage
 from ecume.models.soft.integration.time_stepping import one_step
-from ecume.models.soft.loading.cell import Goal
-from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import CLOCK
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.boundaries.rigid_bodies import collide
+from ecume.models.sph.boundaries.rigid_bodies import collide, instant
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
 from ecume.models.sph.record import SPH
@@ -21,7 +20,7 @@ from ecume.models.sph.report.energy_budget import (
     power_of_forces,
     reflection_work,
 )
-from ecume.models.sph.report.invariants import invariants
+from ecume.models.sph.report.observation import invariants
 from ecume.models.sph.state import WORK
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch

@@ -10,9 +10,9 @@ from ecume.errors import SceneError
 from ecume.laws.kernels import kernel as named_kernel
 from ecume.models.model import DIVERGED, DONE
 from ecume.models.sph import SPH
-from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.incompressible import system as equations
-from ecume.models.sph.incompressible.complementarity import Problem, solve
+from ecume.models.sph import projection as equations
+from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.projection import Problem, solve
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.state import ITERATIONS, RESIDUAL
 from ecume.scenes.schema import from_plain

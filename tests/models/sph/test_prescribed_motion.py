@@ -8,9 +8,9 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.sph.boundaries.prescribed_motion import drive_at
+from ecume.models.sph.boundaries.rigid_bodies import drive_at
 from ecume.models.sph.record import SPH
-from ecume.models.sph.report.invariants import invariants
+from ecume.models.sph.report.observation import invariants
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain

@@ -7,8 +7,7 @@ import pytest
 
 from ecume.analysis.pressures import with_pressures
 from ecume.models.sph.record import SPH, start
-from ecume.models.sph.report.gauges import readings
-from ecume.models.sph.report.pressures import PRESSURES, reference_of
+from ecume.models.sph.report.observation import PRESSURES, readings, reference_of
 from ecume.run import run
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate

@@ -6,7 +6,7 @@ import random
 import pytest
 
 from ecume.errors import BadInput, SceneError
-from ecume.laws.waves import standing_wave_velocity
+from ecume.laws.flows import standing_wave_velocity
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain
 from tests.contracts.effects import merged

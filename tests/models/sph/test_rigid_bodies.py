@@ -8,8 +8,7 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.laws.kernels import kernel
-from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.boundaries.rigid_bodies import apparent_gravity, delay, expel_liquid
+from ecume.models.sph.boundaries.rigid_bodies import apparent_gravity, delay, expel_liquid, instant
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain

@@ -9,8 +9,8 @@ import pytest
 from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.user_laws import bind
+from ecume.scenes.common import UserLawSpec
 from ecume.scenes.schema import from_plain
-from ecume.scenes.user_laws import UserLawSpec
 from ecume.simulation import simulate
 from tests.models.sph.scenes import OPEN, PERIODIC
 

@@ -5,9 +5,9 @@ import pytest
 
 import ecume
 from ecume.laws.kernels import kernel
-from ecume.laws.wall_impact import impact_braking
-from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.boundaries.wall_impacts import all_braked, weight_at
+from ecume.laws.wall_forces import impact_braking
+from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.boundaries.walls import all_braked, weight_at
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank

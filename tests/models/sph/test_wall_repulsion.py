@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.laws import wall_repulsion
+from ecume.laws import wall_forces
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
@@ -95,8 +95,8 @@ def test_who_falls_onto_a_floor_comes_back_as_fast():
 
 def test_the_push_is_the_slope_of_its_energy():
     for gap in (-0.02, 0.03, 0.09, 0.2):
-        ahead, behind = (wall_repulsion.standoff_energy(gap + step, 0.1, 3.0) for step in (1e-6, -1e-6))
-        assert wall_repulsion.standoff_push(gap, 0.1, 3.0) == pytest.approx((behind - ahead) / 2e-6, rel=1e-6)
+        ahead, behind = (wall_forces.standoff_energy(gap + step, 0.1, 3.0) for step in (1e-6, -1e-6))
+        assert wall_forces.standoff_push(gap, 0.1, 3.0) == pytest.approx((behind - ahead) / 2e-6, rel=1e-6)
 
 
 @pytest.mark.compiled

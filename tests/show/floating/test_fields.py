@@ -14,8 +14,8 @@ from ecume.errors import BadInput
 from ecume.laws import meniscus
 from ecume.models.liquids import liquid_of
 from ecume.scenes.schema import to_plain
-from ecume.show.floating.fields import export_heights, height_field
-from ecume.trajectories.recorder import Recorder
+from ecume.show.floating.surface import export_heights, height_field
+from ecume.trajectories.segments import Recorder
 
 
 @pytest.fixture

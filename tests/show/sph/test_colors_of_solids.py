@@ -6,7 +6,7 @@ import pytest
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.sph.water import solids_of
 from ecume.show.view.page import looks
-from ecume.show.view.tanks import sph_stage
+from ecume.show.view.scenery import sph_stage
 
 from .conftest import frame_of, scene_of
 

@@ -9,8 +9,7 @@ from matplotlib.path import Path
 
 from ecume.show.movies import MovieOptions, picture_of
 from ecume.show.picture import Size
-from ecume.show.sph.kernel_sum import read
-from ecume.show.sph.liquid import surface_of
+from ecume.show.sph.liquid import read, surface_of
 from ecume.show.sph.picture import liquid_picture
 from ecume.trajectories.frame import Frame
 

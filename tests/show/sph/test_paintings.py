@@ -8,9 +8,8 @@ import pytest
 from PIL import ImageColor
 
 from ecume.errors import BadInput
-from ecume.show.camera import Eye
 from ecume.show.movies import MovieOptions, film, picture_of
-from ecume.show.picture import Species
+from ecume.show.picture import Eye, Species
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.style import RIM
 from ecume.show.tank import seen

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.show.camera import Eye
-from ecume.show.picture import Size
+from ecume.show.picture import Eye, Size
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.sph.water import scenery_of, water_color
 from ecume.trajectories.frame import Frame

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.show.view.chunks import FEW_STEPS, STEPS, moves, pack, quantities
-from ecume.show.view.stage import Stage
+from ecume.show.view.scenery import Stage
 from ecume.trajectories.frame import Frame
 
 KINDS = {"u1": np.uint8, "u2": np.uint16, "f4": np.float32}

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecume.show.spikes import ROOM, limits_without_spikes
+from ecume.show.curves import ROOM, limits_without_spikes
 
 SOURCE = Path(__file__).parents[3] / "web" / "src" / "spikes.ts"
 NODE = shutil.which("node")

@@ -1,6 +1,6 @@
-"""Contacts between discs and with walls: detection, effective masses, and position projection.
+"""Contacts between discs and with walls: detection, effective masses, position projection, and the warm start.
 
-`ecume.engine.contact.projected_gauss_seidel` solves for the impulses.
+`ecume.engine.contact.impulse_solvers` solves for the impulses.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.engine.contact.warm_start import ContactKeys
 from ecume.engine.periodic import nearest
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
@@ -204,3 +203,61 @@ def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -
         if deepest <= slop:
             return rounds
     return MOST_ROUNDS
+
+
+class Memory(NamedTuple):
+    """Impulses kept from step to step: a part of the state, since warm starts change the last bits."""
+
+    total: Integers
+    pair: Integers
+    """(capacity, 2)"""
+    impulse: Array
+
+
+class ContactKeys(NamedTuple):
+    """Contacts identified by two integers, in ascending order: by the first, then by the second."""
+
+    total: Integers
+    """(1,) number of contacts"""
+    first: Integers
+    second: Integers
+    impulse: Array
+    """contacts with a positive impulse are kept, all others dropped"""
+
+
+@compiled
+def remember(keys: ContactKeys, memory: Memory) -> None:
+    """Keep the positive normal impulses."""
+    remember_each(keys, keys.impulse, memory, memory.impulse)
+
+
+@compiled
+def recall(keys: ContactKeys, memory: Memory) -> None:
+    """Set the normal impulses to those of the previous step."""
+    recall_each(keys, keys.impulse, memory, memory.impulse)
+
+
+@compiled
+def remember_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
+    """Keep a value of each contact with a positive impulse, with its keys."""
+    found = 0
+    for row in range(keys.total[0]):
+        if keys.impulse[row] > 0.0 and found < len(kept):
+            memory.pair[found, 0], memory.pair[found, 1] = keys.first[row], keys.second[row]
+            kept[found] = value[row]
+            found += 1
+    memory.total[0] = found
+
+
+@compiled
+def recall_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
+    """Set each contact's value to that of the previous step, or zero. Both lists are sorted, so one pass suffices."""
+    place, last = 0, memory.total[0]
+    for row in range(keys.total[0]):
+        i, j = keys.first[row], keys.second[row]
+        while place < last and (
+            memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < j)
+        ):
+            place += 1
+        found = place < last and memory.pair[place, 0] == i and memory.pair[place, 1] == j
+        value[row] = kept[place] if found else 0.0

@@ -2,7 +2,7 @@
 
 Signorini's and Coulomb's conditions for all contacts at once, as in Moreau's time stepping [moreau1988]: surfaces in
 contact stick if an impulse inside the cone can stop them, and otherwise slide against an impulse on its edge. The
-solver is that of frictionless contacts (`projected_gauss_seidel`), the same sweeps and conjugate directions, with one
+solver is that of frictionless contacts (`impulse_solvers`), the same sweeps and conjugate directions, with one
 normal and one tangential row for each contact.
 
 The tangent is the normal rotated counterclockwise, (-n_y, n_x). Both impulses act at the middle of the gap, so that the
@@ -16,9 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contact.contacts import Contacts, contact_keys
-from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
-from ecume.engine.contact.warm_start import Memory, recall_each, remember_each
+from ecume.engine.contact.contacts import Contacts, Memory, contact_keys, recall_each, remember_each
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
 from ecume.units import Array
 
 RELAXATION, LEAST_RELAXATION, STALLS = 0.7, 0.1, 8
@@ -217,7 +216,7 @@ def solve(contacts: Contacts, rows: FrictionRows, motion: Motion, goal: Goal) ->
 
 @compiled
 def remember(contacts: Contacts, rows: FrictionRows, memory: Memory, rubbed: Array) -> None:
-    """Keep the tangential impulses of the contacts that `warm_start.remember` keeps."""
+    """Keep the tangential impulses of the contacts that `contacts.remember` keeps."""
     remember_each(contact_keys(contacts), rows.impulse, memory, rubbed)
 
 

@@ -15,9 +15,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Candidates, deepest_overlap
-from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
-from ecume.engine.contact.warm_start import ContactKeys
+from ecume.engine.contact.contacts import Candidates, ContactKeys, deepest_overlap
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
@@ -204,7 +203,7 @@ def residual(contacts: TorqueContacts, velocity: Array) -> float:
 
 @compiled
 def _accelerate(contacts: TorqueContacts, velocity: Array, ratio: float) -> None:
-    """Step along the conjugate direction: see `projected_gauss_seidel`."""
+    """Step along the conjugate direction: see `impulse_solvers`."""
     impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
     for row in range(contacts.total[0]):
         along, old = ratio * direction[row], impulse[row]
@@ -217,7 +216,7 @@ def _accelerate(contacts: TorqueContacts, velocity: Array, ratio: float) -> None
 
 @compiled
 def solve(contacts: TorqueContacts, velocity: Array, goal: Goal) -> int:
-    """Solve for the impulses and change `velocity` by them: see `projected_gauss_seidel.solve`.
+    """Solve for the impulses and change `velocity` by them: see `impulse_solvers.solve`.
 
     The initial guess is `contacts.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
     """

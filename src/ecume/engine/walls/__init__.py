@@ -7,15 +7,16 @@ as floats need it; soft spheres move its planes (`through`).
 from __future__ import annotations
 
 from ecume.engine.walls.enclosures import Walls, enclosed_by, is_circle, no_walls, wall_count, wall_distance
-from ecume.engine.walls.entrances import Entrance, entrance
 from ecume.engine.walls.event_driven import CAPPED, MOST_EVENTS, STARTED_OUTSIDE, STAYED, reflect_all
 from ecume.engine.walls.reflecting import Trace, clearance, gaps, reflect, trace
 from ecume.engine.walls.sheets import Sheet, sheet
 from ecume.engine.walls.surfaces import (
+    Entrance,
     Surfaces,
     box,
     described,
     disc,
+    entrance,
     moved,
     moving,
     nearest_points,

@@ -12,23 +12,34 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, threaded
 from ecume.engine.cells import Integers
-from ecume.engine.walls.collision_times import NEVER, time_to_plane, time_to_sphere
 from ecume.engine.walls.sheets import (
+    NEVER,
     RESTITUTION,
     SIZE,
     TANGENTIAL,
     Sheet,
+    Vector,
+    cross,
+    dot,
+    eased,
+    flown,
     from_center,
     gap_to,
     grain_at,
     hole_at,
     inward_normal,
+    length,
     place_of,
+    plus,
+    put,
+    row,
+    scaled,
+    time_to_plane,
+    time_to_sphere,
     wall_velocity,
     worst_gap,
 )
 from ecume.engine.walls.surfaces import PLANE
-from ecume.engine.walls.vectors import Vector, cross, dot, eased, flown, length, plus, put, row, scaled
 from ecume.units import Array
 
 STAYED, CAPPED, STARTED_OUTSIDE = 0, -1, -2

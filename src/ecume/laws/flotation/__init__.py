@@ -6,6 +6,7 @@ from ecume.laws.flotation.balance import (
     Balance,
     closed_form_balance,
     closed_form_charge,
+    closure_contact_angle,
     linear_balance,
     linear_charge,
     neutral_density_ratio,
@@ -14,27 +15,32 @@ from ecume.laws.flotation.balance import (
     sinking_density_ratio,
 )
 from ecume.laws.flotation.bodies import (
+    Bubble,
     Disc,
+    Ellipsoid,
+    HorizontalCylinder,
     Liquid,
     Sphere,
+    VerticalCylinder,
     bond_number,
     density_ratio,
     dimensionless_weight,
+    disc_of_cylinder,
     weight_number,
     young_contact_angle,
 )
-from ecume.laws.flotation.closeness import superposition_excess, superposition_reach
-from ecume.laws.flotation.closure import closure_contact_angle
-from ecume.laws.flotation.equilibria import Body, Equilibrium, capillary_charge, equilibrium
-from ecume.laws.flotation.interaction import pair_energy, pair_force, surface_height
-from ecume.laws.flotation.lying import lying_pair_energy, lying_pair_force
-from ecume.laws.flotation.shapes import (
-    Bubble,
-    Ellipsoid,
-    HorizontalCylinder,
-    VerticalCylinder,
-    disc_of_cylinder,
+from ecume.laws.flotation.equilibria import (
+    Body,
+    Equilibrium,
+    capillary_charge,
+    equilibrium,
+    pair_energy,
+    pair_force,
+    superposition_excess,
+    superposition_reach,
+    surface_height,
 )
+from ecume.laws.flotation.nonspherical import lying_pair_energy, lying_pair_force
 
 __all__ = [
     "BALANCES",

@@ -1,4 +1,11 @@
-"""How a sphere floats, in three theories by name; in pure numbers, lengths over the capillary length."""
+"""The balance of forces on a floating body: what the surface carries, and how a sphere floats, in several theories.
+
+In pure numbers: lengths over the capillary length L. The closure of the original project, a contact angle computed
+from the weight, is kept by name to reproduce its figures.
+
+Lengths are in L, weights in gamma L (per length of a lying cylinder: in gamma). A body's weight on a flat surface is
+that of the liquid it displaces; whatever it weighs more the surface must carry, by its slope at the contact line.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +17,135 @@ from typing import NamedTuple
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws.arguments import elementwise
 from ecume.laws.flotation.bodies import weight_number
-from ecume.laws.flotation.carrying import Contact, Load, round_load, slope_of_greatest, stable_load
-from ecume.laws.flotation.young_laplace import STEEPEST
+from ecume.laws.flotation.young_laplace import STEEPEST, OuterMeniscus, outer_meniscus
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Angle, Number
+
+TURNS = 80
+EXACT = 1e-12
+"""A root is found when Newton's next step is this share of the slope angle."""
+STALLED = 1e-9
+"""Steps this small that no longer shrink are rounding."""
+ROUNDING = 1e-14
+"""Rounding error of a weight, over its unit: it limits the accuracy of a nearly neutral body."""
+NARROW = 1e-6
+"""The load is quadratic around its maximum: known to the square of this."""
+SCAN = 12
+"""Slopes that are tried for the maximum of the load."""
+
+
+class Contact(NamedTuple):
+    """Where the contact line of a round, upright body runs when the surface leaves it with a slope angle;
+    `..._change` is over that angle.
+    """
+
+    radius: float
+    radius_change: float
+    volume: float
+    """of the body below the contact line"""
+    volume_change: float
+    height: float
+    """of the contact line over the body's center"""
+
+
+class Load(NamedTuple):
+    """The load that a slope angle at the contact line carries, in the unit of the weight of the body, and its
+    derivative.
+    """
+
+    slope_angle: float
+    carried: float
+    change: float
+    meniscus: OuterMeniscus
+
+
+class Floating(NamedTuple):
+    """One floating body, in L; heights are those over the undisturbed surface."""
+
+    slope_angle: float
+    filling_angle: float
+    contact_radius: float
+    contact_height: float
+    center_height: float
+    charge: float
+
+
+def round_load(contact: Contact, slope_angle: float, unit: float) -> Load:
+    """Surface tension's vertical part and the generalized buoyancy, 2 pi r sin(psi) + V - pi r^2 z, over `unit`.
+
+    V is the body's volume below the contact line, -pi r^2 z that of the dip above it. [keller1998].
+    """
+    radius, sine, cosine = contact.radius, math.sin(slope_angle), math.cos(slope_angle)
+    surface = outer_meniscus(radius, slope_angle, contact.radius_change)
+    dip, deepening = -surface.height, -surface.height_change
+    carried = 2.0 * math.pi * radius * sine + contact.volume + math.pi * radius**2 * dip
+    change = 2.0 * math.pi * (contact.radius_change * sine + radius * cosine) + contact.volume_change
+    change += 2.0 * math.pi * radius * contact.radius_change * dip + math.pi * radius**2 * deepening
+    return Load(slope_angle, carried / unit, change / unit, surface)
+
+
+def stable_load(
+    load: Callable[[float], Load], wanted: float, neutral: float, limit: float, guess: float
+) -> Load | None:
+    """The root between the flat surface, which carries `neutral`, and the steepest slope that still carries more.
+
+    Newton's method inside a bracket that ends at the slope angle `limit`; None where nothing carries what is `wanted`.
+    """
+    excess = wanted - neutral
+    inner, outer = 0.0, max(-STEEPEST, min(STEEPEST, limit))
+    psi, crossed, last = guess, False, math.inf
+    for _ in range(TURNS):
+        if not crossed and abs(outer - inner) <= NARROW * abs(outer):
+            break
+        found = load(psi)
+        rising = found.change > 0.0
+        # Where the load no longer rises, the bracket is halved without a Newton step.
+        step = (found.carried - wanted) / found.change if rising else 0.0
+        enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(wanted)) / found.change if rising else 0.0
+        if rising and (abs(step) <= enough or last <= abs(step) <= STALLED * abs(psi)):
+            return found
+        last = abs(step)
+        above = rising and step * excess >= 0.0
+        crossed = crossed or above
+        inner, outer = (inner, psi) if above or not rising else (psi, outer)
+        ahead = psi - step
+        psi = ahead if rising and min(inner, outer) < ahead < max(inner, outer) else 0.5 * (inner + outer)
+    return None
+
+
+def greatest_load(load: Callable[[float], Load], limit: float) -> Load:
+    """The load at its first maximum between the flat surface and the slope angle `limit`, or at the limit."""
+    end = min(limit, STEEPEST)
+    below = end / SCAN
+    for k in range(1, SCAN + 1):
+        above = k * end / SCAN
+        if load(above).change < 0.0:
+            # The load rises at the flat surface, where the first slope that is tried may be too far already.
+            start = below if below < above else 1e-3 * above
+            return load(slope_of_greatest(load, start, above))
+        below = above
+    return load(end)
+
+
+def slope_of_greatest(load: Callable[[float], Load], rising: float, falling: float) -> float:
+    """The slope angle of the greatest load between one at which it rises and one at which it falls.
+
+    The zero of its derivative by false position, in the Illinois variant, to 1e-7 rad: at a maximum the error of the
+    load is of second order. (The import of SciPy's root finders takes longer than all of it.)
+    """
+    low, high = load(rising).change, load(falling).change
+    psi, side = rising, 0
+    while abs(falling - rising) > 1e-7 and low * high < 0.0:
+        before, psi = psi, (rising * high - falling * low) / (high - low)
+        change = load(psi).change
+        if change == 0.0 or abs(psi - before) < 1e-8:
+            return psi
+        if change * low > 0.0:
+            rising, low, high, side = psi, change, 0.5 * high if side > 0 else high, 1
+        else:
+            falling, high, low, side = psi, change, 0.5 * low if side < 0 else low, -1
+    return rising if low == 0.0 else falling if high == 0.0 else psi
+
 
 KEPT = 4096
 """Solutions remembered: a bowl of equal spheres costs one."""
@@ -248,3 +380,33 @@ BALANCES: dict[str, Callable[[float, float, float], Balance]] = {
     "closed-form": closed_form_balance,
     "linear": linear_balance,
 }
+
+
+@elementwise
+def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
+    """The contact angle that the original project derives from B and D; raises BadInput if there is no solution.
+
+    phi_c = arcsin(pi B/2) = pi - theta + arctan(z'_c) put into its (13): (pi/2) tan(theta + phi_c) = Sigma(D,
+    theta), solved on the branch of slopes below 90 degrees. A root needs B <= 2/pi and tan(arcsin(pi B/2)) >= 4 D/(3
+    pi). Erratum of [canbraun2022, eq. 6 to 17]: a contact angle is a property of the materials, whatever the weight.
+    Its phi_c is the slope relation of a horizontal cylinder without the density; small spheres would be dry, where
+    in truth phi_c tends to pi - theta. Its (15) and (16) drop the factor pi/2, and its expansion (17) lacks
+    sin(theta)/3; here (13) itself is solved.
+
+    >>> round(math.degrees(closure_contact_angle(bond_number=0.6, density_ratio=0.5)), 4)
+    117.2475
+    """
+    from scipy.optimize import brentq
+
+    filling = math.asin(min(1.0, 0.5 * math.pi * bond_number))
+
+    def excess(angle: float) -> float:
+        return 0.5 * math.pi * math.tan(angle + filling - math.pi) - weight_number(density_ratio, angle)
+
+    lowest = 0.5 * math.pi - filling
+    if 0.5 * math.pi * bond_number > 1.0 or not excess(math.pi) >= 0.0 or not excess(lowest + 1e-9) < 0.0:
+        raise BadInput(
+            f"the original closure has no contact angle for B = {bond_number:g} and D = {density_ratio:g}: "
+            "it needs B <= 2/pi and tan(arcsin(pi B/2)) >= 4 D/(3 pi); give the contact angle of the material instead"
+        )
+    return float(brentq(excess, lowest + 1e-9, math.pi, xtol=1e-14))

@@ -1,10 +1,12 @@
-"""The meniscus around a floating body, from the full Young–Laplace equation.
+"""Menisci from the full Young–Laplace equation: beside a straight contact line, and around a floating body.
+
+Lengths are in L. The surface beside a straight line is two-dimensional, and exact.
 
 In lengths of L, with s the arc length, psi the surface's slope angle, z its height: dr/ds = cos psi, dz/ds = sin psi,
 dpsi/ds = z - sin(psi)/r [vella2005]. Two changes of variables make the problem gentle. With psi = a K1(r) and z = -b
 K0(r) a shallow meniscus has constant a = b, so only what is nonlinear is left to resolve; far away both are the
-capillary charge. And q = r + ln r grows as cos psi along tau, where ds = r/(1+r) dtau, so one unit of tau is a
-factor e in r near the body and one L far away. Chebyshev collocation in tau then gives ten digits with 40 nodes, and
+capillary charge. And q = r + ln r grows as cos psi along tau, where ds = r/(1+r) dtau, so one unit of tau is a factor
+e in r near the body and one L far away. Chebyshev collocation in tau then gives ten digits with 40 nodes, and
 Newton's method converges from the linear solution, past the vertical too.
 """
 
@@ -17,6 +19,34 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.units import Angle, Array, Number
+
+
+def sloping_height(slope_angle: Angle) -> Number:
+    """Height of a straight contact line that the surface leaves with a slope angle, z = -2 sin(psi/2).
+
+    psi is positive where the surface rises away from the line, which then lies low. [landau1987, par. 61].
+
+    >>> round(sloping_height(-math.radians(60.0)), 12)
+    1.0
+    """
+    return -2.0 * math.sin(0.5 * slope_angle)
+
+
+def sloping_amplitude(slope_angle: Angle) -> Number:
+    """The amplitude of exp(-x) far from a straight contact line, with x from that line; signed as the height is.
+
+    4 exp(-2 - u + 2 tanh u) with u = arccosh(2/|z|); holds past the vertical, where x at first falls. Derived from
+    [landau1987, par. 61].
+
+    >>> round(sloping_amplitude(-math.pi / 2), 12)
+    0.922317584014
+    """
+    height = sloping_height(slope_angle)
+    if height == 0.0:
+        return 0.0
+    u = math.acosh(2.0 / abs(height))
+    return math.copysign(4.0 * math.exp(-2.0 - u + 2.0 * math.tanh(u)), height)
+
 
 NODES = 40
 REACH = 13.0

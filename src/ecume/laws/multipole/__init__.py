@@ -4,8 +4,7 @@
 """
 
 from ecume.laws.multipole.closures import CLOSURES, Closure, Undulated
-from ecume.laws.multipole.many import Solution, excess_over_superposition, height, solve
-from ecume.laws.multipole.walls import Basin, Dish
+from ecume.laws.multipole.many import Basin, Dish, Solution, excess_over_superposition, height, solve
 
 __all__ = [
     "CLOSURES",

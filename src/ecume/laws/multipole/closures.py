@@ -19,9 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput
-from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, bond_number, dimensionless_weight
+from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, VerticalCylinder, bond_number, dimensionless_weight
 from ecume.laws.flotation.equilibria import equilibrium
-from ecume.laws.flotation.shapes import VerticalCylinder
 from ecume.laws.multipole.ladders import log_slopes
 from ecume.units import Angle, Array, Length
 
@@ -138,7 +137,7 @@ class Undulated:
 
 def undulated_closure(body: Undulated, liquid: Liquid, order: int) -> Closure:
     """A pinned rim that is not flat: alpha_m + c_m = (H/2) exp(-i m angle). Far away, two quadrupoles follow
-    `quadrupoles.pair_energy`. Derived as in [stamou2000].
+    `contact_lines.quadrupole_energy`. Derived as in [stamou2000].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> bool(abs(undulated_closure(Undulated(Disc(1e-6, 0.0), ((2, 1e-8, 0.0),)), water, 3).source[2]) > 0)

@@ -1,7 +1,8 @@
-"""Many bodies in SI: the public face of the multipole solver."""
+"""Many bodies in SI, with walls around them: the public face of the multipole solver."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from numbers import Integral
@@ -11,15 +12,151 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ecume.errors import BadInput
+from ecume.laws.arguments import require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid, Sphere
+from ecume.laws.meniscus import dish_height, facing_amplitude, plane_amplitude
 from ecume.laws.multipole.closures import Closure, closure_of
-from ecume.laws.multipole.walls import REACH, Basin, Dish, echoes_of, outer_height, outer_waves
-from ecume.units import Array
+from ecume.units import Angle, Array, Length
 from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
-    from ecume.laws.multipole.echoes import Echoes
-    from ecume.laws.multipole.graf import Rims, Waves
+    from ecume.laws.multipole.solving import Echoes, Rims, Waves
+
+
+REACH = 45.0
+"""Gaps, in L, beyond which nothing is felt: exp(-45) is below 1e-19."""
+EXACT = 1e-14
+MOST_WAVES = 700
+
+
+@dataclass(frozen=True)
+class Basin:
+    """Four plane walls around the origin, with the contact angle of the liquid on them, or with a pinned brim.
+
+    pinned: the surface is held at its undisturbed height on the walls (images of the other sign) and has no meniscus;
+    the contact angle is then not used.
+    """
+
+    width: Length
+    depth: Length
+    contact_angle: Angle = 0.5 * math.pi
+    pinned: bool = False
+
+    def __post_init__(self) -> None:
+        require_positive("basin's width", self.width)
+        require_positive("basin's depth", self.depth)
+        require_angle("basin's contact_angle", self.contact_angle)
+
+
+@dataclass(frozen=True)
+class Dish:
+    """A round wall around the origin; see `Basin`."""
+
+    radius: Length
+    contact_angle: Angle = 0.5 * math.pi
+    pinned: bool = False
+
+    def __post_init__(self) -> None:
+        require_positive("dish's radius", self.radius)
+        require_angle("dish's contact_angle", self.contact_angle)
+
+
+Walls = Basin | Dish | None
+
+
+def echoes_of(walls: Walls, liquid: Liquid, rims: Rims, at: Array) -> Echoes:
+    """What the walls send back. Raises BadInput where a contact line is not inside them."""
+    from ecume.laws.multipole.solving import make_echoes, make_round_echoes
+
+    orders = rims.response.shape[1]
+    room = _room(walls, liquid, at) - rims.radius
+    if room.min() <= 0.0:
+        worst = int(np.argmin(room))
+        depth = with_prefix(-room[worst] * liquid.capillary_length, "m", 3)
+        raise BadInput(f"the contact line of body {worst} reaches {depth} into a wall")
+    if isinstance(walls, Dish):
+        brim = walls.radius / liquid.capillary_length
+        waves = math.ceil(math.log(EXACT) / math.log(1.0 - room.min() / brim)) + 2 * orders
+        most = min(MOST_WAVES, math.ceil(4.0 * orders * brim / rims.radius.min()) + 20)
+        return make_round_echoes(brim, min(waves, most), orders, rims.reference, walls.pinned)
+    return make_echoes(images(walls, liquid), orders, rims.reference)
+
+
+def _room(walls: Walls, liquid: Liquid, at: Array) -> Array:
+    """Each place's distance from the nearest wall."""
+    length = liquid.capillary_length
+    if walls is None:
+        return np.full(len(at), np.inf)
+    if isinstance(walls, Dish):
+        return np.asarray(walls.radius / length - np.hypot(at[:, 0], at[:, 1]))
+    half = 0.5 * np.array([walls.width, walls.depth]) / length
+    return np.asarray((half - np.abs(at)).min(axis=1))
+
+
+def images(walls: Walls, liquid: Liquid) -> Array:
+    """The images that keep the condition on all four walls: reflections of reflections, as far as they are felt."""
+    if not isinstance(walls, Basin):
+        return np.array([[1.0, 0.0, 1.0, 0.0, 1.0]])
+    sides = [side / liquid.capillary_length for side in (walls.width, walls.depth)]
+    shown = []
+    for side in sides:
+        most = max(1, math.ceil(REACH / side))
+        shown.append([((-1.0) ** k, k * side) for k in range(-most, most + 1)])
+    sign = -1.0 if walls.pinned else 1.0
+    every = [
+        (sx, ox, sy, oy, (sign if sx < 0 else 1.0) * (sign if sy < 0 else 1.0))
+        for sx, ox in shown[0]
+        for sy, oy in shown[1]
+        if math.hypot(max(abs(ox) - sides[0], 0.0), max(abs(oy) - sides[1], 0.0)) <= REACH
+    ]
+    every.sort(key=lambda mirror: (math.hypot(mirror[1], mirror[3]), mirror))
+    return np.array(every)
+
+
+def outer_waves(walls: Walls, liquid: Liquid, at: Array, radius: Array, orders: int) -> NDArray[np.complex128]:
+    """The walls' own menisci around each body, as amplitudes of I_m.
+
+    exp(n.x) = sum of I_m(r) exp(i m (phi - phi_n)), n towards a plane wall; and I_0 around the middle of a dish is
+    the sum of I_m(r_0) exp(-i m phi_0) I_m(r) exp(i m phi).
+    """
+    from scipy.special import iv, ive
+
+    waves = np.zeros((len(at), orders), np.complex128)
+    m, inside = np.arange(orders), iv(np.arange(orders), radius[:, None])
+    if isinstance(walls, Dish) and not walls.pinned:
+        brim, out = walls.radius / liquid.capillary_length, np.hypot(at[:, 0], at[:, 1])[:, None]
+        strength = plane_amplitude(walls.contact_angle) * ive(m, out) / ive(1, brim) * np.exp(out - brim)
+        waves = strength * inside * np.exp(-1j * m * np.arctan2(at[:, 1], at[:, 0])[:, None])
+    elif isinstance(walls, Basin) and not walls.pinned:
+        for amplitude, normal, away in _menisci(walls, liquid):
+            strength = amplitude * np.exp(at @ normal - away)
+            waves += strength[:, None] * inside * np.exp(-1j * m * math.atan2(normal[1], normal[0]))
+    return waves
+
+
+def outer_height(walls: Walls, liquid: Liquid, x: Array, y: Array) -> Array:
+    """The height (in L) that the walls alone give the surface."""
+    length = liquid.capillary_length
+    total = np.zeros(np.shape(x))
+    if isinstance(walls, Dish) and not walls.pinned:
+        out = np.minimum(np.hypot(x, y) * length, walls.radius)
+        return np.asarray(dish_height(out, walls.radius, walls.contact_angle, liquid)) / length
+    if isinstance(walls, Basin) and not walls.pinned:
+        for amplitude, normal, away in _menisci(walls, liquid):
+            total = total + amplitude * np.exp(normal[0] * x + normal[1] * y - away)
+    return total
+
+
+def _menisci(walls: Basin, liquid: Liquid) -> list[tuple[float, Array, float]]:
+    """Of each wall: amplitude, direction towards it, distance from the origin; in capillary lengths."""
+    length = liquid.capillary_length
+    found = []
+    for axis, side in enumerate((walls.width, walls.depth)):
+        amplitude = facing_amplitude(side, walls.contact_angle, liquid) / length
+        for sign in (-1.0, 1.0):
+            found.append((amplitude, sign * np.eye(2)[axis], 0.5 * side / length))
+    return found
+
 
 DENSE = 2500
 """Unknowns up to which the system is solved by elimination."""
@@ -68,14 +205,13 @@ def solve(
     `method`: "dense", "iterative" or "auto". The forces are the derivatives of the energy at any order. Bodies: `Disc`,
     `Sphere` and `VerticalCylinder` of `ecume.laws.flotation`, and `Undulated`. [vassileva2005, watson1944].
     """
-    from ecume.laws.multipole import echoes as echoing
-    from ecume.laws.multipole import graf
+    from ecume.laws.multipole import solving
 
     places, length = _places(positions, bodies), liquid.capillary_length
     order = _whole(order)
     known: dict[Any, Closure] = {}
     closures = [known.setdefault(body, closure_of(body, liquid, order)) for body in bodies]
-    rims, at = graf.make_rims(closures, REACH), places / length
+    rims, at = solving.make_rims(closures, REACH), places / length
     widest = np.array([body.radius if isinstance(body, Sphere) else 0.0 for body in bodies])
     _require_apart(at, np.maximum(rims.radius, widest / length), length)
     raft = _Raft(rims, echoes_of(walls, liquid, rims, at), at)
@@ -84,13 +220,13 @@ def solve(
     dense = chosen_method(method, right.shape[0] * (2 * order + 1))
     amplitudes, iterations = _amplitudes(raft, right, start, None if dense else tolerance)
     waves = np.zeros((len(closures), order + 2), np.complex128)
-    echoing.incoming(rims, raft.echoes, at, amplitudes, waves)
+    solving.incoming(rims, raft.echoes, at, amplitudes, waves)
     waves += outer
     return _solution(
         (rims, walls, at, liquid),
         amplitudes,
         waves,
-        sum(closure.energy for closure in closures) + graf.energy(rims, amplitudes, waves, outer),
+        sum(closure.energy for closure in closures) + solving.energy(rims, amplitudes, waves, outer),
         iterations,
     )
 
@@ -123,12 +259,12 @@ def _solution(
     setting: tuple[Any, Any, Array, Liquid], amplitudes: Waves, waves: Waves, energy: float, iterations: int
 ) -> Solution:
     """In SI, what the amplitudes mean for each body among the waves that come to it."""
-    from ecume.laws.multipole import graf
+    from ecume.laws.multipole import solving
 
     rims, _, at, liquid = setting
     force, torque = np.zeros_like(at), np.zeros(len(at))
-    graf.forces(rims, amplitudes, waves, force)
-    graf.torques(rims, amplitudes, waves, torque)
+    solving.forces(rims, amplitudes, waves, force)
+    solving.torques(rims, amplitudes, waves, torque)
     ring = amplitudes + waves[:, : amplitudes.shape[1]]
     tension, length = liquid.surface_tension, liquid.capillary_length
     return Solution(
@@ -167,7 +303,7 @@ def excess_over_superposition(body: Any, charge: float, liquid: Liquid, gap: flo
 
 def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
     """Height of the surface (m) at points; inside a contact line, of the plane through it."""
-    from ecume.laws.multipole.echoes import echo_heights
+    from ecume.laws.multipole.solving import echo_heights
 
     rims, walls, at, liquid = solution.setting
     length = liquid.capillary_length

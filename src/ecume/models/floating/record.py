@@ -8,20 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian, capillarity, drag, ellipsoids, flotation, images, meniscus, pair_laws
+from ecume.laws import brownian, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
 from ecume.models.actions import Access
-from ecume.models.diagnosis import DEEP, first_broken, when
+from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.frames import OVERLAP, invariants, observe
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.report.check_report import summary
-from ecume.models.floating.report.frames import observe
-from ecume.models.floating.report.invariants import OVERLAP, invariants
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.state import DEEPEST, WORK, State, Workspace, make_workspace
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
 from ecume.models.floating.user_laws import interaction_of
-from ecume.models.model import Model, Source
+from ecume.models.model import DEEP, Model, Source, first_broken, when
 from ecume.models.user_laws import BoundLaw
 from ecume.value_texts import with_prefix
 
@@ -39,10 +37,10 @@ def laws_of(scene: Any) -> list[Source]:
     laws += [law for row in chosen.interactions for law in row.laws]
     if scene.dish is not None:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
-        laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
+        laws += [meniscus.dish_height, *([meniscus.plane_image_force] if scene.dish.image != "none" else [])]
     laws += [drag.immersion_factor, drag.stokes_friction] if scene.hydrodynamics.resists else []
     if scene.shaped:
-        resistance = [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction]
+        resistance = [contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []
     laws += [brownian.diffusivity] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]

@@ -13,11 +13,11 @@ from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.contacts.user_forces import Tables
-from ecume.models.soft.loading.protocol import Protocol
+from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
 CONTACT_LISTS = ("scalars", "vectors")
-"""What frames contain of contacts: see `report.contact_lists`."""
+"""What frames contain of contacts: see `report.observation`."""
 
 
 class Contacts(NamedTuple):
@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
     tangential: float
     gap_weight: float
     deflection_weight: float
-    """the six of `ecume.laws.elasticity.Prefactors`"""
+    """the six of `ecume.laws.soft_pair.Prefactors`"""
     fade_from: float
     """m: the gap above which a film fades"""
     fade_to: float

@@ -8,25 +8,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume._portable import exp
-from ecume.laws import elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.models.actions import Access
-from ecume.models.check_report import Row
-from ecume.models.diagnosis import DEEP, first_broken
+from ecume.models.costs import require_memory
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Seen, part_of
-from ecume.models.limits import require_memory
-from ecume.models.model import Model, Source
+from ecume.models.model import DEEP, Layout, Model, Row, Source, first_broken
 from ecume.models.soft.contacts.contact_list import box_in
 from ecume.models.soft.integration import dirk_schemes
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.check_report import advice, bytes_of
-from ecume.models.soft.report.contact_geometry import LARGE, deflections, remedy, worst_contact
-from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
-from ecume.models.soft.setup.building import parameters_of, start
+from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, deflections, observe, remedy, worst_contact
+from ecume.models.soft.setup import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BUDGET, State, make_state, workspace
-from ecume.models.state_layout import Layout
 from ecume.scenes.soft import SoftScene, tension_law_of
 from ecume.value_texts import with_prefix
 
@@ -163,7 +159,7 @@ def _left(seen: Seen) -> float:
 def laws_of(scene: Any) -> list[Source]:
     """Films, surfaces, what acts across."""
     films = scene.films
-    laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
+    laws: list[Source] = [soft_pair.squeeze_friction, soft_pair.shear_friction, soft_pair.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += friction.FRICTIONS[films.friction].papers
     laws += [*TANGENTIAL[films.tangential_law].papers, *TENSION[tension_law_of(scene)].papers]

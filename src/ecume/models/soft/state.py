@@ -12,8 +12,9 @@ from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.engine.linear_solvers.solvers import Kept
 from ecume.engine.walls import nearest_points
-from ecume.laws import elasticity
-from ecume.models.soft.contacts.contact_jacobian import ROUNDING
+from ecume.laws import soft_pair
+from ecume.models.soft.cell import Cell, make_cell
+from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
 from ecume.models.soft.contacts.pieces import anchors
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
@@ -21,7 +22,6 @@ from ecume.models.soft.contacts.user_forces import across
 from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
 from ecume.models.soft.integration.bordered_system import MOST, Borders, make_borders
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.loading.cell import Cell, make_cell
 from ecume.models.soft.parameters import Parameters
 from ecume.units import Array
 
@@ -193,7 +193,7 @@ def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple
     first, wall = (np.ascontiguousarray(index) for index in np.nonzero(state.touching))
     count, radius = len(first), parameters.radius
     moduli = parameters.modulus[first], parameters.walls.modulus[wall]
-    modulus = np.array([elasticity.pair_modulus(*pair) for pair in zip(*moduli, strict=True)])
+    modulus = np.array([soft_pair.pair_modulus(*pair) for pair in zip(*moduli, strict=True)])
     log_gap, slip = state.wall_gap[first, wall], in_space(state.slip[first, wall])
     room = (np.zeros((count, *shape)) for shape in ((3,), (3,), (3, 3), (4,), (4, 3), (4,)))
     places = (log_gap.copy(), slip.copy(), log_gap.copy(), slip.copy(), log_gap, slip)
@@ -213,8 +213,8 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
         offset=np.zeros((contacts, 3)),
         turn=np.zeros((contacts if parameters.torque.shape[1] else 0, 3)),
         radius_sum=radius[first] + radius[second],
-        reduced_radius=np.asarray(elasticity.reduced_radius(radius[first], radius[second])),
-        modulus=np.asarray(elasticity.pair_modulus(modulus[first], modulus[second])),
+        reduced_radius=np.asarray(soft_pair.reduced_radius(radius[first], radius[second])),
+        modulus=np.asarray(soft_pair.pair_modulus(modulus[first], modulus[second])),
         **across(parameters.user_forces, parameters.species, state.pair[:contacts])._asdict(),
     )
 

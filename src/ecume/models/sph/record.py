@@ -1,4 +1,4 @@
-"""The SPH model, as the driver sees it."""
+"""The SPH model, as the driver sees it, and what actions may change of a tank."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 import psutil
 
+from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
-from ecume.models.check_report import Row
-from ecume.models.diagnosis import first_broken, when
-from ecume.models.limits import within_steps
-from ecume.models.model import Model
-from ecume.models.sph.access import TANKS
+from ecume.models.actions import Access
+from ecume.models.costs import within_steps
+from ecume.models.model import Layout, Model, Row, first_broken, when
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
-from ecume.models.sph.boundaries.prescribed_motion import at_reference
+from ecume.models.sph.boundaries.rigid_bodies import at_reference, instant
+from ecume.models.sph.boundaries.walls import flag_outside
 from ecume.models.sph.fields import FIELDS, RATES
-from ecume.models.sph.incompressible.projection import failed
 from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Liquid, Parameters
+from ecume.models.sph.projection import failed
 from ecume.models.sph.report.check_report import advice
-from ecume.models.sph.report.invariants import invariants
-from ecume.models.sph.report.observation import observe
+from ecume.models.sph.report.observation import invariants, observe
 from ecume.models.sph.setup.building import parameters_of
 from ecume.models.sph.setup.choices import kernel_of, laws_of, require_right_split, smoothing_of
 from ecume.models.sph.setup.initial_particles import liquid_of
@@ -31,6 +30,7 @@ from ecume.models.sph.setup.shapes import part_of
 from ecume.models.sph.state import (
     MOST_SKIN,
     RESIDUAL,
+    WORK,
     WORST,
     State,
     Workspace,
@@ -38,12 +38,48 @@ from ecume.models.sph.state import (
     make_state,
     workspace_at,
 )
-from ecume.models.state_layout import Layout
 from ecume.scenes.sph import SphScene
 from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
+
+
+def faults(scene: SphScene, parameters: Parameters, state: State) -> list[str]:
+    """The particles behind a wall, in a solid, or beyond an open side."""
+    guard, outside = instant(parameters, state).boundary.guard, np.zeros(len(state.mass), np.bool_)
+    if len(guard.owner):
+        flag_outside(state.position, guard.sheet.kind, guard.sheet.number, 0.0, outside)
+    low, high = parameters.bounds[:, :, None]
+    outside |= ((state.position < low) | (state.position > high)).any(axis=0)
+    return [
+        f"particle {i} is outside, at {state.position[:, k].tolist()} m; expected a position in the tank"
+        for i, k in zip(state.identity[outside], np.flatnonzero(outside), strict=True)
+        if state.zone[k] == 0
+    ]
+
+
+def changed(state: State, moved: bool) -> None:
+    """Forces depend on positions and velocities."""
+    state.ready[0] = 0
+    if moved:
+        state.reference[...] = state.position
+        state.pose_reference[...] = state.pose
+        state.clock[1] = state.clock[0]
+
+
+def ids(state: State) -> Integers:
+    """The permanent numbers of particles; buffers behind open sides are not liquid yet."""
+    return np.where(state.zone == 0, state.identity, -1)
+
+
+TANKS = Access(
+    arrays=lambda state: {"position": state.position.T, "velocity": state.velocity.T},
+    ids=ids,
+    faults=faults,
+    changed=changed,
+    work=lambda state: state.budget[WORK : WORK + 1],
+)
 
 
 def start(scene: SphScene, parameters: Parameters) -> State:

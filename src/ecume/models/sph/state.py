@@ -201,7 +201,7 @@ def skin_for(parameters: Parameters, state: State) -> float:
 def workspace_at(parameters: Parameters, state: State, before: Workspace | None = None) -> Workspace:
     """The workspace at the state's reference positions; the arrays of the previous workspace are reused.
 
-    `parameters` are those at the reference: see `prescribed_motion`.
+    `parameters` are those at the reference: see `boundaries.rigid_bodies`.
     """
     boundary, reach = parameters.boundary, parameters.support + float(state.skin[0])
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)

@@ -1,7 +1,7 @@
 """Tracers: spheres deep in a liquid that bounce, disperse and settle in a tank, and do not feel one another.
 
 Start with `time_stepping`: flights that are exact between walls, and steps without inertia. `parameters` holds drag
-laws and the choice of the time step, `tank` the walls, `openings` the particles that come in, `energy_budget` their
+laws, the choice of the time step and the walls, `openings` the particles that come in, `energy_budget` their
 work.
 """
 

@@ -6,10 +6,9 @@ import numpy as np
 
 from ecume.engine.walls import Surfaces, clearance, described
 from ecume.errors import Fault, SceneError
-from ecume.models.state_layout import Layout
-from ecume.models.tracers.parameters import Parameters
+from ecume.models.model import Layout
+from ecume.models.tracers.parameters import Parameters, surfaces_of
 from ecume.models.tracers.state import State, make_state
-from ecume.models.tracers.tank import surfaces_of
 from ecume.scenes.tracers import ParticleSpec, TracersScene
 from ecume.units import Array
 from ecume.value_texts import with_prefix

@@ -8,19 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.laws import brownian, drag
-from ecume.models.diagnosis import first_broken, when
-from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
-from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import correlations_of
-from ecume.models.model import Model, Source
+from ecume.models.model import Model, Source, first_broken, when
 from ecume.models.step_counts import last_step
-from ecume.models.tracers.access import TRACERS as ACCESS
 from ecume.models.tracers.energy_budget import brings, exchange, lent
 from ecume.models.tracers.initial_state import layout, start
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import DRAGS, Parameters, parameters_of
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
+from ecume.models.tracers.state import TRACERS as ACCESS
 from ecume.models.tracers.time_stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame

@@ -1,4 +1,4 @@
-"""What the physics moves, and the scratch beside it."""
+"""What the physics of tracers moves, the scratch beside it, and what actions may change."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.models.tracers.parameters import Parameters
+from ecume.engine.walls import clearance, described
+from ecume.models.actions import Access
+from ecume.models.tracers.parameters import Parameters, surfaces_of
+from ecume.scenes.tracers import TracersScene
 from ecume.units import Array
 
 CAPPED = 0
@@ -82,3 +85,28 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     a, b, c, d, e, f, g = (np.zeros(shape) for _ in range(7))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])
     return Workspace(a, b, c, d, e, f, g, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
+
+
+TOUCHING = 1e-6
+"""Of a radius: tracers that touch a wall may be this far in it."""
+
+
+def faults(scene: TracersScene, parameters: Parameters, state: State) -> list[str]:
+    """The tracers that are neither inside nor have left."""
+    surfaces, radius = surfaces_of(scene), parameters.bodies.radius[: len(state.position)]
+    if not len(surfaces.kind):
+        return []
+    clear, which = clearance(state.position, surfaces)
+    beyond = np.flatnonzero((clear < radius * (1.0 - TOUCHING)) & (state.left < 0))
+    return [
+        f"particle {i} is {radius[i] - clear[i]:.3g} m beyond {described(surfaces, int(which[i]))}; "
+        "expected a position inside, its radius included"
+        for i in beyond
+    ]
+
+
+TRACERS = Access(
+    arrays=lambda state: {"position": state.position, "velocity": state.velocity},
+    faults=faults,
+    work=lambda state: state.work,
+)

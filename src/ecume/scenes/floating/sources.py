@@ -13,10 +13,9 @@ from pydantic import TypeAdapter, ValidationError
 
 from ecume.errors import EcumeError
 from ecume.scenes.faults import Inconsistent, Path, echo, faults_of, written
-from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
-from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
+from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, lines_of, require_there, text_of
 from ecume.scenes.validated import dataclass
 from ecume.trajectories.frame import Frame, omitted_from
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
+from ecume.scenes.common import Constant
 from ecume.scenes.faults import Complaints, Inconsistent
-from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import (
     STRICT,
     AbsoluteTemperature,
@@ -35,8 +35,7 @@ from ecume.scenes.quantities import (
     Velocity,
     WettingAngle,
 )
-from ecume.scenes.tables import MOST_BYTES, followed, lines_of
-from ecume.scenes.user_laws import Constant
+from ecume.scenes.tables import MOST_BYTES, beside, followed, lines_of, require_there, text_of
 from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Force, Number, Rate, Unit
 

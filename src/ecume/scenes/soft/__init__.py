@@ -1,10 +1,11 @@
 """The scene of the soft model: spheres, the films between them, walls, and the protocol of deformation.
 
-`scene.SoftScene` is the whole; start there. `walls` describes plane walls, `protocol` what is done over time.
+`scene.SoftScene` is the whole; start there. `protocol` describes what is done over time.
 """
 
 from ecume.scenes.soft.protocol import OscillationSpec, RateStepsSpec, StageSpec, expanded
 from ecume.scenes.soft.scene import (
+    SIDES,
     CellSpec,
     FilmSpec,
     IntegrationSpec,
@@ -13,11 +14,11 @@ from ecume.scenes.soft.scene import (
     SoftLiquid,
     SoftScene,
     SphereSpec,
+    WallSpec,
     dimensions_of,
     sides_of,
     tension_law_of,
 )
-from ecume.scenes.soft.walls import SIDES, WallSpec
 
 __all__ = [
     "SIDES",

@@ -17,9 +17,8 @@ from pydantic import Field, model_validator
 
 from ecume._extras import install
 from ecume.scenes.faults import Complaints, Inconsistent, echo
-from ecume.scenes.files import beside, bytes_of, require_there, text_of
 from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
-from ecume.scenes.tables import MOST_BYTES, followed, lines_of
+from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of
 from ecume.scenes.validated import dataclass
 from ecume.units import Mass
 

@@ -16,7 +16,7 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Polygon
 
 from ecume.engine.walls import enclosures
-from ecume.models.floating.walls.shapes import outline_of, walls_of
+from ecume.models.floating.dishes import outline_of, walls_of
 from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
 from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus, with_images
 from ecume.show.picture import (

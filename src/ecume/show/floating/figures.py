@@ -18,8 +18,7 @@ from ecume.models.floating.forces.pair_forces import constants_of
 from ecume.models.liquids import liquid_of
 from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned, titled
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
-from ecume.show.floating.cluster_figures import CLUSTER_FIGURES
-from ecume.show.floating.measures import MEASURES
+from ecume.show.floating.measures import CLUSTER_FIGURES, MEASURES
 from ecume.show.picture import species, species_dots
 from ecume.show.style import INK, MUTED, PALETTE, figure, plain, scale_for, style
 from ecume.trajectories.frame import Frame

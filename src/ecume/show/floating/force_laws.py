@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput
 from ecume.laws import capillarity
-from ecume.laws.multipole.graf import forces
+from ecume.laws.multipole.solving import forces
 from ecume.laws.pair_laws import PAIR_LAWS
 from ecume.models.floating.forces import multipoles
 from ecume.models.floating.forces.multipoles import bodies_and_charges

@@ -21,9 +21,9 @@ import numpy as np
 
 from ecume.engine.walls import enclosures
 from ecume.errors import BadInput, Diverged, SceneError
-from ecume.laws.waves import wave_frequency
+from ecume.laws.flows import wave_frequency
 from ecume.models import MODELS
-from ecume.models.floating.walls.shapes import sloshing_wavenumber, walls_of
+from ecume.models.floating.dishes import sloshing_wavenumber, walls_of
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.simulation import Integration

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 
 from ecume.analysis.boxes import copies
 from ecume.analysis.contacts import films, gap_distribution
-from ecume.analysis.non_affine_motion import local_deformation, nonaffine_displacement
-from ecume.analysis.rearrangements import Swaps, neighbor_swaps
+from ecume.analysis.rearrangements import Swaps, local_deformation, neighbor_swaps, nonaffine_displacement
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.scenes.soft import SoftScene

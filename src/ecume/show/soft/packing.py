@@ -1,12 +1,13 @@
-"""One instant of soft spheres, to scale: films colored by their gap, forces by their sign.
+"""One instant of soft spheres: a layer with its films and forces, or 3D packings as shaded balls.
 
-A periodic box is drawn with its outline, and with the copies beside it, paler: nothing ends at its borders.
+One instant of soft spheres, to scale: films colored by their gap, forces by their sign. A periodic box is drawn with
+its outline, and with the copies beside it, paler: nothing ends at its borders.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -20,25 +21,35 @@ from numpy.typing import NDArray
 
 from ecume.analysis.boxes import Box, box_of, copies, nearest
 from ecume.analysis.contacts import films
+from ecume.errors import BadInput
 from ecume.show.picture import (
     DPI,
     USUAL,
+    Eye,
     Layers,
     Picture,
     Size,
     View,
+    Wires,
     axes_for,
     blank,
     clock,
     discs,
+    edges_of,
     labels,
     scale_bar,
     species,
     view_around,
+    wires_of,
 )
 from ecume.show.style import INK, scale_for, style
+from ecume.show.tank import Setting, Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.soft import SoftScene
+
 
 SIDE = 170.0
 """Room right of the spheres, in pixels of a picture of the usual size."""
@@ -264,3 +275,43 @@ def _force_legend(axes: Axes, largest: float) -> None:
         text.set_color(INK)
     if kept is not None:
         axes.add_artist(kept)
+
+
+MANY = 60
+"""More spheres than this in 3D hide one another's films: they are drawn as balls."""
+
+
+def soft_picture(
+    scene: SoftScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None
+) -> Packing | Tank:
+    """Few spheres from above, with the forces between them; many in 3D as balls, or any in perspective."""
+    count, dimensions = sample[0].arrays["position"].shape
+    if dimensions == 2 and eye is not None:
+        raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")
+    if eye is None and (dimensions == 2 or count < MANY):
+        return Packing(scene, sample, size)
+    return Tank(setting_in_space(scene, sample, eye or Eye()), sample, size)
+
+
+def setting_in_space(scene: SoftScene, sample: Sequence[Frame], eye: Eye) -> Setting:
+    """The edges of a periodic box, which may change its size, around balls."""
+    camera, boxes = eye.camera(), [box for frame in sample if (box := box_of(frame)) is not None and box.closed]
+    if not boxes:
+        return Setting(scene.title, None, kinds=species(scene), camera=camera)
+    sides = np.array([box.sides for box in boxes])
+    steady = bool((sides == sides[0]).all())
+    around = wires_of(np.zeros(3), sides.max(axis=0), camera) if steady else Wires([], [])
+    return Setting(
+        scene.title, None, kinds=species(scene), wires=around.front, behind=around.behind, camera=camera,
+        movers=None if steady else _edges(camera),
+    )  # fmt: skip
+
+
+def _edges(camera: Array) -> Callable[[Frame], list[Array]]:
+    """The edges of the box of each frame."""
+
+    def outlines(frame: Frame) -> list[Array]:
+        box = box_of(frame)
+        return [] if box is None else [edge @ camera[:2].T for edge in edges_of(np.zeros(3), box.sides)]
+
+    return outlines

@@ -10,17 +10,25 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ecume.analysis.fields import Profile, velocity_profile
 from ecume.analysis.free_surface import free_surface, walls_of
 from ecume.analysis.pressures import with_pressures
-from ecume.analysis.profiles import Profile, velocity_profile
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
-from ecume.laws.column import column_height, column_pressure
+from ecume.laws.states import column_height, column_pressure
 from ecume.scenes.sph import SIDES
-from ecume.show.curves import Frames, energies, evolution, kinetic_energy, over_time, titled
-from ecume.show.samples import samples_of
+from ecume.show.curves import (
+    Frames,
+    cut_spikes,
+    energies,
+    evolution,
+    kinetic_energy,
+    limits_without_spikes,
+    over_time,
+    samples_of,
+    titled,
+)
 from ecume.show.sph.picture import DERIVED, liquid_picture, rectangle
-from ecume.show.spikes import cut_spikes, limits_without_spikes
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -16,14 +16,12 @@ from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
-from ecume.show.camera import Eye, Wires, wires_of
-from ecume.show.picture import USUAL, Size, Species
-from ecume.show.scenery import BODY, Round, Setting, Shape, colored, stand_apart
+from ecume.show.picture import USUAL, Eye, Size, Species, Wires, wires_of
 from ecume.show.sph.liquid import Water
 from ecume.show.sph.solids import ball_outline, mover_colors, movers_of
 from ecume.show.sph.water import WaterImage
 from ecume.show.style import INK, PALETTE, RIM
-from ecume.show.tank import Coloring, Tank, seen
+from ecume.show.tank import BODY, Coloring, Round, Setting, Shape, Tank, colored, seen, stand_apart
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 

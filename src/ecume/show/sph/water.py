@@ -11,15 +11,14 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import AxesImage
 from scipy.ndimage import map_coordinates
 
-from ecume.engine.raycast import MET, Block, Eye, cast
+from ecume.engine.rendering import MET, Block, Eye, cast
 from ecume.engine.shapes import Shape
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import View
-from ecume.show.scenery import BODY
-from ecume.show.sph.kernel_sum import SMOOTHING, SUPPORT, Counts, Grid, Region, grid_in, region_of
-from ecume.show.sph.liquid import liquid_in, room_of
+from ecume.show.sph.liquid import SMOOTHING, SUPPORT, Counts, Grid, Region, grid_in, liquid_in, region_of, room_of
 from ecume.show.sph.solids import shape_of, turned
 from ecume.show.style import LIQUID_COLORS
+from ecume.show.tank import BODY
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 

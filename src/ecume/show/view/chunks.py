@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.show.tank import RARE
-from ecume.show.view.stage import Links, Stage
+from ecume.show.view.scenery import Links, Stage
 from ecume.trajectories.frame import Frame
 
 STEPS = 65535

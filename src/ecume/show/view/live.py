@@ -16,7 +16,7 @@ from ecume.errors import BadInput, StorageError
 from ecume.show.serving import HTML, Answer, Query, served
 from ecume.show.view.chunks import pack
 from ecume.show.view.page import VIEW, page, policy_of, run_header, stage_of
-from ecume.show.view.stage import Stage
+from ecume.show.view.scenery import Stage
 from ecume.trajectories.reader import Trajectory, open_trajectory
 
 MOST_FRAMES = 50

@@ -13,7 +13,7 @@ from ecume.show.picture import Species
 from ecume.show.style import PALETTE
 from ecume.show.view.chunks import pack
 from ecume.show.view.page import MEGABYTE, looks, page, run_header, spacing, stage_of
-from ecume.show.view.stage import Stage
+from ecume.show.view.scenery import Stage
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
 

@@ -22,11 +22,10 @@ from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import DARK_CANVAS, height_colormap, seen_part
 from ecume.show.view.chunks import Chunk, pack, quantities, shown
-from ecume.show.view.scenery import STAGES
-from ecume.show.view.stage import Line, Stage
-from ecume.trajectories.durable_files import storing, write_whole
+from ecume.show.view.scenery import STAGES, Line, Stage
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
+from ecume.trajectories.records import storing, write_whole
 
 if TYPE_CHECKING:
     pass

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import StorageError
 from ecume.trajectories.foreign.particles import MOST_PARTICLES, Particles, frame_number
-from ecume.trajectories.gsd_layout import TYPES, Index, read_whole_index
+from ecume.trajectories.gsd import TYPES, Index, read_whole_index
 
 Chunk = NDArray[np.generic]
 MOST_TYPES = 1000

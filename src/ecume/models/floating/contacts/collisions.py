@@ -16,9 +16,9 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, selected
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import projected_gauss_seidel, warm_start
+from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import Bodies, Contacts
-from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.models.floating.contacts.friction import (
     Friction,
@@ -170,7 +170,7 @@ def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace:
 @compiled_inside
 def goal_for(parameters: Parameters, fastest: float) -> Goal:
     """Return the tolerance of impulses for an approach at this speed."""
-    return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    return Goal(impulse_solvers.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
 
 
 @compiled
@@ -195,7 +195,7 @@ def count_bounces(contacts: Contacts, of_float: Array) -> float:
 def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Solve contacts without friction; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
-    return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
+    return impulse_solvers.solve(contacts, velocity, bodies.mobility, goal)
 
 
 @compiled
@@ -249,7 +249,7 @@ def solve_contacts(
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     contacts, memory = workspace.contacts, memory_of(state)
     recall(part, own, state, workspace)
-    warm_start.recall(touching.contact_keys(contacts), memory)
+    touching.recall(touching.contact_keys(contacts), memory)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     goal = goal_of(parameters, contacts)
     sweeps = 0
@@ -258,8 +258,8 @@ def solve_contacts(
     else:
         clear_impulses(contacts)
     state.tally[SWEEPS] += sweeps
-    state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
-    warm_start.remember(touching.contact_keys(contacts), memory)
+    state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
+    touching.remember(touching.contact_keys(contacts), memory)
     remember(part, own, state, workspace)
 
 

@@ -16,15 +16,13 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
-from ecume.engine.contact.contacts import Bodies, Contacts
+from ecume.engine.contact.contacts import Bodies, Contacts, Memory
 from ecume.engine.contact.friction import FrictionRows, Motion
-from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.warm_start import Memory
-from ecume.laws import flotation, rotation
+from ecume.engine.contact.impulse_solvers import Goal
+from ecume.laws import drag, flotation
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_frictions
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
@@ -168,8 +166,8 @@ def friction_at_step(part: Friction, parameters: Parameters, turned: Array | Non
 def float_inertia(kind: FloatKind) -> float:
     """The moment of inertia of one float about the vertical (kg m^2), without added mass."""
     if isinstance(kind.body, flotation.Disc):
-        return rotation.disc_inertia(kind.mass, kind.body.radius)
-    return rotation.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
+        return drag.disc_inertia(kind.mass, kind.body.radius)
+    return drag.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
 
 
 def spin_kick(parameters: Parameters, inertia: Array, friction: Array) -> tuple[Array, Array]:

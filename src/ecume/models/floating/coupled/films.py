@@ -19,8 +19,7 @@ import numpy as np
 from ecume._jit import admit, compiled
 from ecume.laws import pair_mobility
 from ecume.laws.pair_mobility import rotne_prager
-from ecume.models.floating.coupled.mobility import CoupledScratch, multiply
-from ecume.models.floating.coupled.motion import store_velocities
+from ecume.models.floating.coupled.mobility import CoupledScratch, multiply, store_velocities
 from ecume.models.floating.forces.films import (
     MOST_ITERATIONS,
     TOLERANCE,

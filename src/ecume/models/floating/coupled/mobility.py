@@ -1,17 +1,47 @@
-"""The mobility matrix of all floats: velocities and spins by forces and torques."""
+"""Floats that move one another by a mobility matrix: the matrix, the integrator, and contacts.
+
+The integrator of floats that interact through the liquid: v = u + M F, with Brownian motion. The current u adds to
+the velocities, and is no force zeta u: floats that drift with it are free of forces.
+
+Contacts of floats that interact through the liquid: the impulse of each contact moves all floats. Without inertia
+nothing rebounds. One plastic solve for the midstep velocities, with the full mobility, keeps floats from overlapping
+after the step.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled
+from ecume._jit import admit, compiled, compiled_inside, composed
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import impulse_solvers, mobility_contacts
+from ecume.engine.contact.contacts import Contacts, Memory
+from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.mobility_contacts import DenseRows, make_dense_rows
+from ecume.engine.linear_solvers.lanczos import root_product
+from ecume.engine.philox import counter_of, normals
 from ecume.laws import pair_mobility
+from ecume.laws.dish_motion import sway_velocity
 from ecume.laws.pair_mobility import rotne_prager, spin_by_force, spin_by_torque, surface_divergence
-from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.contacts.collisions import (
+    clear_impulses,
+    contact_bodies,
+    goal_of,
+    require_gaps,
+)
+from ecume.models.floating.contacts.friction import Friction, friction_of, memory_of
+from ecume.models.floating.forces.flow_and_noise import current_at
+from ecume.models.floating.options import Built
+from ecume.models.floating.parameters import Parameters, Parts, Scratch
+from ecume.models.floating.state import SWEEPS, UNCONVERGED, WORK, State, Workspace
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
 
 admit(pair_mobility)
 
@@ -146,3 +176,243 @@ def add_divergence(part: CoupledKicks, position: Array, motion: Array) -> None:
                 motion[2 * i + 1] += drift * y
                 motion[2 * j] -= drift * x
                 motion[2 * j + 1] -= drift * y
+
+
+SPINS = 1
+"""The purpose of the random numbers of spins; that of velocities is 0."""
+
+
+@compiled
+def fastest_coupled(
+    part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> float:
+    """Compute the velocities by forces, without the current; return the highest speed, NaN if any is NaN."""
+    count = len(part.radius)
+    fill_mobility(part, state.position, own.mobility)
+    for i in range(count):
+        own.load[2 * i], own.load[2 * i + 1] = workspace.force[i, 0], workspace.force[i, 1]
+    own.load[2 * count :] = 0.0
+    multiply(own.mobility, own.load, own.motion)
+    if part.thermal > 0.0:
+        add_divergence(part, state.position, own.motion)
+    fill_current(own, parameters, state)
+    return fastest_motion(own)
+
+
+@compiled
+def fastest_motion(own: CoupledScratch) -> float:
+    """The highest speed of any float with its current, NaN if any is NaN."""
+    fastest = 0.0
+    for i in range(len(own.current)):
+        x, y = own.motion[2 * i] + own.current[i, 0], own.motion[2 * i + 1] + own.current[i, 1]
+        speed = math.sqrt(x * x + y * y)
+        # Written so that a NaN is kept.
+        if fastest == fastest and not speed <= fastest:
+            fastest = speed
+    return fastest
+
+
+@compiled
+def fill_current(own: CoupledScratch, parameters: Parameters, state: State) -> None:
+    """Compute the velocity of the liquid at each float: the flow of the scene, and in a moving dish that of the liquid
+    that stays behind.
+    """
+    drift, current = parameters.drift, own.current
+    for i in range(len(current)):
+        x, y = 0.0, 0.0
+        if drift.flows:
+            x, y = current_at(drift, state.position[i, 0], state.position[i, 1])
+        current[i, 0], current[i, 1] = x, y
+    if drift.sway.moves:
+        time = (state.step[0] + 0.5) * parameters.time_step
+        for axis in range(2):
+            speed = drift.sway.velocity[axis] + sway_velocity(drift.sway.amplitude[axis], drift.sway.turning, time)
+            for i in range(len(current)):
+                current[i, axis] -= drift.sway.slip * speed
+
+
+@compiled
+def add_coupled_noise(part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State) -> None:
+    """Add Brownian motion to the velocities and spins: displacements with the covariance 2 kT M dt."""
+    chance, moved = np.empty(len(own.motion)), np.empty(len(own.motion))
+    fill_normals(part, int(state.step[0]), parameters.drift.seed, chance)
+    root_product(own.mobility, chance, moved)
+    far = math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step)
+    for k in range(len(moved)):
+        own.motion[k] += far * moved[k]
+
+
+@compiled
+def fill_normals(part: CoupledKicks, step: int, seed: int, chance: Array) -> None:
+    """Write a normally distributed number for each velocity and spin."""
+    count = len(part.radius)
+    for i in range(count):
+        chance[2 * i], chance[2 * i + 1] = normals(counter_of(i, step, 0), seed)
+        if len(part.spin) > 0:
+            chance[2 * count + i] = normals(counter_of(i, step, SPINS), seed)[0]
+
+
+@composed
+def predict_coupled(
+    part: CoupledKicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Complete the velocities that `fastest_coupled` computed by thermal noise."""
+    if parameters.drift.thermal > 0.0:
+        add_coupled_noise(part, scratch.integrator, parameters, state)
+    add_current(scratch.integrator)
+    store_velocities(scratch.integrator, state, workspace)
+
+
+@compiled
+def add_current(own: CoupledScratch) -> None:
+    """Add the current to the velocities relative to it."""
+    for i in range(len(own.current)):
+        own.motion[2 * i] += own.current[i, 0]
+        own.motion[2 * i + 1] += own.current[i, 1]
+
+
+@compiled
+def store_velocities(own: CoupledScratch, state: State, workspace: Workspace) -> None:
+    """Write the velocities and midstep velocities."""
+    for i in range(len(own.current)):
+        for axis in range(2):
+            state.velocity[i, axis] = own.motion[2 * i + axis]
+            workspace.midstep_velocity[i, axis] = own.motion[2 * i + axis]
+
+
+@compiled
+def finish_coupled(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Do nothing: velocities follow from the forces at the start of the step."""
+
+
+@compiled
+def add_coupled_work(
+    part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Add the work of the current on the floats in one step, -F u with all forces F on them including contacts: the
+    liquid exerts -F, and u is its velocity far from them. The rest of its work is dissipated. With thermal noise, the
+    heat contains it.
+    """
+    if parameters.drift.thermal > 0.0 or len(state.tally) <= WORK:
+        return
+    power = 0.0
+    for i in range(len(own.current)):
+        power -= own.load[2 * i] * own.current[i, 0] + own.load[2 * i + 1] * own.current[i, 1]
+    state.tally[WORK] += parameters.time_step * power
+
+
+class CoupledImpulses(NamedTuple):
+    """Contacts that are solved with the mobility of all floats, with or without friction."""
+
+    friction: tuple[float, float]
+    """coefficients of friction between two floats, and at walls"""
+    inertia: Array
+    """(N,) kg m^2 of floats that turn; (0,) without friction"""
+    overlapping: bool
+    """whether floats pass through one another; see also `collisions.Impulses`"""
+
+
+def rubbing_impulses_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """Return contacts with friction."""
+    made: Friction = friction_of(parameters, scene, interactions).part
+    return Built(CoupledImpulses(made.friction, made.inertia, False))
+
+
+def smooth_impulses_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """Return contacts without friction, or none."""
+    return Built(CoupledImpulses((0.0, 0.0), np.zeros(0), scene.contacts.law == "none"))
+
+
+@compiled
+def collide_coupled(
+    part: CoupledImpulses, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Solve for the midstep velocities, so that no float overlaps another after the step."""
+    if part.overlapping:
+        return
+    contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
+    goal = gather_contacts(parameters, state, workspace)
+    if goal.target > 0.0:
+        rows = dense_rows_of(part, contacts, parameters, len(own.motion))
+        if turning:
+            recall_rubbing(rows, contacts, memory, state.rub, parameters.time_step)
+        sweeps = mobility_contacts.solve(rows, own.mobility, own.motion, goal)
+        state.tally[SWEEPS] += sweeps
+        state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
+        keep_impulses(rows, contacts, parameters, own)
+        touching.remember(touching.contact_keys(contacts), memory)
+        if turning:
+            rubbing = parameters.time_step * rows.impulse[contacts.total[0] :]
+            touching.remember_each(touching.contact_keys(contacts), rubbing, memory, state.rub)
+    else:
+        clear_impulses(contacts)
+        touching.remember(touching.contact_keys(contacts), memory)
+    store_velocities(own, state, workspace)
+    for i in range(len(state.turning) if turning else 0):
+        state.turning[i, 1] = own.motion[2 * len(state.turning) + i]
+        state.turning[i, 0] += parameters.time_step * state.turning[i, 1]
+
+
+@compiled
+def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Goal:
+    """Find the contacts of this step, with the impulses of the last one; return the tolerance of their solution."""
+    contacts = workspace.contacts
+    # Twice the travel for a head-on pair, and twice again for floats that others push.
+    reach = 4.0 * workspace.travel[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
+    require_gaps(False, parameters, contacts)
+    touching.recall(touching.contact_keys(contacts), memory_of(state))
+    touching.normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
+    return goal_of(parameters, contacts)
+
+
+@compiled
+def dense_rows_of(part: CoupledImpulses, contacts: Contacts, parameters: Parameters, size: int) -> DenseRows:
+    """Return the rows of all contacts; their unknowns are mean forces, impulses over the time step."""
+    total, count, radius = contacts.total[0], len(parameters.floats.radius), parameters.floats.radius
+    turning = len(part.inertia) > 0
+    rows = make_dense_rows(2 * total if turning else total, total, size)
+    for row in range(total):
+        i, j, x, y = contacts.first[row], contacts.second[row], contacts.normal[row, 0], contacts.normal[row, 1]
+        rows.bound[row] = contacts.bound[row]
+        rows.impulse[row] = contacts.impulse[row] / parameters.time_step
+        set_direction(rows, row, (i, j), (x, y), count)
+        if turning:
+            among_floats = j < count
+            rows.friction[row] = part.friction[0] if among_floats else part.friction[1]
+            set_direction(rows, total + row, (i, j), (-y, x), count)
+            rows.place[total + row, 4] = 2 * count + i
+            rows.value[total + row, 4] = -(radius[i] + (0.5 if among_floats else 1.0) * contacts.gap[row])
+            if among_floats:
+                rows.place[total + row, 5] = 2 * count + j
+                rows.value[total + row, 5] = -(radius[j] + 0.5 * contacts.gap[row])
+    return rows
+
+
+@compiled_inside
+def set_direction(rows: DenseRows, row: int, pair: tuple[int, int], way: tuple[float, float], count: int) -> None:
+    """Write the row of the relative velocity of two bodies in one direction; walls are at rest."""
+    i, j = pair
+    for axis in range(2):
+        rows.place[row, axis], rows.value[row, axis] = 2 * i + axis, -way[axis]
+        if j < count:
+            rows.place[row, 2 + axis], rows.value[row, 2 + axis] = 2 * j + axis, way[axis]
+
+
+@compiled
+def recall_rubbing(rows: DenseRows, contacts: Contacts, memory: Memory, rubbed: Array, time: float) -> None:
+    """Start from the tangential impulses of the previous step, as mean forces."""
+    total = contacts.total[0]
+    touching.recall_each(touching.contact_keys(contacts), rows.impulse[total:], memory, rubbed)
+    for row in range(total):
+        rows.impulse[total + row] /= time
+
+
+@compiled
+def keep_impulses(rows: DenseRows, contacts: Contacts, parameters: Parameters, own: CoupledScratch) -> None:
+    """Store the impulses of the contacts, and add their forces to those on the floats."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] = parameters.time_step * rows.impulse[row]
+    for row in range(len(rows.impulse)):
+        for entry in range(mobility_contacts.ENTRIES):
+            own.load[rows.place[row, entry]] += rows.value[row, entry] * rows.impulse[row]

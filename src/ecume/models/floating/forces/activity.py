@@ -16,7 +16,7 @@ from ecume.engine.neighbors import NeighborLists
 from ecume.engine.philox import counter_of, normals
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.models.floating.state import WORK, State, Workspace
 from ecume.units import Array
 

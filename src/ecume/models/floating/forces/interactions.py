@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles, radiated_waves
+from ecume.laws import contact_lines, dipoles, ewald, multipole, radiated_waves
 from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
@@ -25,14 +25,6 @@ from ecume.models.floating.forces.activity import (
     renew_activity,
     with_activity,
 )
-from ecume.models.floating.forces.dipoles import (
-    DipoleMoments,
-    dipole_energies,
-    dipole_forces,
-    dipoles_of,
-    make_sorted_moments,
-    sort_moments,
-)
 from ecume.models.floating.forces.ewald_grid import (
     Split,
     make_reference,
@@ -43,14 +35,20 @@ from ecume.models.floating.forces.ewald_grid import (
 )
 from ecume.models.floating.forces.films import Films, apply_films, films_of
 from ecume.models.floating.forces.flow_and_noise import add_flow
-from ecume.models.floating.forces.magnetic_fields import (
+from ecume.models.floating.forces.magnets import (
+    DipoleMoments,
     MagneticField,
+    dipole_energies,
+    dipole_forces,
+    dipoles_of,
     magnetic_energy,
     magnetic_field_of,
     magnetic_forces,
     magnetic_lines,
     make_magnetic_scratch,
+    make_sorted_moments,
     renew_field,
+    sort_moments,
 )
 from ecume.models.floating.forces.multipoles import (
     Multipoles,
@@ -174,7 +172,7 @@ INTERACTIONS = {
     "shapes": Interaction(
         path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
         energy=shaped_energies, scratch=make_shaped_scratch, inertia=lambda part: np.asarray(part.inertia),
-        laws=(ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy),
+        laws=(contact_lines.ellipsoid_undulation, contact_lines.spread_charges, contact_lines.quadrupole_energy),
         needs={
             "turns bodies": "its drag differs along and across, and kicks must turn it",
             "superposed": "its charges are superposed",

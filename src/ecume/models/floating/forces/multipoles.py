@@ -26,19 +26,33 @@ from ecume.laws import drag, flotation
 from ecume.laws.flotation import Disc, Liquid, Sphere
 from ecume.laws.meniscus import facing_amplitude, plane_amplitude
 from ecume.laws.multipole.closures import Undulated, closure_of
-from ecume.laws.multipole.echoes import Echoes, echo_heights, incoming, make_echoes, make_round_echoes
-from ecume.laws.multipole.graf import Rims, Waves, energy, forces, make_rims, sent, torques
 from ecume.laws.multipole.ladders import outgoing_ladder, regular_ladder
-from ecume.laws.multipole.solving import Krylov, iterate, make_krylov
-from ecume.laws.multipole.walls import Basin, images
+from ecume.laws.multipole.many import Basin, images
+from ecume.laws.multipole.solving import (
+    Echoes,
+    Krylov,
+    Rims,
+    Waves,
+    echo_heights,
+    energy,
+    forces,
+    incoming,
+    iterate,
+    make_echoes,
+    make_krylov,
+    make_rims,
+    make_round_echoes,
+    sent,
+    torques,
+)
 from ecume.laws.special import bessel_k0, bessel_k1, scaled_bessel_i1
+from ecume.models.floating.dishes import meniscus_of
+from ecume.models.floating.menisci import acts
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters, part_of
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.state import State, Workspace, make_state
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
-from ecume.models.floating.walls.shapes import meniscus_of
-from ecume.models.floating.walls.wall_laws import acts
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
@@ -180,7 +194,7 @@ def multipole_scratch(amplitudes: Array, turning: Array) -> MultipoleScratch:
 
 @compiled
 def fill_outer(multipoles: Multipoles, at: Array, outer: Waves) -> None:
-    """Fill in the menisci of the walls around each body: see `ecume.laws.multipole.walls.outer_waves`."""
+    """Fill in the menisci of the walls around each body: see `ecume.laws.multipole.many.outer_waves`."""
     rims, brim, orders = multipoles.rims, multipoles.echoes.brim, outer.shape[1]
     ladder = np.zeros(orders)
     outer[:] = 0.0
@@ -324,15 +338,15 @@ def make_pair_tables(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: 
 
 def _beyond(multipoles: Multipoles, product: float, apart: float) -> tuple[float, float]:
     """Energy and force (positive repels) of two bodies, minus superposition: K0 and K1 times `product`."""
-    from ecume.laws.multipole import graf, solving
+    from ecume.laws.multipole import solving
 
     x = apart / multipoles.length
     at = np.array([[0.0, 0.0], [x, 0.0]])
     amplitudes = solving.eliminate(multipoles.rims, multipoles.echoes, at, multipoles.rims.source)
     waves, force = np.zeros((2, ORDER + 2), np.complex128), np.zeros((2, 2))
-    graf.receive_all(multipoles.rims, multipoles.echoes.mirrors, at, amplitudes, waves)
-    graf.forces(multipoles.rims, amplitudes, waves, force)
-    energy = graf.energy(multipoles.rims, amplitudes, waves, np.zeros_like(waves))
+    solving.receive_all(multipoles.rims, multipoles.echoes.mirrors, at, amplitudes, waves)
+    solving.forces(multipoles.rims, amplitudes, waves, force)
+    energy = solving.energy(multipoles.rims, amplitudes, waves, np.zeros_like(waves))
     return (
         multipoles.tension * multipoles.length**2 * (energy + product * bessel_k0(x)),
         multipoles.tension * multipoles.length * (float(force[1, 0]) + product * bessel_k1(x)),

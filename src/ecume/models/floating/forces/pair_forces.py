@@ -21,8 +21,9 @@ from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists, Rows, Slots
 from ecume.engine.periodic import nearest
 from ecume.engine.walls import wall_count
-from ecume.laws import capillarity, dipoles, ewald, pair_laws, screened, special
+from ecume.laws import capillarity, dipoles, ewald, pair_laws, special
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, settable
+from ecume.models.floating.menisci import acts, wall_energy, wall_force
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
@@ -34,7 +35,6 @@ from ecume.models.floating.parameters import (
     Parameters,
 )
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.walls.wall_laws import acts, wall_energy, wall_force
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def pair_option(name: str) -> Option:
     return Option(slot="pair law", path="interaction.law", name=repr(name), gives=gives | charges)
 
 
-admit(capillarity, dipoles, pair_laws, screened, special, ewald)
+admit(capillarity, dipoles, pair_laws, special, ewald)
 
 PADDED = 8
 """Neighbors are padded to a multiple of the vector width, since a remainder is not vectorized."""

@@ -21,8 +21,7 @@ from ecume.laws.radiated_waves import Ripples, slope_per_force
 from ecume.models.floating.contacts.friction import float_inertia
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.setup.kinds import distinct_kinds
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import distinct_kinds, turning_frictions
 from ecume.models.floating.state import WORK, State, Workspace
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
 from ecume.models.liquids import liquid_of

@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import flow_split, pair_mobility
+from ecume.laws import ewald, pair_mobility
 from ecume.laws.drag import particle_reynolds
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
-from ecume.models.floating.coupled.flow_grid import ERROR
-from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO, GridKicks
+from ecume.models.floating.coupled.many_floats import ERROR, MATRIX_UP_TO, GridKicks
 from ecume.models.floating.coupled.mobility import CoupledKicks, hydrodynamic_radius
 from ecume.models.floating.forces.interactions import RESISTANCES, Resistance
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import Parameters, distinct_rows
-from ecume.models.floating.setup.turning_friction import turning_frictions
+from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.models.floating.time_integration.integrators import COUPLED, COUPLED_ON_GRID, Integrator
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
@@ -130,7 +129,7 @@ MANY = replace(
     HYDRODYNAMICS["rotne-prager"], moves=lambda integrator: COUPLED_ON_GRID,
     make=lambda parameters, scene, turning: GridKicks(coupled_kicks_of(parameters, scene, turning)),
     contacts={"none": "coupled on a grid", "impulse": "coupled on a grid"}, raft_speeds=summed_in_rafts,
-    laws=(pair_mobility.pair_mobility, flow_split.smooth_flow),
+    laws=(pair_mobility.pair_mobility, ewald.smooth_flow),
 )  # fmt: skip
 """Replaces the matrix of Rotne and Prager's mobilities for many floats."""
 

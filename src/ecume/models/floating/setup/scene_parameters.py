@@ -12,10 +12,12 @@ import numpy as np
 
 from ecume.engine.walls import wall_count
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import capillarity, flotation, images
+from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
+from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
+from ecume.models.floating.dishes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.interactions import (
@@ -34,6 +36,7 @@ from ecume.models.floating.forces.pair_forces import (
     pair_option,
     row_of,
 )
+from ecume.models.floating.menisci import is_far_field
 from ecume.models.floating.options import Built, Option, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
 from ecume.models.floating.setup.hydrodynamic_interaction import (
@@ -42,8 +45,8 @@ from ecume.models.floating.setup.hydrodynamic_interaction import (
     hydrodynamics_of,
     warn_of_fast_floats,
 )
+from ecume.models.floating.setup.initial_state import boundary_of, periods_in, require_room
 from ecume.models.floating.setup.kinds import floats_of, moments_of
-from ecume.models.floating.setup.periodic_cell import boundary_of, periods_in, require_room
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
 from ecume.models.floating.time_integration.integrators import (
@@ -53,9 +56,6 @@ from ecume.models.floating.time_integration.integrators import (
     Integrator,
 )
 from ecume.models.floating.time_integration.step_size import GOOD, NOISE_DEVIATIONS, good_step, kick_of, step_of
-from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
-from ecume.models.floating.walls.wall_laws import is_far_field
-from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
@@ -196,7 +196,7 @@ def _check_names(scene: FloatingScene) -> None:
     ]
     if scene.dish is not None:
         choices.append(("dish.law", str(scene.dish.law), (*capillarity.WALLS, "profile")))
-        choices.append(("dish.image", scene.dish.image, ("none", *images.WALLS)))
+        choices.append(("dish.image", scene.dish.image, ("none", *meniscus.WALLS)))
     faults = [
         Fault(path, f"no such law as {name!r}; {_suggestion(name, known)}")
         for path, name, known in choices

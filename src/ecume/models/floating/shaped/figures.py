@@ -16,13 +16,20 @@ from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, w
 from ecume.engine.walls import wall_count
 from ecume.errors import Fault, SceneError
 from ecume.laws import drag, flotation
-from ecume.laws.ellipsoids import ellipsoid_friction, ellipsoid_turning_friction, ellipsoid_undulation
-from ecume.laws.lines import Line, needle_charge, spread_charges, star_charges
+from ecume.laws.contact_lines import (
+    Line,
+    ellipsoid_friction,
+    ellipsoid_turning_friction,
+    ellipsoid_undulation,
+    needle_charge,
+    spread_charges,
+    star_charges,
+)
+from ecume.models.floating.dishes import wall_strengths
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.shaped.bodies import Shaped, body_pair_forces
-from ecume.models.floating.walls.shapes import wall_strengths
 from ecume.units import Array
 
 if TYPE_CHECKING:

@@ -1,6 +1,5 @@
 """Time integration.
 
 Start with `integration`: one time step, and neighbor lists. `integrators` is the table of schemes (kick, drag,
-drift), `step_size` chooses the length of the time step, and `energy_budget` adds up the work done on the floats from
-outside.
+drift) and adds up the work done on the floats from outside, and `step_size` chooses the length of the time step.
 """

@@ -40,14 +40,15 @@ from ecume.models.floating.forces.interactions import (
 )
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
 from ecume.models.floating.state import State, Workspace, copy_rows
-from ecume.models.floating.time_integration.energy_budget import add_heat, is_driven
 from ecume.models.floating.time_integration.integrators import (
     INTEGRATORS_BY_CONSTANTS,
+    add_heat,
     add_work,
     begin,
     bound_travel,
     finish,
     highest_speed,
+    is_driven,
     move,
     predict,
     store,

@@ -14,8 +14,17 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, prange, shared
 from ecume.engine.cells import Integers
 from ecume.laws.surfaces import Body
-from ecume.models.soft.contacts.contact import contact_energy, film_of
-from ecume.models.soft.contacts.contact_jacobian import Frame, Link, Start, Vector, dot, frame_of, linked
+from ecume.models.soft.contacts.contact import (
+    Frame,
+    Link,
+    Start,
+    Vector,
+    contact_energy,
+    dot,
+    film_of,
+    frame_of,
+    linked,
+)
 from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array

@@ -16,7 +16,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.linear_solvers.block_matrix import Matrix
-from ecume.models.soft.contacts.contact_jacobian import Vector
+from ecume.models.soft.contacts.contact import Vector
 from ecume.models.soft.contacts.films import Answers, Pairs, center_distance, turned
 from ecume.units import Array
 

@@ -17,8 +17,19 @@ from ecume._jit import compiled, compiled_inside, where_there
 from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
 from ecume.engine.cells import Integers
 from ecume.laws.surfaces import Body
-from ecume.models.soft.contacts.contact import Film, contact_energy, film_of
-from ecume.models.soft.contacts.contact_jacobian import ROUNDING, Frame, Link, Start, Vector, dot, frame_of, linked
+from ecume.models.soft.contacts.contact import (
+    ROUNDING,
+    Film,
+    Frame,
+    Link,
+    Start,
+    Vector,
+    contact_energy,
+    dot,
+    film_of,
+    frame_of,
+    linked,
+)
 from ecume.models.soft.contacts.rotation import axial, cross
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.parameters import Contacts, Planes

@@ -13,11 +13,11 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import dots, solve
-from ecume.models.soft.contacts.contact_jacobian import ROUNDING, Vector
+from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal, unknowns
+from ecume.models.soft.contacts.contact import ROUNDING, Vector
 from ecume.models.soft.contacts.films import Answers, Pairs, center_distance
 from ecume.models.soft.contacts.rotation import cross
 from ecume.models.soft.contacts.walls import Walls, column_of_wall, corner_of_walls
-from ecume.models.soft.loading.cell import Cell, Goal, gradient_of, stress_goal, unknowns
 from ecume.units import Array
 
 MOST = 2

@@ -6,6 +6,17 @@ from collections.abc import Callable
 
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly
 from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
+from ecume.models.soft.cell import (
+    STRAIN,
+    WIDTH,
+    Cell,
+    Goal,
+    begin_cell,
+    cell_error,
+    end_cell,
+    first_cell,
+    place_images,
+)
 from ecume.models.soft.contacts.films import answer
 from ecume.models.soft.contacts.rotation import begin_spins, carry, end_spins, turn_pairs
 from ecume.models.soft.contacts.walls import (
@@ -20,19 +31,8 @@ from ecume.models.soft.contacts.walls import (
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.force_assembly import imbalance
 from ecume.models.soft.integration.newton import newton_dense
-from ecume.models.soft.loading.cell import (
-    STRAIN,
-    WIDTH,
-    Cell,
-    Goal,
-    begin_cell,
-    cell_error,
-    end_cell,
-    first_cell,
-    place_images,
-)
-from ecume.models.soft.loading.protocol import Drive
 from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.protocol import Drive
 from ecume.models.soft.report.energy_budget import add_stage
 from ecume.models.soft.state import During, Step
 from ecume.units import Array

@@ -7,11 +7,11 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, composed, prange, shared
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Pattern
-from ecume.models.soft.contacts.contact_jacobian import ROUNDING
+from ecume.models.soft.cell import flow, largest_strain
+from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import Answers, Pairs
 from ecume.models.soft.contacts.rotation import add_torques, fill_quads, hold_spins, load_torques, turn_first
 from ecume.models.soft.contacts.walls import push_from_walls, resist_at_walls
-from ecume.models.soft.loading.cell import flow, largest_strain
 from ecume.models.soft.state import Bodies, Step
 from ecume.units import Array
 

@@ -12,8 +12,8 @@ from ecume.engine.linear_solvers import solvers
 from ecume.engine.linear_solvers.solvers import Kept
 from ecume.models.soft.integration import dirk, newton
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
-from ecume.models.soft.loading.protocol import Drive, Rules
 from ecume.models.soft.parameters import Contacts, Parameters
+from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.state import During, Step, Workspace
 
 FINE = 1e-13

@@ -11,6 +11,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly, prange, shared
 from ecume.engine.linear_solvers import dense_elimination
 from ecume.engine.linear_solvers.block_matrix import Matrix
+from ecume.models.soft.cell import Goal, carry_along, deform, impose, place_images, unknowns
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, answer, center_distance
 from ecume.models.soft.contacts.rotation import rolled, turn_pairs, unturn
 from ecume.models.soft.contacts.walls import all_walls, answer_walls, missing_at_walls, move_walls, shift_at_walls
@@ -33,7 +34,6 @@ from ecume.models.soft.integration.force_assembly import (
     largest_line,
     resist,
 )
-from ecume.models.soft.loading.cell import Goal, carry_along, deform, impose, place_images, unknowns
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.state import Bodies, Step
 from ecume.units import Array

@@ -8,17 +8,17 @@ import numpy as np
 
 from ecume.errors import Diverged
 from ecume.models.model import CROWDED, DIVERGED, DONE
+from ecume.models.soft.cell import box_of
 from ecume.models.soft.contacts.contact_list import Found, newcomers, renew_contacts, wall_gaps
 from ecume.models.soft.contacts.walls import Walls, all_walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balance, begin
-from ecume.models.soft.loading.cell import box_of
-from ecume.models.soft.loading.protocol import drive_at, interval_at, next_stop, rules_at
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.report.contact_geometry import deflections, is_beyond, remedy, worst_contact
+from ecume.models.soft.protocol import drive_at, interval_at, next_stop, rules_at
 from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, released
+from ecume.models.soft.report.observation import deflections, is_beyond, remedy, worst_contact
 from ecume.models.soft.state import (
     ACCEPTED,
     CLOCK,

@@ -10,16 +10,15 @@ import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import Expected
-from ecume.models.check_report import LONG, Row
-from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.costs import Content, frame_cost
 from ecume.models.liquids import material_of
+from ecume.models.model import LONG, Row
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
-from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.report.contact_lists import widths
-from ecume.models.soft.setup.building import prefactors_of
-from ecume.models.soft.setup.start_checks import fillings
+from ecume.models.soft.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR
+from ecume.models.soft.report.observation import widths
+from ecume.models.soft.setup import fillings, prefactors_of
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, sides_of, tension_law_of
 from ecume.units import Array

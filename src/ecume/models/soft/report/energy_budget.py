@@ -5,7 +5,7 @@ powers are evaluated at each stage of a step, and added with the weights of the 
 of the scheme. The work of external forces follows from displacements, since positions have no rates.
 
 The surface law has no potential: the size of a contact follows its gap, without a force on the film. The energy that
-surfaces take or give in this way is a separate entry; see `elasticity.gap_energy`.
+surfaces take or give in this way is a separate entry; see `soft_pair.gap_energy`.
 """
 
 from __future__ import annotations
@@ -17,15 +17,22 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
 from ecume.laws.surfaces import Body
-from ecume.models.soft.contacts.contact import Elastic, contact_gap_energy, elastic_of, remote_answer, sheared_energy_by
-from ecume.models.soft.contacts.contact_jacobian import Vector, dot
+from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, unknowns
+from ecume.models.soft.contacts.contact import (
+    Elastic,
+    Vector,
+    contact_gap_energy,
+    dot,
+    elastic_of,
+    remote_answer,
+    sheared_energy_by,
+)
 from ecume.models.soft.contacts.films import Films, center_distance, stored_energy, turned
 from ecume.models.soft.contacts.rotation import Spins
 from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.force_assembly import CHUNK
-from ecume.models.soft.loading.cell import STRAIN, TILT, WIDTH, Cell, unknowns
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.state import Bodies, During, Step
 from ecume.units import Array

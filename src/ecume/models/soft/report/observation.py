@@ -1,33 +1,232 @@
-"""A state as a frame: what is where, and how the contacts stand."""
+"""A state as a frame: what is where, how the contacts stand, and the lists of contacts.
+
+Contacts as arrays over spheres, for frames: each contact is listed at its sphere of lower number. By default the
+narrowest gaps of a sphere, with scalars. With `films.output = "vectors"` all contacts, and what a force network, the
+balance of forces and the stress follow from: image, force vectors, deflection.
+"""
 
 from __future__ import annotations
 
 import inspect
 import math
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from ecume._portable import exp, log
 from ecume.engine.cells import Integers
+from ecume.laws.deflections import DEFINITE, TANGENTIAL, TENSION
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
+from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
 from ecume.models.soft.contacts.contact_list import at_home, box_in, wraps
 from ecume.models.soft.contacts.films import Pairs
 from ecume.models.soft.contacts.user_forces import Across, forces_across, user_energies
 from ecume.models.soft.contacts.walls import all_walls
 from ecume.models.soft.integration.linear_solvers import begin
-from ecume.models.soft.loading.cell import STRAIN, TILT, WIDTH, Box
-from ecume.models.soft.loading.protocol import drive_at
-from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.report.contact_geometry import deflections, extremes
-from ecume.models.soft.report.contact_lists import UNITS as CONTACT_UNITS
-from ecume.models.soft.report.contact_lists import UNLISTED, listed
+from ecume.models.soft.parameters import Contacts, Parameters
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Step, Workspace
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+from ecume.value_texts import with_prefix
+
+FAINT = 1e-3
+"""Of the radius: in smaller deflections the ratio of both parts means nothing."""
+LARGE = 0.1
+"""Deflection over radius above which the contact laws are inaccurate."""
+
+
+class Deflections(NamedTuple):
+    """The contacts of a state; those with walls follow those of pairs."""
+
+    pair: Integers
+    """(C, 2) the spheres; at walls the sphere, and -1 less the wall"""
+    radius: Array
+    """(C,) m, the smaller one"""
+    gap: Array
+    normal: Array
+    """(C,) m, the normal deflection, positive in tension"""
+    tangential: Array
+    """(C,) m, the magnitude of the tangential deflection"""
+    vector: Array
+    """(C, d) m"""
+
+    @property
+    def magnitude(self) -> Array:
+        """Of the whole deflection over the radius."""
+        return np.asarray(np.hypot(self.normal, self.tangential) / self.radius)
+
+
+def deflections(parameters: Parameters, state: State) -> Deflections:
+    """The deflections of all contacts."""
+    pairs, walls = _of_pairs(parameters, state), _of_walls(parameters, state)
+    return Deflections(*(np.concatenate(parts) for parts in zip(pairs, walls, strict=True)))
+
+
+def _of_pairs(parameters: Parameters, state: State) -> Deflections:
+    count, box = int(state.contacts[0]), box_in(parameters, state)
+    pair, direction = state.pair[:count].copy(), state.direction[:count]
+    gap, radius = exp(state.log_gap[:count]), parameters.radius[pair]
+    reach = (radius.sum(axis=1) + gap)[:, None] * direction
+    return _split(pair, radius.min(axis=1, initial=np.inf), gap, between(state, box) - reach, direction)
+
+
+def between(state: State, box: Box) -> Array:
+    """The vectors between the centers of all pairs in contact (C, d)."""
+    count = int(state.contacts[0])
+    pair, image = state.pair[:count], state.image[:count]
+    vectors = state.position[pair[:, 1]] - state.position[pair[:, 0]] + image * box.sides
+    vectors[:, 0] += box.tilt * image[:, 1]
+    return np.asarray(vectors)
+
+
+def _of_walls(parameters: Parameters, state: State) -> Deflections:
+    first, wall = np.nonzero(state.touching)
+    dimensions, radius = state.position.shape[1], parameters.radius[first]
+    normal = -parameters.walls.surfaces.place[wall, :dimensions]
+    gap = exp(state.wall_gap[first, wall])
+    apart = state.wall[wall, :dimensions] - state.position[first] - radius[:, None] * state.slip[first, wall]
+    pair = np.stack([first, -1 - wall], axis=1).astype(np.int64)
+    return _split(pair, radius, gap, apart - (radius + gap)[:, None] * normal, normal)
+
+
+def _split(pair: Integers, radius: Array, gap: Array, vector: Array, direction: Array) -> Deflections:
+    normal = (vector * direction).sum(axis=1)
+    tangential = np.linalg.norm(vector - normal[:, None] * direction, axis=1)
+    return Deflections(pair, radius, gap, normal, tangential, vector)
+
+
+def extremes(found: Deflections) -> dict[str, float]:
+    """Numbers of a frame: how far contacts are from the limits of their laws."""
+    magnitude = found.magnitude
+    loaded = magnitude > FAINT
+    ratio = found.tangential[loaded] / np.maximum(np.abs(found.normal[loaded]), FAINT**2 * found.radius[loaded])
+    return {
+        "largest_deflection": float(magnitude.max(initial=0.0)),
+        "largest_shear_ratio": float(ratio.max(initial=0.0)),
+    }
+
+
+def worst_contact(found: Deflections) -> str:
+    """The contact with the largest deflection, and its values; empty without contacts."""
+    if not len(found.radius):
+        return ""
+    at = int(np.argmax(found.magnitude))
+    first, second = found.pair[at]
+    other = f"sphere {second}" if second >= 0 else f"wall {-1 - second}"
+    sign = "tension" if found.normal[at] > 0.0 else "compression"
+    values = [
+        f"gap {with_prefix(float(found.gap[at]), 'm', 3)}",
+        f"normal deflection {abs(found.normal[at]) / found.radius[at]:.3g} radii in {sign}",
+        f"tangential deflection {found.tangential[at] / found.radius[at]:.3g} radii",
+    ]
+    return f"the largest deflection is that of sphere {first} with {other}: {', '.join(values)}"
+
+
+def is_beyond(found: Deflections) -> bool:
+    """Whether a deflection is finite and beyond the range of the contact laws."""
+    return bool((found.magnitude > LARGE).any() and np.isfinite(found.magnitude).all())
+
+
+def remedy(found: Deflections, contacts: Contacts) -> str:
+    """What to change in the scene, by the contacts beyond the limits and by the laws."""
+    tangential, tension = list(TANGENTIAL)[contacts.tangential_law], list(TENSION)[contacts.tension_law]
+    beyond = found.magnitude > LARGE
+    stretched = bool((found.normal[beyond] > LARGE * found.radius[beyond]).any())
+    sheared = bool((found.tangential[beyond] > DEFINITE * np.abs(found.normal[beyond])).any())
+    if stretched and tension != "gap":
+        return 'films hold stretched pairs together; set films.tension_law = "gap"'
+    if sheared and tangential != "potential":
+        return 'the secant law has lost its definite stiffness; set films.tangential_law = "potential"'
+    if beyond.any():
+        return "deflections exceed the range of the contact laws; reduce forces, shear rate or volume fraction"
+    return "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
+
+
+SLOTS = {2: 8, 3: 16}
+"""Contacts that a frame lists for a sphere by default, by dimension: those with later spheres, the narrowest gaps
+first.
+"""
+MOST = 1000
+"""Components that an array of a trajectory can have for a particle."""
+CONTACT_UNITS = {
+    "gap": "m",
+    "tension": "N",
+    "shear": "N",
+    "normal_force": "N",
+    "tangential_force": "N",
+    "deflection": "m",
+}
+UNLISTED = "unlisted_contacts"
+
+
+def slots_of(parameters: Parameters) -> int:
+    """The number of contacts for which frames have room at each sphere."""
+    dimensions, others = parameters.dimensions, max(len(parameters.radius) - 1, 1)
+    if parameters.listed == "scalars":
+        return min(SLOTS[dimensions], others)
+    reach, smallest, largest = parameters.contacts.fade_to, parameters.radius.min(), parameters.radius.max()
+    images = 2 if parameters.box.any() else 1
+    if math.isinf(reach):
+        return min(others, MOST)
+    # As many of the smallest spheres as fill the shell within reach of the largest.
+    outer, inner = largest + 2.0 * smallest + reach, largest
+    shell = (outer**dimensions - inner**dimensions) / smallest**dimensions
+    return int(min(max(math.ceil(shell), 1), images * others, MOST))
+
+
+def listed(parameters: Parameters, state: State, step: Step) -> tuple[dict[str, Array | Integers], int]:
+    """The arrays of contacts, and the number of contacts without room; -1 fills the rest of `neighbor`."""
+    first, count, slots = step.pairs.first, len(parameters.radius), slots_of(parameters)
+    order = np.lexsort((step.log_gap, first))
+    place = np.arange(len(first)) - np.searchsorted(first[order], first[order])
+    fits = place < slots
+    one, place = order[fits], place[fits]
+    arrays: dict[str, Array | Integers] = {}
+    for name, values in _columns(parameters, state, step).items():
+        shape = (count, slots, *values.shape[1:])
+        arrays[name] = np.full(shape, -1, np.int64) if name == "neighbor" else np.zeros(shape, values.dtype)
+        arrays[name][first[one], place] = values[one]
+    return arrays, int((~fits).sum())
+
+
+def _columns(parameters: Parameters, state: State, step: Step) -> dict[str, Array | Integers]:
+    """The values of all contacts, in their order."""
+    d, force, direction = parameters.dimensions, step.answers.force, step.direction
+    gap, tension = exp(step.log_gap), (force * direction).sum(axis=1)
+    along = force - tension[:, None] * direction
+    values: dict[str, Array | Integers] = {
+        "neighbor": step.pairs.second,
+        "gap": gap,
+        "tension": tension,
+        "shear": np.linalg.norm(along, axis=1),
+    }
+    if parameters.listed == "scalars":
+        return values
+    box = box_in(parameters, state)
+    away, count = wraps(state.position, box), int(state.contacts[0])
+    image = state.image[:count] + away[step.pairs.second] - away[step.pairs.first]
+    reach = (step.pairs.radius_sum + gap)[:, None] * direction[:, :d]
+    return values | {
+        "contact_image": image,
+        "normal_force": tension[:, None] * direction[:, :d],
+        "tangential_force": along[:, :d],
+        "deflection": between(state, box) - reach,
+    }
+
+
+def widths(parameters: Parameters) -> dict[str, int]:
+    """The numbers per sphere in each array of contacts."""
+    slots, d = slots_of(parameters), parameters.dimensions
+    scalars = dict.fromkeys(("neighbor", "gap", "tension", "shear"), slots)
+    if parameters.listed == "scalars":
+        return scalars
+    return scalars | dict.fromkeys(("contact_image", "normal_force", "tangential_force", "deflection"), d * slots)
+
 
 STRESS = {2: "N/m", 3: "Pa"}
 """The unit of stress: in a layer, force over length."""

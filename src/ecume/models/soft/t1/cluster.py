@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft.setup.building import prefactors_of
+from ecume.models.soft.setup import prefactors_of
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec
 from ecume.units import Array
 

@@ -22,7 +22,7 @@ from ecume.laws.arguments import require_positive
 from ecume.models.soft.contacts.films import answer
 from ecume.models.soft.integration.force_assembly import imbalance
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.setup.building import parameters_of, start
+from ecume.models.soft.setup import parameters_of, start
 from ecume.models.soft.state import Step, workspace
 from ecume.models.soft.t1.cluster import (
     APART,

@@ -18,13 +18,13 @@ import numpy as np
 from ecume._portable import exp, product
 from ecume.errors import BadInput, Diverged
 from ecume.laws.arguments import chosen, require_finite, require_number, require_positive
-from ecume.laws.elasticity import PREFACTORS
+from ecume.laws.soft_pair import PREFACTORS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import attempt, begin
 from ecume.models.soft.integration.time_stepping import one_step
-from ecume.models.soft.loading.protocol import drive_at, interval_at, rules_at
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.setup.building import parameters_of, start
+from ecume.models.soft.protocol import drive_at, interval_at, rules_at
+from ecume.models.soft.setup import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, During, State, Step, Workspace, workspace
 from ecume.models.soft.t1 import paper_scheme
 from ecume.models.soft.t1.cluster import (

@@ -18,9 +18,8 @@ import numpy as np
 
 from ecume._portable import exp
 from ecume.errors import Diverged
-from ecume.laws.elasticity import Prefactors, contact_size, surface_stiffness
-from ecume.laws.lubrication import shear_friction, squeeze_friction
-from ecume.models.soft.setup.building import prefactors_of
+from ecume.laws.soft_pair import Prefactors, contact_size, shear_friction, squeeze_friction, surface_stiffness
+from ecume.models.soft.setup import prefactors_of
 from ecume.models.soft.t1.cluster import APART, SQRT3, T1, Effort, Instant, horizon, result_of, unseen, watch
 from ecume.scenes.soft import FilmSpec
 from ecume.units import Array

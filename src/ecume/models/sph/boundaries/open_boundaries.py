@@ -16,7 +16,7 @@ import numpy as np
 from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import fitted_axis
-from ecume.laws import enthalpy as enthalpies
+from ecume.laws import states
 from ecume.laws.flows import channel_speed
 from ecume.models.sph.fields import Tait
 from ecume.models.sph.parameters import Gate, Parameters
@@ -36,7 +36,7 @@ from ecume.models.sph.state import (
 )
 from ecume.units import Array
 
-admit(enthalpies)
+admit(states)
 
 
 def speed_at(gate: Gate, points: Array) -> Array:
@@ -125,7 +125,7 @@ def mean_head(
     for i in range(len(density)):
         x = position[axis, i]
         if zone[i] == 0 and min(reach) <= x <= max(reach):
-            total += enthalpies.tait_enthalpy(density[i], tait.density, tait.sound_speed, tait.exponent)
+            total += states.tait_enthalpy(density[i], tait.density, tait.sound_speed, tait.exponent)
             for along in range(len(pull)):
                 total -= pull[along] * position[along, i]
             count += 1
@@ -142,7 +142,7 @@ def store_density(
             enthalpy = head
             for along in range(len(pull)):
                 enthalpy += pull[along] * position[along, i]
-            density[i] = enthalpies.density_at_enthalpy(enthalpy, tait.density, tait.sound_speed, tait.exponent)
+            density[i] = states.density_at_enthalpy(enthalpy, tait.density, tait.sound_speed, tait.exponent)
 
 
 def hold_buffers(state: State) -> None:

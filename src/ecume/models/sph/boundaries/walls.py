@@ -1,4 +1,4 @@
-"""Walls and obstacles: reflection of particles that cross a surface, and repulsion of those that come too close.
+"""Walls and obstacles: reflection of particles that cross a surface, repulsion of those too close, and impacts.
 
 Reflection (the guard): a particle outside after a drift repeats its path through `ecume.engine.walls`: the first
 surface hit, the rest of the step, the next surface, and so on. In a smooth flow this does not occur; the hits are
@@ -8,6 +8,12 @@ Repulsion: a particle closer than a tenth of a spacing to a wall, an obstacle or
 Images and dummies exert no pressure where a particle coincides with its image, and the density from the equation of
 continuity keeps no memory of how close a thin layer is. Without repulsion, a layer of one particle would rest on the
 guard.
+
+Impacts on walls and obstacles: the braking of liquid that approaches them. Images complete the sums of liquid that
+fills the surroundings of a particle. The first particles of a jet have few neighbors, so that few images stand for
+the wall, and a sum over images would brake them too late: they would stop in a water hammer. The dissipation of the
+Riemann problem at the wall is therefore summed over the half-space behind it, which depends on the distance alone.
+Full tanks have no impacts, and incompressible liquids no water hammer.
 """
 
 from __future__ import annotations
@@ -17,14 +23,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, prange, spread
+from ecume._jit import admit, compiled_inside, prange, spread
 from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import Flags
 from ecume.engine.walls import Sheet, reflect_all
 from ecume.engine.walls.sheets import RESTITUTION, SIZE, SPEED, gap_to, inward_normal, piece_gap, worst_gap
 from ecume.engine.walls.surfaces import PLANE
-from ecume.laws import wall_repulsion
+from ecume.laws import wall_forces
 from ecume.models.sph.boundaries.forces_on_solids import total
 from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.models.sph.parameters import Guard, Parameters
@@ -94,7 +100,7 @@ def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
         hits[k] += 1
 
 
-admit(wall_repulsion)
+admit(wall_forces)
 
 FASTEST = 0.1
 """In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
@@ -121,7 +127,7 @@ def repel(position: Array, kind: Integers, number: Array, reach: float, speed: f
             gap, nearest, k = piece_gap(kind, number, k, x, 0.0)
             if gap < reach:
                 push, normal = (
-                    wall_repulsion.standoff_push(gap, reach, speed),
+                    wall_forces.standoff_push(gap, reach, speed),
                     inward_normal(kind, number, nearest, x, 0.0),
                 )
                 for axis in range(position.shape[0]):
@@ -163,7 +169,7 @@ def repelled_by_body(parameters: Parameters, state: State, body: int) -> Repelle
     turn = rotations(state.pose[:, body : body + 1])[0][:d, :d]
     gap, normal = shape.nearest(product(away[:, close].T, turn))
     near = gap < reach
-    push = [wall_repulsion.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
+    push = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
     owner = len(parameters.boundary.names) - len(bodies.shapes) + body
     return Repelled(owner, close[near], np.array(push) * product(turn, normal[near].T))
 
@@ -207,5 +213,70 @@ def energy_of(parameters: Parameters, state: State, leaning: Repelled) -> float:
     """Potential energy of the repulsion of these particles (J)."""
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
-    energy = [wall_repulsion.standoff_energy(own, reach, speed) for own in gap]
+    energy = [wall_forces.standoff_energy(own, reach, speed) for own in gap]
     return dot(state.mass[leaning.who], energy)
+
+
+admit(wall_forces)
+
+
+@compiled_inside
+def weight_at(gap: float, support: float, weights: Array) -> float:
+    """The kernel summed over a plane at this distance (1/m), interpolated."""
+    last = len(weights) - 1
+    place = max(gap, 0.0) / support * last
+    below = min(int(place), last - 1)
+    found: float = weights[below] + (place - below) * (weights[below + 1] - weights[below])
+    return found
+
+
+@spread
+def brake(
+    position: Array, velocity: Array, kind: Integers, number: Array, support: float, weights: Array, sound_speed: float,
+    acceleration: Array,
+) -> None:  # fmt: skip
+    """Add the braking by walls and obstacles: see `wall_forces.impact_braking`."""
+    dimension = position.shape[0]
+    for i in prange(position.shape[1]):
+        k, z = 0, position[2, i] if dimension == 3 else 0.0
+        x = position[0, i], position[1, i], z
+        while k < kind.shape[0]:
+            gap, nearest, k = piece_gap(kind, number, k, x, 0.0)
+            if gap >= support:
+                continue
+            normal, approach = inward_normal(kind, number, nearest, x, 0.0), 0.0
+            for axis in range(dimension):
+                approach += (number[nearest, SPEED + axis] - velocity[axis, i]) * normal[axis]
+            if approach > 0.0:
+                push = wall_forces.impact_braking(approach, weight_at(gap, support, weights), sound_speed)
+                for axis in range(dimension):
+                    acceleration[axis, i] += push * normal[axis]
+
+
+def add_braking(parameters: Parameters, state: State, guard: Guard, acceleration: Array) -> None:
+    """Add the present braking by the surfaces of a guard to an acceleration."""
+    if len(guard.weights) and len(guard.owner):
+        sheet, sound = guard.sheet, parameters.material.sound_speed
+        brake(state.position, state.velocity, *sheet[:2], guard.support, guard.weights, sound, acceleration)
+
+
+def brake_at_walls(parameters: Parameters, state: State) -> None:
+    """Add the present braking by walls and obstacles to the acceleration of the liquid."""
+    add_braking(parameters, state, parameters.boundary.guard, state.acceleration)
+
+
+def braked_by_wall(parameters: Parameters, state: State, owner: int) -> Repelled:
+    """Particles braked by a wall or an obstacle."""
+    guard, push = parameters.boundary.guard, np.zeros_like(state.position)
+    mine = guard._replace(sheet=sheet_of(guard, owner), owner=guard.owner[guard.owner == owner])
+    add_braking(parameters, state, mine, push)
+    who = np.flatnonzero(push.any(axis=0))
+    return Repelled(owner, who, push[:, who])
+
+
+def all_braked(parameters: Parameters, state: State) -> list[Repelled]:
+    """Braked particles by walls and obstacles."""
+    guard = parameters.boundary.guard
+    if not len(guard.weights):
+        return []
+    return [braked_by_wall(parameters, state, int(owner)) for owner in np.unique(guard.owner)]

@@ -14,11 +14,17 @@ from ecume._portable import product
 from ecume.laws.time_step_limits import acoustic_limit, advective_limit, force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.boundaries.open_boundaries import exchange_due, set_buffer_pressures
-from ecume.models.sph.boundaries.prescribed_motion import at_reference, displacement_of_sides, instant
-from ecume.models.sph.boundaries.rigid_bodies import collide, expel_liquid, largest_displacement, move_bodies
+from ecume.models.sph.boundaries.rigid_bodies import (
+    at_reference,
+    collide,
+    displacement_of_sides,
+    expel_liquid,
+    instant,
+    largest_displacement,
+    move_bodies,
+)
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import number
-from ecume.models.sph.incompressible.projection import failed, project
 from ecume.models.sph.integration.particle_loops import (
     correct,
     drift,
@@ -30,6 +36,7 @@ from ecume.models.sph.integration.particle_loops import (
 )
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.projection import failed, project
 from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_other_forces, take_thickening
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,

@@ -14,20 +14,19 @@ import numpy as np
 from ecume._jit import admit, by_type, compiled_inside, inlined, prange, spread
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
-from ecume.laws import enthalpy as enthalpies
 from ecume.laws import states
 from ecume.models.sph.fields import FIELD, ConstantDensity, Constants, EquationOfState, Floats, Tait
 from ecume.models.sph.rates.kernels import value_of
 from ecume.units import Array
 
-admit(states, enthalpies)
+admit(states)
 
 
 @compiled_inside
 def tait_state(density: float, pressure: float, tait: Tait) -> tuple[float, float, float]:
     """Density, pressure and enthalpy: the density determines the others."""
     c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
-    enthalpy = enthalpies.tait_enthalpy(density, rho0, c0, gamma)
+    enthalpy = states.tait_enthalpy(density, rho0, c0, gamma)
     return density, states.tait_pressure(density, rho0, c0, gamma), enthalpy
 
 
@@ -41,7 +40,7 @@ def constant_state(density: float, pressure: float, liquid: ConstantDensity) -> 
 def tait_at_enthalpy(enthalpy: float, tait: Tait) -> tuple[float, float]:
     """Density and pressure."""
     c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
-    density = enthalpies.density_at_enthalpy(enthalpy, rho0, c0, gamma)
+    density = states.density_at_enthalpy(enthalpy, rho0, c0, gamma)
     return density, states.tait_pressure(density, rho0, c0, gamma)
 
 

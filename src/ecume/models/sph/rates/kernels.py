@@ -14,10 +14,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ecume._jit import admit, by_type, selection, summed_inside
-from ecume.laws.kernels import KERNEL_CODES, KERNELS, Shape, shapes
+from ecume.laws import kernels
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, Shape
 from ecume.models.sph.fields import Constants, number
 
-admit(shapes)
+admit(kernels)
 
 slope_of = selection("slope_of", {KERNEL_CODES[name]: form.slope for name, form in KERNELS.items()}, __name__, __file__)
 value_of = selection("value_of", {KERNEL_CODES[name]: form.value for name, form in KERNELS.items()}, __name__, __file__)
@@ -54,13 +55,13 @@ def any_slope(q: float, kernel: AnyKernel) -> float:
 @summed_inside
 def wendland_slope(q: float, kernel: WendlandC2) -> float:
     """Slope of Wendland's C2."""
-    return shapes.wendland_c2_slope(q)
+    return kernels.wendland_c2_slope(q)
 
 
 @summed_inside
 def cubic_slope(q: float, kernel: CubicSpline) -> float:
     """Slope of the cubic spline."""
-    return shapes.cubic_spline_slope(q)
+    return kernels.cubic_spline_slope(q)
 
 
 SLOPES: dict[type, Callable[..., float]] = {
@@ -68,8 +69,8 @@ SLOPES: dict[type, Callable[..., float]] = {
 }  # fmt: skip
 written_slope = by_type(SLOPES.__getitem__)
 WRITTEN: dict[Shape, type[KernelType]] = {
-    shapes.wendland_c2_slope: WendlandC2,
-    shapes.cubic_spline_slope: CubicSpline,
+    kernels.wendland_c2_slope: WendlandC2,
+    kernels.cubic_spline_slope: CubicSpline,
 }
 KERNEL_TYPES = {KERNEL_CODES[name]: WRITTEN.get(form.slope, AnyKernel) for name, form in KERNELS.items()}
 

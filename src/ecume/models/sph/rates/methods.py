@@ -28,7 +28,7 @@ class PressureMethod(NamedTuple):
     integrator: str
     """the default, a name of `time_stepping.INTEGRATORS`"""
     has: frozenset[str]
-    """capabilities, which `incompressible.compatibility.NEEDS` compares with what other options need"""
+    """capabilities, which `incompressible.NEEDS` compares with what other options need"""
 
     @property
     def compressible(self) -> bool:

@@ -8,10 +8,8 @@ from ecume._portable import dot
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.open_boundaries import hold_buffers
-from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay
-from ecume.models.sph.boundaries.wall_impacts import brake_at_walls
-from ecume.models.sph.boundaries.walls import repel_from_bodies, repel_from_walls
+from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
+from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_walls
 from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import fill_corrections

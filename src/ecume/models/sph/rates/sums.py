@@ -17,13 +17,12 @@ import numpy as np
 
 from ecume._jit import admit, compiled_inside, inlined, prange, spread, summed_inside, summing
 from ecume.engine.neighbor_rows import STRIDE, Lists
-from ecume.laws import diffusion, viscous
-from ecume.laws.kernels import shapes
+from ecume.laws import diffusion, kernels, viscous
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
 from ecume.models.sph.rates.kernels import KernelType, slope_of, written_slope
 from ecume.units import Array
 
-admit(shapes, viscous, diffusion)
+admit(kernels, viscous, diffusion)
 INDEX = np.uint64
 """Of all indexes: a signed one would be tested for being negative, pair by pair."""
 BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)

@@ -28,14 +28,14 @@ import numpy as np
 from ecume._jit import admit, compiled_inside, prange, spread, summing
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
-from ecume.laws import tension
-from ecume.laws.kernels import kernel, shapes
+from ecume.laws import kernels, tension
+from ecume.laws.kernels import kernel
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
-admit(tension, shapes)
+admit(tension, kernels)
 
 NODES = 0.6
 """From node to node, in spacings. At 0.5 and 0.67 forces are the same within some percent of their noise."""
@@ -198,8 +198,8 @@ def color(nodes: Array, position: Array, volume: Array, low: Array, shape: Integ
                         square = dx * dx + dy * dy + dz * dz
                         if square < reach * reach:
                             q = math.sqrt(square) * numbers.inverse_length
-                            pull = own * numbers.slope * shapes.wendland_c4_slope(q)
-                            nodes[0, line + c] += own * numbers.value * shapes.wendland_c4_value(q)
+                            pull = own * numbers.slope * kernels.wendland_c4_slope(q)
+                            nodes[0, line + c] += own * numbers.value * kernels.wendland_c4_value(q)
                             nodes[1, line + c] += pull * dx
                             nodes[2, line + c] += pull * dy
                             nodes[3, line + c] += pull * dz
@@ -249,8 +249,8 @@ def draw(
                     if square < reach * reach:
                         q = math.sqrt(square) * numbers.inverse_length
                         nx, ny, nz = nodes[1, line + c], nodes[2, line + c], nodes[3, line + c]
-                        slope = numbers.slope * shapes.wendland_c4_slope(q)
-                        bend = numbers.bend * shapes.wendland_c4_bend(q)
+                        slope = numbers.slope * kernels.wendland_c4_slope(q)
+                        bend = numbers.bend * kernels.wendland_c4_bend(q)
                         along = nodes[0, line + c] * slope + bend * (dx * nx + dy * ny + dz * nz)
                         fx += along * dx + slope * nx
                         fy += along * dy + slope * ny
@@ -420,7 +420,7 @@ TENSIONS: Mapping[str, Tension] = {
             2: "periods and pressures within some percent at ten particles a radius",
             3: "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",
         },
-        laws=(tension.surface_weight, tension.steepness, shapes.wendland_c4_bend),
+        laws=(tension.surface_weight, tension.steepness, kernels.wendland_c4_bend),
     ),
 }  # fmt: skip
 """By name."""

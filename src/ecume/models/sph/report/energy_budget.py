@@ -30,13 +30,11 @@ from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.engine.walls.sheets import SIZE, SPEED
-from ecume.laws import enthalpy
-from ecume.laws.enthalpy import tait_energy
+from ecume.laws import states
+from ecume.laws.states import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
-from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
-from ecume.models.sph.boundaries.rigid_bodies import energy_of_bodies
-from ecume.models.sph.boundaries.wall_impacts import braked_by_wall
-from ecume.models.sph.boundaries.walls import repelled_by_wall
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, instant
+from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.fill_fields import fill_images
@@ -44,7 +42,7 @@ from ecume.models.sph.rates.kernels import slope_of
 from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace, put_dummies
 from ecume.units import Array
 
-admit(enthalpy)
+admit(states)
 
 
 def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:

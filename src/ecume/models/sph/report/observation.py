@@ -1,24 +1,40 @@
-"""From a state to a frame: particles in their order at the start, and the numbers of the whole."""
+"""From a state to a frame: particles in their order at the start, pressures, gauges, numbers and invariants.
+
+The four pressures of a liquid. Frames hold the gauge pressure; the others are derived from it and the position.
+
+| name | definition |
+|---|---|
+| `pressure` | gauge pressure p, zero at the reference density |
+| `hydrostatic_pressure` | p_h = rho_0 g (H - y): that of a liquid at rest up to the initial level H; negative above H |
+| `dynamic_pressure` | p - p_h: zero at rest |
+| `absolute_pressure` | p + p_atm |
+
+Heights are measured against gravity, whatever its direction. Along periodic sides nothing balances gravity, and its
+component there does not count. [batchelor1967]
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from ecume.laws.states import tait_pressure
-from ecume.models.invariants import INJECTED
+from ecume._portable import product
+from ecume.engine.interpolation import added, dry, near, planes
+from ecume.laws.kernels import kernel
+from ecume.laws.states import hydrostatic_pressure, tait_pressure
+from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads
-from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
-from ecume.models.sph.boundaries.wall_impacts import all_braked
-from ecume.models.sph.boundaries.walls import Repelled, all_repelled, energy_of, repulsion_load
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
+from ecume.models.sph.boundaries.walls import Repelled, all_braked, all_repelled, energy_of, repulsion_load
 from ecume.models.sph.integration.passive_particles import surroundings
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import surface_energy
-from ecume.models.sph.report.energy_budget import energies, has_external_work, liquid_alone
-from ecume.models.sph.report.gauges import readings
+from ecume.models.sph.report.energy_budget import energies, has_external_work, has_unbudgeted_work, liquid_alone
+from ecume.models.sph.setup.choices import filled, held_pull
+from ecume.models.sph.setup.shapes import part_of as part_of_space
 from ecume.models.sph.state import (
     CAME,
     GUARD_HITS,
@@ -32,8 +48,160 @@ from ecume.models.sph.state import (
     State,
     Workspace,
 )
+from ecume.scenes.sph import SphScene
+from ecume.scenes.sph.tank import SIDES, TankSpec
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+
+def reference_of(scene: SphScene) -> PressureReference:
+    """The reference of a scene's pressures."""
+    liquid, gravity = filled(scene.liquid), held_pull(scene)
+    up = upward(gravity)
+    levels = []
+    for region in scene.fluid:
+        low, high = part_of_space(region, scene.spacing).bounds()
+        levels.append(float(np.sum(np.maximum(low * up, high * up))))
+    return PressureReference(liquid.density or 0.0, gravity, max(levels), liquid.atmospheric_pressure)
+
+
+def upward(gravity: Array) -> Array:
+    """(d,) the direction against gravity; zero without gravity."""
+    size = float(np.linalg.norm(gravity))
+    up: Array = -gravity / size if size > 0.0 else np.zeros(len(gravity))
+    return up
+
+
+def hydrostatic(reference: PressureReference, position: Array) -> Array:
+    """The hydrostatic pressure (Pa) at positions (N, d)."""
+    gravity = reference.gravity
+    height = product(upward(gravity), position.T)
+    return hydrostatic_pressure(height, reference.level, reference.density, float(np.linalg.norm(gravity)))
+
+
+Kind = Callable[[PressureReference, Array, Array], Array]
+"""A pressure (Pa) from the reference, the gauge pressure (N,) and the position (N, d)."""
+
+PRESSURES: Mapping[str, Kind] = {
+    "pressure": lambda reference, gauge, position: gauge,
+    "hydrostatic_pressure": lambda reference, gauge, position: hydrostatic(reference, position),
+    "dynamic_pressure": lambda reference, gauge, position: gauge - hydrostatic(reference, position),
+    "absolute_pressure": lambda reference, gauge, position: gauge + reference.atmospheric,
+}
+"""By name, as gauges, figures, pages and exports take them."""
+
+
+KERNEL = "wendland-c2"
+QUADRATURE = 200
+"""Points an axis for how much of a gauge's surroundings is in the tank."""
+ACROSS = 6
+"""Points along the line of a sensor, or along a radius and around a disc."""
+
+Readings = tuple[dict[str, float], dict[str, str]]
+"""Numbers, and their units."""
+
+
+def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
+    """The gauges of a scene, rows of gauges as single ones."""
+    found = []
+    for spec in scene.gauges:
+        first = np.array(spec.position)
+        places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
+        for number, place in enumerate(places, 1):
+            name = spec.name if spec.end is None else f"{spec.name}_{number}"
+            area = sensing_area(scene.tank, place, spec.diameter or 0.0)
+            found.append(Gauge(name, place, area, spec.quantities, _ground(scene, place, reach)))
+    return tuple(found)
+
+
+def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
+    """(n, d) points that share the sensing area of a sensor evenly, along the nearest side of the tank and within it;
+    the place alone without a diameter.
+    """
+    if diameter == 0.0:
+        return place[None]
+    low, high = np.array(tank.low), np.array(tank.high)
+    across = int(np.argmin(np.minimum(place - low, high - place)))
+    along = [axis for axis in range(len(place)) if axis != across]
+    points = np.tile(place, (ACROSS * (ACROSS if len(along) > 1 else 1), 1))
+    share = (np.arange(ACROSS) + 0.5) / ACROSS
+    if len(along) == 1:
+        points[:, along[0]] += (share - 0.5) * diameter
+    else:  # rings of equal areas
+        radius, angle = np.meshgrid(0.5 * diameter * np.sqrt(share), 2.0 * np.pi * share)
+        points[:, along] += np.stack([(radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()], axis=1)
+    inside: Array = points[((points >= low) & (points <= high)).all(axis=1)]
+    return inside if len(inside) else place[None]
+
+
+def _ground(scene: SphScene, place: Array, reach: float) -> float:
+    """The kernel's integral over the tank's floor around a gauge."""
+    level = [axis for axis in range(len(place)) if axis != 1]
+    shape = kernel(KERNEL, dim=len(level))
+    axes = [reach * ((np.arange(QUADRATURE) + 0.5) / (0.5 * QUADRATURE) - 1.0)] * len(level)
+    away = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    weight = np.asarray(shape.value(np.linalg.norm(away, axis=1), reach / shape.support))
+    there = place[level] + away
+    low, high = np.array(scene.tank.low)[level], np.array(scene.tank.high)[level]
+    inside = ((there > low) & (there < high)).all(axis=1)
+    return float(weight[inside].sum() / weight.sum())
+
+
+def readings(
+    gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: float, reference: PressureReference
+) -> Readings:
+    """The values of all gauges; summed in the initial order of particles, so that they do not depend on sorting."""
+    numbers, units = dict[str, float](), dict[str, str]()
+    if gauges:
+        order = np.argsort(state.identity)
+        position, velocity = state.position[:, order].T, state.velocity[:, order].T
+        table = np.column_stack([velocity, pressure[order], (state.mass / state.density)[order]])
+        for gauge in gauges:
+            for name, value, unit in _read(gauge, position, table, reach, reference):
+                numbers[f"{gauge.name}_{name}"], units[f"{gauge.name}_{name}"] = value, unit
+    return numbers, units
+
+
+def _read(
+    gauge: Gauge, position: Array, table: Array, reach: float, reference: PressureReference
+) -> Iterator[tuple[str, float, str]]:
+    """Name, value and unit of each number; `table` holds velocity, pressure and volume of the particles."""
+    dimension = position.shape[1]
+    kinds = [name for name in PRESSURES if name in gauge.measures]
+    if kinds or "velocity" in gauge.measures:
+        *velocity, pressure = np.mean(
+            [_at_place(point, position, table, reach) for point in gauge.area], axis=0
+        ).tolist()
+        middle = gauge.area.mean(axis=0, keepdims=True)
+        for name in kinds:
+            yield name, float(PRESSURES[name](reference, np.array([pressure]), middle)[0]), "Pa"
+        if "velocity" in gauge.measures:
+            yield from ((f"velocity_{axis}", value, "m/s") for axis, value in zip("xyz", velocity, strict=False))
+    if "level" in gauge.measures:
+        level = np.array([axis for axis in range(dimension) if axis != 1])
+        yield "level", _depth(gauge, position[:, level], gauge.place[level], table[:, -1], reach), "m"
+
+
+def _at_place(place: Array, position: Array, table: Array, reach: float) -> list[float]:
+    """Velocity and pressure there, exact for what grows linearly; zero where it is dry."""
+    close = (np.abs(position - place) < reach).all(axis=1)
+    pairs = near(place[None], position[close], reach)
+    shape = kernel(KERNEL, dim=len(place))
+    weight = table[close, -1][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
+    if dry(pairs, weight)[0]:
+        return [0.0] * (table.shape[1] - 1)
+    found: list[float] = planes(pairs, weight, table[close, :-1])[0].tolist()
+    return found
+
+
+def _depth(gauge: Gauge, level: Array, place: Array, volume: Array, reach: float) -> float:
+    """The volume of liquid around a place of the floor, per area of the floor."""
+    close = (np.abs(level - place) < reach).all(axis=1)
+    pairs = near(place[None], level[close], reach)
+    shape = kernel(KERNEL, dim=len(place))
+    weight = volume[close][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
+    return float(added(pairs, weight)[0]) / gauge.ground
+
 
 ARRAY_UNITS = {
     "position": "m",
@@ -243,3 +411,62 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "substeps": state.tally[SUBSTEPS],
         "most_substeps": state.tally[MOST_SUBSTEPS],
     }
+
+
+SQUEEZED = 0.2
+"""The largest change of density that a weakly compressible liquid may have: one of 1 % is meant."""
+RISE = 0.02
+"""Of the energy: densities that are diffused and particles that are shifted bring a little."""
+TURNED_BACK = 1e-3
+"""Hits of the guard, a particle and step."""
+FAINT = 0.05
+"""Of the speed that is expected: what goes so slowly has no more energy than layers lose and gain as they settle."""
+DRIFT = 1e-6
+"""Of momentum."""
+
+
+def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
+    """The rows of a scene."""
+    return list(_rows(scene, parameters))
+
+
+def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
+    volume = scene.spacing ** len(scene.tank.low)
+    yield at_most("mass", "particles that are lost", "lost", 0.0)
+    yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
+
+    def turned_back(seen: Seen) -> float:
+        return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))
+
+    yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
+    if not has_unbudgeted_work(parameters):
+        yield energy_never_rises(RISE, _faint(parameters))
+    if _alone(scene):
+        density = parameters.material.density
+
+        def momenta(seen: Seen) -> float:
+            return math.sqrt(2.0 * density * seen.first["volume"] * seen.largest["kinetic_energy"])
+
+        yield kept("momentum", ("momentum_x", "momentum_y", "momentum_z"), momenta, DRIFT)
+
+
+def _faint(parameters: Parameters) -> Callable[[Seen], float]:
+    """The energy of a faint motion, and of a weight that is lifted by a particle's size: a liquid at rest moves by some
+    hundredths of that while its layers settle.
+    """
+    material = parameters.material
+    pull = float(np.linalg.norm(parameters.gravity))
+    each = material.density * (0.5 * (FAINT * material.fastest) ** 2 + pull * parameters.spacing)
+    return lambda seen: each * seen.first["volume"]
+
+
+def _kinds(scene: SphScene) -> list[str]:
+    """The kind of each side of the tank."""
+    return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
+
+
+def _alone(scene: SphScene) -> bool:
+    """Whether no external force acts on the liquid."""
+    around = all(kind == "periodic" for kind in _kinds(scene))
+    pulled = bool(np.any(scene.gravity)) or scene.central_force is not None
+    return around and not (pulled or scene.bodies or scene.obstacles)

@@ -20,13 +20,12 @@ from ecume.laws.time_step_limits import (
     tension_limit,
     viscous_limit,
 )
-from ecume.models.sph.incompressible.compatibility import projection_of, require_suitable
+from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
 from ecume.models.sph.rates.methods import DIFFUSIONS
 from ecume.models.sph.rates.surface_tension import TENSIONS
-from ecume.models.sph.report.gauges import gauges_of
-from ecume.models.sph.report.pressures import reference_of
+from ecume.models.sph.report.observation import gauges_of, reference_of
 from ecume.models.sph.setup.choices import (
     PRECISIONS,
     WATER,

@@ -16,8 +16,7 @@ from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion, incompressible, kernel_correction, kernels, states, time_step_limits, viscous
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
-from ecume.laws.liquids import LiquidProperties
-from ecume.laws.liquids.water import ICE_POINT
+from ecume.laws.liquids import ICE_POINT, LiquidProperties
 from ecume.laws.states import hydrostatic_fault
 from ecume.models.liquids import correlations_of, named_liquid
 from ecume.models.model import Source

@@ -14,9 +14,15 @@ import numpy as np
 from ecume.engine.meshes import Cloud
 from ecume.engine.shapes import Box, Cells, Flags, Part, Shape, apart, bounds_meet, covered_volume, scaled_to
 from ecume.errors import Fault, SceneError
-from ecume.laws.enthalpy import density_at_enthalpy
-from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylor_green_pressure, taylor_green_velocity
-from ecume.laws.waves import standing_wave_velocity
+from ecume.laws.flows import (
+    ball_pressure,
+    channel_speed,
+    patch_pressure,
+    standing_wave_velocity,
+    taylor_green_pressure,
+    taylor_green_velocity,
+)
+from ecume.laws.states import density_at_enthalpy
 from ecume.models.sph.parameters import Liquid, Material
 from ecume.models.sph.setup.choices import held_pull, modified
 from ecume.models.sph.setup.packing import packed

@@ -1,0 +1,196 @@
+"""Fields of particles at gauges, on grids and along lines, and where a run's energy goes.
+
+Gauges: what a probe at a place, a sensor on a wall or a gauge of the water level would read in a frame of particles.
+A value at a point is the mean of the particles near it, weighed by kernel and volume. `reach` (m) is how far a
+particle may be, the kernel's support: four spacings is usual in 2D, three to four in 3D.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.analysis.series import number, series, times
+from ecume.engine.interpolation import Near, added, dry, means, near, planes
+from ecume.errors import BadInput
+from ecume.laws.kernels import kernel
+from ecume.models.invariants import INJECTED
+from ecume.trajectories.frame import Frame, omitted_from
+from ecume.units import Array, Length
+
+KERNEL = "wendland-c2"
+
+
+def points_along(start: Sequence[float], end: Sequence[float], count: int) -> Array:
+    """Points from one to the other, evenly: shape (count, d), in m.
+
+    >>> points_along((0.0, 0.0), (1.0, 0.0), 3).tolist()
+    [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]
+    """
+    return np.linspace(np.asarray(start, dtype=float), np.asarray(end, dtype=float), count)
+
+
+def filled(frame: Frame, points: Array, reach: Length) -> Array:
+    """The filled fraction of each point's surroundings: 1 inside, 1/2 at a surface or a wall, 0 outside."""
+    return added(*_near(frame, points, reach))
+
+
+def values_at(frame: Frame, name: str, points: Array, reach: Length) -> Array:
+    """An array of the frame at points, shape (points, ...); not a number where there is no liquid.
+
+    Shepard's mean, sum_j V_j f_j W_j / sum_j V_j W_j: between the neighbors' least and largest, and at a surface or a
+    wall the value some way into the liquid.
+    """
+    return means(*_near(frame, points, reach), _array_of(frame, name))
+
+
+def linear_values_at(frame: Frame, name: str, points: Array, reach: Length) -> Array:
+    """The same, from the plane that fits the neighbors best: exact for what grows linearly, up to walls and surfaces.
+
+    Where too few neighbors are there to say which way it grows, the mean of `values_at`.
+    """
+    return planes(*_near(frame, points, reach), _array_of(frame, name))
+
+
+def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
+    """The reading of a pressure sensor in a wall (Pa): the mean over its face, `sensor` being points on it (n, d).
+
+    Zero where the face is dry; a liquid that has not come pushes nothing.
+    """
+    found = _near(frame, np.atleast_2d(sensor), reach)
+    pressure = planes(*found, _array_of(frame, "pressure"))
+    return float(np.where(dry(*found), 0.0, pressure).mean())
+
+
+def water_level(frame: Frame, places: Array, reach: Length) -> Array:
+    """Depth of the water above each place of the floor (m): the liquid there is, over the area it stands on.
+
+    Places are (n,) along x in 2D, (n, 2) along x and z in 3D (y points up). Air bubbles do not count as water.
+    Nearer to a wall than `reach`, water is missed that the wall cuts off.
+    """
+    position = frame.arrays["position"]
+    level = np.delete(position, 1, axis=1)
+    return added(*_near(frame, np.asarray(places, dtype=float).reshape(-1, level.shape[1]), reach, level))
+
+
+def wave_amplitude(frame: Frame, wavenumber: float, length: Length) -> float:
+    """The amplitude of the wave cos(k x) in a tank of this length (m), from the liquid's distribution along x.
+
+    (2/L) sum_j V_j cos(k x_j), which is (2/L) times the integral of the level times cos(k x); in 2D.
+    """
+    volume = frame.arrays["mass"] / frame.arrays["density"]
+    return float(2.0 / length * (volume @ np.cos(wavenumber * frame.arrays["position"][:, 0])))
+
+
+def _near(frame: Frame, points: Array, reach: Length, position: Array | None = None) -> tuple[Near, Array]:
+    """The particles near each point, and the weight of each pair: volume times kernel."""
+    position = frame.arrays["position"] if position is None else position
+    points = np.asarray(points, dtype=float)
+    if not reach > 0.0:
+        raise BadInput(f"reach: got {reach:g} m; expected the kernel's support, about four spacings")
+    if points.ndim != 2 or points.shape[1] != position.shape[1]:
+        raise BadInput(f"points: got shape {points.shape}; expected (points, {position.shape[1]})")
+    shape = kernel(KERNEL, dim=position.shape[1])
+    pairs = near(points, position, reach)
+    volume = frame.arrays["mass"] / frame.arrays["density"]
+    return pairs, volume[pairs.particle] * shape.value(pairs.distance, reach / shape.support)
+
+
+def _array_of(frame: Frame, name: str) -> Array:
+    if name not in (*frame.arrays, *omitted_from(frame)):
+        raise BadInput(f"the frames have no array {name!r}; they have {', '.join(sorted(frame.arrays))}")
+    return np.asarray(frame.arrays[name], dtype=float)
+
+
+MOST_POINTS = 10_000_000
+
+
+class Grid(NamedTuple):
+    """The nodes of a regular grid, one array of coordinates an axis (m)."""
+
+    axes: tuple[Array, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of nodes along each axis."""
+        return tuple(len(axis) for axis in self.axes)
+
+    @property
+    def points(self) -> Array:
+        """The nodes, (n, d), with the last axis running fastest."""
+        return np.stack([axis.ravel() for axis in np.meshgrid(*self.axes, indexing="ij")], axis=1)
+
+
+def grid_over(low: Sequence[float], high: Sequence[float], spacing: Length) -> Grid:
+    """A grid between two corners, whose nodes are at most a spacing apart.
+
+    >>> grid_over((0.0, 0.0), (1.0, 0.5), 0.25).shape
+    (5, 3)
+    """
+    if not spacing > 0.0 or any(b <= a for a, b in zip(low, high, strict=True)):
+        raise BadInput(f"a grid from {tuple(low)} to {tuple(high)} every {spacing:g} m has no nodes")
+    counts = [int(np.ceil((b - a) / spacing - 1e-9)) + 1 for a, b in zip(low, high, strict=True)]
+    if np.prod(np.array(counts, dtype=float)) > MOST_POINTS:
+        raise BadInput(f"a grid of {' x '.join(map(str, counts))} nodes has more than {MOST_POINTS:.0e}")
+    return Grid(tuple(np.linspace(a, b, count) for a, b, count in zip(low, high, counts, strict=True)))
+
+
+def on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
+    """An array of the frame at the grid's nodes, shape (*grid.shape, ...): Shepard's mean of the particles within
+    `reach`, not a number where there is no liquid.
+    """
+    values = values_at(frame, name, grid.points, reach)
+    return values.reshape(*grid.shape, *values.shape[1:])
+
+
+def linear_on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
+    """The same, exact for what grows linearly, up to walls and surfaces."""
+    values = linear_values_at(frame, name, grid.points, reach)
+    return values.reshape(*grid.shape, *values.shape[1:])
+
+
+def filled_on_grid(frame: Frame, grid: Grid, reach: Length) -> Array:
+    """The filled fraction of each node's surroundings, shape grid.shape."""
+    return filled(frame, grid.points, reach).reshape(grid.shape)
+
+
+class Profile(NamedTuple):
+    """Values along a line."""
+
+    along: Array
+    """(n,) the distance from the line's start (m)"""
+    points: Array
+    """(n, d)"""
+    values: Array
+    """(n, ...), not a number where there is no liquid"""
+
+
+def profile_along(
+    frame: Frame, name: str, ends: tuple[Sequence[float], Sequence[float]], count: int, reach: Length
+) -> Profile:
+    """An array of the frame at points from one end of a line to the other; exact for what grows linearly."""
+    points = points_along(*ends, count)
+    return Profile(np.linalg.norm(points - points[0], axis=1), points, linear_values_at(frame, name, points, reach))
+
+
+def velocity_profile(frame: Frame, ends: tuple[Sequence[float], Sequence[float]], count: int, reach: Length) -> Profile:
+    """The velocity along a line, (n, d) in m/s."""
+    return profile_along(frame, "velocity", ends, count, reach)
+
+
+ENERGIES = ("J", "J/m")
+"""Units of energies: of a 2D tank they are per meter of depth."""
+
+
+def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
+    """Each kind of energy over time (J; J/m in 2D), and the energy lost since the first frame.
+
+    Keys: `time` (s), every energy of the frames, `lost`, and `dissipated`: that, and what work was injected.
+    """
+    kept = list(frames)
+    names = [name for name, unit in kept[0].units.items() if unit in ENERGIES]
+    curves = dict(zip(names, series(kept, *map(number, names)), strict=True))
+    lost, work = curves["total_energy"][0] - curves["total_energy"], curves.get(INJECTED, np.zeros(len(kept)))
+    return {"time": times(kept), **curves, "lost": lost, "dissipated": lost + work - work[0]}

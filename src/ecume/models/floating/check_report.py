@@ -1,0 +1,328 @@
+"""The lines of `ecume check` for a floating scene: numbers that follow from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ecume.laws import capillarity, flotation
+from ecume.laws.flotation.nonspherical import greatest_rim_load
+from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.models.costs import Content, frame_cost
+from ecume.models.floating.forces.ewald_grid import Split
+from ecume.models.floating.forces.interactions import interactions_of
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.parameters import Parameters, distinct_rows, part_of
+from ecume.models.floating.setup.hydrodynamic_interaction import hydrodynamics_of
+from ecume.models.floating.setup.initial_state import start
+from ecume.models.floating.setup.kinds import FloatKind, float_kinds
+from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
+from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
+from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
+from ecume.models.liquids import liquid_of
+from ecume.models.step_counts import last_step
+from ecume.scenes.floating import FloatingScene
+from ecume.value_texts import duration_text, range_with_prefix, size_text, with_prefix
+
+STEEP = 0.3
+"""Slopes (rad) above which superposition of menisci is inaccurate."""
+
+NEAR = 0.02
+"""Gap of two floats, over a diameter, at which their attraction is compared with superposition."""
+
+ODD = 0.05
+"""Fraction of the attraction beyond superposition from which `ecume check` names a better method."""
+
+PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
+"""Seconds per time step, and per float, for separated floats: measured on one core of a small cloud machine."""
+
+PER_PAIR = 6e-9
+"""Seconds per pair of work if there is a grid."""
+
+PER_CONTACT, MOST_CONTACTS = 7e-8, 300
+"""Additional seconds per pair of floats in rafts, whose contacts are solved together, and the largest raft size in this
+estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
+"""
+
+FEWEST_IN_RAFT = 3
+"""Floats from which on `ecume check` states how much too slow rafts are."""
+ARRAYS, NUMBERS = {"position": 2, "velocity": 2}, 16
+"""The components of the arrays of a frame that change, and how many numbers it has."""
+
+Row = tuple[str, str, str]
+
+
+def summary(scene: FloatingScene) -> list[Row]:
+    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
+    parameters = checked_parameters(scene)
+    start(scene, parameters)
+    length = liquid_of(scene).capillary_length
+    count = len(parameters.floats.radius)
+    return [
+        ("capillary length", with_prefix(length, "m"), "range of a meniscus"),
+        *_summary_of_species(scene),
+        *_summary_of_pairs(parameters),
+        *_summary_of_chance(parameters),
+        *_summary_of_raft_speeds(scene),
+        *_summary_of_sums(parameters, length),
+        ("floats", str(count), f"{len(scene.kinds)} species"),
+        *_summary_of_cell(parameters),
+        *_summary_of_steps(parameters, scene),
+        ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
+    ]
+
+
+def _summary_of_cell(parameters: Parameters) -> list[Row]:
+    """The sides of a periodic cell, and how they compare with the range of the forces."""
+    if not np.any(parameters.periods):
+        return []
+    sides, radius = parameters.periods[0], parameters.floats.radius
+    coverage = math.pi * float((radius**2).sum()) / float(np.prod(sides))
+    images = (
+        f"periodic, {float(sides.min()) / parameters.cutoff:.3g} cutoffs wide; floats cover {100.0 * coverage:.3g} %"
+    )
+    return [("cell", " x ".join(with_prefix(float(side), "m") for side in sides), images)]
+
+
+def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
+    """The cutoff of the pair law, and the method of summation."""
+    split = part_of(parameters, Split)
+    far = split.far if split is not None else parameters.cutoff
+    if row_of(parameters).menisci:
+        left = capillarity.neglected_fraction(far / length, 2.0 * float(parameters.floats.radius.max()) / length)
+        ignored = f"{left:.1e} of the attraction of a raft is ignored"
+    else:
+        ignored = f"the law is ignored beyond, where it is {_force_left(parameters):.1e} of the force at contact"
+    cut = f"{far / length:.3g} capillary lengths; {ignored}"
+    lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
+    return [("cutoff", with_prefix(far, "m"), cut), *lines]
+
+
+def _force_left(parameters: Parameters) -> float:
+    """The force of the pair law at the cutoff, over that of two touching floats; the largest of all sizes."""
+    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
+    kinds = distinct_rows(floats.radius, floats.charge).tolist()
+    pairs = [(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge))) for radius, charge in kinds]
+    forces = [(abs(row.force(touch, own, law)), abs(row.force(parameters.cutoff, own, law))) for touch, own in pairs]
+    return max((far / near for near, far in forces if near > 0.0), default=0.0)
+
+
+def _summary_of_pairs(parameters: Parameters) -> list[Row]:
+    """The lines of the pair law."""
+    lines = row_of(parameters).check_lines
+    return [] if lines is None else lines(law_of(parameters))
+
+
+def _summary_of_chance(parameters: Parameters) -> list[Row]:
+    """The binding energies of touching pairs, over kT."""
+    thermal, floats = parameters.drift.thermal, parameters.floats
+    row, law = row_of(parameters), law_of(parameters)
+    if thermal == 0.0 or row.energy is None or not row.has_force:
+        return []
+    kinds = distinct_rows(floats.radius, np.abs(floats.charge)).tolist()
+    bonds = [
+        -row.energy(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law) / thermal
+        for radius, charge in kinds
+    ]
+    weak = "below kT: noise separates them, and no rafts form" if min(bonds) < 1.0 else "of two touching floats"
+    return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
+
+
+def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
+    """The speed of rafts, with or without hydrodynamic interaction."""
+    spheres = sum(species.count for species in scene.particles if species.shape is None) + len(scene.rows)
+    viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
+    gathers = PAIR_LAWS[str(scene.interaction.law)].menisci
+    if not (viscous and gathers) or spheres < FEWEST_IN_RAFT:
+        return []
+    return [("drift of rafts", *hydrodynamics_of(scene).raft_speeds(spheres))]
+
+
+def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
+    good, steps = good_step(parameters, scene), last_step(scene, parameters.steps_per_frame)
+    cost = frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS), steps)
+    moving = parameters.parts.integrator
+    pairs = INTEGRATORS_BY_CONSTANTS[type(moving)].pairs_worth(moving)
+    summing = PER_PAIR * (pairs + sum(row.pairs_worth(part) for part, row in interactions_of(parameters)))
+    drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
+    return [
+        ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
+        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
+        *cost.rows(),
+        (
+            "time on this machine",
+            _span((duration_text(drifting + cost.seconds), duration_text(gathering + cost.seconds))),
+            f"roughly, from separated floats to growing rafts; without compilation{cost.remark(gathering)}",
+        ),
+    ]
+
+
+def _step_remark(time_step: float, good: float) -> str:
+    """The judgment of a time step; `good` is the longest good one."""
+    coarse, refused = with_prefix(COARSE_OVER_GOOD * good, "s", 3), with_prefix(UNSTABLE_OVER_GOOD * good, "s", 3)
+    if time_step > COARSE_OVER_GOOD * good:
+        return f"coarse; {with_prefix(good, 's', 3)} is good, refused above {refused}"
+    return f"good; coarse above {coarse}, refused above {refused}"
+
+
+def _summary_of_species(scene: FloatingScene) -> list[Row]:
+    """The lines of each species; the floats of a table may differ from row to row."""
+    members: dict[str, dict[FloatKind, int]] = {name: {} for name, _ in scene.kinds}
+    owners = [(species.name, species.count) for species in scene.particles]
+    owners += [(row.species_name, 1) for row in scene.rows]
+    for (name, count), kind in zip(owners, float_kinds(scene), strict=True):
+        members[name][kind] = members[name].get(kind, 0) + count
+    return [row for name, found in members.items() for row in _summary_of(name, found, scene)]
+
+
+def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
+    """The lines of one species: one number if all floats are equal, otherwise the range."""
+    liquid = liquid_of(scene)
+    if any(is_shape(kind) for kind in members):
+        return [row for kind in members for row in _summary_of_shape(name, kind)]
+    if any(isinstance(kind.body, flotation.Disc) for kind in members):
+        return [row for kind in members for row in _summary_of_disc(name, kind, scene)]
+    spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
+    weights = [flotation.dimensionless_weight(sphere, liquid) for sphere in spheres]
+    slopes = [kind.equilibrium.slope_angle for kind in members]
+    rows = [
+        ("Bond number", _numbers(flotation.bond_number(each, liquid) for each in spheres), "(R / capillary length)^2"),
+        (
+            "density ratio",
+            _numbers(flotation.density_ratio(each, liquid) for each in spheres),
+            f"sinks above {_sinking_ratio(spheres[0], liquid):.4g}" if len(members) == 1 else "",
+        ),
+        (
+            "dimensionless weight",
+            _numbers(weights),
+            _by_sign(weights, "downward: lowers the surface", "upward: raises it"),
+        ),
+        ("slope at the contact line", f"{_numbers(map(math.degrees, slopes), 3)} deg", _slope_remark(slopes)),
+        _filling(members),
+        _heights(members),
+        *_closeness(members, scene),
+        _charges(members),
+    ]
+    if len(members) > 1:
+        radii = range_with_prefix((sphere.radius for sphere in spheres), "m")
+        rows.insert(0, ("radius", radii, f"{sum(members.values())} floats of {len(members)} kinds"))
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _filling(members: dict[FloatKind, int]) -> Row:
+    angles = _numbers((math.degrees(kind.equilibrium.filling_angle) for kind in members), 4)
+    return ("filling angle", f"{angles} deg", "from the bottom to the contact line")
+
+
+def _heights(members: dict[FloatKind, int]) -> Row:
+    lines = range_with_prefix((kind.equilibrium.contact_height for kind in members), "m", 3)
+    centers = range_with_prefix((kind.equilibrium.center_height for kind in members), "m", 3)
+    return ("height of the contact line", lines, f"over the flat surface; of the center: {centers}")
+
+
+def _charges(members: Iterable[FloatKind]) -> Row:
+    charges = [kind.charge for kind in members]
+    remark = (
+        _by_sign(charges, "heavy: attracts heavy floats", "light: attracts light floats") if any(charges) else "none"
+    )
+    return ("capillary charge", range_with_prefix(charges, "m"), remark)
+
+
+def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
+    """By how much superposition understates the attraction of two equal floats that nearly touch."""
+    by_size = sorted((kind for kind in members if kind.charge != 0.0), key=lambda kind: kind.radius)
+    superposed = scene.interaction.method == "superposition" and PAIR_LAWS[str(scene.interaction.law)].menisci
+    if not superposed or not by_size:
+        return []
+    from ecume.laws.multipole import excess_over_superposition
+
+    liquid = liquid_of(scene)
+    excess = [
+        excess_over_superposition(kind.body, flotation.capillary_charge(kind.body, liquid, "closed-form"), liquid, NEAR)
+        for kind in dict.fromkeys((by_size[0], by_size[-1]))
+    ]
+    remark = f"of two at a gap of {100.0 * NEAR:.0f} % of a diameter"
+    if max(excess) > ODD:
+        remark += '; interaction.method = "multipole" includes it'
+    return [("attraction beyond superposition", f"{_numbers((100.0 * each for each in excess), 2)} %", remark)]
+
+
+def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
+    """A disc: size, load, lean, slope, heights and charge."""
+    disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
+    assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
+    heaviest = greatest_rim_load(disc.radius, liquid)
+    rows = [
+        ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),
+        ("load", with_prefix(disc.load, "N"), f"sinks above {with_prefix(heaviest, 'N')}"),
+        ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
+        ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        _heights({kind: 1}),
+        _charges([kind]),
+    ]
+    if scene.interaction.method == "superposition":
+        rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; use method = 'multipole'"))
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def is_shape(kind: FloatKind) -> bool:
+    """Whether a kind is neither a sphere nor a disc."""
+    lying = isinstance(kind.body, flotation.Ellipsoid | flotation.HorizontalCylinder)
+    return lying or (kind.figure is not None and len(kind.figure.skeleton.corners) > 0)
+
+
+def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
+    """An ellipsoid, a needle, a square or a star: slope, rise, charge, friction."""
+    line, (along, across, _) = kind.figure.line, kind.figure.friction
+    slope = kind.equilibrium.slope_angle
+    rise = "rises" if line.rise > 0.0 else "dips" if line.rise < 0.0 else "level"
+    rows = [
+        ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        _filling({kind: 1}),
+        _heights({kind: 1}),
+        ("rise of the contact line", with_prefix(line.rise, "m"), f"{rise} {line.mode} times around"),
+        _charges([kind]),
+        ("friction across over along", f"{across / along:.3g}", "ratio of the friction across and along the float"),
+    ]
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _sinking_ratio(sphere: flotation.Sphere, liquid: flotation.Liquid) -> float:
+    bond = flotation.bond_number(sphere, liquid)
+    return flotation.sinking_density_ratio(bond_number=bond, contact_angle=sphere.contact_angle)
+
+
+def _by_sign(values: Sequence[float], positive: str, negative: str) -> str:
+    """The remark for positive values, negative values, or both."""
+    above = sum(value > 0 for value in values)
+    if above in (0, len(values)):
+        return positive if above else negative
+    return f"some {positive}, some {negative}"
+
+
+def _slope_remark(slopes: Sequence[float]) -> str:
+    steepest = max(abs(slope) for slope in slopes)
+    return "steep: two of them close together attract more than superposition" if steepest > STEEP else "gentle"
+
+
+def _numbers(values: Iterable[float], digits: int = 4) -> str:
+    """The least and the greatest of some values, or the common value."""
+    ordered = sorted(value + 0.0 for value in values)  # no minus before a zero
+    return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
+
+
+def _span(ends: tuple[str, str]) -> str:
+    """A range, or one value if both ends are equal.
+
+    >>> _span(("3.1", "4.2")), _span(("4", "4"))
+    ('3.1 to 4.2', '4')
+    """
+    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+
+
+def seconds_per_step(count: int) -> tuple[float, float]:
+    """Estimated seconds per time step on one core: for separated floats, and for floats that form rafts."""
+    drifting = PER_STEP + PER_FLOAT * count
+    return drifting, drifting + PER_CONTACT * count * min(count, MOST_CONTACTS)

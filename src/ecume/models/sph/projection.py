@@ -1,0 +1,456 @@
+"""The pressure of an incompressible liquid in a step: the equation for it, and its solution.
+
+The linear complementarity problem A x >= b, x >= 0, (A x - b) x = 0 with a symmetric A that is not negative. The
+solver is MPRGP, modified proportioning with reduced gradient projections [dostal2005]: conjugate gradients among the
+x that are positive, a projected step of fixed length where one reaches zero, and a release of those at zero whose
+constraint is violated most. The number of iterations grows like that of conjugate gradients, with the square root of
+the condition number. Without bounds it is the method of conjugate gradients.
+
+It was applied to liquids that may separate by [gerszewski2013].
+
+The equation for the pressure of an incompressible liquid, A p = b, without a matrix: two sums over neighbors. Signs
+as in `rates.sums`: displacements are from i to j, F = (1/r) dW/dr is negative, and g_ij = F x_ij is the gradient of
+the kernel at j. Volumes V are constant. With T_i = sum_j V_j g_ij, where dummies count twice,
+
+    acceleration   a_i = [p_i T_i + sum_j V_j p_j g_ij] / rho
+    compression    c_i = sum_j V_j g_ij.v_j - T_i.v_i = -div v
+    compact        l_i = (2/rho) [D_i p_i + sum_j V_j p_j F_ij].
+
+The sums over j are over liquid and its images. At a dummy, pressure and velocity are those of the particle itself,
+mirrored at the wall. With the weights V_i the compression is the adjoint of the acceleration, with opposite sign, so
+that -c(a(p)) is symmetric and not negative: its projection is exact [ihmsen2014]. It does not see pressures that
+alternate from particle to particle, which would grow without bound. l(p) is the Laplacian of [cummins1999], which
+sees these best, but leaves a divergence behind. A is the mean of both, time^2 [-c(a(p)) + l(p)]/2. D_i = -sum_j V_j
+F_ij; at a free surface, the value of a full lattice: what is missing is air, with a pressure of zero [nair2014].
+
+Behind walls pressure continues as at rest under gravity G. That part of the pressures of images and dummies is known,
+and so are its acceleration r and its Laplacian m. At rest div(r + a(p)) = -div G between mirrors, while m + l(p) = 0:
+this is why the two have sources of their own, see `known_compression`.
+
+The part of a step that solves for the pressure: the one that keeps the density of each particle. With the excess s_i
+of the density over that at rest, and the compression c_i(v) by the flow, liquid with a free surface has
+
+    p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,   s' = max(s, 0)/10 + min(s, 0) :
+
+it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
+`missing_density`; a single drop may approach others until its density is that at rest. Liquid that fills its tank has
+an equation without bounds, with a tenth of s_i, and the mean pressure zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, prange, summing
+from ecume._portable import dot
+from ecume.engine.cells import Integers
+from ecume.engine.neighbor_rows import Lists
+from ecume.laws import incompressible
+from ecume.laws.incompressible import correction, density_excess, free_correction
+from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
+from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.parameters import Parameters, Projection
+from ecume.models.sph.rates.kernels import KernelType, kernel_type, value_of, written_slope
+from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.sums import INDEX, whole
+from ecume.models.sph.report.energy_budget import forces_work, power_of_forces
+from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORST, State, Workspace
+from ecume.units import Array
+
+PROPORTION = 1.0
+"""Gamma: how large the gradients at zero may be, relative to the others, before they are released."""
+
+
+class Problem(NamedTuple):
+    """A problem with bounds, in scaled unknowns."""
+
+    apply: Callable[[Array], Array]
+    """A x"""
+    right: Array
+    """b"""
+    bounded: bool
+    """whether x >= 0"""
+    step: float
+    """the length of projected steps: up to twice the inverse of the largest eigenvalue"""
+    error: Callable[[Array], float]
+    """the error of a projected gradient, compared with the tolerance"""
+
+
+class Solution(NamedTuple):
+    """What the solver found."""
+
+    x: Array
+    gradient: Array
+    """the projected gradient, zero at the solution"""
+    error: float
+    iterations: int
+
+
+def solve(problem: Problem, guess: Array, tolerance: float, most: int) -> Solution:
+    """The solution within the tolerance, or what was reached in so many applications of A."""
+    x = np.maximum(guess, 0.0) if problem.bounded else guess.copy()
+    gradient = problem.apply(x) - problem.right
+    free, chopped = _split(problem, x, gradient)
+    direction, count = free.copy(), 1
+    error = problem.error(free + chopped)
+    while error > tolerance and count < most:
+        reduced = np.minimum(x / problem.step, free) if problem.bounded else free
+        if dot(chopped, chopped) <= PROPORTION**2 * dot(reduced, free):
+            ahead = problem.apply(direction)
+            curvature = dot(direction, ahead)
+            if curvature <= 0.0:  # nothing but rounding is left along this direction
+                break
+            length = dot(gradient, direction) / curvature
+            farthest = _farthest(x, direction) if problem.bounded else np.inf
+            if length <= farthest:
+                x = x - length * direction
+                gradient = gradient - length * ahead
+                free, chopped = _split(problem, x, gradient)
+                direction = free - dot(free, ahead) / curvature * direction
+            else:
+                x = x - farthest * direction
+                gradient = gradient - farthest * ahead
+                free, _ = _split(problem, x, gradient)
+                x = np.maximum(x - problem.step * free, 0.0)
+                gradient = problem.apply(x) - problem.right
+                free, chopped = _split(problem, x, gradient)
+                direction, count = free.copy(), count + 1
+        else:
+            ahead = problem.apply(chopped)
+            curvature = dot(chopped, ahead)
+            if curvature <= 0.0:
+                break
+            length = dot(gradient, chopped) / curvature
+            x = x - length * chopped
+            gradient = gradient - length * ahead
+            free, chopped = _split(problem, x, gradient)
+            direction = free.copy()
+        count += 1
+        error = problem.error(free + chopped)
+    return Solution(x, free + chopped, error, count)
+
+
+def _split(problem: Problem, x: Array, gradient: Array) -> tuple[Array, Array]:
+    """The gradient of the x above zero, and the part of the others that would raise them."""
+    if not problem.bounded:
+        return gradient, np.zeros_like(gradient)
+    inside = x > 0.0
+    return np.where(inside, gradient, 0.0), np.where(inside, 0.0, np.minimum(gradient, 0.0))
+
+
+def _farthest(x: Array, direction: Array) -> float:
+    """How far along minus the direction no x becomes negative."""
+    falling = direction > 0.0
+    return float((x[falling] / direction[falling]).min(initial=np.inf))
+
+
+admit(incompressible)
+
+
+class System(NamedTuple):
+    """The equation of one step; N particles of liquid, and columns for dummies and images too."""
+
+    gradient: Array
+    """(d + 1, N, room) 1/m^(d+1): g_ij, and F_ij in 1/m^(d+2)"""
+    closing: Array
+    """(d, N) 1/m: T_i"""
+    compact: Array
+    """(N,) 1/m^2: D_i"""
+    summed: Array
+    """(N,) sum of V_j W_ij, itself included"""
+    steepness: Array
+    """(N,) 1/m: |sum of V_j g_ij|, dummies included like liquid"""
+    resting: Array
+    """(d, N) m/s^2: the acceleration by the pressures of images and dummies where that of the liquid is zero"""
+    held: Array
+    """(N,) 1/s^2: l of these pressures"""
+    diagonal: Array
+    """(N,) 1/Pa: of A"""
+    volume: Array
+    """(N,)"""
+    weight: Array
+    """(columns,) volumes of liquid and images, zero for dummies"""
+    root: Integers
+    """(columns,) the particle of liquid that each column is, or is an image of; 0 for dummies"""
+    sign: Array
+    """(d, columns) -1 for components that mirrors turn around, 0 for dummies"""
+    lists: Lists
+    density: float
+    time: float
+
+
+def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float) -> System:
+    """The equation at the present positions, from fields that were filled with a pressure of zero."""
+    lists, table = workspace.lists, workspace.fields.table
+    d, count, room = now.dimension, workspace.rates.shape[1], lists.neighbor.shape[1]
+    gradient, closing, resting = np.empty((d + 1, count, room)), np.empty((d, count)), np.empty((d, count))
+    compact, held, diagonal, summed, slant = np.empty((5, count))
+    pull = np.concatenate([now.gravity, now.pull_center - now.origin, [now.pull_rate]])
+    sum_gradients(
+        closing, table, lists, now.constants, kernel_type(now.constants), pull,
+        (now.material.density, time, settings.full if settings.free_surface else 0.0),
+        gradient, resting, slant, compact, summed, held, diagonal,
+    )  # fmt: skip
+    root, sign = mirrored(now, workspace)
+    liquid = root < count
+    root = np.where(liquid, root, 0)
+    volume = workspace.fields.volume[:count].astype(np.float64)
+    return System(
+        gradient, closing, compact, summed, slant, resting, held, diagonal, volume,
+        volume[root] * liquid, root, sign * liquid, lists, now.material.density, time,
+    )  # fmt: skip
+
+
+def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
+    """The real particle of each column, and the signs that mirrors give the components of its vectors."""
+    images, real, d = workspace.images, len(workspace.lists.counts), now.dimension
+    root = np.concatenate([np.arange(real), roots_of(images, real)])
+    sign, chains, sides = np.ones((d, len(root))), chains_of(images, real), now.boundary.sides
+    for side in np.flatnonzero(sides.mirrors):
+        turned = real + np.flatnonzero(chains >> side & 1)
+        sign[:, turned] *= (1.0 - 2.0 * np.abs(sides.normal[side]))[:, None]
+    return root, sign
+
+
+@summing
+def sum_gradients(
+    closing: Array, fields: Floats, lists: Lists, constants: Constants, kernel: KernelType, pull: Array,
+    numbers: tuple[float, float, float], gradient: Array, resting: Array, slant: Array, compact: Array,
+    summed: Array, held: Array, diagonal: Array,
+) -> None:  # fmt: skip
+    """Fill g_ij and F_ij, T_i, D_i, the sums of kernels, the acceleration where pressures are zero, the diagonal of A.
+
+    `pull` is gravity, then the center and the rate of the central force; `numbers` are the density, the time, and the
+    least D, dummies included.
+    """
+    code, dimension = constants[0].kernel, INDEX(closing.shape[0])
+    inverse, scale = constants[0].inverse_length, constants[0].slope_factor
+    factor = scale / (inverse * inverse)  # of the kernel
+    density, time, full = numbers
+    rate = pull[2 * dimension] * pull[2 * dimension]
+    zero, one, lighter, deep = 0.0, 1.0, 1.0 / density, closing.shape[0] == 3
+    counts, neighbor = lists
+    for particle in prange(closing.shape[1]):
+        i = INDEX(particle)
+        count = INDEX(counts[i])
+        for k in range(whole(counts[i])):
+            gradient[dimension, i, k] = 0.0
+        for axis in range(dimension):
+            x = fields[FIELD.position + axis, i]
+            for k in range(whole(counts[i])):
+                along = fields[FIELD.position + axis, INDEX(neighbor[i, k])] - x
+                gradient[axis, i, k] = along
+                gradient[dimension, i, k] += along * along
+        own = fields[FIELD.volume, i]
+        total = own * value_of(zero * inverse, code)
+        for k in range(count):
+            value = value_of(math.sqrt(gradient[dimension, i, k]) * inverse, code)
+            total += fields[FIELD.volume, INDEX(neighbor[i, k])] * value
+        squares, near, behind, rest = zero, zero, zero, zero
+        tx, ty, tz, sx, sy, sz, rx, ry, rz = zero, zero, zero, zero, zero, zero, zero, zero, zero
+        for k in range(count):
+            j, square = INDEX(neighbor[i, k]), gradient[dimension, i, k]
+            volume, liquid = fields[FIELD.volume, j], fields[FIELD.liquid, j]
+            slope = scale * written_slope(math.sqrt(square) * inverse, kernel)
+            counted, dummy = volume * slope, one - liquid
+            dx, dy, dz = gradient[0, i, k], gradient[1, i, k], zero
+            rise = (pull[0] - rate * (fields[FIELD.position, j] - pull[dimension])) * dx
+            rise += (pull[1] - rate * (fields[FIELD.position + 1, j] - pull[dimension + 1])) * dy
+            if deep:
+                dz = gradient[2, i, k]
+                rise += (pull[2] - rate * (fields[FIELD.position + 2, j] - pull[dimension + 2])) * dz
+                gradient[2, i, k] = slope * dz
+            gradient[0, i, k] = slope * dx
+            gradient[1, i, k] = slope * dy
+            gradient[dimension, i, k] = slope
+            push = counted * (liquid * fields[FIELD.pressure, j] * lighter + dummy * rise)
+            twice = counted * (one + dummy)
+            tx, ty, tz = tx + twice * dx, ty + twice * dy, tz + twice * dz
+            sx, sy, sz = sx + counted * dx, sy + counted * dy, sz + counted * dz
+            rx, ry, rz = rx + push * dx, ry + push * dy, rz + push * dz
+            squares += liquid * counted * slope * square
+            near -= liquid * counted
+            behind -= dummy * counted
+            rest += push
+        closing[0, i], closing[1, i] = tx, ty
+        resting[0, i], resting[1, i] = rx, ry
+        if deep:
+            closing[2, i], resting[2, i] = tz, rz
+        closed, steep = tx * tx + ty * ty + tz * tz, sx * sx + sy * sy + sz * sz
+        slant[i] = math.sqrt(steep)
+        held[i] = rest + rest
+        summed[i] = factor * total
+        compact[i] = max(near, full - behind)
+        diagonal[i] = incompressible.diagonal(own * squares + closed, compact[i], density, time)
+
+
+def accelerations(system: System, pressure: Array) -> Array:
+    """(d, N) a(p), m/s^2."""
+    return _sums_of_pressure(system, pressure)[:-1]
+
+
+def _sums_of_pressure(system: System, pressure: Array) -> Array:
+    """(d + 1, N) a(p) and l(p)."""
+    found = np.empty((len(system.closing) + 1, len(pressure)))
+    carried = system.weight * pressure[system.root]
+    sum_pressure(
+        found, system.gradient, system.closing, system.compact, pressure, carried, system.lists, system.density
+    )
+    return found
+
+
+def applied(system: System, pressure: Array) -> Array:
+    """A p: the relative decrease of density in the step."""
+    sums = _sums_of_pressure(system, pressure)
+    exact = -compressions(system, sums[:-1])
+    return incompressible.decrease(exact, sums[-1], system.time)
+
+
+def compressions(system: System, velocity: Array) -> Array:
+    """(N,) c(v), 1/s, with walls at rest."""
+    return compressions_of(system, velocity, system.weight * system.sign * velocity[:, system.root])
+
+
+def known_compression(now: Parameters, system: System, position: Array) -> Array:
+    """(N,) 1/s^2: the mean of the sources c(r) of -c(a(p)) and -c(G) - m of l(p)."""
+    away = position - now.pull_center[:, None]
+    gravity = now.gravity[:, None] - now.pull_rate**2 * away
+    both = compressions(system, system.resting - gravity)
+    found: Array = 0.5 * (both - system.held)
+    return found
+
+
+def compressions_of(system: System, velocity: Array, carried: Array) -> Array:
+    """(N,) c(v), 1/s; `carried` is (d, columns), volume times velocity, twice that of dummies."""
+    found = np.empty(velocity.shape[1])
+    sum_compression(found, system.gradient, system.closing, velocity, carried, system.lists)
+    return found
+
+
+def moving_compressions(system: System, workspace: Workspace, velocity: Array) -> Array:
+    """(N,) c(v), 1/s, with walls that move, from filled fields."""
+    fields = workspace.fields
+    carried = fields.volume * (2.0 - fields.liquid) * fields.velocity[: len(velocity)]
+    return compressions_of(system, velocity, carried.astype(np.float64))
+
+
+@summing
+def sum_pressure(
+    found: Array, gradient: Array, closing: Array, compact: Array, pressure: Array, carried: Array, lists: Lists,
+    density: float,
+) -> None:  # fmt: skip
+    """Sum a_i = [p_i T_i + sum_j V_j p_j g_ij]/rho, and l_i = (2/rho)[D_i p_i + sum_j V_j p_j F_ij]."""
+    counts, neighbor = lists
+    dimension, deep = INDEX(closing.shape[0]), closing.shape[0] == 3
+    for particle in prange(closing.shape[1]):
+        i = INDEX(particle)
+        ax, ay, az, laplacian = 0.0, 0.0, 0.0, 0.0
+        for k in range(whole(counts[i])):
+            other = carried[INDEX(neighbor[i, k])]
+            ax += gradient[0, i, k] * other
+            ay += gradient[1, i, k] * other
+            laplacian += gradient[dimension, i, k] * other
+            if deep:
+                az += gradient[2, i, k] * other
+        own = pressure[i]
+        found[0, i] = (ax + own * closing[0, i]) / density
+        found[1, i] = (ay + own * closing[1, i]) / density
+        if deep:
+            found[2, i] = (az + own * closing[2, i]) / density
+        found[dimension, i] = 2.0 * (laplacian + own * compact[i]) / density
+
+
+@summing
+def sum_compression(
+    found: Array, gradient: Array, closing: Array, velocity: Array, carried: Array, lists: Lists
+) -> None:
+    """Sum the compressions c_i = sum_j V_j g_ij.v_j - T_i.v_i."""
+    counts, neighbor = lists
+    deep = closing.shape[0] == 3
+    for particle in prange(len(found)):
+        i, total = INDEX(particle), 0.0
+        for k in range(whole(counts[i])):
+            j = INDEX(neighbor[i, k])
+            total += gradient[0, i, k] * carried[0, j] + gradient[1, i, k] * carried[1, j]
+            if deep:
+                total += gradient[2, i, k] * carried[2, j]
+        own = closing[0, i] * velocity[0, i] + closing[1, i] * velocity[1, i]
+        if deep:
+            own += closing[2, i] * velocity[2, i]
+        found[i] = total - own
+
+
+def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Solve for the pressure, and change the velocities by it."""
+    settings = parameters.projection
+    if settings is None:
+        raise ValueError("got a compressible liquid; expected one with a Projection")
+    now = instant(parameters, state)
+    fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
+    system = assemble(now, settings, workspace, time)
+    summed = density_excess(system.summed, settings.lattice_sum)
+    excess = summed + missing_density(system, settings)
+    stretch = moving_compressions(system, workspace, state.velocity)
+    stretch += time * known_compression(now, system, state.position)
+    corrected = free_correction(excess) if settings.free_surface else correction(excess)
+    found = pressures(system, corrected + time * stretch, state.pressure, settings)
+    state.pressure[...] = found.x
+    state.velocity[...] += time * (system.resting + accelerations(system, found.x))
+    counted = np.maximum(summed, 0.0) if settings.free_surface else summed
+    state.density[...] = now.material.density * (1.0 + counted)
+    record(state, found)
+    if forces_work(parameters):
+        fill(now, state, workspace)
+        with np.errstate(over="ignore", invalid="ignore"):  # the integration reports what is not finite
+            state.budget[RATE] = power_of_forces(now, state, workspace)
+
+
+def missing_density(system: System, settings: Projection) -> Array:
+    """What the density of particles at a free surface lacks because there is nothing above, over the density.
+
+    It is that of a row of a lattice below a flat surface with the same sum of gradients. Where that sum is small, as in
+    drops and between approaching surfaces, the density is low because particles are missing: these may approach.
+    """
+    if not settings.free_surface:
+        return np.zeros(len(system.summed))
+    found: Array = np.interp(system.steepness, settings.steepness, settings.missing)
+    return found
+
+
+def pressures(system: System, right: Array, guess: Array, settings: Projection) -> Solution:
+    """The pressures, and the error that is left of the density of each particle.
+
+    Unknowns are scaled with the diagonal of V A, where V are the volumes, so that the matrix is symmetric.
+    """
+    scale = 1.0 / np.sqrt(system.volume * system.diagonal)
+    weight = scale * system.volume
+    if not settings.free_surface:
+        right = right - float(np.sum(system.volume * right) / np.sum(system.volume))
+
+    def scaled(x: Array) -> Array:
+        return weight * applied(system, scale * x)
+
+    def error(gradient: Array) -> float:
+        return math.sqrt(float(np.mean((gradient / weight) ** 2)))
+
+    problem = Problem(scaled, weight * right, settings.free_surface, settings.step, error)
+    found = solve(problem, guess / scale, settings.tolerance, settings.iterations)
+    return found._replace(x=scale * found.x, gradient=found.gradient / weight)
+
+
+def record(state: State, found: Solution) -> None:
+    """Count iterations, and keep the error that is left."""
+    state.tally[ITERATIONS] += found.iterations
+    state.tally[MOST_ITERATIONS] = max(state.tally[MOST_ITERATIONS], found.iterations)
+    state.tally[RESIDUAL] = found.error
+    state.tally[WORST] = state.identity[int(np.argmax(np.abs(found.gradient)))]
+
+
+def failed(parameters: Parameters, state: State) -> bool:
+    """Whether the solver did not reach its tolerance in the last step."""
+    return parameters.projection is not None and not state.tally[RESIDUAL] <= parameters.projection.tolerance

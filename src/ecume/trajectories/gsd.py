@@ -1,0 +1,433 @@
+"""GSD files: their layout, also of a damaged or growing file, and a frame as chunks.
+
+The layout of a GSD file, and the reading of its index, also that of a damaged or a growing file. A GSD file (version
+2) is a header, a block of index entries, a list of names, and chunks of data; a block that is full is copied to the
+end of the file at twice its size, and the old one stays where it was. So a file that lost its end still holds an
+older index. A frame is whole when its last chunk, the checksum, is in the index.
+
+A frame as the chunks of a GSD file. HOOMD's own chunks let OVITO and every other reader of GSD show the particles:
+positions and velocities in single precision and always three components, diameter, type. ecume's chunks are exact:
+`log/time`, `log/<number>`, `log/particles/<array>`, and `ecume/header`, which states once what the arrays are and
+which unit each has. A trajectory in single precision has its arrays as `<f4`, and no second copy of HOOMD's chunks;
+it is read as float64. Positions in a periodic box have a second copy, since HOOMD's are relative to the middle of the
+box.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import zlib
+from collections.abc import Mapping, Sequence
+from io import FileIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume._plain_files import require_memory
+from ecume.errors import BadInput, StorageError
+from ecume.trajectories.frame import Frame, RecordedArrays, omitted_from
+
+MAGIC = 0x65DF65DF65DF65DF
+FILE_HEADER = np.dtype(
+    [
+        ("magic", "<u8"),
+        ("index_location", "<u8"),
+        ("index_room", "<u8"),
+        ("names_location", "<u8"),
+        ("names_room", "<u8"),
+        ("schema_version", "<u4"),
+        ("gsd_version", "<u4"),
+        ("application", "S64"),
+        ("schema", "S64"),
+        ("reserved", "S80"),
+    ]
+)
+ENTRY = np.dtype(
+    [
+        ("frame", "<u8"),
+        ("rows", "<u8"),
+        ("location", "<i8"),
+        ("columns", "<u4"),
+        ("name", "<u2"),
+        ("type", "u1"),
+        ("flags", "u1"),
+    ]
+)
+TYPES = {
+    code: np.dtype(kind)
+    for code, kind in enumerate(("u1", "<u2", "<u4", "<u8", "i1", "<i2", "<i4", "<i8", "<f4", "<f8"), start=1)
+}
+CODES = {kind: code for code, kind in TYPES.items()}
+NAME_UNIT = 64
+"""The room of the list of names is counted in these."""
+CHECKSUM = "ecume/crc32"
+"""The chunk that makes a frame whole."""
+
+UNKNOWN = Path("a file of frames")
+
+_SIZES = np.array([TYPES[code].itemsize if code in TYPES else 0 for code in range(256)], dtype=np.int64)
+
+
+class Index(NamedTuple):
+    """The index of a file: its names, the entries of its frames in order, and the place of the block of entries."""
+
+    names: tuple[str, ...]
+    entries: NDArray[Any]
+    frames: int
+    """Up to the last whole frame; one in between may be damaged."""
+    location: int
+    room: int
+    names_end: int
+
+
+def read_index(file: FileIO, path: Path) -> Index:
+    """The index of an open file. Raises StorageError where no frame can be found."""
+    header, size = _steady_header(file, path), _size(file)
+    names, names_end = _names(file, header)
+    location, room = int(header["index_location"]), int(header["index_room"])
+    index = _walked(file, names, names_end, location, room)
+    if location + room * ENTRY.itemsize > size or index.frames == 0:
+        index = max((index, *_older(file, names, names_end)), key=lambda one: one.frames)
+    if index.frames == 0:
+        raise StorageError(f"{path}: damaged: no whole frame is left in it")
+    return index
+
+
+def _steady_header(file: FileIO, path: Path) -> Any:
+    """A run may be replacing the header: read until two readings agree."""
+    before, now = b"", _bytes(file, 0, FILE_HEADER.itemsize)
+    while now != before:
+        before, now = now, _bytes(file, 0, FILE_HEADER.itemsize)
+    if len(now) < FILE_HEADER.itemsize or (header := np.frombuffer(now, FILE_HEADER)[0])["magic"] != MAGIC:
+        raise StorageError(f"{path}: not a GSD file, or its beginning is damaged")
+    if header["gsd_version"] >> 16 != 2:
+        raise StorageError(f"{path}: a GSD file of version {header['gsd_version'] >> 16}; expected version 2")
+    return header
+
+
+def _names(file: FileIO, header: Any) -> tuple[tuple[str, ...], int]:
+    start = int(header["names_location"])
+    raw = _bytes(file, start, int(header["names_room"]) * NAME_UNIT)
+    listed = raw.split(b"\0\0", 1)[0]
+    return tuple(name.decode(errors="replace") for name in listed.split(b"\0") if name), start + len(raw)
+
+
+def _walked(file: FileIO, names: tuple[str, ...], names_end: int, location: int, room: int) -> Index:
+    """The index at this place, without entries that cannot be true and without frames that never became whole."""
+    raw = _bytes(file, location, room * ENTRY.itemsize)
+    entries = np.frombuffer(raw[: len(raw) // ENTRY.itemsize * ENTRY.itemsize], ENTRY)
+    entries = entries[_credible(entries, len(names), _size(file))]
+    entries = entries[np.argsort(entries["frame"], kind="stable")]
+    last = entries["frame"][entries["name"] == names.index(CHECKSUM)] if CHECKSUM in names else entries["frame"][:0]
+    frames = int(last[-1]) + 1 if len(last) else 0
+    return Index(names, entries[entries["frame"] < frames], frames, location, room, names_end)
+
+
+def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]:
+    """The entries that may be true: of a known name and type, inside the file."""
+    most = np.uint64(size)
+    cells = np.minimum(entries["rows"], most) * np.minimum(entries["columns"].astype("u8"), most)
+    ends = entries["location"].astype("u8") + np.minimum(cells, most) * _SIZES[entries["type"]].astype("u8")
+    known = (_SIZES[entries["type"]] > 0) & (entries["name"] < names) & (entries["flags"] == 0)
+    credible: NDArray[np.bool_] = known & (entries["location"] >= FILE_HEADER.itemsize) & (ends <= most)
+    return credible & (entries["frame"] <= np.uint64(len(entries)))
+
+
+def sizes(entries: NDArray[Any]) -> NDArray[np.int64]:
+    """The bytes of the data of each of these entries, all of which are credible."""
+    cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
+    found: NDArray[np.int64] = cells * _SIZES[entries["type"]]
+    return found
+
+
+def size_of(entries: NDArray[Any]) -> int:
+    """The bytes of the data of all of these entries."""
+    return sum(sizes(entries).tolist())
+
+
+def overlap(entries: NDArray[Any]) -> bool:
+    """Whether some of these entries refer to the same bytes: no writer does that, and a small file could fill the
+    memory.
+    """
+    order = np.argsort(entries["location"], kind="stable")
+    starts, ends = entries["location"][order], (entries["location"] + sizes(entries))[order]
+    return bool(np.any(starts[1:] < np.maximum.accumulate(ends)[:-1])) if len(entries) > 1 else False
+
+
+def _older(file: FileIO, names: tuple[str, ...], names_end: int) -> list[Index]:
+    """Earlier blocks of the index, that growing left behind: all begin with the same entry."""
+    size = _size(file)
+    first = _bytes(file, FILE_HEADER.itemsize, ENTRY.itemsize)
+    if not any(first):
+        return []
+    whole, start, found = _bytes(file, 0, size), 0, []
+    while (start := whole.find(first, start)) >= 0:
+        found.append(_walked(file, names, names_end, start, _run_of_entries(whole, start, len(names))))
+        start += ENTRY.itemsize
+    return found
+
+
+def _run_of_entries(whole: bytes, start: int, names: int) -> int:
+    """The number of entries here in a row: an older block ends where its entries end, and what follows is data."""
+    raw = np.frombuffer(whole, ENTRY, count=(len(whole) - start) // ENTRY.itemsize, offset=start)
+    credible = _credible(raw, names, len(whole))
+    return len(raw) if credible.all() else int(np.argmin(credible))
+
+
+def _size(file: FileIO) -> int:
+    return file.seek(0, 2)
+
+
+def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
+    """The bytes of the file there; fewer at the end of the file, whatever a damaged header requests."""
+    size = _size(file)
+    if start >= size:
+        return b""
+    require_memory(min(count, size - start), path)
+    file.seek(start)
+    return file.read(min(count, size - start))
+
+
+def read_whole_index(file: FileIO, path: Path) -> Index:
+    """The index of an open file that any program has written and closed: its frames have no checksum."""
+    header = _steady_header(file, path)
+    names, names_end = _names(file, header)
+    location, room = int(header["index_location"]), int(header["index_room"])
+    raw = _bytes(file, location, room * ENTRY.itemsize)
+    entries = np.frombuffer(raw[: len(raw) // ENTRY.itemsize * ENTRY.itemsize], ENTRY)
+    entries = entries[_credible(entries, len(names), _size(file))]
+    frames = int(entries["frame"].max(initial=0)) + 1 if len(entries) else 0
+    if frames == 0:
+        raise StorageError(f"{path}: no frame is in it")
+    return Index(names, entries, frames, location, room, names_end)
+
+
+HEADER = "ecume/header"
+FORMAT = 1
+MOST_FRAMES = 2**40
+"""Of a trajectory."""
+WIDEST, DEEPEST = 1000, 4
+"""Components of an array, and axes of them."""
+Chunks = dict[str, NDArray[Any]]
+"""What stands in a file under each name: two-dimensional arrays."""
+
+
+class Header(NamedTuple):
+    """The data that all frames of a segment share; `first` is the number of its first frame in the trajectory."""
+
+    first: int
+    arrays: Mapping[str, tuple[str, tuple[int, ...]]]
+    numbers: tuple[str, ...]
+    units: Mapping[str, str]
+    species: tuple[str, ...] = ()
+    """What the species are called, in the order of their numbers, as far as they have names."""
+    omitted: tuple[str, ...] = ()
+    """Arrays that the scene omits."""
+
+
+SINGLE = "<f4"
+SIDES = ("box_width", "box_height", "box_depth")
+"""The numbers of a frame that are the sides of a periodic box; zero or missing along other axes."""
+
+
+def header_of(frame: Frame, first: int, species: Sequence[str] = (), *, single: bool = False) -> Header:
+    """The header of a segment that begins with this frame; `single` is the precision of its arrays."""
+    arrays = {name: (array.dtype.str, array.shape[1:]) for name, array in frame.arrays.items()}
+    for name, (kind, shape) in arrays.items():
+        if kind not in ("<f8", "<i8") or 0 in shape:
+            raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; expected float64 or int64")
+    if "time" in frame.numbers:
+        raise BadInput("a number of a frame is called time; the time is what a frame has besides")
+    if single:
+        arrays = {name: (SINGLE if kind == "<f8" else kind, shape) for name, (kind, shape) in arrays.items()}
+    return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species), omitted_from(frame))
+
+
+def written(header: Header) -> NDArray[Any]:
+    """The header as a chunk."""
+    plain = {"format": FORMAT, **header._asdict()}
+    if not header.omitted:
+        del plain["omitted"]
+    return _column(np.frombuffer(json.dumps(plain, separators=(",", ":")).encode(), np.uint8))
+
+
+def read(chunks: Chunks, source: object) -> Header:
+    """The header among the chunks of a segment's first frame. Raises StorageError if it is not readable."""
+    try:
+        plain = json.loads(chunks[HEADER].tobytes())
+        found = plain["format"]
+        arrays = {str(name): (str(kind), tuple(shape)) for name, (kind, shape) in plain["arrays"].items()}
+        units = {str(name): str(unit) for name, unit in plain["units"].items()}
+        header = Header(int(plain["first"]), arrays, tuple(map(str, plain["numbers"])), units)
+        species, omitted = (tuple(map(str, plain.get(name, ()))) for name in ("species", "omitted"))
+        header = header._replace(species=species, omitted=omitted)
+        _require_possible(header)
+    except (KeyError, ValueError, TypeError, AttributeError, RecursionError, OverflowError) as error:
+        raise StorageError(f"{source}: not written by ecume, or its header is damaged") from error
+    if found != FORMAT:
+        raise StorageError(f"{source}: a trajectory of format {found}; this version of ecume reads format {FORMAT}")
+    return header
+
+
+def _require_possible(header: Header) -> None:
+    """Raise ValueError for a header that no run writes."""
+    if not 0 <= header.first < MOST_FRAMES or "position" not in header.arrays:
+        raise ValueError("no such frames")
+    for kind, shape in header.arrays.values():
+        wide = all(type(side) is int and 0 < side <= WIDEST for side in shape)
+        if kind not in ("<f8", "<i8", SINGLE) or len(shape) > DEEPEST or not wide:
+            raise ValueError("no such array")
+    if header.arrays["position"][0] not in ("<f8", SINGLE) or header.arrays["position"][1] not in ((1,), (2,), (3,)):
+        raise ValueError("no such positions")
+
+
+def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = ()) -> Chunks:
+    """All chunks of a frame; its checksum is the last, so that whatever is cut short lacks it. `colors` are those of
+    the species, `#rrggbb`.
+    """
+    chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
+    chunks |= _shown(frame, header.species) | _colored(frame, colors)
+    for name, (kind, _) in header.arrays.items():
+        if kind != SINGLE or f"particles/{name}" not in chunks or (name == "position" and _is_periodic(frame)):
+            chunks[f"log/particles/{name}"] = _table(frame.arrays[name].astype(kind, copy=False))
+    for name, value in (("time", frame.time), *frame.numbers.items()):
+        chunks[f"log/{name}"] = _column(np.array([value], np.float64))
+    chunks[CHECKSUM] = _column(np.array([checksum(chunks), numbers_checksum(chunks, header)], np.uint32))
+    return chunks
+
+
+def frame_of(chunks: Chunks, header: Header) -> Frame:
+    """The frame of its chunks; it owns its arrays."""
+    arrays: Mapping[str, NDArray[Any]] = {
+        name: _stored(chunks, name, math.prod(shape))
+        .reshape(-1, *shape)
+        .astype("<f8" if kind == SINGLE else kind, copy=True)
+        for name, (kind, shape) in header.arrays.items()
+    }
+    if len({len(array) for array in arrays.values()}) > 1:
+        raise ValueError("arrays of several lengths")
+    if header.omitted:
+        arrays = RecordedArrays(arrays, header.omitted)
+    numbers = {name: float(chunks[f"log/{name}"][0, 0]) for name in header.numbers}
+    return Frame(float(chunks["log/time"][0, 0]), arrays, numbers, dict(header.units))
+
+
+def _stored(chunks: Chunks, name: str, width: int) -> NDArray[Any]:
+    """The chunk of an array; in single precision it may be HOOMD's, whose vectors have three components."""
+    own = chunks.get(f"log/particles/{name}")
+    return chunks[f"particles/{name}"][:, :width] if own is None else own
+
+
+def number_names(header: Header) -> list[str]:
+    """The chunks that hold one number each: the step, the time, and the named numbers."""
+    return ["configuration/step", "log/time", *(f"log/{name}" for name in header.numbers)]
+
+
+def checksum(chunks: Mapping[str, NDArray[Any]]) -> int:
+    """The CRC-32 over named arrays, but for the checksum itself: names, kinds, shapes and bytes."""
+    crc = 0
+    for name in sorted(chunks.keys() - {CHECKSUM}):
+        chunk = chunks[name]
+        crc = zlib.crc32(f"{name} {chunk.dtype.str} {chunk.shape}".encode(), crc)
+        crc = zlib.crc32(np.ascontiguousarray(chunk).reshape(-1).view(np.uint8).data, crc)
+    return crc
+
+
+def numbers_checksum(chunks: Chunks, header: Header) -> int:
+    """The CRC-32 over the numbers alone, so that their curves are read without the particles."""
+    return zlib.crc32(b"".join(chunks[name].tobytes() for name in number_names(header)))
+
+
+def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
+    """The quantities of HOOMD's schema, in single precision."""
+    box, position = _boxed(frame)
+    shown = {
+        "configuration/dimensions": _column(np.array([position.shape[1]], np.uint8)),
+        "configuration/box": _column(box),
+        "particles/N": _column(np.array([len(position)], np.uint32)),
+        "particles/position": _in_space(position),
+    }
+    if "velocity" in frame.arrays:
+        shown["particles/velocity"] = _in_space(frame.arrays["velocity"])
+    if "radius" in frame.arrays:
+        shown["particles/diameter"] = _column((2.0 * frame.arrays["radius"]).astype(np.float32))
+    if "mass" in frame.arrays:
+        shown["particles/mass"] = _column(frame.arrays["mass"].astype(np.float32))
+    return shown | _types(frame, species)
+
+
+def _is_periodic(frame: Frame) -> bool:
+    """Whether HOOMD's positions are those in a periodic box, which differ from ecume's."""
+    return any(frame.numbers.get(name, 0.0) > 0.0 for name in SIDES)
+
+
+def _types(frame: Frame, named: Sequence[str]) -> Chunks:
+    """The species of each particle, and their names: those given, and `species 3` for what has none."""
+    if "species" not in frame.arrays or not len(frame.arrays["species"]):
+        return {}
+    species = frame.arrays["species"]
+    unnamed = range(len(named), int(species.max()) + 1)
+    names = [name.encode() for name in (*named, *(f"species {kind}" for kind in unnamed))]
+    wide = np.array(names, dtype=f"S{max(map(len, names)) + 1}")
+    return {
+        "particles/typeid": _column(species.astype(np.uint32)),
+        "particles/types": wide.view(np.int8).reshape(len(names), -1),
+    }
+
+
+def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
+    """The color of each particle, under the name by which OVITO knows it; what never changes is written once."""
+    if not colors or "species" not in frame.arrays:
+        return {}
+    bytes_of = np.array([list(bytes.fromhex(color.removeprefix("#"))) for color in colors], np.float32)
+    return {"log/particles/Color": bytes_of[frame.arrays["species"] % len(colors)] / np.float32(255.0)}
+
+
+def _boxed(frame: Frame) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """HOOMD's box, and the positions in it. A periodic box is exact: its middle is the origin, and all particles are
+    inside. Along other axes the box holds all particles, and its sides are powers of two, so that they seldom change.
+    """
+    position = frame.arrays["position"]
+    sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: position.shape[1]]])
+    reach = float(np.abs(position).max(initial=0.0)) + float(frame.arrays.get("radius", np.zeros(1)).max(initial=0.0))
+    around = 2.0 * 2.0 ** math.ceil(math.log2(reach)) if 0.0 < reach < math.inf else 1.0
+    lengths = np.append(np.where(sides > 0.0, sides, around), np.ones(3 - len(sides)))
+    tilt = _tilt(frame, sides)
+    if sides.any():
+        inside = position.copy()
+        if tilt:
+            inside[:, 0] -= tilt * position[:, 1]
+        for axis in np.flatnonzero(sides):
+            inside[:, axis] -= sides[axis] * (np.floor(inside[:, axis] / sides[axis]) + 0.5)
+        if tilt:
+            inside[:, 0] += tilt * inside[:, 1]
+        position = inside
+    return np.array([*lengths, tilt, 0.0, 0.0], np.float32), position
+
+
+def _tilt(frame: Frame, sides: NDArray[np.float64]) -> float:
+    """HOOMD's tilt factor xy of a sheared box, from -1/2 to 1/2 of its width over its height."""
+    if not sides[:2].all() or len(sides) < 2:
+        return 0.0
+    width, height = (float(side) for side in sides[:2])
+    shift = frame.numbers.get("box_tilt", frame.numbers.get("strain", 0.0) * height)
+    return (shift - width * round(shift / width)) / height
+
+
+def _in_space(vectors: NDArray[Any]) -> NDArray[np.float32]:
+    """Three components, the missing ones zero."""
+    space = np.zeros((len(vectors), 3), np.float32)
+    space[:, : vectors.shape[1]] = vectors
+    return space
+
+
+def _column(values: NDArray[Any]) -> NDArray[Any]:
+    return values.reshape(-1, 1)
+
+
+def _table(array: NDArray[Any]) -> NDArray[Any]:
+    """A row a particle, whatever other axes the array has."""
+    return np.ascontiguousarray(array).reshape(len(array), math.prod(array.shape[1:]))
