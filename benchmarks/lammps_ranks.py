@@ -21,8 +21,7 @@ from timed_runs import heavy_spheres, machine
 
 from ecume.lammps import floats_in_engine, tanks_in_engine
 from ecume.lammps.engine import BALANCING
-from ecume.lammps.process import Lammps
-from ecume.lammps.program import program
+from ecume.lammps.process import Lammps, program
 from ecume.models import MODELS
 from ecume.scenes.load import load_scene
 
