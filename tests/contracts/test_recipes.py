@@ -161,6 +161,7 @@ def test_a_new_method_has_forces_that_are_minus_the_slope_of_an_energy_of_many_b
     assert found["two"][0] @ (3.1, 0.4) < 0.0 < found["two"][1] @ (3.1, 0.4)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("contacts", ["smooth", "rough"])
 def test_a_new_method_keeps_the_energy_with_any_contacts(made, contacts):
     total, kinetic = np.array(made[1]["embedded"][contacts]).T
@@ -262,6 +263,7 @@ def test_a_new_model_keeps_its_energy_and_resumes_bit_for_bit(ring):
     assert report["same"] == [True] * 21
 
 
+@pytest.mark.long
 def test_a_new_model_is_cited_and_drawn(ring):
     report, _ = ring
     assert report["papers"] == ["landau1987"]

@@ -149,6 +149,7 @@ def matrix_of_pairs():
     return matrix(OPTIONS, {pair: None if frames is None else reason for pair, (frames, reason) in found.items()})
 
 
+@pytest.mark.long
 def test_the_page_shows_which_options_go_together():
     assert section(DOCS / "soft.md") == matrix_of_pairs()
 

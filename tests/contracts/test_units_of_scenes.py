@@ -43,6 +43,9 @@ class Scales(NamedTuple):
 HEAVIER, LARGER = Scales(mass=8.0, length=1.0, time=1.0), Scales(mass=64.0, length=4.0, time=8.0)
 """The second keeps densities."""
 
+LONG = {"docking-quadrupoles", "ellipsoids-docking", "pattern-formation"}
+"""Compile time steps that no other test needs."""
+
 
 @cache
 def powers(symbol: str) -> tuple[float, float, float, float, float]:
@@ -107,6 +110,12 @@ def compare(name: str, scales: Scales, steps: int = 12) -> None:
     assert other.time == pytest.approx(scales.time * one.time, rel=WITHIN[plain["model"]])
 
 
-@pytest.mark.parametrize(("name", "scales"), list(itertools.product(sorted(EXAMPLES), (HEAVIER, LARGER))))
+@pytest.mark.parametrize(
+    ("name", "scales"),
+    [
+        pytest.param(name, scales, marks=[pytest.mark.long] * (name in LONG))
+        for name, scales in itertools.product(sorted(EXAMPLES), (HEAVIER, LARGER))
+    ],
+)
 def test_an_example_moves_in_the_same_way_in_other_units(name, scales):
     compare(name, scales)

@@ -71,6 +71,7 @@ def test_noise_spreads_floats_by_twice_the_diffusion_coefficient():
     assert np.array_equal(again, velocity)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_brownian_motion_has_the_temperature_of_the_scene_to_two_percent():
     """Displacements of free floats step by step: 60,000 independent numbers, whose variance has a standard error of

@@ -35,6 +35,7 @@ def grazing(friction, *, restitution=0.5, viscosity=0.0, **times):
     return scene_of(liquid + floats.replace("[-0.04, 0.01]", "[-0.04, -0.01]") + rest + contacts, **times)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("friction", "slides"), [(0.02, True), (0.5, False)])
 def test_a_grazing_collision_gives_the_impulses_of_coulombs_law(friction, slides):
@@ -53,6 +54,7 @@ def test_a_grazing_collision_gives_the_impulses_of_coulombs_law(friction, slides
     assert after.numbers["collisions"] == 1
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_spin_dies_away_as_the_drag_says():
     scene = grazing(0.5, viscosity=5e-3, duration=0.04, frame_every=0.01)
@@ -64,6 +66,7 @@ def test_a_spin_dies_away_as_the_drag_says():
     assert arrays["spin"][0] / frames[2].arrays["spin"][0] == pytest.approx(decay, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_momentum_and_angular_momentum_last_through_many_collisions_with_friction():
     rest = "[hydrodynamics]\ndrag = 'none'\n[contacts]\nrestitution = 0.7\nfriction = 0.3\n"
@@ -80,6 +83,7 @@ def test_momentum_and_angular_momentum_last_through_many_collisions_with_frictio
     assert last["angular_momentum"] == pytest.approx(frames[0].numbers["angular_momentum"], abs=1e-12 * around)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(("among", "at_wall"), [(0.3, 0.0), (1.0, 0.5)])
 def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among, at_wall):
@@ -93,6 +97,7 @@ def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among
     assert last["deepest_overlap"] < 1e-3 * 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("integrator", "duration"),
@@ -112,6 +117,7 @@ def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, durat
         assert end_of(scene, state=half) == whole
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_rough_raft_at_rest_at_a_wall_takes_tens_of_sweeps_a_step_without_inertia():
     # One that is kicked before the drift alone is solved for once a step: a second solve, which has next to nothing to
@@ -128,6 +134,7 @@ def test_a_rough_raft_at_rest_at_a_wall_takes_tens_of_sweeps_a_step_without_iner
     assert end.numbers["deepest_overlap"] < 1e-3 * 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("duration", [0.002, pytest.param(0.006, marks=pytest.mark.long)])
 def test_a_large_rough_raft_has_the_same_bits_for_any_number_of_threads(duration):

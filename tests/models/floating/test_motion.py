@@ -80,7 +80,7 @@ def test_each_scheme_has_its_order(integrator):
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("integrator", ["velocity-verlet", "stormer-verlet"])
+@pytest.mark.parametrize("integrator", ["velocity-verlet", pytest.param("stormer-verlet", marks=pytest.mark.long)])
 def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
     scene = lone_float_in_a_dish(HEAVY, integration=f'integrator = "{integrator}"', duration=2.0, frame_every=0.1)
     parameters = FLOATING.parameters(scene)
@@ -114,6 +114,7 @@ def test_verlet_keeps_the_energy_for_a_hundred_thousand_steps():
     assert energy_drift("velocity-verlet", steps=100_000) < 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.usefixtures("coarse_steps_allowed")
 def test_explicit_euler_does_not_keep_the_energy():

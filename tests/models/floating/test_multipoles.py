@@ -112,6 +112,7 @@ def test_half_a_run_and_half_a_run_are_a_run_to_the_bit(method):
         assert np.array_equal(a, b), name
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("method", ["multipole", "pair-corrected"])
 def test_energy_and_momentum_last_where_nothing_drags(method):
@@ -135,6 +136,7 @@ def ends(places, **options):
     return found
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_discs_move_by_corrected_pairs_as_by_multipoles_and_three_nearly_so():
     """From 1.1 diameters: corrections hold for a pair to the error of their table, and for three recover a part."""

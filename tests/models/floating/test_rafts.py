@@ -10,6 +10,9 @@ from tests.models.floating.bowls import HEAVY, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]
 
+OTHERS = ("explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4")
+"""Integrators beside the default one, each of which is compiled by itself."""
+
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(
@@ -48,7 +51,7 @@ def end_of(scene, **how):
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(
-    "integrator", ["velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4"]
+    "integrator", ["velocity-verlet", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)]
 )
 def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
     scene = scene_of(

@@ -137,6 +137,7 @@ def test_a_round_ellipsoid_floats_and_moves_as_a_sphere():
         assert b.arrays["position"] == pytest.approx(a.arrays["position"], abs=2e-4 * 1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_that_lie_parallel_turn_and_dock_tip_to_tip():
     frames = list(simulate(ellipsoid_pair(0.5, 0.5, duration=1.6, frame_every=0.05)))
@@ -149,6 +150,7 @@ def test_two_that_lie_parallel_turn_and_dock_tip_to_tip():
     assert frames[-1].numbers["deepest_overlap"] < 1e-3 * RADIUS
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_mirror_images_dock_and_roll_from_their_tips_to_their_flanks():
     frames = list(simulate(ellipsoid_pair(0.5, -0.4, duration=3.0, frame_every=0.1)))
@@ -169,6 +171,7 @@ def billiard(restitution, *, dish="", duration=0.2):
     return scene_of(LIQUID.format(viscosity=1.0) + bodies + dish + rest, duration=duration, frame_every=duration / 4)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("restitution", [1.0, 0.4])
 def test_collisions_keep_both_momenta_and_never_make_energy(restitution):
@@ -193,6 +196,7 @@ def test_collisions_keep_both_momenta_and_never_make_energy(restitution):
     assert last["deepest_overlap"] < 1e-3 * RADIUS
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     "dish", ['[dish]\nradius = "2.6 mm"\nlaw = "none"\n', '[dish]\nsize = ["5 mm", "4 mm"]\nlaw = "none"\n']
@@ -237,6 +241,7 @@ def test_a_steady_force_gives_a_body_its_terminal_velocity_however_long_the_step
     assert gain / -math.expm1(-per_relaxation) == pytest.approx(1.0 / part.friction[0, axis], rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_overdamped_and_inertial_shapes_go_the_same_way_in_syrup():
     slow = ellipsoid_pair(
@@ -248,6 +253,7 @@ def test_overdamped_and_inertial_shapes_go_the_same_way_in_syrup():
         assert a.arrays["position"] == pytest.approx(b.arrays["position"], abs=2e-3 * RADIUS)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_shapes():
     scene = ellipsoid_pair(0.5, -0.4, apart=1.05e-3, duration=0.2, frame_every=0.1)
@@ -260,6 +266,7 @@ def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_shapes():
         assert np.array_equal(a, b), name
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_threads_change_no_bit_of_shapes():
     scene, found = billiard(0.5, duration=0.02), []

@@ -26,6 +26,7 @@ def at_step(scene, time_step):
     return dataclasses.replace(scene, integration=dataclasses.replace(scene.integration, time_step=time_step))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9])
 def test_a_soft_collision_gives_back_what_was_asked(restitution):
@@ -40,6 +41,7 @@ def test_a_soft_collision_gives_back_what_was_asked(restitution):
     assert frames[-1].numbers["deepest_overlap"] > 1e-5
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_springs_without_dashpots_keep_the_energy_even_where_they_are_pressed():
     floats = "".join(
@@ -57,6 +59,7 @@ def test_springs_without_dashpots_keep_the_energy_even_where_they_are_pressed():
     assert total == pytest.approx(total[0], rel=2e-4)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_a_pair_rests_where_the_spring_holds_its_pull():
     scene = two_floats(2.05e-3, hydrodynamics="", contacts=f"{SOFT}restitution = 0.2", duration=4.0, frame_every=0.5)
@@ -72,6 +75,7 @@ def test_a_pair_rests_where_the_spring_holds_its_pull():
     assert last.numbers["largest_speed"] < 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_soft_contacts_resume_bit_for_bit():
     scene = scene_of(

@@ -71,6 +71,7 @@ def test_the_step_follows_the_stiffest_rotation_of_a_disc_and_its_six_neighbors(
     assert slowest < math.sqrt(largest / inertia) * parameters.quickest < quickest
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_two_quadrupoles_turn_against_each_other_and_dock_rise_to_rise():
     scene = pair((0.5, 0.4), drag=True, viscosity=0.05, duration=0.6, frame_every=0.02)
@@ -86,6 +87,7 @@ def test_two_quadrupoles_turn_against_each_other_and_dock_rise_to_rise():
     assert np.all(np.diff(energies) <= 1e-6 * np.ptp(energies))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_energy_and_both_momenta_last_while_two_turn_and_nothing_drags():
     frames = list(simulate(pair((0.5, 0.4), 2.8, drag=False, duration=0.008, frame_every=0.002)))
@@ -100,6 +102,7 @@ def test_energy_and_both_momenta_last_while_two_turn_and_nothing_drags():
     assert frames[-1].numbers["angular_momentum"] == pytest.approx(0.0, abs=1e-5 * spun)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_what_turns():
     scene = pair((0.5, None), mode=3)

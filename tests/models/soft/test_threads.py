@@ -29,6 +29,7 @@ def integrated(scene, steps=6, iterations=0):
     return state
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("rotation", "iterations"), [(False, 0), (True, 0), (False, 2000)])
 def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation, iterations):
     """By gradients, and where those are said to have taken many iterations, by a factorization."""

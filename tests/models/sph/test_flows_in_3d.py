@@ -107,6 +107,7 @@ def test_a_channel_between_plates_in_space_starts_as_its_series_says(precision):
     assert np.abs(speed[:, 1:]).max() < 0.02 * exact.max()
 
 
+@pytest.mark.long
 def test_vortices_in_a_plane_fade_alike_in_either_precision():
     around = dict.fromkeys(SIDES[:4], PERIODIC)
     found = {}

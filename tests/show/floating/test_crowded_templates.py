@@ -45,6 +45,7 @@ def test_mermaids_run_and_are_drawn(tmp_path):
     assert changed > 500
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_colloids_run_and_are_drawn(tmp_path):
     frames, scene = shortened(
