@@ -29,8 +29,8 @@ def correction_share(missing: Number) -> Number:
     """The share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a surface.
 
     missing: see `missing_neighbors`. A smooth step between `DISORDER` and `ROW`. With s = 1 everywhere, as in
-    [bonet1999], the sums would not notice where particles are too close, and disorder would last longer; [schulze2025] corrects
-    near the surface only, too, with other weights.
+    [bonet1999], the sums would not notice where particles are too close, and disorder would last longer. Like this,
+    [schulze2025] corrects near the surface only, with other weights.
 
     >>> correction_share(0.01), round(correction_share(0.06), 12), correction_share(0.4)
     (0.0, 0.5, 1.0)
