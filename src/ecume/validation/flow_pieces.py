@@ -1,13 +1,7 @@
-"""Steady shear flows of packings in pieces that are kept: one flow with one random start each.
-
-Finished pieces are in a folder of the working directory, each named by the digest of its scene: an interrupted case
-continues with the pieces that are missing.
-"""
+"""Steady shear flows of packings in `pieces` that are kept: one flow with one random start each."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Callable, Sequence
 from importlib.resources import files
@@ -22,6 +16,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
+from ecume.validation.pieces import kept_values
 from ecume.validation.runner import read_table
 
 
@@ -83,28 +78,9 @@ def kept(scene: Scene, rate: float, folder: Path) -> Piece:
     )
 
 
-def kept_values(scene: Scene, folder: Path, compute: Callable[[], Sequence[Any]]) -> list[Any]:
-    """What was computed from a scene and is kept, as JSON contains it; else it is computed now."""
-    path = folder / f"{digest(scene)}.json"
-    if not path.is_file():
-        text = json.dumps(compute())
-        folder.mkdir(parents=True, exist_ok=True)
-        # Complete or absent: the file takes its name when all of it is written.
-        partial = path.with_suffix(".part")
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    found: list[Any] = json.loads(path.read_text(encoding="utf-8"))
-    return found
-
-
 def _read(stored: list[Any]) -> Piece:
     means = {place: Mean(*stored[place]) for place in range(2, 5)}
     return Piece(*(means.get(place, value) for place, value in enumerate(stored)))
-
-
-def digest(scene: Scene) -> str:
-    """The name of a piece: a digest of its complete scene."""
-    return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()[:16]
 
 
 def template() -> Path:

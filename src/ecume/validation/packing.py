@@ -1,5 +1,5 @@
 """Packings of soft spheres that flow: what holds in a stationary shear flow, at three rates and with three seeds, in
-pieces that are kept: one run each, see `flow_pieces`.
+pieces that are kept: one run each, see `pieces`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ecume.scenes.schema import Scene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.flow_pieces import kept_values
+from ecume.validation.pieces import kept_values
 from ecume.validation.rows import Row, above, below, within
 
 RATES, SEEDS, STRAIN = (0.1, 1.0, 10.0), (1, 2, 3), 10.0
