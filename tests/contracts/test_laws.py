@@ -76,7 +76,7 @@ COMPILED = (
 RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
-    flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, diffusion, tension,
+    flotation.nonspherical, flotation.young_laplace, states, viscous, diffusion, tension,
     time_step_limits, wall_forces, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, friction,
     deflections, dish_motion, dam_breaks, liquids, soft_contacts, swirls,
 )  # fmt: skip
@@ -188,8 +188,10 @@ def rescaled(value, hint):
 
 
 PLAIN = {
-    capillarity.truncation_radius, soft_pair.surface_energy, soft_pair.surface_force, states.absolute_pressure,
-    states.hydrostatic_fault,
+    capillarity.truncation_radius, contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction,
+    soft_pair.crossover_gap, soft_pair.optimal_force, soft_pair.passage_time, soft_pair.reduced_force,
+    soft_pair.size_under_force, soft_pair.steepness, soft_pair.surface_energy, soft_pair.surface_force,
+    soft_pair.viscous_time, states.absolute_pressure, states.hydrostatic_fault,
 }  # fmt: skip
 """What compiled code does not call, or calls with the names of arguments."""
 UNSCALED = {
