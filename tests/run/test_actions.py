@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -214,6 +216,17 @@ def test_a_file_gives_its_actions(tmp_path: Path) -> None:
     assert one.steps == 10
     with pytest.raises(BadInput, match="has no action 'helper'; it has slow, stop"):
         user_code.actions_from([f"{tmp_path / 'mine.py'}:helper"])
+
+
+def test_an_edit_that_changes_neither_size_nor_time_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    file = tmp_path / "mine.py"
+    for exponent in ("2", "3"):
+        file.write_text(f"def law(distance, parameters):\n    return distance**{exponent}\n")
+        os.utime(file, (1e9, 1e9))
+        (law,) = user_code.laws_from([str(file)])
+        assert law(2.0, None) == 2.0 ** int(exponent)
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_an_action_whose_numbers_changed_is_another(tmp_path: Path) -> None:

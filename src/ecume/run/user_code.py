@@ -12,9 +12,10 @@ import inspect
 import sys
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 from ecume.errors import BadInput
 from ecume.models.actions import Action
@@ -89,11 +90,24 @@ def _found(option: str, word: str, wanted: Callable[[ModuleType, object], bool],
 KINDS_OF = {"--laws": "function", "--actions": "action"}
 
 
+class TextLoader(SourceFileLoader):
+    """Loads a file from its text, and leaves no bytecode beside it.
+
+    Python trusts bytecode if size and time of the text, in whole seconds, are those of its compilation. An edit may
+    change neither, and then a former law would run.
+    """
+
+    def path_stats(self, path: str) -> NoReturn:
+        """No size and no time: bytecode is neither read nor written."""
+        raise OSError(path)
+
+
 def _executed(option: str, path: Path) -> ModuleType:
     """The module that a file of the user's defines."""
     if not path.is_file():
         raise BadInput(f"{option}: {path} does not exist")
-    spec = importlib.util.spec_from_file_location(f"ecume_user_code_{path.stem}", path)
+    name = f"ecume_user_code_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path, loader=TextLoader(name, str(path)))
     assert spec is not None and spec.loader is not None  # noqa: S101, PT018  # the suffix is .py
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module
