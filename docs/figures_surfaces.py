@@ -105,7 +105,8 @@ def _waves(axis: Axes, reynolds: float, runs: dict[str, tuple[int, tuple[str, ..
     decayed = speed / exact.frequency * np.exp(-exact.rate * times) * np.sin(exact.frequency * times)
     axis.plot(times, decayed, color=INK, linewidth=0.9, label="exact")
     axis.set(xlabel="time √(g/H)", ylabel="wave height / H", title=f"Re = {reynolds:g}")
-    axis.legend()
+    axis.set_ylim(top=0.042)
+    axis.legend(loc="upper right", ncols=2)
 
 
 FIGURES: dict[str, Callable[[], Figure]] = {
