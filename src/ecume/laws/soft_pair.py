@@ -1,8 +1,7 @@
 """Two soft spheres in a viscous liquid: the film between them, the stiffness of their surfaces, and exact solutions.
 
 The film of liquid between two soft spheres: the friction of squeezing it, and of shearing it. A film is a disc of
-thickness h, the gap, and of radius a, the contact size, which it shares with the deflected surfaces
-(`ecume.laws.soft_pair`).
+thickness h, the gap, and of radius a, the contact size, which it shares with the deflected surfaces.
 
 The surfaces of two soft spheres: how large a contact is, and how stiffly it is deflected. The deflection of a contact
 is that of both surfaces together. All of its force passes through the film and through the surfaces: they are in

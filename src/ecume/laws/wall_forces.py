@@ -2,7 +2,7 @@
 
 What keeps a particle from lying on a wall, where pressure cannot: a spring over the last part of a spacing. A
 particle that touches a mirror coincides with its image, and lies in one plane with all others that touch it: each
-pair pushes along that plane or not at all, and nothing lifts anyone, however large the pressure. Gaps are measured
+pair pushes along that plane or not at all, and nothing lifts any of them, however large the pressure. Gaps are measured
 from the wall into the liquid, pushes are positive away from the wall.
 
 Impacts of liquid on a wall: the dissipative pressure of the Riemann problem there, summed over the whole wall. A sum

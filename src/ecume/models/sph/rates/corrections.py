@@ -27,9 +27,20 @@ from ecume.models.sph.rates.sums import damping, pair_divergence
 admit(diffusion, kernel_correction)
 INDEX = np.uint64
 SINGULAR = 1e-3
-"""With a smaller determinant of M a particle has too few neighbors for a correction."""
+"""Below this determinant of its matrix a particle has too few neighbors for a gradient."""
+Symmetric = tuple[float, float, float, float, float, float]
+"""xx, yy, zz, xy, xz, yz"""
 Vector = tuple[float, float, float]
 Place = int | np.uint64
+
+
+@summed_inside
+def cofactors(matrix: Symmetric) -> tuple[Symmetric, float]:
+    """The inverse of a symmetric matrix times its determinant, and the determinant."""
+    xx, yy, zz, xy, xz, yz = matrix
+    first, second, third = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    inverse = first, xx * zz - xz * xz, xx * yy - xy * xy, second, third, xy * xz - xx * yz
+    return inverse, xx * first + xy * second + xz * third
 
 
 @summing
@@ -66,9 +77,7 @@ def fill_corrections(fields: Floats, liquid: int, lists: Lists, constants: Const
         missing = kernel_correction.missing_neighbors(xx + yy + zz, 3.0 if deep else 2.0)
         if not deep:
             zz, xz, yz = 1.0, 0.0, 0.0
-        c00, c01, c02 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-        c11, c12, c22 = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
-        determinant = xx * c00 + xy * c01 + xz * c02
+        (c00, c11, c22, c01, c02, c12), determinant = cofactors((xx, yy, zz, xy, xz, yz))
         share, part = 0.0, 0.0
         if determinant > SINGULAR:
             share = kernel_correction.correction_share(missing)

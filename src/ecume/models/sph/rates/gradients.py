@@ -18,15 +18,12 @@ from ecume.engine.neighbor_rows import Lists
 from ecume.laws import diffusion, viscous
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.corrections import SINGULAR, Symmetric, cofactors
 from ecume.models.sph.rates.kernels import slope_of
 from ecume.models.sph.state import Workspace
 
 admit(diffusion)
 INDEX = np.uint64
-SINGULAR = 1e-3
-"""Below this determinant of -B a particle has too few neighbors for a gradient."""
-Symmetric = tuple[float, float, float, float, float, float]
-"""xx, yy, zz, xy, xz, yz"""
 
 
 @summing
@@ -81,10 +78,7 @@ def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants:
 @summed_inside
 def solved(matrix: Symmetric, x: float, y: float, z: float) -> tuple[float, float, float]:
     """The solution of a symmetric system (xx, yy, zz, xy, xz, yz); zero where it is nearly singular."""
-    m00, m11, m22, m01, m02, m12 = matrix
-    c00, c01, c02 = m11 * m22 - m12 * m12, m02 * m12 - m01 * m22, m01 * m12 - m02 * m11
-    c11, c12, c22 = m00 * m22 - m02 * m02, m01 * m02 - m00 * m12, m00 * m11 - m01 * m01
-    determinant = m00 * c00 + m01 * c01 + m02 * c02
+    (c00, c11, c22, c01, c02, c12), determinant = cofactors(matrix)
     inverse = 1.0 / determinant if math.fabs(determinant) > SINGULAR else 0.0
     return (
         inverse * (c00 * x + c01 * y + c02 * z),
