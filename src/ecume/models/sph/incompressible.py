@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-
-from ecume._portable import length
 from ecume.errors import Fault, SceneError
 from ecume.models.sph.parameters import Projection
 from ecume.models.sph.rates.methods import (
@@ -20,15 +16,17 @@ from ecume.models.sph.rates.methods import (
     SOUND,
     PressureMethod,
 )
-from ecume.models.sph.setup.choices import kernel_of, sides_of, smoothing_of
+from ecume.models.sph.setup.choices import sides_of
+from ecume.models.sph.setup.lattice_sums import (
+    largest_eigenvalue,
+    lattice,
+    lattice_coupling,
+    lattice_sum,
+    surface_rows,
+)
 from ecume.scenes.sph import SphScene
-from ecume.units import Array
 
 TOLERANCE, ITERATIONS = 1e-5, 500
-DISORDER = 0.1
-"""Gradients of disordered liquid, over those at a surface."""
-WAVES = 33
-"""Wave numbers along an axis, for the largest eigenvalue."""
 
 
 def projection_of(scene: SphScene, free_surface: bool) -> Projection:
@@ -46,60 +44,6 @@ def projection_of(scene: SphScene, free_surface: bool) -> Projection:
         missing=missing,
         full=lattice_coupling(scene, points),
     )
-
-
-def lattice(scene: SphScene) -> Array:
-    """(n, d) m: the points of a lattice within the support of the one at the origin, which is excluded."""
-    kernel, h = kernel_of(scene), smoothing_of(scene)
-    reach = int(np.ceil(kernel.support * h / scene.spacing))
-    line = range(-reach, reach + 1)
-    points = np.array(list(itertools.product(line, repeat=kernel.dim))) * scene.spacing
-    away = np.sqrt((points**2).sum(axis=1))
-    near: Array = points[(away > 0.0) & (away < kernel.support * h)]
-    return near
-
-
-def lattice_sum(scene: SphScene, points: Array) -> float:
-    """The sum of volumes times kernel at a point of the lattice."""
-    kernel, h = kernel_of(scene), smoothing_of(scene)
-    away = np.concatenate([[0.0], np.sqrt((points**2).sum(axis=1))])
-    return float(scene.spacing**kernel.dim * np.sum(kernel.value(away, h)))
-
-
-def surface_rows(scene: SphScene, points: Array) -> tuple[Array, Array]:
-    """|sum of V grad W| (1/m) and the missing density, over the density, in the rows below the flat surface of a
-    lattice, the deepest first. Rows of less than a tenth of the largest gradient count as full, as disorder does.
-    """
-    kernel, h = kernel_of(scene), smoothing_of(scene)
-    volume, total = scene.spacing**kernel.dim, lattice_sum(scene, points)
-    gradient, value = kernel.gradient(points, h), np.asarray(kernel.value(np.sqrt((points**2).sum(axis=1)), h))
-    rows = []
-    for depth in range(int(np.ceil(kernel.support * h / scene.spacing))):
-        above = points[:, 1] > (depth + 0.5) * scene.spacing
-        rows.append((volume * length(gradient[~above].sum(axis=0)), volume * float(value[above].sum()) / total))
-    flat = DISORDER * rows[0][0]
-    found = [(flat, 0.0), *[row for row in reversed(rows) if row[0] > flat]]
-    return np.array([row[0] for row in found]), np.array([row[1] for row in found])
-
-
-def lattice_coupling(scene: SphScene, points: Array) -> float:
-    """The sum -sum_j V_j F_ij at a point of the lattice, 1/m^2."""
-    kernel, h = kernel_of(scene), smoothing_of(scene)
-    steepness = np.sqrt((kernel.gradient(points, h) ** 2).sum(axis=1) / (points**2).sum(axis=1))
-    return float(scene.spacing**kernel.dim * steepness.sum())
-
-
-def largest_eigenvalue(scene: SphScene, points: Array) -> float:
-    """The largest eigenvalue of A over its diagonal, in a lattice: among waves along the axes and between them."""
-    kernel, h = kernel_of(scene), smoothing_of(scene)
-    volume, gradient = scene.spacing**kernel.dim, kernel.gradient(points, h)
-    steepness = np.sqrt((gradient**2).sum(axis=1) / (points**2).sum(axis=1))
-    waves = np.array(list(itertools.product(np.linspace(0.0, np.pi / scene.spacing, WAVES), repeat=kernel.dim)))
-    phases = waves @ points.T
-    exact = ((volume * np.sin(phases) @ gradient) ** 2).sum(axis=1)
-    compact = 2.0 * volume * (1.0 - np.cos(phases)) @ steepness
-    own = float(volume**2 * (gradient**2).sum() + 2.0 * volume * steepness.sum())
-    return float((exact + compact).max()) / own
 
 
 def require_suitable(scene: SphScene, method: PressureMethod) -> None:

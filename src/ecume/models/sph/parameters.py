@@ -271,6 +271,9 @@ class Parameters(NamedTuple):
     """a name of `time_stepping.INTEGRATORS`"""
     shifting: str
     """a name of `shifting.SHIFTINGS`"""
+    shifting_limit: float
+    """m^2: the largest product of the shifting coefficient and the time of a shift that does not overshoot; infinite
+    without shifting"""
     background: float
     """Pa, of the transport velocity; zero without"""
     tension: str

@@ -30,11 +30,13 @@ this is why the two have sources of their own, see `known_compression`.
 The part of a step that solves for the pressure: the one that keeps the density of each particle. With the excess s_i
 of the density over that at rest, and the compression c_i(v) by the flow, liquid with a free surface has
 
-    p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,   s' = max(s, 0)/10 + min(s, 0) :
+    p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,
+    s' = max(s, 0)/10 + min(s, 0) + time^2 [tr(G G) - (tr G)^2]/2 :
 
 it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
-`missing_density`; a single drop may approach others until its density is that at rest. Liquid that fills its tank has
-an equation without bounds, with a tenth of s_i, and the mean pressure zero.
+`missing_density`; a single drop may approach others until its density is that at rest. The last term, with the
+gradient G of the velocity, is the compression of second order by motion on straight lines within the step. Liquid that
+fills its tank has an equation without bounds, with a tenth of s_i, and the mean pressure zero.
 """
 
 from __future__ import annotations
@@ -50,7 +52,7 @@ from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.laws import incompressible
-from ecume.laws.incompressible import correction, density_excess, free_correction
+from ecume.laws.incompressible import correction, density_excess, free_correction, straight_motion_excess
 from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import instant
 from ecume.models.sph.fields import FIELD, Constants, Floats
@@ -339,6 +341,19 @@ def moving_compressions(system: System, workspace: Workspace, velocity: Array) -
     return compressions_of(system, velocity, carried.astype(np.float64))
 
 
+def excess_of_motion(system: System, workspace: Workspace, state: State) -> Array:
+    """(N,) the excess of density by motion on straight lines. The velocity is that before the kick by other forces,
+    which keeps the density; that in the filled fields is after it.
+    """
+    fields = workspace.fields
+    kick = system.time * state.acceleration
+    before = fields.velocity[: len(kick)] - system.sign * kick[:, system.root]
+    carried = (fields.volume * (2.0 - fields.liquid) * before).astype(np.float64)
+    found = np.empty((2, kick.shape[1]))
+    sum_velocity_gradient(found, system.gradient, system.closing, state.velocity - kick, carried, system.lists)
+    return straight_motion_excess(found[0], found[1], system.time)
+
+
 @summing
 def sum_pressure(
     found: Array, gradient: Array, closing: Array, compact: Array, pressure: Array, carried: Array, lists: Lists,
@@ -385,6 +400,40 @@ def sum_compression(
         found[i] = total - own
 
 
+@summing
+def sum_velocity_gradient(
+    found: Array, gradient: Array, closing: Array, velocity: Array, carried: Array, lists: Lists
+) -> None:
+    """Sum -G_ab = sum_j V_j v_j,a g_ij,b - T_i,b v_i,a, minus the gradients of the velocity; store tr G and tr(G G)."""
+    counts, neighbor = lists
+    deep = closing.shape[0] == 3
+    for particle in prange(closing.shape[1]):
+        i = INDEX(particle)
+        xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(whole(counts[i])):
+            j = INDEX(neighbor[i, k])
+            u, v = carried[0, j], carried[1, j]
+            gx, gy = gradient[0, i, k], gradient[1, i, k]
+            xx += u * gx
+            xy += u * gy
+            yx += v * gx
+            yy += v * gy
+            if deep:
+                w, gz = carried[2, j], gradient[2, i, k]
+                xz += u * gz
+                yz += v * gz
+                zx += w * gx
+                zy += w * gy
+                zz += w * gz
+        u, v, tx, ty = velocity[0, i], velocity[1, i], closing[0, i], closing[1, i]
+        xx, xy, yx, yy = xx - u * tx, xy - u * ty, yx - v * tx, yy - v * ty
+        if deep:
+            w, tz = velocity[2, i], closing[2, i]
+            xz, yz, zx, zy, zz = xz - u * tz, yz - v * tz, zx - w * tx, zy - w * ty, zz - w * tz
+        found[0, i] = -(xx + yy + zz)
+        found[1, i] = xx * xx + yy * yy + zz * zz + 2.0 * (xy * yx + xz * zx + yz * zy)
+
+
 def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Solve for the pressure, and change the velocities by it."""
     settings = parameters.projection
@@ -398,6 +447,7 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     stretch = moving_compressions(system, workspace, state.velocity)
     stretch += time * known_compression(now, system, state.position)
     corrected = free_correction(excess) if settings.free_surface else correction(excess)
+    corrected += excess_of_motion(system, workspace, state)
     found = pressures(system, corrected + time * stretch, state.pressure, settings)
     state.pressure[...] = found.x
     state.velocity[...] += time * (system.resting + accelerations(system, found.x))

@@ -37,7 +37,14 @@ from ecume.models.sph.integration.particle_loops import (
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.projection import failed, project
-from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_other_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import (
+    take_both,
+    take_forces,
+    take_other_forces,
+    take_shift,
+    take_thickening,
+)
+from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,
@@ -149,14 +156,19 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
 
 def projection_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Kick by all forces but the pressure, kick by the pressure that keeps the density, drift: the symplectic Euler
-    scheme, of first order (Ihmsen et al. 2014, algorithm 1; Bender and Koschier 2015). [ihmsen2014, bender2015]
+    scheme (Ihmsen et al. 2014, algorithm 1; Bender and Koschier 2015). The drift is divided if one shift of the
+    particles would overshoot. [ihmsen2014, bender2015]
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
-    take_other_forces(parameters, state, workspace, time)
+    shifts = shifts_needed(parameters, state, time)
+    take_other_forces(parameters, state, workspace, time / shifts)
     kick_all(state, time)
     project(parameters, state, workspace, time)
-    move(parameters, state, workspace, time)
+    move(parameters, state, workspace, time / shifts)
+    for _ in range(shifts - 1):
+        take_shift(parameters, state, workspace, time / shifts)
+        move(parameters, state, workspace, time / shifts)
     state.ready[0] = 1
 
 

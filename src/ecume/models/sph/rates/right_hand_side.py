@@ -53,6 +53,13 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
     _store_acceleration(parameters, state, workspace, time)
 
 
+def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """The transport for the next drift, and nothing else."""
+    now = instant(parameters, state)
+    fill(now, state, workspace)
+    shift(now, state, workspace, time)
+
+
 def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
     parameters = instant(parameters, state)

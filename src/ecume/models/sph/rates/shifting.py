@@ -9,9 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import prange, spread, summing
+from ecume._jit import admit, prange, spread, summing
 from ecume.engine.neighbor_rows import Lists
 from ecume.engine.shapes import Flags
+from ecume.laws import shifting
+from ecume.laws.shifting import shifting_coefficient, tensile_weight
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Parameters
@@ -20,6 +22,7 @@ from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
 INDEX = np.uint64
+admit(shifting)
 
 SURFACE = 0.75
 """Below this part of the full divergence of position a particle is at the surface."""
@@ -64,15 +67,30 @@ def of_background(parameters: Parameters, state: State, workspace: Workspace, cr
 
 
 def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
-    """4 h u sum_j (1 + R (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface (Sun
-    et al. 2017).
+    """4 h u sum_j (1 + 0.2 (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface
+    (Sun et al. 2017). Less in a step in which particles would move beyond the middle between their neighbors.
     """
-    fastest = min(parameters.material.fastest, largest(state.velocity))
-    transport = 4.0 * parameters.numbers.smoothing_length * fastest * crowd
+    fastest = fastest_speed(parameters, state)
+    strongest = parameters.shifting_limit / time
+    transport = min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * crowd
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
     limited[:, near_surface(parameters, workspace)] = 0.0
     return limited
+
+
+def fastest_speed(parameters: Parameters, state: State) -> float:
+    """m/s: that of the flow, at most the fastest expected."""
+    return min(parameters.material.fastest, largest(state.velocity))
+
+
+def shifts_needed(parameters: Parameters, state: State, time: float) -> int:
+    """Into how many equal shifts a step of this time is divided, so that none of them overshoots.
+
+    Steps that resolve sound waves need one; those of incompressible liquids are about ten times as long.
+    """
+    coefficient = shifting_coefficient(parameters.numbers.smoothing_length, fastest_speed(parameters, state))
+    return max(1, math.ceil(coefficient * time / parameters.shifting_limit))
 
 
 def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
@@ -96,7 +114,7 @@ def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats)
 
     The even sum has equal weights and counts dummies half (see `keep_volume`).
 
-    With a reference value each neighbor counts 1 + 0.2 (W/W(dx))^4 times in the first (Sun et al. 2017, eq. 6).
+    With a reference value W(dx) each neighbor counts `tensile_weight` times in the first.
     """
     kernel, deep, inverse, scale = (
         constants[0].kernel,
@@ -129,8 +147,7 @@ def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats)
             bx += even * dx
             by += even * dy
             bz += even * dz
-            ratio = value_of(q, kernel) * tensile
-            pull *= 1.0 + 0.2 * ratio * ratio * ratio * ratio
+            pull *= tensile_weight(value_of(q, kernel) * tensile)
             ax += pull * dx
             ay += pull * dy
             az += pull * dz

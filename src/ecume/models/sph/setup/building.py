@@ -51,6 +51,7 @@ from ecume.models.sph.setup.choices import (
     turbulent,
 )
 from ecume.models.sph.setup.initial_particles import velocity_in
+from ecume.models.sph.setup.lattice_sums import shifting_limit
 from ecume.models.sph.setup.shapes import part_of, shape_of
 from ecume.models.sph.setup.walls_and_bodies import (
     base_excitation_of,
@@ -174,6 +175,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         moves=bool(bodies.shapes or drives or excitation),
         integrator=integrator_of(scene),
         shifting=shifting_of(scene),
+        shifting_limit=math.inf if shifting_of(scene) == "none" else shifting_limit(scene),
         background=background_of(scene, material),
         tension=tension_of(scene),
         color_reach=color_reach_of(scene),
