@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from tests.oracles import liquids
 
-from ecume.laws import diffusion, states, tension, time_step_limits, viscous
+from ecume.laws import diffusion, incompressible, shifting, states, tension, time_step_limits, viscous
 from ecume.laws.kernels import kernel
 
 
@@ -173,3 +173,24 @@ def test_time_steps_shrink_with_what_limits_them():
     assert time_step_limits.viscous_limit(0.1, 2e-3) == pytest.approx(0.625)
     assert time_step_limits.force_limit(0.09, 9.0) == pytest.approx(0.025)
     assert time_step_limits.tension_limit(0.1, 1000.0, 0.05) == pytest.approx(math.sqrt(1.0 / (0.1 * math.pi)))
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_excess_of_straight_motion_is_the_change_of_volume_beyond_first_order(dim):
+    """Exact in 2D; in 3D the rest is of third order, the determinant."""
+    generator = np.random.default_rng(dim)
+    for step in 10.0 ** generator.uniform(-3.0, 0.0, 20):
+        gradient = generator.normal(size=(dim, dim))
+        divergence, squared = np.trace(gradient), np.trace(gradient @ gradient)
+        volume = np.linalg.det(np.eye(dim) + step * gradient)
+        third = step**3 * np.linalg.det(gradient) * (dim == 3)
+        found = incompressible.straight_motion_excess(divergence, squared, step)
+        assert found == pytest.approx(1.0 + step * divergence + third - volume, abs=1e-13)
+
+
+def test_shifting_grows_with_the_speed_and_close_neighbors_pull_more():
+    assert shifting.shifting_coefficient(0.02, 3.0) == pytest.approx(3.0 * shifting.shifting_coefficient(0.02, 1.0))
+    ratios = np.linspace(0.0, 3.0, 7)
+    weights = shifting.tensile_weight(ratios)
+    assert np.all(np.diff(weights) > 0.0)
+    assert weights[0] == 1.0

@@ -13,7 +13,8 @@ from ecume.models.sph import SPH
 from ecume.models.sph import projection as equations
 from ecume.models.sph.boundaries.rigid_bodies import instant
 from ecume.models.sph.projection import Problem, solve
-from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.right_hand_side import fill, take_shift
+from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.state import ITERATIONS, RESIDUAL
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
@@ -287,3 +288,62 @@ def test_a_3d_tank_is_at_rest():
     low = state.position[1] < 0.6
     assert np.abs(state.pressure - (1.0 - state.position[1]))[low].max() < 0.02
     assert np.sqrt((state.velocity**2).sum(axis=0)).max() < 0.05
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", range(3))
+def test_compression_of_second_order_is_that_of_a_linear_flow(seed):
+    """In the middle of a lattice, for random gradients G: the sum of tr(G G) - (tr G)^2 is -2 det G in 2D."""
+    time, matrix = 0.02, np.random.default_rng(seed).normal(size=(2, 2))
+    parameters, state, workspace = begun(tank(12, method={"jitter": 0.0}))
+    state.velocity[...] = matrix @ state.position
+    now = instant(parameters, state)
+    fill(now, state, workspace)
+    state.acceleration[...] = 0.0
+    system = equations.assemble(now, parameters.projection, workspace, time)
+    middle = int(np.argmin(np.abs(state.position - 0.5).sum(axis=0)))
+    found = equations.excess_of_motion(system, workspace, state)[middle]
+    assert found == pytest.approx(-(time**2) * np.linalg.det(matrix), rel=0.01)
+
+
+@pytest.mark.compiled
+def test_the_density_of_vortices_is_kept_while_their_lattice_breaks():
+    """0.20 %. It was 0.43 % without the compression of second order, and 1.4 % with shifts that overshoot."""
+    parameters, state, workspace = begun(whirl(24))
+    errors = []
+    while state.clock[0] < 0.6:
+        assert SPH.advance(parameters, state, workspace, 1) == DONE
+        errors.append(SPH.observe(parameters, state, workspace).numbers["density_error"])
+    assert np.mean(errors) < 2.5e-3
+
+
+def rough(state, lattice):
+    """The r.m.s. displacement from a lattice."""
+    away = state.position[:, np.argsort(state.identity)] - lattice
+    away -= np.round(away)
+    return float(np.std(away - away.mean(axis=1, keepdims=True)))
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(("part", "calms"), [(1.0, True), (2.5, False)])
+def test_shifts_at_their_limit_smooth_a_disturbed_lattice_and_larger_ones_do_not(part, calms):
+    parameters, state, workspace = begun(whirl(12, jitter=0.0))
+    parameters = parameters._replace(shifting_limit=part * parameters.shifting_limit)
+    lattice = state.position[:, np.argsort(state.identity)].copy()
+    state.position[...] += np.random.default_rng(1).normal(0.0, 1e-5, lattice.shape)
+    before = rough(state, lattice)
+    for _ in range(20):
+        state.velocity[...] = 1.0  # the speed that the coefficient is for; particles drift by the shift only
+        take_shift(parameters, state, workspace, 10.0)
+        state.position[...] += 10.0 * state.transport
+    assert (rough(state, lattice) < 0.5 * before) == calms
+    assert (rough(state, lattice) > 2.0 * before) != calms
+
+
+def test_only_long_steps_are_divided_for_shifts():
+    parameters, state, _ = begun(whirl(12))
+    assert 2 <= shifts_needed(parameters, state, parameters.time_step) <= 4
+    parameters, state, _ = begun(whirl(12, pressure="tait"))
+    assert shifts_needed(parameters, state, parameters.time_step) == 1
+    parameters, state, _ = begun(tank())
+    assert shifts_needed(parameters, state, parameters.time_step) == 1
