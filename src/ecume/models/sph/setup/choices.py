@@ -14,7 +14,16 @@ import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
-from ecume.laws import diffusion, incompressible, kernel_correction, kernels, states, time_step_limits, viscous
+from ecume.laws import (
+    diffusion,
+    incompressible,
+    kernel_correction,
+    kernels,
+    shifting,
+    states,
+    time_step_limits,
+    viscous,
+)
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import ICE_POINT, LiquidProperties
 from ecume.laws.states import hydrostatic_fault
@@ -297,5 +306,7 @@ def laws_of(scene: Any) -> list[Source]:
         laws += [friction_of(scene).law]
     laws += TENSIONS[tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if turbulent(scene) else []
+    if shifting_of(scene) != "none":
+        laws += [shifting.shifting_coefficient, shifting.tensile_weight]
     limit = time_step_limits.acoustic_limit if pressure_of(scene).compressible else time_step_limits.advective_limit
     return [*laws, limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]
