@@ -32,7 +32,7 @@ def read(scene):
     state = start(scene, parameters)
     pressure = 1.0 - state.position[1]
     state.velocity[0] = 3.0 * state.position[1]
-    return readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
+    return readings(parameters, state, pressure)
 
 
 def test_a_probe_at_a_wall_reads_the_pressure_of_its_depth():
@@ -91,10 +91,8 @@ def test_readings_are_those_of_the_analysis_and_do_not_depend_on_the_order_of_pa
         for name in ("position", "velocity", "density", "mass", "identity")
     }
     pressure = state.density - 1.0
-    one = readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
-    assert one == readings(
-        parameters.gauges, state._replace(**mixed), pressure[order], parameters.support, parameters.pressure_reference
-    )
+    one = readings(parameters, state, pressure)
+    assert one == readings(parameters, state._replace(**mixed), pressure[order])
     frame = SPH.observe(parameters, state, SPH.workspace(parameters, state, 1.0))
     there = readers.linear_values_at(frame, "velocity", np.array([[0.5, 0.5]]), parameters.support)
     assert frame.numbers["V_velocity_x"] == pytest.approx(there[0, 0], rel=1e-12)
