@@ -254,6 +254,8 @@ class Parameters(NamedTuple):
     density_diffusion: DensityDiffusion
     friction: Friction | None
     """None: the liquid has no viscosity"""
+    bulk_viscosity: float
+    """Pa s, of the acoustic damping; zero without"""
     support: float
     boundary: Boundary
     bodies: Bodies

@@ -32,7 +32,7 @@ from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
 from ecume.models.sph.boundaries.walls import Repelled, all_braked, all_repelled, energy_of, repulsion_load
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
-from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.right_hand_side import damp_sound, fill
 from ecume.models.sph.rates.surface_tension import surface_energy
 from ecume.models.sph.report.energy_budget import energies, has_external_work, has_unbudgeted_work, liquid_alone
 from ecume.models.sph.setup.choices import filled, held_pull
@@ -229,23 +229,22 @@ def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> I
 
 
 def _close(gauge: Gauge, around: Surroundings) -> Surroundings:
-    """The particles that a gauge may see."""
+    """The particles that a gauge may see, across periodic sides too."""
     far = around.reach + float(np.abs(gauge.area - gauge.place).max())
-    seen, solid = (
-        (np.abs(_across(position - gauge.place, gauge)) < far).all(axis=1)
-        for position in (around.position, around.solid)
-    )
+    liquid, solid = (_beside(gauge, position) for position in (around.position, around.solid))
+    seen, touched = ((np.abs(position - gauge.place) < far).all(axis=1) for position in (liquid, solid))
     return around._replace(
-        position=around.position[seen], table=around.table[seen],
-        solid=around.solid[solid], solid_volume=around.solid_volume[solid],
-    )  # fmt: skip
+        position=liquid[seen], table=around.table[seen], solid=solid[touched], solid_volume=around.solid_volume[touched]
+    )
 
 
-def _across(away: Array, gauge: Gauge) -> Array:
-    """Displacements to the nearest periodic images."""
-    periodic = np.isfinite(gauge.periods)
-    away[:, periodic] -= np.round(away[:, periodic] / gauge.periods[periodic]) * gauge.periods[periodic]
-    return away
+def _beside(gauge: Gauge, position: Array) -> Array:
+    """Positions, or their periodic images closest to a gauge."""
+    position = position.copy()
+    for axis in np.flatnonzero(np.isfinite(gauge.periods)):
+        periods = np.round((position[:, axis] - gauge.place[axis]) / gauge.periods[axis])
+        position[:, axis] -= periods * gauge.periods[axis]
+    return position
 
 
 def _at_place(place: Array, around: Surroundings) -> list[float]:
@@ -267,8 +266,8 @@ def _covered(place: Array, gauge: Gauge, around: Surroundings) -> float:
     """
     spacing, ends = around.spacing, gauge.ends + around.shift - place
     room = math.prod(between_planes(low, high, spacing) for low, high in ends.T.tolist())
-    room -= _smeared(_across(around.solid - place, gauge), around.solid_volume, spacing)
-    return covered_part(_smeared(_across(around.position - place, gauge), around.table[:, -1], spacing), room)
+    room -= _smeared(around.solid - place, around.solid_volume, spacing)
+    return covered_part(_smeared(around.position - place, around.table[:, -1], spacing), room)
 
 
 def _smeared(away: Array, volume: Array, spacing: float) -> float:
@@ -406,6 +405,7 @@ def of_solids(
     forces are per meter of depth, and torques about z.
     """
     fill(parameters, state, workspace)
+    damp_sound(parameters, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
     more = [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]
