@@ -86,6 +86,22 @@ def test_in_the_liquid_up_to_its_surface_a_probe_reads_the_whole_pressure(seed, 
     assert list(numbers.values()) == pytest.approx([1.0 - y for _, y in places], abs=1e-9)
 
 
+@pytest.mark.parametrize("way", [-0.1, 0.1])
+def test_a_probe_on_a_wall_that_moves_has_the_room_before_the_wall(way):
+    """The liquid has followed the wall; the sensor stays where the wall was."""
+    move = {"times": [0.0, 1.0], "positions": [0.0, way]}
+    plain = to_plain(tank(deep=16, jitter=0.0))
+    plain["tank"] |= {"right": {"motion": move}}
+    scene = from_plain({**plain, "gauges": [{**PRESSURE, "position": [1.0, 0.25]}]})
+    parameters = SPH.parameters(scene)
+    state = start(scene, parameters)
+    state.clock[0] = 1.0
+    state.position[0] += way * state.position[0]
+    state.density[:] /= 1.0 + way
+    numbers, _ = readings(instant(parameters, state), state, np.ones(state.density.shape))
+    assert numbers["P_pressure"] == pytest.approx(1.0)
+
+
 def read_particles(places, pressure, gauges, **more):
     """What gauges in a tank read of these particles, all with the same pressure."""
     scene = with_gauges(*gauges, fluid=[{"particles": {"positions": places}}], **more)
