@@ -182,13 +182,19 @@ def _room(axes: Axes, title: str) -> None:
 
 
 def first_moments() -> Figure:
-    """What a start without pressure, or out of order, does to the pressure on the floor."""
-    drawn = figure(9.4, 3.2)
-    left, right = drawn.subplots(1, 2)
+    """What a start without pressure, or out of order, does to the pressure on the floor, and acoustic damping."""
+    drawn = figure(11.0, 3.2)
     gauge = [{"name": "floor", "position": [0.5, 0.04]}]
-    for axes, key, values in ((left, "initial_pressure", ("hydrostatic", "zero")), (right, "jitter", (0.0, 0.1, 0.2))):
+    choices = (
+        ("initial_pressure", ("hydrostatic", "zero")),
+        ("jitter", (0.0, 0.1, 0.2)),
+        ("acoustic_damping", (0.0, 1.5)),
+    )
+    for axes, (key, values) in zip(drawn.subplots(1, 3), choices, strict=True):
         for value, color in zip(values, PALETTE, strict=False):
-            frames = simulated({**SHORT, "duration": 6.0, "frame_every": 0.05, "gauges": gauge, "method": {key: value}})
+            method = {"initial_pressure": "zero"} if key == "acoustic_damping" else {}
+            start = {**SHORT, "duration": 6.0, "frame_every": 0.05, "gauges": gauge}
+            frames = simulated({**start, "method": {**method, key: value}})
             pressure = [frame.numbers["floor_pressure"] for frame in frames]
             axes.plot([frame.time for frame in frames], pressure, color=color, label=f"{key} = {value}")
         axes.set(xlabel="time · √(g/H)", ylabel="pressure on the floor / ρgH", title=key)

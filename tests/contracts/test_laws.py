@@ -23,6 +23,7 @@ from ecume.laws import (
     capillarity,
     contact,
     contact_lines,
+    coverage,
     deflections,
     diffusion,
     dish_motion,
@@ -72,13 +73,14 @@ COMPILED = (
     friction,
     deflections,
     dish_motion,
+    coverage,
 )
 RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
     flotation.nonspherical, flotation.young_laplace, states, viscous, diffusion, tension,
     time_step_limits, wall_forces, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, friction,
-    deflections, dish_motion, dam_breaks, liquids, soft_contacts, swirls,
+    deflections, dish_motion, coverage, dam_breaks, liquids, soft_contacts, swirls,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -129,6 +131,7 @@ SAMPLES = {
     "trace": 1.7, "missing": 0.06, "completion": 1.3,
     "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
     "shear_squared": 9e-4,
+    "low": -0.2, "high": 0.5, "filled": 0.2, "room": 0.7,
     "dim": 2, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}

@@ -86,6 +86,8 @@ TANKS = (
                 "that of `tait/water`"),
     Expressible("method.pressure_force", lambda scene: scene.method.pressure_force, lambda name: name == "sum", "sum",
                 "pair_style rheo has this form only"),
+    Expressible("method.acoustic_damping", lambda scene: scene.method.acoustic_damping, _none, "0",
+                "RHEO has no bulk viscosity"),
     Expressible("method.pressure_split", lambda scene: scene.method.pressure_split, lambda name: name == "none",
                 "none", "gravity acts on the particles of the deck"),
     Expressible("method.shifting", shifting_of, lambda name: name == "none", "none",

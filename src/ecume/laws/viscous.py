@@ -50,6 +50,17 @@ def artificial_viscosity(
     return approach_speed * (beta * approach_speed - alpha * sound_speed) / density
 
 
+def acoustic_damping(alpha: Number, density: Density, smoothing_length: Length, sound_speed: Speed) -> Viscosity:
+    """Alpha rho_0 c_0 h, the bulk viscosity zeta of the acoustic damper: it adds -zeta div v to the pressure [sun2023].
+
+    Sound of the wavenumber k decays at the rate alpha c_0 h k^2/2, flows without divergence not at all.
+
+    >>> acoustic_damping(1.0, 1000.0, 0.1, 20.0)
+    2000.0
+    """
+    return alpha * density * smoothing_length * sound_speed
+
+
 def viscosity_of_alpha(
     alpha: Number, smoothing_length: Length, sound_speed: Speed, dimensions: Number
 ) -> KinematicViscosity:

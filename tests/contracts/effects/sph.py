@@ -173,6 +173,7 @@ EFFECTS = {
     "method.density_diffusion": of("none"),
     "method.diffusion_coefficient": of(0.2, method={"jitter": 0.2}),
     "method.artificial_viscosity": of(0.1),
+    "method.acoustic_damping": of(1.0, method={"jitter": 0.2}),
     "method.viscosity_model": of("morris", **VISCOUS),
     "method.pressure_force": of("monaghan"),
     "method.pressure_split": of("modified", **FULL),

@@ -57,7 +57,7 @@ def test_gauges_of_liquid_at_rest_read_the_weight_above_them_and_the_atmosphere(
     parameters = SPH.parameters(scene)
     state = start(scene, parameters)
     pressure = 800.0 * 9.81 * (0.5 - state.position[1])
-    numbers, units = readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
+    numbers, units = readings(parameters, state, pressure)
     weight = 800.0 * 9.81 * 0.3
     assert numbers["wet_pressure"] == pytest.approx(weight, rel=1e-9)
     assert numbers["wet_hydrostatic_pressure"] == pytest.approx(weight, rel=1e-12)

@@ -187,6 +187,10 @@ class Gauge(NamedTuple):
     measures: tuple[str, ...]
     ground: float
     """how much of its surroundings, as seen from above, is in the tank: less than 1 near a wall"""
+    ends: Array
+    """(2, d) m, the sides beyond which there is no liquid, at the start; infinite where the tank is open or periodic"""
+    periods: Array
+    """(d,) m, infinite where the tank is not periodic"""
 
 
 class PressureReference(NamedTuple):
@@ -250,6 +254,8 @@ class Parameters(NamedTuple):
     density_diffusion: DensityDiffusion
     friction: Friction | None
     """None: the liquid has no viscosity"""
+    bulk_viscosity: float
+    """Pa s, of the acoustic damping; zero without"""
     support: float
     boundary: Boundary
     bodies: Bodies

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, map_coordinates
 
 from ecume.engine.shapes import Flags
+from ecume.laws import coverage
 from ecume.scenes.sph import SIDES
 from ecume.show.style import RIM
 from ecume.show.tank import Round, Shape
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
 
-SMOOTHING = math.sqrt(0.5)
-"""Of the kernel: its standard deviation in spacings. The sum over a square lattice ripples by 2 exp(-pi^2), 1e-4."""
+SMOOTHING = coverage.SPREAD
+"""Of the kernel: its standard deviation in spacings, that by which gauges tell liquid from air."""
 SUPPORT = 4.0
 """Of the kernel, in standard deviations."""
 SLOPE = 1.0 / (SMOOTHING * math.sqrt(2.0 * math.pi))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ecume._portable import dot
@@ -66,7 +68,8 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     fill(parameters, state, workspace)
     lists, rates = workspace.lists, workspace.rates
     diffuses = parameters.density_diffusion.excess is not None
-    if not diffuses and len(lists.counts) == state.position.shape[1] and parameters.pressure_force.loop is None:
+    single = not diffuses and parameters.pressure_force.loop is None and parameters.bulk_viscosity == 0.0
+    if single and len(lists.counts) == state.position.shape[1]:
         kernel = kernel_type(parameters.constants)
         sum_both(*_summed(parameters, workspace), kernel, rates.table)
     else:
@@ -94,7 +97,27 @@ def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists
     return workspace.fields.table, workspace.lists, parameters.constants
 
 
+def damp_sound(parameters: Parameters, workspace: Workspace) -> None:
+    """Add the pressure -zeta div v of the acoustic damping (`viscous.acoustic_damping`) to what pairs add up. A mirror
+    image has the divergence of its source. The sum over pairs is the adjoint of this divergence: it takes the power
+    zeta V (div v)^2 from each particle.
+    """
+    if parameters.bulk_viscosity == 0.0:
+        return
+    _sum_stretch(parameters, workspace)
+    fields, images, count = workspace.fields, workspace.images, workspace.rates.shape[1]
+    damping = np.zeros_like(fields.force_term)
+    damping[:count] = parameters.bulk_viscosity * workspace.rates.continuity
+    if parameters.pressure_force.by_mass:
+        damping[:count] /= fields.density[:count] ** 3
+    real = len(workspace.lists.counts)
+    for first, last in itertools.pairwise(images.start):
+        damping[real + first : real + last] = damping[images.source[first:last]]
+    fields.force_term[...] += damping
+
+
 def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
+    damp_sound(parameters, workspace)
     summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
     if loop is None:
         sum_momentum(*summed, kernel_type(parameters.constants), rates.table)

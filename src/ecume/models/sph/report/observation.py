@@ -17,11 +17,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
-from ecume._portable import product
+from ecume._portable import dot, product
 from ecume.engine.interpolation import added, dry, near, planes
+from ecume.laws.coverage import between_planes, covered_part, smeared
 from ecume.laws.kernels import kernel
 from ecume.laws.states import hydrostatic_pressure, tait_pressure
 from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
@@ -30,7 +32,7 @@ from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
 from ecume.models.sph.boundaries.walls import Repelled, all_braked, all_repelled, energy_of, repulsion_load
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
-from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.right_hand_side import damp_sound, fill
 from ecume.models.sph.rates.surface_tension import surface_energy
 from ecume.models.sph.report.energy_budget import energies, has_external_work, has_unbudgeted_work, liquid_alone
 from ecume.models.sph.setup.choices import filled, held_pull
@@ -104,13 +106,14 @@ Readings = tuple[dict[str, float], dict[str, str]]
 def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
     """The gauges of a scene, rows of gauges as single ones."""
     found = []
+    ends, periods = _ends(scene.tank)
     for spec in scene.gauges:
         first = np.array(spec.position)
         places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
         for number, place in enumerate(places, 1):
             name = spec.name if spec.end is None else f"{spec.name}_{number}"
             area = sensing_area(scene.tank, place, spec.diameter or 0.0)
-            found.append(Gauge(name, place, area, spec.quantities, _ground(scene, place, reach)))
+            found.append(Gauge(name, place, area, spec.quantities, _ground(scene, place, reach), ends, periods))
     return tuple(found)
 
 
@@ -134,6 +137,18 @@ def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
     return inside if len(inside) else place[None]
 
 
+def _ends(tank: TankSpec) -> tuple[Array, Array]:
+    """The ends (2, d) and the periods (d,) of a tank, as `Gauge` has them. Buffers behind in- and outflows count as
+    solid, since gauges do not read what is in them.
+    """
+    sides = [getattr(tank, name).kind for name in SIDES[: 2 * len(tank.low)]]
+    bounds = np.array([tank.low, tank.high], np.float64)
+    closed = np.array([kind not in ("open", "periodic") for kind in sides]).reshape(-1, 2).T
+    periodic = np.array([kind == "periodic" for kind in sides[::2]])
+    ends = np.where(closed, bounds, [[-math.inf], [math.inf]])
+    return ends, np.where(periodic, bounds[1] - bounds[0], math.inf)
+
+
 def _ground(scene: SphScene, place: Array, reach: float) -> float:
     """The kernel's integral over the tank's floor around a gauge."""
     level = [axis for axis in range(len(place)) if axis != 1]
@@ -147,31 +162,58 @@ def _ground(scene: SphScene, place: Array, reach: float) -> float:
     return float(weight[inside].sum() / weight.sum())
 
 
-def readings(
-    gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: float, reference: PressureReference
-) -> Readings:
-    """The values of all gauges; summed in the initial order of particles, so that they do not depend on sorting."""
+class Surroundings(NamedTuple):
+    """What gauges read and what confines it, at one instant."""
+
+    position: Array
+    """(N, d) m, in the initial order of particles, so that sums do not depend on sorting"""
+    table: Array
+    """(N, d + 2) velocity, pressure and volume"""
+    solid: Array
+    """(n, d) m, dummies of obstacles and bodies"""
+    solid_volume: Array
+    shift: Array
+    """(2, d) m, how far the sides of the tank have moved since the start"""
+    reach: float
+    spacing: float
+
+
+def readings(parameters: Parameters, state: State, pressure: Array) -> Readings:
+    """The values of all gauges, with walls and bodies where `parameters` have them."""
     numbers, units = dict[str, float](), dict[str, str]()
-    if gauges:
-        order = np.argsort(state.identity)
-        position, velocity = state.position[:, order].T, state.velocity[:, order].T
-        table = np.column_stack([velocity, pressure[order], (state.mass / state.density)[order]])
-        for gauge in gauges:
-            for name, value, unit in _read(gauge, position, table, reach, reference):
+    if parameters.gauges:
+        around = surroundings_of(parameters, state, pressure)
+        for gauge in parameters.gauges:
+            for name, value, unit in _read(gauge, around, parameters.pressure_reference):
                 numbers[f"{gauge.name}_{name}"], units[f"{gauge.name}_{name}"] = value, unit
     return numbers, units
 
 
-def _read(
-    gauge: Gauge, position: Array, table: Array, reach: float, reference: PressureReference
-) -> Iterator[tuple[str, float, str]]:
-    """Name, value and unit of each number; `table` holds velocity, pressure and volume of the particles."""
-    dimension = position.shape[1]
+def surroundings_of(parameters: Parameters, state: State, pressure: Array) -> Surroundings:
+    """What the gauges read at this instant."""
+    order = np.argsort(state.identity)
+    table = np.column_stack([state.velocity[:, order].T, pressure[order], (state.mass / state.density)[order]])
+    dummies, sides = parameters.boundary.dummies, 2 * parameters.dimension
+    solid = dummies.owner >= sides
+    shift = np.zeros(sides)
+    for side, drive in parameters.drives:
+        shift[side] = drive_at(drive, float(state.clock[0]))[0][0]
+    return Surroundings(
+        state.position[:, order].T, table, dummies.position[:, solid].T, dummies.volume[solid],
+        shift.reshape(-1, 2).T, parameters.support, parameters.spacing,
+    )  # fmt: skip
+
+
+def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> Iterator[tuple[str, float, str]]:
+    """Name, value and unit of each number."""
+    dimension = around.position.shape[1]
     kinds = [name for name in PRESSURES if name in gauge.measures]
     if kinds or "velocity" in gauge.measures:
-        *velocity, pressure = np.mean(
-            [_at_place(point, position, table, reach) for point in gauge.area], axis=0
-        ).tolist()
+        close = _close(gauge, around)
+        found = np.array([_at_place(point, close) for point in gauge.area])
+        if kinds:
+            found[:, -1] *= [_covered(point, gauge, close) for point in gauge.area]
+        *velocity, pressure = np.mean(found, axis=0).tolist()
         middle = gauge.area.mean(axis=0, keepdims=True)
         for name in kinds:
             yield name, float(PRESSURES[name](reference, np.array([pressure]), middle)[0]), "Pa"
@@ -179,11 +221,35 @@ def _read(
             yield from ((f"velocity_{axis}", value, "m/s") for axis, value in zip("xyz", velocity, strict=False))
     if "level" in gauge.measures:
         level = np.array([axis for axis in range(dimension) if axis != 1])
-        yield "level", _depth(gauge, position[:, level], gauge.place[level], table[:, -1], reach), "m"
+        yield (
+            "level",
+            _depth(gauge, around.position[:, level], gauge.place[level], around.table[:, -1], around.reach),
+            "m",
+        )
 
 
-def _at_place(place: Array, position: Array, table: Array, reach: float) -> list[float]:
-    """Velocity and pressure there, exact for what grows linearly; zero where it is dry."""
+def _close(gauge: Gauge, around: Surroundings) -> Surroundings:
+    """The particles that a gauge may see, across periodic sides too."""
+    far = around.reach + float(np.abs(gauge.area - gauge.place).max())
+    liquid, solid = (_beside(gauge, position) for position in (around.position, around.solid))
+    seen, touched = ((np.abs(position - gauge.place) < far).all(axis=1) for position in (liquid, solid))
+    return around._replace(
+        position=liquid[seen], table=around.table[seen], solid=solid[touched], solid_volume=around.solid_volume[touched]
+    )
+
+
+def _beside(gauge: Gauge, position: Array) -> Array:
+    """Positions, or their periodic images closest to a gauge."""
+    position = position.copy()
+    for axis in np.flatnonzero(np.isfinite(gauge.periods)):
+        periods = np.round((position[:, axis] - gauge.place[axis]) / gauge.periods[axis])
+        position[:, axis] -= periods * gauge.periods[axis]
+    return position
+
+
+def _at_place(place: Array, around: Surroundings) -> list[float]:
+    """Velocity and pressure of the liquid there, exact for what grows linearly; zero where it is dry."""
+    position, table, reach = around.position, around.table, around.reach
     close = (np.abs(position - place) < reach).all(axis=1)
     pairs = near(place[None], position[close], reach)
     shape = kernel(KERNEL, dim=len(place))
@@ -192,6 +258,23 @@ def _at_place(place: Array, position: Array, table: Array, reach: float) -> list
         return [0.0] * (table.shape[1] - 1)
     found: list[float] = planes(pairs, weight, table[close, :-1])[0].tolist()
     return found
+
+
+def _covered(place: Array, gauge: Gauge, around: Surroundings) -> float:
+    """The part of a place that liquid covers, see `ecume.laws.coverage`: its room is that between the sides of the tank
+    and outside of solids.
+    """
+    spacing, ends = around.spacing, gauge.ends + around.shift - place
+    room = math.prod(between_planes(low, high, spacing) for low, high in ends.T.tolist())
+    room -= _smeared(around.solid - place, around.solid_volume, spacing)
+    return covered_part(_smeared(around.position - place, around.table[:, -1], spacing), room)
+
+
+def _smeared(away: Array, volume: Array, spacing: float) -> float:
+    """The sum of smeared particles at these displacements."""
+    dimension = away.shape[1]
+    q = np.sqrt((away * away).sum(axis=1)) / spacing
+    return dot(volume, np.array([smeared(each, dimension) for each in q.tolist()])) / math.pow(spacing, dimension)
 
 
 def _depth(gauge: Gauge, level: Array, place: Array, volume: Array, reach: float) -> float:
@@ -282,7 +365,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     numbers = {**energy, **motion(state), **extremes(parameters, state)}
     numbers["leaning"] = float(sum(len(each.who) for each in leaning))
     pressure = gauge_pressure(parameters, state)
-    read, read_units = readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
+    read, read_units = readings(parameters, state, pressure)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
     if parameters.bodies.shapes:
@@ -322,6 +405,7 @@ def of_solids(
     forces are per meter of depth, and torques about z.
     """
     fill(parameters, state, workspace)
+    damp_sound(parameters, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
     more = [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]

@@ -20,6 +20,7 @@ from ecume.laws.time_step_limits import (
     tension_limit,
     viscous_limit,
 )
+from ecume.laws.viscous import acoustic_damping
 from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
@@ -161,6 +162,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         pressure_force=pressure_force_of(scene),
         density_diffusion=DIFFUSIONS[diffusion_of(scene, held)],
         friction=acting_friction(scene),
+        bulk_viscosity=bulk_viscosity_of(scene, material),
         support=support,
         boundary=boundary,
         bodies=bodies,
@@ -195,6 +197,21 @@ def central_force_of(scene: SphScene) -> tuple[float, Array]:
     """The rate of the central pull (1/s), zero without one, and its center."""
     pull = scene.central_force
     return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.angular_frequency, np.array(pull.center))
+
+
+def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
+    """Pa s, of the acoustic damping; zero without."""
+    alpha = scene.method.acoustic_damping
+    if alpha == 0.0:
+        return 0.0
+    faults = []
+    if not pressure_of(scene).compressible:
+        faults.append("an incompressible liquid has no sound waves; remove the key")
+    if pressure_force_of(scene).transported:
+        faults.append("is added to the sum of pressures, which 'transport' does not take; use pressure_force = 'sum'")
+    if faults:
+        raise SceneError([Fault("method.acoustic_damping", f"got {alpha:g}; {fault}") for fault in faults])
+    return acoustic_damping(alpha, material.density, smoothing_of(scene), material.sound_speed)
 
 
 def background_of(scene: SphScene, material: Material) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import (
+    coverage,
     diffusion,
     incompressible,
     kernel_correction,
@@ -302,6 +303,8 @@ def laws_of(scene: Any) -> list[Source]:
     if pressure_force_of(scene).continuity is not None:
         laws += [kernel_correction.missing_neighbors, kernel_correction.correction_share]
     laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
+    laws += [viscous.acoustic_damping] if scene.method.acoustic_damping else []
+    laws += [coverage.covered_part] if scene.gauges else []
     if liquid.viscosity or turbulent(scene):
         laws += [friction_of(scene).law]
     laws += TENSIONS[tension_of(scene)].laws

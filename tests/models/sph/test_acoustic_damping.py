@@ -1,0 +1,139 @@
+"""The acoustic damper takes the energy of sound, and of nothing else."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.errors import SceneError
+from ecume.models.sph.rates.right_hand_side import _sum_push, _sum_stretch, damp_sound, fill
+from ecume.models.sph.record import SPH
+from ecume.scenes.schema import from_plain
+from tests.models.sph.scenes import PERIODIC, free_blob, tank
+
+FORCES = ["sum", "monaghan", "corrected"]
+
+
+def started(scene, seed=0):
+    """Parameters, state and workspace, with velocities and densities by chance."""
+    parameters = SPH.parameters(scene)
+    state, dice = SPH.start(scene, parameters), np.random.default_rng(seed)
+    state.velocity[:] = dice.normal(size=state.velocity.shape)
+    state.density[:] *= dice.uniform(0.99, 1.01, state.density.shape)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    fill(parameters, state, workspace)
+    return parameters, state, workspace
+
+
+def damping_of(parameters, state, workspace):
+    """(d, N) m/s^2, the acceleration by the damper: that with it less that without."""
+    found = []
+    for each in (parameters, parameters._replace(bulk_viscosity=0.0)):
+        fill(each, state, workspace)
+        _sum_push(each, workspace)
+        found.append(workspace.rates.acceleration[: parameters.dimension].copy())
+    push = found[0] - found[1]
+    return push / state.density if parameters.pressure_force.per_volume else push
+
+
+def divergence(parameters, state, workspace):
+    """(N,) 1/s, by the equation of continuity."""
+    fill(parameters, state, workspace)
+    _sum_stretch(parameters, workspace)
+    rate = workspace.rates.continuity.copy()
+    return -rate / state.density if parameters.pressure_force.by_mass else -rate
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("force", FORCES)
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_damper_takes_the_bulk_viscosity_times_the_squared_divergence(force, walls, seed):
+    scene = tank(walls=walls, acoustic_damping=1.0, pressure_force=force, artificial_viscosity=0.0)
+    # Under gravity the volume of an image differs from that of its source, by a ten-thousandth here.
+    parameters, state, workspace = started(dataclasses.replace(scene, gravity=(0.0, 0.0)), seed)
+    push = damping_of(parameters, state, workspace)
+    volume = state.mass / state.density
+    taken = parameters.bulk_viscosity * np.sum(volume * divergence(parameters, state, workspace) ** 2)
+    assert np.sum(state.mass * push * state.velocity) == pytest.approx(-taken, rel=1e-9)
+    assert parameters.bulk_viscosity == pytest.approx(0.25 * 10.0)  # alpha rho c h, h of two spacings of 1/8
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("force", FORCES)
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_damper_keeps_the_momentum_and_does_not_act_on_rigid_motion(force, dimension):
+    scene = free_blob(dimension, acoustic_damping=2.0, pressure_force=force)
+    parameters, state, workspace = started(scene)
+    push = damping_of(parameters, state, workspace)
+    scale = np.abs(state.mass * push).sum()
+    assert np.abs((state.mass * push).sum(axis=1)).max() < 1e-12 * scale
+    state.velocity[:] = 0.3
+    state.velocity[0] += 2.0 * state.position[1]
+    state.velocity[1] -= 2.0 * state.position[0]
+    assert np.abs(damping_of(parameters, state, workspace)).max() < 1e-9 * np.abs(push).max()
+
+
+def wave(alpha):
+    """A standing wave of sound over the length of a periodic box: its kinetic energy (J/m) over time."""
+    positions = [((i + 0.5) / 32, (j + 0.5) / 32) for i in range(32) for j in range(8)]
+    scene = from_plain(
+        {
+            "model": "sph", "duration": 0.5, "frame_every": 0.001, "spacing": 1.0 / 32, "gravity": [0.0, 0.0],
+            "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0, "tait_exponent": 1.0},
+            "tank": {"high": [1.0, 0.25], "left": PERIODIC, "right": PERIODIC, "bottom": PERIODIC, "top": PERIODIC},
+            "fluid": [
+                {
+                    "particles": {
+                        "positions": positions,
+                        "velocities": [(0.001 * np.sin(2.0 * np.pi * x), 0.0) for x, _ in positions],
+                    }
+                }
+            ],
+            "method": {
+                "acoustic_damping": alpha, "artificial_viscosity": 0.0, "density_diffusion": "none", "shifting": "none"
+            },
+        }
+    )  # fmt: skip
+    frames = list(ecume.simulate(scene))
+    return np.array([frame.time for frame in frames]), np.array([frame.numbers["kinetic_energy"] for frame in frames])
+
+
+@pytest.mark.compiled
+def test_sound_decays_at_half_the_bulk_viscosity_times_the_squared_wavenumber():
+    """The wavenumber is that of the smoothed gradients, w/c: a frequency of the undamped wave gives it."""
+    time, energy = wave(0.0)
+    peaks = np.flatnonzero((energy[1:-1] > energy[:-2]) & (energy[1:-1] >= energy[2:])) + 1
+    frequency = np.pi / np.diff(time[peaks]).mean()  # the energy has twice that of the wave
+    assert frequency == pytest.approx(10.0 * 2.0 * np.pi, rel=0.03)
+    damped = wave(0.5)[1]
+    peaks = np.flatnonzero((damped[1:-1] > damped[:-2]) & (damped[1:-1] >= damped[2:])) + 1
+    rate = -0.5 * np.polyfit(time[peaks], np.log(damped[peaks]), 1)[0]
+    assert rate == pytest.approx(0.5 * 0.5 * (2.0 / 32) / 10.0 * frequency**2, rel=0.01)  # alpha c h k^2 / 2
+
+
+@pytest.mark.compiled
+def test_without_the_key_nothing_is_damped():
+    parameters, _, workspace = started(tank())
+    before = workspace.fields.force_term.copy()
+    damp_sound(parameters, workspace)
+    assert (workspace.fields.force_term == before).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"pressure": "incompressible"}, "no sound waves"),
+        ({"pressure_force": "transport"}, "which 'transport' does not take"),
+    ],
+)
+def test_what_has_no_such_sound_is_refused(change, says):
+    scene = tank(**change)
+    scene = dataclasses.replace(scene, liquid=dataclasses.replace(scene.liquid, sound_speed=None))
+    scene = dataclasses.replace(
+        scene, method=dataclasses.replace(scene.method, acoustic_damping=1.0),
+        tank=dataclasses.replace(scene.tank, top=scene.tank.bottom), fluid=scene.fluid,
+    )  # fmt: skip
+    with pytest.raises(SceneError, match=says):
+        SPH.parameters(scene)
