@@ -28,6 +28,7 @@ from ecume.units import (
     Speed,
     Time,
     Unit,
+    Viscosity,
 )
 
 Speeds = Annotated[Real, Unit("m/s")]
@@ -114,6 +115,16 @@ def channel_speed(height: Length, width: Length, speed: Speed) -> Speed:
     1.5
     """
     return 6.0 * speed * height * (width - height) / (width * width)
+
+
+def channel_pressure_drop(viscosity: Viscosity, speed: Speed, length: Length, width: Length) -> Pressure:
+    """Return the pressure drop along a channel between two parallel walls, 12 eta u L / H^2, with the mean speed u of
+    its parabola. Exact for developed flow; more at an entrance.
+
+    >>> channel_pressure_drop(0.05, 1.0, 3.0, 1.0)
+    1.8
+    """
+    return 12.0 * viscosity * speed * length / (width * width)
 
 
 def couette_start(

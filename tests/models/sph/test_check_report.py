@@ -1,5 +1,6 @@
 """What is said of a liquid before it runs, and what its name and temperature fill in."""
 
+import numpy as np
 import pytest
 
 from ecume.errors import SceneError
@@ -105,6 +106,40 @@ def test_the_compression_counts_the_weight_of_the_liquid():
 
 def test_a_lattice_in_space_has_its_neighbors_counted():
     assert [lattice_neighbors(3, reach) for reach in (1.1, 1.5, 2.0)] == [6, 18, 26]
+
+
+def channel(length, width, speed, viscosity, profile="uniform", slip="no-slip"):
+    """Liquid that flows through a tank."""
+    wall = {"slip": slip}
+    tank_table = {
+        "low": [0.0, 0.0], "high": [length, width], "bottom": wall, "top": wall,
+        "left": {"kind": "inflow", "speed": speed, "profile": profile}, "right": {"kind": "outflow"},
+    }  # fmt: skip
+    return from_plain(
+        {
+            "model": "sph", "duration": 1.0, "frame_every": 0.1, "spacing": width / 10, "gravity": [0.0, 0.0],
+            "liquid": {"density": 1000.0, "viscosity": viscosity}, "tank": tank_table,
+            "fluid": [{"low": [0.0, 0.0], "high": [length, width]}],
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_sound_in_a_channel_is_fast_beside_its_speed_and_its_pressure_drop(seed):
+    """The compression by either is 1 % at most."""
+    dice = np.random.default_rng(seed)
+    width, speed, viscosity = 10.0 ** dice.uniform([-3.0, -3.0, -3.0], [0.0, 1.0, 2.0])
+    length = width * dice.uniform(1.0, 10.0)
+    drop = 12.0 * viscosity * speed * length / width**2
+    material = material_of(channel(length, width, speed, viscosity))
+    assert material.sound_speed**2 >= 99.9 * max(drop / 1000.0, (1.5 * speed) ** 2)
+    assert material_of(channel(length, width, speed, viscosity, slip="free")).sound_speed == pytest.approx(15.0 * speed)
+
+
+def test_a_uniform_inflow_between_no_slip_walls_is_reported():
+    assert "parabolic" in said(channel(2.0, 1.0, 1.0, 1.0))["inflow left"][1]
+    assert "inflow left" not in said(channel(2.0, 1.0, 1.0, 1.0, profile="parabolic"))
+    assert "inflow left" not in said(channel(2.0, 1.0, 1.0, 1.0, slip="free"))
 
 
 @pytest.mark.parametrize(("walls", "says"), [("mirror", "walls are mirrors"), ("reflect", "walls only reflect")])

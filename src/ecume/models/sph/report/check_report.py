@@ -28,9 +28,9 @@ from ecume.models.sph.setup.choices import (
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import unevenness
 from ecume.models.sph.setup.shapes import solids_of
-from ecume.models.sph.setup.walls_and_bodies import holds
+from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
 from ecume.models.step_counts import last_step
-from ecume.scenes.sph import SphScene
+from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array
 from ecume.value_texts import duration_text, size_text, with_prefix
 
@@ -124,6 +124,7 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
         *_resolution(scene, parameters, position),
         *_liquid(scene, parameters),
         *_tension(scene, parameters),
+        *uniform_inflows(scene),
         *regime_rows(scene, parameters),
         *_cost(scene, parameters, count, bytes_each),
     ]
@@ -249,6 +250,16 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
     return (
         [] if model == "none" else [("surface", f"tension by {model}", TENSIONS[model].accuracy[parameters.dimension])]
     )
+
+
+def uniform_inflows(scene: SphScene) -> list[Row]:
+    """Inflows of one speed between no-slip walls, which stop the liquid beside them within a spacing."""
+    remark = 'particles accumulate where no-slip walls stop the liquid; profile = "parabolic" avoids it'
+    return [
+        (f"inflow {SIDES[number]}", "uniform", remark)
+        for number, side in enumerate(sides_of(scene))
+        if side.kind == "inflow" and side.profile == "uniform" and math.isfinite(narrowest_channel(scene, number // 2))
+    ]
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:

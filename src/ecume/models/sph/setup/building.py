@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from ecume.errors import Fault, SceneError
+from ecume.laws.flows import channel_pressure_drop
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.time_step_limits import (
     acoustic_limit,
@@ -64,6 +65,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
     gates_of,
     holds,
     mass_of,
+    narrowest_channel,
 )
 from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
@@ -105,6 +107,7 @@ def fastest_of(scene: SphScene) -> float:
         away = np.maximum(np.abs(low - scene.central_force.center), np.abs(high - scene.central_force.center))
         speeds.append(scene.central_force.angular_frequency * float(away.max()))
     speeds.append(capillary_speed(scene, bounds))
+    speeds.append(math.sqrt(channel_enthalpy(scene)))
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
@@ -118,6 +121,19 @@ def weight_enthalpy(scene: SphScene) -> float:
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     extent = np.max([high for _, high in bounds], axis=0) - np.min([low for low, _ in bounds], axis=0)
     return float(np.abs(gravity_of(scene)) @ extent)
+
+
+def channel_enthalpy(scene: SphScene) -> float:
+    """J/kg: the largest pressure drop by viscosity between no-slip walls behind an inflow, over the density. Sound must
+    be fast compared with its root, too [morris1997].
+    """
+    liquid, drops = filled(scene.liquid), [0.0]
+    for number, side in enumerate(sides_of(scene)):
+        if side.kind == "inflow" and side.speed and liquid.viscosity:
+            axis = number // 2
+            length, width = scene.tank.high[axis] - scene.tank.low[axis], narrowest_channel(scene, axis)
+            drops.append(channel_pressure_drop(liquid.viscosity, side.speed, length, width))
+    return max(drops) / (liquid.density or WATER)
 
 
 def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float:

@@ -90,6 +90,20 @@ def holds(side: Any, scene: SphScene) -> bool:
     return bool(side.slip == "no-slip" or (side.slip is None and scene.liquid.viscosity))
 
 
+def narrowest_channel(scene: SphScene, axis: int) -> float:
+    """m: the least distance between two opposite no-slip walls along an axis; infinite without such walls."""
+    low, high = scene.tank.low, scene.tank.high
+    pairs = [(_side(scene, 2 * k), _side(scene, 2 * k + 1), k) for k in range(len(low)) if k != axis]
+    return min(
+        (
+            high[k] - low[k]
+            for first, second, k in pairs
+            if all(each.kind == "wall" and holds(each, scene) for each in (first, second))
+        ),
+        default=math.inf,
+    )
+
+
 def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
     """Mirrors, and periodic sides, and the number of each mirror's side in the tank (-1: periodic). Mirrors first: a
     periodic side then repeats the mirrored ones.
