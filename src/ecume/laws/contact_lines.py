@@ -1,19 +1,17 @@
 """Bodies whose contact line is not a horizontal circle: quadrupoles, ellipsoids, and charges inside an ellipse.
 
-Bodies whose contact line is not flat: capillary quadrupoles, with energy, force and torque of a pair. A rim of radius
-a whose height goes as H cos 2 (phi - alpha) bends the surface as H (a/r)^2 cos 2 (phi - alpha), where r is well below
-the capillary length. Angles are measured from the line of centers, from i to j, and only their sum counts: two bodies
-can turn against each other like wheels that mesh. Rises attract rises, and dips attract dips. Scalars, as runs
-compile them.
+Quadrupoles: a rim of radius a whose height goes as H cos 2 (phi - alpha) bends the surface as H (a/r)^2 cos 2 (phi -
+alpha), where r is well below the capillary length. Angles are measured from the line of centers, from i to j, and only
+their sum counts: two bodies can turn against each other like wheels that mesh. Rises attract rises, and dips attract
+dips. These laws take scalars, as runs compile them.
 
-Capillary charges spread inside an elliptic contact line, whose far fields add up to that of the whole line. Close to
-a small body the surface is harmonic, and an ellipse has its own harmonics: with x + iy = c cosh(u + iv) they are
-exp(-m (u - u0)) cos(m v), H at the tips of the line u = u0. A smooth density of charges on a confocal ellipse inside
-has exactly that field outside; evenly spaced in v, few of them have it to many digits. So a body with a contact line
-that rises and falls becomes some points, each with the charge of a sphere, and all laws of spheres hold: pair forces,
-walls, Newton's third law, torques. Two such bodies far apart follow the law of quadrupoles; close together they feel
-the shape of each other's line [botto2012]. The interaction of contact lines (polarization) is ignored, as for
-spheres.
+Charges (`spread_charges`): close to a small body the surface is harmonic, and an ellipse has harmonics exp(-m (u - u0))
+cos(m v), with x + iy = c cosh(u + iv) and H at the tips of the line u = u0. A smooth density of charges on a confocal
+ellipse inside has exactly that field outside; evenly spaced in v, few of them have it to many digits. A body with a
+contact line that rises and falls is therefore represented by some points, each with the charge of a sphere, and all
+laws of spheres hold: pair forces, walls, Newton's third law, torques. Two such bodies far apart follow the law of
+quadrupoles; close together they feel the shape of each other's line [botto2012]. The interaction of contact lines
+(polarization) is ignored, as for spheres.
 """
 
 from __future__ import annotations

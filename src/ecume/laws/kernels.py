@@ -1,19 +1,17 @@
 """Smoothing kernels, W(r, h) = sigma / h^dim f(r/h), by name: their shapes f(q), slopes f'(q)/q, and their table.
 
-The shapes of the smoothing kernels, f(q) with q = r/h, their slopes over the distance, f'(q)/q, and their table. The
-same lines run on numbers, on arrays and in compiled loops, for every q >= 0: instead of branches they have truncated
-powers, `positive(a - q)` to some power, which are zero beyond a. Slopes come as f'(q)/q because that is what a
-gradient needs, grad W = (1/r)(dW/dr) x; so written they are finite at q = 0, where most f' are a difference of large
-terms, and exactly zero beyond the support.
-
-A kernel is defined in this file alone: two functions, and a row of the table `KERNELS` at the end, which holds
-everything that depends on the kernel. The compiled loops of the sph model are made from that table.
-
-In one dimension Wendland's kernels have shapes of their own (`..._line_...`): there positive definite functions of
-the same smoothness have a lower degree [wendland1995, dehnen2012].
-
 `kernel("wendland-c2", dim=2)` is for people and arrays. Compiled loops call the shapes through
-`ecume.models.sph.rates.kernels`, by the number in `KERNEL_CODES`.
+`ecume.models.sph.rates.kernels`, by the number in `KERNEL_CODES`. A kernel is defined in this file alone, by two
+functions and a row of the table `KERNELS` at the end, which holds everything that depends on the kernel. The compiled
+loops of the sph model are made from that table.
+
+The same lines run on numbers, on arrays and in compiled loops, for every q >= 0: instead of branches they have
+truncated powers, `positive(a - q)` to some power, which are zero beyond a. Slopes are f'(q)/q because a gradient needs
+that, grad W = (1/r)(dW/dr) x; in this form they are finite at q = 0, where most f' are a difference of large terms, and
+exactly zero beyond the support.
+
+In one dimension Wendland's kernels have separate shapes (`..._line_...`): there positive definite functions of the same
+smoothness have a lower degree [wendland1995, dehnen2012].
 """
 
 from __future__ import annotations

@@ -1,16 +1,14 @@
 """Two soft spheres in a viscous liquid: the film between them, the stiffness of their surfaces, and exact solutions.
 
-The film of liquid between two soft spheres: the friction of squeezing it, and of shearing it. A film is a disc of
-thickness h, the gap, and of radius a, the contact size, which it shares with the deflected surfaces.
+A film is a disc of thickness h, the gap, and of radius a, the contact size. `squeeze_friction` and `shear_friction` are
+its frictions. The surfaces share the contact size with the film: `contact_size` follows from gap and deflection, and
+`surface_stiffness`, `surface_force` and the energies from the contact size. The deflection of a contact is that of both
+surfaces together. Film and surfaces are in series and carry the same force, which may press or pull.
 
-The surfaces of two soft spheres: how large a contact is, and how stiffly it is deflected. The deflection of a contact
-is that of both surfaces together. All of its force passes through the film and through the surfaces: they are in
-series, and share one contact size. A film presses as well as it pulls, so that both signs occur.
-
-Two soft spheres in a viscous liquid, solved exactly: opening and closing under a constant force, relaxing at fixed
-centers, and the force that moves them fastest. They are what simulations are held to. In terms of p = a^3/(K R^3) -
-1, where a is the contact size and K = c_d F / (alpha_n E R^2), the gap is c_h h = R K^(2/3) p / (1 + p)^(1/3): p is
-large in Poiseuille's regime and small in Hertz's. R is twice the reduced radius: the radius of equal spheres.
+`SoftPair` and the functions after it solve simple motions exactly: opening and closing under a constant force,
+relaxing at fixed centers, and the force that moves the spheres fastest. Simulations are compared with them. In terms of
+p = a^3/(K R^3) - 1, where K = c_d F / (alpha_n E R^2), the gap is c_h h = R K^(2/3) p / (1 + p)^(1/3): p is large in
+Poiseuille's regime and small in Hertz's. R is twice the reduced radius, the radius of equal spheres.
 """
 
 from __future__ import annotations

@@ -1,17 +1,16 @@
-"""Equations of state of weakly compressible liquids: pressure, enthalpy, and the column at rest.
+"""Equations of state of weakly compressible liquids: pressure, density and enthalpy, and the exact column at rest.
 
-Equations of state: what pressure a density stands for, and which part of it is the weight of the liquid above.
-`pressure` here is gauge pressure, zero at the reference density: the pressure above that of the air. The hydrostatic
-part is rho_0 g (H - y). An equation of state in a liquid that feels its weight builds that part by itself; adding it
-again would count it twice. `absolute_pressure` states when.
+`tait_pressure` and `tait_density` are Tait's law and its inverse. Pressures are gauge pressures, zero at the reference
+density. The hydrostatic part is rho_0 g (H - y); an equation of state in a liquid that feels its weight contains that
+part already, and adding it again would count it twice: see `absolute_pressure`.
 
-The enthalpy of a Tait liquid: what gravity's potential balances at rest, exactly. A column at rest obeys grad h = g,
-with h the integral of dp/rho; in this quantity a compressible column is a straight line, whatever Tait's exponent.
-Density diffusion that acts on its difference less g . x leaves a liquid at rest alone.
+The enthalpy h is the integral of dp/rho. At rest it balances the potential of gravity exactly, grad h = g: in this
+quantity a compressible column is a straight line, whatever Tait's exponent. Density diffusion that acts on the
+difference of h less g . x leaves a liquid at rest alone.
 
-A column of weakly compressible liquid at rest, exactly: what a tank has to look like after a long time. p = 0 at the
-top, dp/dy = -rho g, and Tait's law between the two. With c_0 = 10 sqrt(g H) the column is 0.487 % shorter than H, so
-that no comparison with rho_0 g (H - y) can be closer than that.
+`column_pressure` and `column_height` solve dp/dy = -rho g with Tait's law and p = 0 at the top: what a tank must look
+like after a long time. With c_0 = 10 sqrt(g H) the column is 0.487 % shorter than H, so that no comparison with rho_0 g
+(H - y) can be closer than that.
 """
 
 from __future__ import annotations

@@ -1,16 +1,16 @@
 """How the surfaces of a contact deform: bubbles and drops, and the table of elastic laws (`films.surface`).
 
-Surfaces of bubbles and drops: surface tension holds them round, and a contact flattens them. A flat facet lies
-between two bubbles that are pressed together. The liquid in it is at the mean of the pressures inside them, gamma
-(1/R_i + 1/R_j) above that outside, so that its area grows with the force. Around a facet of radius a the deformation
-is a logarithm of R/a: bubbles are the softer, the less they are pressed, and no power law describes them. Each
-contact stands for itself here: the effects of other contacts of the same bubble and of its constant volume are
-ignored. A wall is a flat, rigid partner; it has the sum of radii and the reduced radius of the sphere.
+A scene chooses a row of the table at the end. A row holds everything that depends on the choice. Its formulas are
+compiled into the contacts. Their arguments are the contact (`body`), its `gap`, its normal deflection (`stretch`,
+positive in tension), the `prefactors`, and constants of the scene, by their names in the `Contacts` of
+`ecume.models.soft`. The formulas of Hertz's row are in `soft_pair`, those of bubbles and drops are here.
 
-The table of elastic laws: how the surfaces of a contact deform. A scene chooses one of them (`films.surface`). A row
-holds everything that depends on the choice. Its formulas are compiled into the contacts. Their arguments are the
-contact (`body`), its `gap`, its normal deflection (`stretch`, positive in tension), the `prefactors`, and constants
-of the scene, by their names in the `Contacts` of `ecume.models.soft`.
+Surface tension holds bubbles round, and a contact flattens them. Between two that are pressed together lies a flat
+facet. The liquid in it is at the mean of the pressures inside them, gamma (1/R_i + 1/R_j) above that outside, so that
+its area grows with the force. Around a facet of radius a the deformation is a logarithm of R/a: bubbles are softer the
+less they are pressed, and no power law describes them. Contacts are independent: the effects of other contacts of the
+same bubble and of its constant volume are ignored. A wall is a flat, rigid partner; it has the sum of radii and the
+reduced radius of the sphere.
 """
 
 from __future__ import annotations

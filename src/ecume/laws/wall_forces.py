@@ -1,13 +1,13 @@
-"""Forces of walls on particles of a liquid: repulsion close to a wall, and the pressure of impacts.
+"""Forces of walls on particles of a liquid: repulsion close to a wall, and the braking of impacts.
 
-What keeps a particle from lying on a wall, where pressure cannot: a spring over the last part of a spacing. A
-particle that touches a mirror coincides with its image, and lies in one plane with all others that touch it: each
-pair pushes along that plane or not at all, and nothing lifts any of them, however large the pressure. Gaps are measured
-from the wall into the liquid, pushes are positive away from the wall.
+`standoff_push` is a spring over the last part of a spacing. A particle that touches a mirror coincides with its image,
+and lies in one plane with all others that touch it: pairs push along that plane or not at all, and nothing lifts any of
+them, however large the pressure. Gaps are measured from the wall into the liquid, and pushes are positive away from the
+wall.
 
-Impacts of liquid on a wall: the dissipative pressure of the Riemann problem there, summed over the whole wall. A sum
-over images has one image for each particle that arrives: too little for the tip of a jet, of one or two particles,
-which then stops elastically in a water hammer of rho c u. The wall itself fills its half-space.
+`impact_braking` is the dissipative pressure of the Riemann problem at a wall, summed over the half-space behind it. A
+sum over images has one image for each particle that arrives: too little for the tip of a jet of one or two particles,
+which would stop elastically in a water hammer of rho c u.
 """
 
 from __future__ import annotations

@@ -1,26 +1,23 @@
-"""Solvers for the impulses of all contacts: projected Gauss-Seidel sweeps by islands, and an exact active-set method.
+"""The impulses of all contacts of a step: projected Gauss-Seidel sweeps by islands, and an exact active-set method.
 
-Projected Gauss-Seidel solver for the impulses of all contacts, with nonsmooth conjugate gradients and islands.
-Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, complementary to the conditions
-n.(w_j - w_i) >= bound. `w` is the velocity with which particles move during the step, so that with bound = -gap/dt no
-two overlap afterwards: contacts act before they close. The linear complementarity problem is solved by projected
-Gauss-Seidel sweeps, accelerated by the nonsmooth conjugate gradients of Silcowitz-Hansen, Niebe & Erleben (2010),
-until the residual is below the goal, however many sweeps that takes: with a fixed number of sweeps large rafts would
-slowly overlap.
+`solve` is the place to start. In Moreau's and Jean's time stepping the unknowns are the impulses p >= 0 of a
+step, complementary to the conditions n.(w_j - w_i) >= bound. `w` is the velocity with which particles move during the
+step, so that with bound = -gap/dt no two overlap afterwards: contacts act before they close. The linear complementarity
+problem is solved by projected Gauss-Seidel sweeps, accelerated by the nonsmooth conjugate gradients of
+Silcowitz-Hansen, Niebe & Erleben (2010), until the residual is below the goal, however many sweeps that takes: with a
+fixed number of sweeps large rafts would slowly overlap.
 
-Contacts that are connected by movable bodies form an island. Islands are independent: each is solved separately with
-as many sweeps as it needs, and islands without impulses are skipped. Otherwise the pairs that most islands consist of
-would be iterated until the largest island converges.
+Contacts that are connected by movable bodies form an island. Each island is solved separately with as many sweeps as it
+needs, and islands without impulses are skipped. Otherwise the pairs that most islands consist of would be iterated
+until the largest island converges.
 
-The impulses of contacts by an active-set method: exact, for the few islands on which sweeps do not converge. A raft
-that is braced by more contacts than it has degrees of freedom has self-stresses, along which impulses can change
-without changing any velocity. Gauss-Seidel sweeps then creep along one of them for thousands of sweeps, until a
-contact opens. The velocities are nevertheless unique: they are the nearest to the given ones, in the norm of kinetic
-energy, that break no condition. This is least distance programming, which becomes nonnegative least squares
-[lawson1974, chapter 23]: minimize |E u - f| over u >= 0, with the contacts' directions and bounds as the columns of
-E.
-
-The method is direct, so its cost grows with the cube of the contacts: see LARGEST.
+`solve_by_active_set` is exact, for the few islands on which sweeps do not converge. A raft that is braced by more
+contacts than it has degrees of freedom has self-stresses, along which impulses can change without changing any
+velocity. Sweeps then creep along one of them by the thousand, until a contact opens. The velocities are nevertheless
+unique: they are the nearest to the given ones, in the norm of kinetic energy, that break no condition. This is least
+distance programming, which becomes nonnegative least squares [lawson1974, chapter 23]: minimize |E u - f| over u >= 0,
+with the contacts' directions and bounds as the columns of E. The method is direct, and its cost grows with the cube of
+the number of contacts: see LARGEST.
 """
 
 from __future__ import annotations

@@ -1,16 +1,19 @@
-"""The pressure of an incompressible liquid in a step: the equation for it, and its solution.
+"""The pressure of an incompressible liquid in a step: the equation for it, its solver, and its effect on velocities.
 
-The linear complementarity problem A x >= b, x >= 0, (A x - b) x = 0 with a symmetric A that is not negative. The
-solver is MPRGP, modified proportioning with reduced gradient projections [dostal2005]: conjugate gradients among the
-x that are positive, a projected step of fixed length where one reaches zero, and a release of those at zero whose
-constraint is violated most. The number of iterations grows like that of conjugate gradients, with the square root of
-the condition number. Without bounds it is the method of conjugate gradients.
+**The condition** (`project`). The pressure keeps the density of each particle. With the excess s_i of the density over
+that at rest, and the compression c_i(v) by the flow, liquid with a free surface has
 
-It was applied to liquids that may separate by [gerszewski2013].
+    p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,
+    s' = max(s, 0)/10 + min(s, 0) + time^2 [tr(G G) - (tr G)^2]/2 :
 
-The equation for the pressure of an incompressible liquid, A p = b, without a matrix: two sums over neighbors. Signs
-as in `rates.sums`: displacements are from i to j, F = (1/r) dW/dr is negative, and g_ij = F x_ij is the gradient of
-the kernel at j. Volumes V are constant. With T_i = sum_j V_j g_ij, where dummies count twice,
+it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
+`missing_density`; a single drop may approach others until its density is that at rest. The last term, with the
+gradient G of the velocity, is the compression of second order by motion on straight lines within the step. Liquid that
+fills its tank has an equation without bounds, with a tenth of s_i, and the mean pressure zero.
+
+**The matrix** (`System`), A p = b, is never stored: two sums over neighbors multiply with it. Signs are those of
+`rates.sums`: displacements are from i to j, F = (1/r) dW/dr is negative, and g_ij = F x_ij is the gradient of the
+kernel at j. Volumes V are constant. With T_i = sum_j V_j g_ij, where dummies count twice,
 
     acceleration   a_i = [p_i T_i + sum_j V_j p_j g_ij] / rho
     compression    c_i = sum_j V_j g_ij.v_j - T_i.v_i = -div v
@@ -25,18 +28,13 @@ F_ij; at a free surface, the value of a full lattice: what is missing is air, wi
 
 Behind walls pressure continues as at rest under gravity G. That part of the pressures of images and dummies is known,
 and so are its acceleration r and its Laplacian m. At rest div(r + a(p)) = -div G between mirrors, while m + l(p) = 0:
-this is why the two have sources of their own, see `known_compression`.
+this is why the two have separate sources, see `known_compression`.
 
-The part of a step that solves for the pressure: the one that keeps the density of each particle. With the excess s_i
-of the density over that at rest, and the compression c_i(v) by the flow, liquid with a free surface has
-
-    p_i >= 0,   s'_i + time c_i(v) <= 0,   p_i (s'_i + time c_i(v)) = 0,
-    s' = max(s, 0)/10 + min(s, 0) + time^2 [tr(G G) - (tr G)^2]/2 :
-
-it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
-`missing_density`; a single drop may approach others until its density is that at rest. The last term, with the
-gradient G of the velocity, is the compression of second order by motion on straight lines within the step. Liquid that
-fills its tank has an equation without bounds, with a tenth of s_i, and the mean pressure zero.
+**The solver** (`solve`) is MPRGP, modified proportioning with reduced gradient projections [dostal2005], for A x >= b,
+x >= 0, (A x - b) x = 0: conjugate gradients among the x that are positive, a projected step of fixed length where one
+reaches zero, and a release of those at zero whose constraint is violated most. The number of iterations grows like that
+of conjugate gradients, with the square root of the condition number. Without bounds it is the method of conjugate
+gradients.
 """
 
 from __future__ import annotations
@@ -63,6 +61,8 @@ from ecume.models.sph.rates.sums import INDEX, whole
 from ecume.models.sph.report.energy_budget import forces_work, power_of_forces
 from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORST, State, Workspace
 from ecume.units import Array
+
+admit(incompressible)
 
 PROPORTION = 1.0
 """Gamma: how large the gradients at zero may be, relative to the others, before they are released."""
@@ -149,9 +149,6 @@ def _farthest(x: Array, direction: Array) -> float:
     """How far along minus the direction no x becomes negative."""
     falling = direction > 0.0
     return float((x[falling] / direction[falling]).min(initial=np.inf))
-
-
-admit(incompressible)
 
 
 class System(NamedTuple):

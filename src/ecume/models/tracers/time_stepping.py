@@ -22,6 +22,8 @@ from ecume.models.tracers.parameters import DRAGS, DragChoice, Parameters
 from ecume.models.tracers.state import CAPPED, State, Workspace
 from ecume.units import Array
 
+admit(brownian, drag, parameters)
+
 STARTED_OUTSIDE = -2
 NOWHERE = 1e100
 """m, m/s: farther and faster than anybody gets; products of such numbers are no numbers any more."""
@@ -168,9 +170,6 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 
 # --- What a step would be without walls: exact for linear drag, a constant push and the liquid's kicks, however long
-
-
-admit(brownian, drag, parameters)
 
 drag_factor = selection("drag_factor", codes(DRAGS, lambda row: row.factor), __name__, __file__, ("reynolds",))
 

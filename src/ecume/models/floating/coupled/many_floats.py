@@ -1,15 +1,14 @@
-"""Many floats that move one another: products with the mobility on a grid, the integrator, and contacts.
+"""Many floats that interact through the liquid, without their mobility matrix: its products, the integrator, contacts.
 
-The flow of many floats without their matrix: neighbors pair by pair, all others by waves on a grid. The mobility is
-split in two parts (`laws.ewald`). The short-range part is a sparse matrix of near pairs. For the smooth part, forces
-are assigned to a grid by splines, convolved with the flow of a point force by fast Fourier transforms, and velocities
-are interpolated with the same splines, so that the product is symmetric. The grid has twice the extent of the floats
-and no periodic images. Velocities err by `ERROR` of their r.m.s. value for forces of random sign. All sums have a
-fixed order, for any number of threads.
+Forces, contacts and noise need only products with the mobility, which is split in two parts (`laws.ewald`). The
+short-range part is a sparse matrix of near pairs. For the smooth part, forces are assigned to a grid by splines,
+convolved with the flow of a point force by fast Fourier transforms, and velocities are interpolated with the same
+splines, so that the product is symmetric. The grid has twice the extent of the floats and no periodic images.
+Velocities err by `ERROR` of their r.m.s. value for forces of random sign. All sums have a fixed order, for any number
+of threads.
 
-The integrator and the contacts of many floats that interact through the liquid, by products with the mobility. The
-same as in `mobility` without the matrix: forces, contacts and noise need only products with it. Python runs
-the time steps around compiled parts, since the transforms are SciPy's.
+The integrator is that of `mobility`, with products in place of the matrix. Python runs the time steps around compiled
+parts, since the transforms are SciPy's.
 """
 
 from __future__ import annotations
@@ -369,8 +368,6 @@ def _waves_of(grid: FlowGrid, charge: Array) -> NDArray[np.complex128]:
     waves: NDArray[np.complex128] = fft.rfft2(grid_splines.density(grid.spread, charge, grid.shape), workers=WORKERS)
     return waves
 
-
-admit(pair_mobility)
 
 MATRIX_UP_TO = 1000
 """The largest number of floats with a matrix: with more, it needs gigabytes for contacts, and more time."""

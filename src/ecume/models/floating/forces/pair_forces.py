@@ -40,6 +40,8 @@ from ecume.units import Array
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
+admit(capillarity, dipoles, pair_laws, special, ewald)
+
 
 NAMES = tuple(PAIR_LAWS)
 
@@ -99,8 +101,6 @@ def pair_option(name: str) -> Option:
     charges = {"charges"} if row.menisci or not row.has_force else set()
     return Option(slot="pair law", path="interaction.law", name=repr(name), gives=gives | charges)
 
-
-admit(capillarity, dipoles, pair_laws, special, ewald)
 
 PADDED = 8
 """Neighbors are padded to a multiple of the vector width, since a remainder is not vectorized."""

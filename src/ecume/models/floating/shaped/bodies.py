@@ -22,6 +22,8 @@ from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, STRENGTH,
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
+admit(special, capillarity)
+
 
 class Shaped(NamedTuple):
     """Outlines, charges, inertia and friction of all floats."""
@@ -112,9 +114,6 @@ def store_angles(own: ShapedScratch, state: State) -> None:
     """Store the angles in the state."""
     for i in range(len(state.turning)):
         state.turning[i, 0] = own.angle[i]
-
-
-admit(special, capillarity)
 
 
 @compiled

@@ -57,6 +57,8 @@ from ecume.models.floating.state import WORK, State, Workspace, advance_rows, cl
 from ecume.models.model import DONE
 from ecume.units import Array
 
+admit(brownian, drag, dish_motion)
+
 
 @compiled
 def is_driven(parameters: Parameters) -> bool:
@@ -124,9 +126,6 @@ def add_heat(parameters: Parameters, state: State, workspace: Workspace) -> None
         for i in range(len(force)):
             power += force[i, 0] * midstep_velocity[i, 0] + force[i, 1] * midstep_velocity[i, 1]
         state.tally[WORK] -= 0.5 * parameters.time_step * power
-
-
-admit(brownian, drag, dish_motion)
 
 
 @compiled

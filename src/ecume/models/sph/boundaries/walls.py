@@ -1,7 +1,7 @@
 """Walls and obstacles: reflection of particles that cross a surface, repulsion of those too close, and impacts.
 
-Reflection (the guard): a particle outside after a drift repeats its path through `ecume.engine.walls`: the first
-surface hit, the rest of the step, the next surface, and so on. In a smooth flow this does not occur; the hits are
+Reflection (the guard): a particle that is outside after a drift repeats its path through `ecume.engine.walls`: the
+first surface hit, the rest of the step, the next surface, and so on. In a smooth flow this does not occur; the hits are
 counted. With walls = "reflect" nothing else confines the liquid.
 
 Repulsion: a particle closer than a tenth of a spacing to a wall, an obstacle or a body is accelerated away from it.
@@ -9,11 +9,10 @@ Images and dummies exert no pressure where a particle coincides with its image, 
 continuity keeps no memory of how close a thin layer is. Without repulsion, a layer of one particle would rest on the
 guard.
 
-Impacts on walls and obstacles: the braking of liquid that approaches them. Images complete the sums of liquid that
-fills the surroundings of a particle. The first particles of a jet have few neighbors, so that few images stand for
-the wall, and a sum over images would brake them too late: they would stop in a water hammer. The dissipation of the
-Riemann problem at the wall is therefore summed over the half-space behind it, which depends on the distance alone.
-Full tanks have no impacts, and incompressible liquids no water hammer.
+Impacts: liquid that approaches a wall or an obstacle is braked by the dissipation of the Riemann problem at the wall,
+summed over the half-space behind it, which depends on the distance alone. Images complete the sums of liquid that
+surrounds a particle; the first particles of a jet have few neighbors and therefore few images, which would brake them
+too late, in a water hammer. Full tanks have no impacts, and incompressible liquids no water hammer.
 """
 
 from __future__ import annotations
@@ -36,6 +35,8 @@ from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.models.sph.parameters import Guard, Parameters
 from ecume.models.sph.state import State
 from ecume.units import Array
+
+admit(wall_forces)
 
 
 @spread
@@ -99,8 +100,6 @@ def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
             v -= (1.0 + number[k, RESTITUTION]) * approach * normal
         hits[k] += 1
 
-
-admit(wall_forces)
 
 FASTEST = 0.1
 """In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
@@ -215,9 +214,6 @@ def energy_of(parameters: Parameters, state: State, leaning: Repelled) -> float:
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
     energy = [wall_forces.standoff_energy(own, reach, speed) for own in gap]
     return dot(state.mass[leaning.who], energy)
-
-
-admit(wall_forces)
 
 
 @compiled_inside

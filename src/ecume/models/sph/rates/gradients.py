@@ -22,7 +22,7 @@ from ecume.models.sph.rates.corrections import SINGULAR, Symmetric, cofactors
 from ecume.models.sph.rates.kernels import slope_of
 from ecume.models.sph.state import Workspace
 
-admit(diffusion)
+admit(diffusion, viscous)
 INDEX = np.uint64
 
 
@@ -126,7 +126,6 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
         rates[RATE.diffusion, i] += factor * total
 
 
-admit(viscous)
 LEAST = 1e-30
 """Pa s, a lower bound: the harmonic mean of two zeros is not a number."""
 

@@ -260,8 +260,6 @@ def draw(
         force[2, i] = volume[i] * fz
 
 
-admit(tension)
-
 INDEX = np.uint64
 STRENGTHS = {2: tension.cohesion_strength_in_plane, 3: tension.cohesion_strength_in_space}
 COUNTED = {2: 0.331, 3: 0.236}
