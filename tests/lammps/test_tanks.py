@@ -120,6 +120,7 @@ REFUSED = {
     "method.pressure": {"method": 'pressure = "incompressible"'},
     "liquid.tait_exponent": {"liquid": "tait_exponent = 1.0"},
     "method.pressure_force": {"method": 'pressure_force = "monaghan"'},
+    "method.acoustic_damping": {"method": "acoustic_damping = 1.0"},
     "method.pressure_split": {"method": 'pressure_split = "modified"'},
     "method.shifting": {"method": 'shifting = "delta-plus"'},
     "method.surface_tension_model": {"liquid": "surface_tension = 0.07"},

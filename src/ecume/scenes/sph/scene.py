@@ -148,7 +148,7 @@ class MethodSpec:
     `liquid.viscosity` is given. Effect: larger values damp noise and motion."""
     acoustic_damping: Annotated[Number, Field(ge=0.0, le=2.0)] = 0.0
     """The coefficient alpha of the acoustic damping, a bulk viscosity. Example: `1.0`. Effect: damps sound waves, such
-    as those of impacts, and nothing else; a step takes longer by one more sum."""
+    as those of impacts; a step takes a third longer."""
     viscosity_model: LawName = "automatic"
     """The viscous force: `monaghan` along the lines of centers, right at a free surface; `corrected`, the same with
     the part completed that has no neighbors there; `morris` along velocities, right in full tanks; by default the one
