@@ -90,7 +90,7 @@ SAMPLES = {
     "density_ratio": 0.6, "contact_angle": 0.9, "filling_angle": 2.0, "slope_angle": 0.3, "cutoff": 3.0,
     "touching_distance": 0.4,
     "accuracy": 1e-4, "approach_speed": 0.9, "mass": 0.8, "mass_i": 0.8, "mass_j": 1.7, "restitution": 0.4,
-    "coefficient": 0.6, "viscosity": 0.3, "factor": 0.5, "friction": 0.2, "solid_gas": 0.3, "solid_liquid": 0.2,
+    "coefficient": 0.6, "viscosity": 0.3, "length": 1.3, "factor": 0.5, "friction": 0.2, "solid_gas": 0.3, "solid_liquid": 0.2,
     "liquid_gas": 0.5, "x": 1.7, "coefficients": (0.5, -1.5, 2.5), "liquid": LIQUID,
     "sphere": flotation.Sphere(0.21, 4.0, 1.2), "a": flotation.Sphere(0.21, 4.0, 1.2),
     "b": flotation.Sphere(0.17, 1.0, 0.7), "body": flotation.Sphere(0.21, 4.0, 1.2), "theory": "nonlinear",

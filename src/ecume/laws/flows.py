@@ -121,7 +121,7 @@ def channel_pressure_drop(viscosity: Viscosity, speed: Speed, length: Length, wi
     """Return the pressure drop along a channel between two parallel walls, 12 eta u L / H^2, with the mean speed u of
     its parabola. Exact for developed flow; more at an entrance.
 
-    >>> channel_pressure_drop(0.05, 1.0, 3.0, 1.0)
+    >>> round(channel_pressure_drop(0.05, 1.0, 3.0, 1.0), 12)
     1.8
     """
     return 12.0 * viscosity * speed * length / (width * width)
