@@ -27,6 +27,10 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+SLOW_TO_START = ("active-raft", "ellipsoids", "pressed-packing")
+"""Templates that take seconds to place their particles."""
+
+
 def test_new_lists_the_templates_with_what_they_show() -> None:
     done = cli.invoke(app, ["new"])
     groups = [group.splitlines() for group in done.stdout.split("\n\n")]
@@ -82,7 +86,10 @@ def test_check_of_what_is_no_file_ends_with_two(name: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("name", templates())
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.long] * (name in SLOW_TO_START)) for name in templates()],
+)
 def test_check_derives_the_numbers_of_each_template(name: str) -> None:
     cli.invoke(app, ["new", name])
     done = cli.invoke(app, ["check", f"{name}.toml"])

@@ -44,6 +44,7 @@ def test_a_case_that_is_met_ends_with_zero() -> None:
     assert "NOT MET" not in done.stdout
 
 
+@pytest.mark.long
 def test_a_law_that_is_broken_ends_with_one(monkeypatch: pytest.MonkeyPatch) -> None:
     right = meniscus.wall_height
     monkeypatch.setattr(meniscus, "wall_height", lambda *given: right(*given) + 1e-9)

@@ -58,6 +58,7 @@ def test_a_run_in_a_new_shape_can_be_filmed_plotted_and_viewed(copy):
     assert "hexagon" in (copy.folder / "view.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_the_usual_meniscus_is_refused_with_the_reason(copy):
     done = copy.python("-m", "ecume", "check", "hexagon.toml", "--set", 'dish.law="meniscus"')
     assert done.returncode != 0

@@ -43,7 +43,7 @@ class Scales(NamedTuple):
 HEAVIER, LARGER = Scales(mass=8.0, length=1.0, time=1.0), Scales(mass=64.0, length=4.0, time=8.0)
 """The second keeps densities."""
 
-LONG = {"docking-quadrupoles", "ellipsoids-docking", "pattern-formation"}
+LONG = {"docking-quadrupoles", "ellipsoids-docking", "pattern-formation", "settling-packing"}
 """Compile time steps that no other test needs."""
 
 

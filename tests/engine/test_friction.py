@@ -67,7 +67,9 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     assert sweeps < impulse_solvers.MOST_SWEEPS
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.compiled) for each in (1, 2, 3))])
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(each, marks=[pytest.mark.compiled, pytest.mark.long]) for each in (1, 2, 3))]
+)
 def test_friction_keeps_momentum_and_angular_momentum_and_adds_no_energy(seed):
     position, mass, motion = shaken_raft(19, seed, spread=1.0)
     position = position + 1e-3 * np.random.default_rng(seed).uniform(size=position.shape)

@@ -220,6 +220,7 @@ def test_angle_viscosity_and_charge_are_found_again_within_their_intervals(track
     assert found.remarks == []
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_angle_and_density_are_not_distinguished_and_the_known_combination_is_reported(tracks):
     found = ecume.fit(tracks, beads(), ["contact_angle", "density", "viscosity"])

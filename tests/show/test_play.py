@@ -47,6 +47,7 @@ def test_left_alone_it_goes_as_the_simulation_does(bowl):
     assert bowl.time == pytest.approx(last.time)
 
 
+@pytest.mark.long
 def test_ten_that_are_dropped_meet(bowl):
     for number in range(10):
         name = list(SHELF)[number % 2 * 2]  # cereals and bubbles, which all attract one another

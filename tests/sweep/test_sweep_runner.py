@@ -64,6 +64,7 @@ def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
         assert len(client.scheduler_info(n_workers=-1)["workers"]) == 3
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # processes: once is enough
 def test_sweeps_at_the_same_time_do_not_compete_for_a_port(file, tmp_path):
     with socket.socket() as taken:

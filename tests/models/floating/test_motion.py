@@ -107,6 +107,7 @@ def lowest_energy():
     return next(iter(simulate(scene))).numbers["total_energy"]
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.usefixtures("coarse_steps_allowed")
 def test_verlet_keeps_the_energy_for_a_hundred_thousand_steps():

@@ -14,6 +14,7 @@ OTHERS = ("explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4")
 """Integrators beside the default one, each of which is compiled by itself."""
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("viscosity", "radius", "seed", "duration"),

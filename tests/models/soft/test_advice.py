@@ -82,6 +82,7 @@ def test_a_load_that_grows_and_waves_and_walls_count():
     assert expected(walled).force == pytest.approx(2e-3 * 2.0 * found.pair.radius)
 
 
+@pytest.mark.long
 def test_spheres_filled_in_closer_than_they_fit_press_as_they_then_do():
     squeezed = packing(filled=0.8, protocol=[{"time": 0.0}, {"time": 4.0, "scale": math.sqrt(0.8 / 0.9)}])
     found = expected(squeezed)

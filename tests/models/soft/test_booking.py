@@ -116,7 +116,9 @@ DRIVEN = {
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("driven", [pytest.param(name, marks=[pytest.mark.long] * ("wall" in name)) for name in DRIVEN])
+@pytest.mark.parametrize(
+    "driven", [pytest.param(name, marks=[pytest.mark.long] * ("wall" in name or "torques" in name)) for name in DRIVEN]
+)
 def test_what_is_put_in_is_held_dissipated_or_the_sizes(driven):
     """Whoever drives, to a ten-thousandth of what moved; each part of the budget is more."""
     scheme = "esdirk4" if driven in ("a load", "weights and torques") else "tr-bdf2"

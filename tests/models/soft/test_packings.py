@@ -126,7 +126,7 @@ def test_pairs_near_one_another_are_those_of_a_search_over_all_copies(dimensions
     assert [(*p, *i) for p, i in zip(pair.tolist(), image.tolist(), strict=True)] == sorted(wanted)
 
 
-@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("dimensions", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_cells_find_the_pairs_of_the_tree_in_its_order_with_its_bits(monkeypatch, dimensions):
     """In a box so small that spheres meet several copies of each other, at tilts beyond half a box, and with room for
     too few neighbors at first.

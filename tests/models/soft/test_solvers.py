@@ -43,7 +43,7 @@ def stage(scene, span):
 
 
 @pytest.mark.parametrize("rotation", [False, True])
-@pytest.mark.parametrize(("dimensions", "filled"), [(2, 0.8), (3, 0.5)])
+@pytest.mark.parametrize(("dimensions", "filled"), [pytest.param(2, 0.8, marks=pytest.mark.long), (3, 0.5)])
 @pytest.mark.parametrize("name", ["iterative", "direct", "cholmod"])
 def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensions, filled, rotation):
     if name == "cholmod":
@@ -94,6 +94,7 @@ def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_ste
     assert auto.position == pytest.approx(integrated(solved_by(scene, "direct"))[1].position, abs=1e-6)
 
 
+@pytest.mark.long
 def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
     monkeypatch.setattr(solvers, "DENSER", 0.0)
     monkeypatch.setattr(solvers, "FEW", 0)

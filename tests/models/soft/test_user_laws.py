@@ -129,6 +129,7 @@ def test_a_law_like_a_built_in_one_gives_the_same_run_and_closes_the_energy_budg
     assert last["dissipated_work"] > 0.5 * released
 
 
+@pytest.mark.long
 def test_a_law_acts_between_its_species_and_knows_their_radii():
     def energy(scene, laws):
         return next(iter(simulate(scene, extra_laws=laws))).numbers["remote_energy"]

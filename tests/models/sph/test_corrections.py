@@ -117,6 +117,7 @@ def test_completed_friction_does_not_brake_a_rigid_rotation():
     assert np.abs(workspace.rates.acceleration).max() < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("reynolds", [500.0, pytest.param(50.0, marks=pytest.mark.long)])
 def test_a_wave_in_a_thin_liquid_decays_by_its_viscosity(reynolds):

@@ -119,6 +119,7 @@ def test_shifting_keeps_the_volume():
     assert np.abs(still.arrays["velocity"].mean(axis=0)).max() < 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("walls", ["dummy", "mirror"])
 @pytest.mark.parametrize("method", [{"shifting": "delta-plus"}, {"pressure_force": "transport"}])
 def test_a_lid_does_not_thicken_the_liquid_that_it_drives(walls, method):

@@ -133,6 +133,7 @@ def test_vortices_in_a_plane_fade_alike_in_either_precision():
     assert 0.0 < off < 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_a_tank_out_of_order_comes_to_rest_in_either_precision(precision):
     case = from_plain(

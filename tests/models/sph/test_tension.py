@@ -199,6 +199,7 @@ def test_forces_pass_through_periodic_sides():
     np.testing.assert_allclose(a[:, order], b[:, other], atol=0.05 * np.abs(a).max())
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_any_number_of_threads_pulls_alike():
     many = drop("csf", DISC, jitter=0.2, spacing=0.025)

@@ -138,6 +138,7 @@ def test_the_summed_density_inside_is_that_of_the_liquid():
             assert total == pytest.approx(1.0, rel=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.compiled  # a few thousand steps
 def test_still_water_stays_still():
     for seed in range(10):

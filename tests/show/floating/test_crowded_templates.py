@@ -27,6 +27,7 @@ def painted(frames, scene):
     return last, int(np.sum(np.any(first != last, axis=2)))
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_mermaids_run_and_are_drawn(tmp_path):
     frames, scene = shortened(

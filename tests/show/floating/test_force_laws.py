@@ -42,6 +42,7 @@ def forces(scene):
     return pair_forces(scene)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_all_pairs_are_there_and_like_ones_attract(forces):
     assert [pair.label for pair in forces] == ["heavy – heavy", "heavy – light", "light – light"]

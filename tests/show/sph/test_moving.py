@@ -75,6 +75,7 @@ def test_a_picture_turns_bodies_as_the_model_does():
     np.testing.assert_allclose(turned(list(turn)), rotations(pose)[0], atol=1e-15)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_bodies_in_space_turn_and_are_drawn():
     scene = in_space()

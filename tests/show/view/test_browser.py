@@ -317,6 +317,7 @@ def test_a_bowl_is_played_with(tab):
         assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)
 
 
+@pytest.mark.long
 def test_a_tank_is_played_with(tab):
     with played("small-tank", COARSE) as (tank, address):
         tab.goto(address)
