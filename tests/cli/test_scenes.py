@@ -20,15 +20,13 @@ from ecume.scenes.templates import folder, sweep_templates, templates
 cli = CliRunner()
 DERIVED = {"floating": "capillary length", "soft": "narrowest gap", "sph": "sound speed", "tracers": "terminal speed"}
 """A number that follows from each scene of a model."""
+SLOW_TO_START = ("active-raft", "ellipsoids", "pressed-packing")
+"""Templates that take seconds to place their particles."""
 
 
 @pytest.fixture(autouse=True)
 def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-SLOW_TO_START = ("active-raft", "ellipsoids", "pressed-packing")
-"""Templates that take seconds to place their particles."""
 
 
 def test_new_lists_the_templates_with_what_they_show() -> None:
