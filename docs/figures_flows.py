@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation import cavity, drops, patch, poiseuille
-from ecume.validation import taylor_green as vortices
+from ecume.validation import drops, full_tanks
 from ecume.validation.runner import case_scene, read_table
 
 TAUS = (0.0225, 0.045, 0.1125, 0.225, 0.5)
@@ -32,7 +31,7 @@ def confined() -> Figure:
 
 def _errors(axes: Axes) -> None:
     for side, color in zip((25, 50), (PALETTE[1], PALETTE[0]), strict=True):
-        found = vortices.course(side)
+        found = full_tanks.vortex_course(side)
         axes.plot(found.time[1:], found.error[1:], color=color, label=f"{side} per side")
     cases = read_table("taylor_green")
     for scheme, marker in (("EDAC", "s"), ("TVF", "^")):
@@ -44,12 +43,12 @@ def _errors(axes: Axes) -> None:
 
 
 def _profiles(axes: Axes) -> None:
-    scene = case_scene("poiseuille", [poiseuille.DRIVEN["poiseuille"], f"spacing={1.0 / 15!r}"])
+    scene = case_scene("poiseuille", [full_tanks.DRIVEN["poiseuille"], f"spacing={1.0 / 15!r}"])
     height = np.linspace(0.0, 1.0, 101)
     frames = list(simulate(scene))
     for tau in TAUS:
-        frame = min(frames, key=lambda one: abs(one.time * poiseuille.VISCOSITY - tau))  # called at once
-        axes.plot([poiseuille.exact("poiseuille", y, frame.time) for y in height], height, color=INK, linewidth=1.0)
+        frame = min(frames, key=lambda one: abs(one.time * full_tanks.CHANNEL_VISCOSITY - tau))  # called at once
+        axes.plot([full_tanks.exact("poiseuille", y, frame.time) for y in height], height, color=INK, linewidth=1.0)
         axes.plot(frame.arrays["velocity"][:, 0], frame.arrays["position"][:, 1], ".", color=PALETTE[0], markersize=4)
     axes.set(xlabel="speed", ylabel="height", xlim=(0, 1.05), ylim=(0, 1))
     axes.set_title("Starting channel flow, 15 across")
@@ -59,11 +58,11 @@ def _lines(axes: Axes) -> None:
     *_, last = simulate(case_scene("cavity", [COARSE]))
     along = np.linspace(0.01, 0.99, 99)
     half = np.full(99, 0.5)
-    for line, color in zip(cavity.LINES, (PALETTE[0], PALETTE[1]), strict=True):
+    for line, color in zip(full_tanks.LINES, (PALETTE[0], PALETTE[1]), strict=True):
         places = np.stack([half, along] if line == "u" else [along, half], axis=1)
-        found = cavity.velocity_at(last, places, 0.08)[:, cavity.LINES[line]]
+        found = full_tanks.velocity_at(last, places, 0.08)[:, full_tanks.LINES[line]]
         axes.plot(along, found, color=color, label=f"{line}, {'vertical' if line == 'u' else 'horizontal'} midline")
-        place, expected = cavity.table(line)
+        place, expected = full_tanks.table(line)
         axes.plot(place[:, 1 if line == "u" else 0], expected, "o", color=INK, markersize=4, fillstyle="none")
     axes.set(xlabel="position / L", ylabel="velocity", xlim=(0, 1))
     axes.set_title("Lid-driven cavity, 25 per side")
@@ -75,7 +74,7 @@ def free() -> Figure:
     drawn = figure(11.0, 3.4)
     left, middle, right = drawn.subplots(1, 3)
     for axes, shifting in ((left, "none"), (middle, "delta-plus")):
-        shown = _square(axes, patch.course(0.025, f"method.shifting={shifting}")[-1])
+        shown = _square(axes, full_tanks.patch_course(0.025, f"method.shifting={shifting}")[-1])
         axes.set_title(f'shifting = "{shifting}"')
     drawn.colorbar(shown, ax=middle, label="pressure / ρ ω² L²")
     _swing(right)

@@ -12,7 +12,8 @@ import ecume.validation
 from ecume.errors import Diverged
 from ecume.laws import drag
 from ecume.trajectories.frame import Frame
-from ecume.validation import CASES, float_motion, hydrodynamics, integrators, meeting, rest, walls
+from ecume.validation import CASES, floats, hydrodynamics, rest
+from ecume.validation.floats import raft
 
 HOME = Path(ecume.validation.__file__).parent
 DATA = HOME / "data"
@@ -95,27 +96,27 @@ def test_floats_leave_and_climb_walls_as_the_equation_of_motion_says():
 def test_a_friction_one_part_in_a_hundred_off_is_seen(monkeypatch):
     right = drag.stokes_friction
     monkeypatch.setattr(drag, "stokes_friction", lambda *given: 1.01 * right(*given))
-    assert missed([meeting.meeting((0.6, 0.6), 9.0, drag=True)])
+    assert missed([floats.meeting((0.6, 0.6), 9.0, drag=True)])
 
 
 @pytest.mark.compiled
 def test_a_wall_of_the_wrong_sign_is_seen(monkeypatch):
-    right = float_motion.Bowl
-    monkeypatch.setattr(float_motion, "Bowl", lambda radius, angle, liquid: right(radius, 3.14159 - angle, liquid))
-    assert missed([walls.drift("heavy", "wetting", 25.0, False)])
+    right = floats.Bowl
+    monkeypatch.setattr(floats, "Bowl", lambda radius, angle, liquid: right(radius, 3.14159 - angle, liquid))
+    assert missed([floats.drift("heavy", "wetting", 25.0, False)])
 
 
 @pytest.mark.compiled
 @pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
 def test_the_integrators_have_their_orders_and_keep_or_lose_the_energy():
-    assert not missed([*map(integrators.order, integrators.ORDERS), *integrators.energies(50_000)])
+    assert not missed([*map(floats.order, floats.ORDERS), *floats.energies(50_000)])
 
 
 @pytest.mark.compiled
 @pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
 def test_an_integrator_of_another_order_is_seen(monkeypatch):
-    monkeypatch.setitem(integrators.ORDERS, "velocity-verlet", 1)
-    assert missed([integrators.order("velocity-verlet")])
+    monkeypatch.setitem(floats.ORDERS, "velocity-verlet", 1)
+    assert missed([floats.order("velocity-verlet")])
 
 
 @pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
@@ -124,9 +125,9 @@ def test_a_float_that_verlet_throws_out_is_no_small_change_of_energy(monkeypatch
         raise Diverged("float 0 left")
         yield
 
-    monkeypatch.setattr(integrators, "simulate", thrown_out)
+    monkeypatch.setattr(floats, "simulate", thrown_out)
     with pytest.raises(Diverged):
-        integrators.energies(10_000)
+        floats.energies(10_000)
 
 
 @pytest.mark.compiled
@@ -165,3 +166,11 @@ def test_each_fault_of_a_bowl_is_seen_in_its_own_row(bad, named, monkeypatch):
 
 def test_a_bowl_without_faults_is_met(monkeypatch):
     assert bowl_of(monkeypatch) == []
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("friction", [0.0, pytest.param(0.3, marks=pytest.mark.long)])
+def test_nineteen_attracted_floats_gather_and_nothing_sinks_or_is_made(friction):
+    rows = raft(0.04, friction, seeds=range(1, 10))
+    assert len(rows) >= 4
+    assert [row.name for row in rows if not row.met] == []

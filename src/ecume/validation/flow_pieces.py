@@ -16,8 +16,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation.pieces import kept_values
-from ecume.validation.runner import read_table
+from ecume.validation.runner import kept_values, read_table
 
 
 class Piece(NamedTuple):

@@ -11,7 +11,7 @@ from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation import dam_break, taylor_green
+from ecume.validation import dam_break, full_tanks
 from ecume.validation.rows import Row, above, below, within
 from ecume.validation.runner import DATA
 
@@ -73,7 +73,7 @@ def at_rest() -> list[Row]:
 def vortices() -> list[Row]:
     """The decay with the bounds of the case taylor-green, and the steps beside those at c0 = 10 maximum speeds."""
     frames, others = frames_of("vortices"), frames_of("vortices", [TAIT])
-    found, other = (taylor_green.Course(*np.array([taylor_green.judged(f) for f in run]).T) for run in (frames, others))
+    found, other = (full_tanks.Course(*np.array([full_tanks.judged(f) for f in run]).T) for run in (frames, others))
     momentum = np.array([[f.numbers["momentum_x"], f.numbers["momentum_y"]] for f in frames])
     return [
         below("vortices: largest error of the speed", float(found.error[1:].max()), 0.03),

@@ -16,8 +16,8 @@ from ecume.scenes.schema import from_plain
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.units import Array
-from ecume.validation.pieces import kept_values
 from ecume.validation.rows import Row, below, within
+from ecume.validation.runner import kept_values
 
 COUNT = {2: 176, 3: 24}
 LAYERS = {2: (8, 18), 3: (7, 9)}
