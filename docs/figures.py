@@ -238,7 +238,7 @@ def bowl_energies() -> Figure:
 
 def integrators() -> Figure:
     """The schemes beside one another."""
-    from ecume.show.floating.integrators import comparison, integrators_beside_one_another
+    from ecume.show.floating.law_figures import comparison, integrators_beside_one_another
 
     return integrators_beside_one_another(comparison())
 

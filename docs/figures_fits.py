@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ecume.fitting import Tracks, fit
-from ecume.fitting.least_squares import simulated
+from ecume.fitting.estimation import simulated
 from ecume.scenes.load import load_scene
 from ecume.show.fit_figures import fit_figure
 

@@ -18,7 +18,7 @@ from ecume.analysis.series import number, series, times
 from ecume.analysis.structure import hexatic_order, pair_distribution
 from ecume.show.curves import Frames, thinned
 from ecume.show.floating.bowl import Bowl
-from ecume.show.floating.measures import region_of
+from ecume.show.floating.figures import region_of
 from ecume.show.style import INK, PALETTE, figure, style
 from ecume.trajectories.reader import open_trajectory
 

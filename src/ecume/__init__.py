@@ -110,7 +110,7 @@ def __getattr__(name: str) -> Any:
 
 def _html_of(subject: Any) -> str | None:
     """A picture for a notebook: what draws it is imported when a notebook asks."""
-    html: str | None = importlib.import_module("ecume.show.view.notebook").shown(subject)
+    html: str | None = importlib.import_module("ecume.show.view.page").in_notebook(subject)
     return html
 
 

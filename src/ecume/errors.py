@@ -8,11 +8,14 @@ EcumeError
 ├── Diverged            exit 3   the physics left the range where it means anything
 ├── StorageError        exit 4   disk full, unreadable or damaged files
 └── Stopped             exit 75  stopped on request, with a checkpoint
+
+`install` gives the cure where a package of an extra is missing.
 """
 
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -91,3 +94,18 @@ def nearest(word: str, known: Sequence[str]) -> str:
         swapped = [name for name in near if sorted(name) == sorted(given)]
         return f"did you mean {(swapped or near)[0]}?"
     return f"known: {', '.join(known)}" if known else "expected nothing here"
+
+
+OF_AN_EXTRA = re.compile(r"^(?P<package>[^;]+);.*\bextra == ['\"](?P<extra>[a-z]+)['\"]")
+
+
+def install(extra: str) -> str:
+    """The command that installs what an extra needs: `pip install 'pandas>=2.2'`."""
+    from importlib.metadata import PackageNotFoundError, requires  # not needed by `ecume --help`
+
+    try:
+        found = [OF_AN_EXTRA.match(line) for line in requires("ecume") or ()]
+    except PackageNotFoundError:  # used from a folder of sources, without an installation
+        found = []
+    packages = [match["package"].strip() for match in found if match and match["extra"] == extra]
+    return f"pip install {' '.join(map(repr, packages))}" if packages else f"pip install '.[{extra}]' in the sources"

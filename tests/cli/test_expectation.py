@@ -1,6 +1,6 @@
 """The first line of a run: how many steps, and how long they are expected to take."""
 
-from ecume.cli.progress import WithExpectation
+from ecume.cli.output import WithExpectation
 from ecume.run import Progress
 
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.progress import ThermoTable, thermo_table
+from ecume.cli.output import ThermoTable, thermo_table
 from ecume.run import RunResult
 from ecume.scenes.templates import copy_template
 from ecume.trajectories.frame import Frame

@@ -9,12 +9,11 @@ import pytest
 from tests.contracts.test_laws import ROOT
 from tests.models.floating.bowls import WATER, scene_of
 
-from ecume.engine.walls import enclosures, wall_count, wall_distance
+from ecume.engine.walls import surfaces, wall_count, wall_distance
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.models.floating.dishes import SHAPES, outline_of, walls_of
+from ecume.models.floating.dishes import FACING, ROUND, SHAPES, outline_of, walls_of
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
-from ecume.models.floating.menisci import FACING, ROUND
 from ecume.show.figures import FIGURES
 from ecume.show.movies import FILMS
 from ecume.show.picture import Size
@@ -45,9 +44,9 @@ def scene_in(name, floats, *, dish='law = "none"', hydrodynamics='drag = "none"'
 def inside(walls, count=20, seed=3):
     """Points inside, not too near to a wall."""
     chance = np.random.default_rng(seed)
-    low, high = enclosures.bounds(walls)
+    low, high = surfaces.bounds(walls)
     points = chance.uniform(low, high, (40 * count, 2))
-    return [point for point in points if min(enclosures.clearances(walls, point)) > RADIUS][:count]
+    return [point for point in points if min(surfaces.clearances(walls, point)) > RADIUS][:count]
 
 
 @each_shape
@@ -69,7 +68,7 @@ def test_floats_start_inside_and_a_start_in_a_wall_is_refused(name):
     scene = scene_in(name, "count = 40")
     walls = walls_of(scene.dish)
     for place in next(simulate(scene)).arrays["position"]:
-        assert min(enclosures.clearances(walls, place)) >= RADIUS
+        assert min(surfaces.clearances(walls, place)) >= RADIUS
     far = 0.999 * outline_of(scene.dish)[0]
     with pytest.raises(SceneError, match="not inside the dish"):
         list(simulate(scene_in(name, f"positions = [{far.tolist()}]")))
@@ -86,7 +85,7 @@ def test_a_float_thrown_at_each_wall_stays_inside_and_keeps_its_energy(name):
         frames = list(simulate(scene_in(name, floats, dish=dish, duration=0.4, frame_every=0.02)))
         energy = [frame.numbers["kinetic_energy"] for frame in frames]
         assert energy == pytest.approx([energy[0]] * len(energy), rel=1e-9)
-        deepest = min(min(enclosures.clearances(walls, frame.arrays["position"][0])) for frame in frames)
+        deepest = min(min(surfaces.clearances(walls, frame.arrays["position"][0])) for frame in frames)
         assert deepest > (1.0 - 1e-3) * RADIUS
         assert sum(frame.numbers["collisions"] for frame in frames) >= 2
 

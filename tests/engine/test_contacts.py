@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from ecume.engine.cells import no_periods
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import Bodies, Memory
 from ecume.engine.contact.impulse_solvers import Goal
-from ecume.engine.periodic import no_periods
 from ecume.engine.placement import place_on_lattice
 from ecume.engine.walls import disc, enclosed_by, no_walls
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.engine.walls import box, disc, enclosed_by, enclosures, no_walls, outside, polygon, wall_count, wall_distance
+from ecume.engine.walls import box, disc, enclosed_by, no_walls, outside, polygon, surfaces, wall_count, wall_distance
 from ecume.errors import BadInput
 
 ANGLES = np.arange(6) * np.pi / 3
@@ -31,7 +31,7 @@ def test_the_normal_is_the_slope_of_the_distance(name):
 
 
 def test_distances_of_a_box_are_those_to_its_four_sides():
-    assert enclosures.clearances(SHAPES["box"], (0.5, -0.5)) == [1.5, 1.5, 2.5, 1.5]
+    assert surfaces.clearances(SHAPES["box"], (0.5, -0.5)) == [1.5, 1.5, 2.5, 1.5]
 
 
 def test_the_middle_of_a_disc_is_as_far_as_its_radius_and_has_a_direction():
@@ -43,7 +43,7 @@ def test_the_middle_of_a_disc_is_as_far_as_its_radius_and_has_a_direction():
 def test_an_open_surface_has_no_walls():
     assert wall_count(no_walls()) == 0
     assert np.isinf(no_walls().disc_radius)
-    assert np.isinf(enclosures.area(no_walls()))
+    assert np.isinf(surfaces.area(no_walls()))
 
 
 @pytest.mark.parametrize(
@@ -51,23 +51,23 @@ def test_an_open_surface_has_no_walls():
     [("disc", 4 * math.pi, 2.0), ("box", 12.0, math.sqrt(13.0)), ("hexagon", 1.5 * math.sqrt(3.0), 1.0)],
 )
 def test_the_region_inside_is_as_large_and_as_wide_as_its_shape(name, area, farthest):
-    assert enclosures.area(SHAPES[name]) == pytest.approx(area, rel=1e-12)
-    assert enclosures.farthest(SHAPES[name]) == pytest.approx(farthest, rel=1e-12)
-    outline, (low, high) = enclosures.outline(SHAPES[name]), enclosures.bounds(SHAPES[name])
+    assert surfaces.area(SHAPES[name]) == pytest.approx(area, rel=1e-12)
+    assert surfaces.farthest(SHAPES[name]) == pytest.approx(farthest, rel=1e-12)
+    outline, (low, high) = surfaces.outline(SHAPES[name]), surfaces.bounds(SHAPES[name])
     assert outline.min(axis=0) == pytest.approx(low, abs=1e-12)
     assert outline.max(axis=0) == pytest.approx(high, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_each_point_of_the_outline_is_on_a_wall_and_inside_of_the_others(name):
-    for point in enclosures.outline(SHAPES[name]):
-        assert min(enclosures.clearances(SHAPES[name], point)) == pytest.approx(0.0, abs=1e-12)
+    for point in surfaces.outline(SHAPES[name]):
+        assert min(surfaces.clearances(SHAPES[name], point)) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_shrunk_enclosure_is_where_centers_may_be(name):
-    for point in enclosures.outline(enclosures.shrunk(SHAPES[name], 0.1)):
-        assert min(enclosures.clearances(SHAPES[name], point)) == pytest.approx(0.1, abs=1e-12)
+    for point in surfaces.outline(surfaces.shrunk(SHAPES[name], 0.1)):
+        assert min(surfaces.clearances(SHAPES[name], point)) == pytest.approx(0.1, abs=1e-12)
 
 
 @pytest.mark.parametrize("shape", [disc((1.0, 0.0), 2.0), box((1.0, 1.0), (2.0, 2.0)), outside(box((-1, -1), (1, 1)))])

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from tests.engine.test_contacts import a_raft, all_candidates
 
+from ecume.engine.cells import no_periods
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rough
 from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import Bodies, Memory
 from ecume.engine.contact.friction import Motion
 from ecume.engine.contact.impulse_solvers import Goal
-from ecume.engine.periodic import no_periods
 from ecume.engine.walls import box, enclosed_by, no_walls
 
 DISC = 0.5

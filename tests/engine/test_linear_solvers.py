@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import bsr_array
 from scipy.spatial import cKDTree
 
-from ecume.engine.linear_solvers import bicgstab, block_matrix, dense_elimination, solvers, sparse_lu
+from ecume.engine.linear_solvers import bicgstab, block_matrix, solvers, sparse_lu
 from ecume.errors import BadInput
 
 WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
@@ -247,23 +247,23 @@ def test_the_diagonal_is_inverted_block_by_block(width):
     matrix.blocks[:] = random.normal(size=matrix.blocks.shape)
     matrix.blocks[pattern.diagonal] += 5.0 * np.eye(width)
     inverse = np.zeros((4, width, width))
-    assert dense_elimination.invert_diagonal(matrix, inverse)
+    assert block_matrix.invert_diagonal(matrix, inverse)
     assert inverse == pytest.approx(np.linalg.inv(matrix.blocks[pattern.diagonal]), abs=1e-12)
 
 
 def test_a_block_without_a_pivot_in_place_is_inverted_nevertheless():
     turned = np.eye(6)[::-1].copy()
     inverse = np.zeros((6, 6))
-    assert dense_elimination.invert(turned, inverse, np.zeros((6, 12)))
+    assert block_matrix.invert(turned, inverse, np.zeros((6, 12)))
     assert inverse == pytest.approx(turned)
-    assert not dense_elimination.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
+    assert not block_matrix.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
 
 
 def test_a_network_in_two_pieces_that_nothing_holds_has_no_solution():
     matrix = block_matrix.make_matrix(block_matrix.make_pattern(4, np.array([0, 2]), np.array([1, 3])), 2)
     block_matrix.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros((4, 2)))
     right = np.array([[[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0]]])
-    assert not dense_elimination.eliminate(matrix, right, np.zeros((1, 4, 2)), 2)
+    assert not block_matrix.eliminate(matrix, right, np.zeros((1, 4, 2)), 2)
 
 
 def test_gradients_need_no_iteration_for_nothing_and_give_up_without_a_diagonal():

@@ -3,8 +3,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from ecume._jit import numba
+from ecume.engine.cells import periods_of
 from ecume.engine.neighbors import THREADS_FROM, build, farthest_move, make_lists
-from ecume.engine.periodic import periods_of
 
 
 def listed_pairs(lists, count):

@@ -8,8 +8,7 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Tracks, picked
-from ecume.fitting.estimation import astray, swapped
-from ecume.fitting.least_squares import Problem
+from ecume.fitting.estimation import Problem, astray, swapped
 from ecume.fitting.parameters import Free, free_parameters, with_values
 from ecume.fitting.tracks import start_at
 from ecume.scenes.load import load_scene

@@ -11,7 +11,7 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Camera, Tracks, read_tracks
-from ecume.fitting.least_squares import certainty, positions_at, solved
+from ecume.fitting.estimation import certainty, positions_at, solved
 from ecume.fitting.parameters import free_parameters
 from ecume.fitting.tracks import matched
 from ecume.scenes.load import load_scene

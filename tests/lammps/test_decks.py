@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from ecume.errors import BadInput, SceneError
-from ecume.lammps import pair_tables, walls
+from ecume.lammps import numbers, walls
 from ecume.lammps.decks import DECKS, write_deck
 from ecume.lammps.expressible import FLOATS, LEAST_RESTITUTION, MOST_GROUPS, MOST_KINDS, faults_of
 from ecume.lammps.numbers import nominal, numbers_of
@@ -75,12 +75,12 @@ def test_tables_hold_the_pair_law() -> None:
     for name, (i, j) in zip(found, ((0, 0), (0, 2), (2, 2)), strict=True):
         distance, energy, force = found[name]
         near = float(floats.radius[i] + floats.radius[j])
-        assert distance[0] == pytest.approx((1.0 - pair_tables.OVERLAP) * near)
+        assert distance[0] == pytest.approx((1.0 - numbers.OVERLAP) * near)
         assert distance[-1] > cutoff
         strength = capillarity.pair_strength(deck.scene.liquid.surface_tension, floats.charge[i], floats.charge[j])
         places = np.geomspace(near, cutoff, 777)
         law = np.array([capillarity.pair_force(float(each), strength, length) for each in places])
-        assert np.abs(CubicSpline(distance, force)(places) / law - 1.0).max() < pair_tables.ACCURACY
+        assert np.abs(CubicSpline(distance, force)(places) / law - 1.0).max() < numbers.ACCURACY
         # The force is minus the slope of the energy, and the energy ends at the cutoff.
         assert CubicSpline(distance, energy)(places[:-1], 1) == pytest.approx(-law[:-1], rel=1e-4)
         assert CubicSpline(distance, energy)(cutoff) == pytest.approx(0.0, abs=1e-9 * abs(energy[0]))

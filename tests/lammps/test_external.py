@@ -9,7 +9,7 @@ from ecume.errors import BadInput, SceneError
 from ecume.lammps import floats_in_engine
 from ecume.lammps.engine import lammps_engine
 from ecume.lammps.expressible import MOST_KINDS, calls_us, require_expressible, require_simulable
-from ecume.lammps.external_forces import ExternalForces
+from ecume.lammps.floats_in_engine import ExternalForces
 from ecume.lammps.process import Lammps, Program, program
 from ecume.models.floating.record import FLOATING
 from ecume.models.floating.setup.initial_state import start

@@ -19,8 +19,7 @@ from ecume.scenes.soft import (
     WallSpec,
 )
 from ecume.show.movies import film
-from ecume.show.soft.figures import SOFT_FIGURES
-from ecume.show.soft.flow_figures import oscillations, steady_flows
+from ecume.show.soft.figures import SOFT_FIGURES, oscillations, steady_flows
 from ecume.show.soft.packing import PULL, PUSH, Packing, links_around, links_of
 from ecume.trajectories.frame import Frame
 

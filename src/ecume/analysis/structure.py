@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from ecume.analysis.boxes import Box, box_of, copies, nearest
 from ecume.analysis.clusters import Clusters, Integers
 from ecume.engine.walls import Walls
-from ecume.engine.walls.enclosures import outline
+from ecume.engine.walls.surfaces import outline
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Length, Number

@@ -1,8 +1,8 @@
 """The command line: verbs, their help, and the end of each.
 
-Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `comparisons`; each lists
-its own in `VERBS`. `output` prints, and turns errors into messages and exit codes; `progress` reports. Nothing heavy is
-imported before a verb runs, so that `ecume --help` answers at once.
+Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `comparisons`; each lists its own in `VERBS`.
+`output` prints, reports progress, and turns errors into messages and exit codes. Nothing heavy is imported before a
+verb runs, so that `ecume --help` answers at once.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import browser, comparisons, fits, pictures, progress, runs, scenes, sweeps
+from ecume.cli import browser, comparisons, output, pictures, runs, scenes, sweeps
 from ecume.cli.engines import own_process
 from ecume.cli.output import Ending, warned
 
@@ -50,7 +50,7 @@ ALONE = (
 NAMES: dict[Callable[..., None], str] = {runs.list_runs: "list", runs.import_run: "import"}
 """Verbs whose names are Python's own words."""
 
-MODULES = (scenes, runs, pictures, browser, sweeps, fits, comparisons)
+MODULES = (scenes, runs, pictures, browser, sweeps, comparisons)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(NAMES.get(verb), no_args_is_help=verb not in ALONE)(verb)
 
@@ -70,7 +70,7 @@ def _options(
     ] = False,
 ) -> None:
     """Particles on, in and between liquids: from a scene file to a movie."""
-    progress.start()
+    output.start()
 
 
 def main() -> None:

@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from ecume._extras import install
-from ecume.cli.output import Json, Record, keep, print_json, print_table, say
-from ecume.cli.progress import lasting
-from ecume.errors import BadInput, EcumeError
+from ecume.cli.output import Json, Record, keep, lasting, print_json, print_table, say
+from ecume.errors import BadInput, EcumeError, install
 
 if TYPE_CHECKING:
     from rich.text import Text

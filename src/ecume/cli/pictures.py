@@ -11,13 +11,11 @@ from typing import Annotated, Any
 
 import typer
 
-from ecume._extras import install
 from ecume.cli.engines import without_compiler
-from ecume.cli.output import say
-from ecume.cli.progress import counted
+from ecume.cli.output import counted, say
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.cli.scenes import Overrides, placed
-from ecume.errors import BadInput
+from ecume.errors import BadInput, install
 
 NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
 
@@ -292,10 +290,10 @@ def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool)
 def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
     """The forces between a scene's floats, or the integrators side by side."""
     if force_law is not None:
-        from ecume.show.floating.force_laws import force_law as draw
+        from ecume.show.floating.law_figures import force_law as draw
 
         return draw(force_law, out or Path(f"{force_law.stem}-forces.png"))
-    from ecume.show.floating.integrators import integrator_comparison
+    from ecume.show.floating.law_figures import integrator_comparison
 
     return integrator_comparison(out or Path("integrators.png"))
 

@@ -13,8 +13,21 @@ import typer
 
 from ecume._compiler_events import watch
 from ecume.cli.engines import EngineName, Ranks, integrating
-from ecume.cli.output import Json, print_json, print_table, say
-from ecume.cli.progress import Columns, Thermo, ThermoEvery, ahead, counted, elapsed, lasting, shown, thermo_table
+from ecume.cli.output import (
+    Columns,
+    Json,
+    Thermo,
+    ThermoEvery,
+    ahead,
+    counted,
+    elapsed,
+    lasting,
+    print_json,
+    print_table,
+    say,
+    shown,
+    thermo_table,
+)
 from ecume.cli.scenes import Actions, Laws, Overrides, SceneFile, placed
 from ecume.errors import StorageError
 

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, threaded
-from ecume.engine.cells import Cells, Integers, make_cells, sort_into_cells
-from ecume.engine.periodic import nearest
+from ecume.engine.cells import Cells, Integers, make_cells, nearest, sort_into_cells
 from ecume.units import Array
 
 Slots = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
@@ -46,7 +45,7 @@ class Rows(NamedTuple):
     place: Integers
     """(STRETCHES + 1,) where in a scratch a stretch's window lies"""
     periods: Array
-    """(2, d): see `ecume.engine.periodic`"""
+    """(2, d): see `ecume.engine.cells`"""
 
 
 class NeighborLists(NamedTuple):

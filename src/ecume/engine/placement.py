@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.cells import Integers
-from ecume.engine.periodic import nearest, no_periods, periods_of
-from ecume.engine.walls import Walls, enclosures, wall_count, wall_distance
+from ecume.engine.cells import Integers, nearest, no_periods, periods_of
+from ecume.engine.walls import Walls, surfaces, wall_count, wall_distance
 from ecume.errors import BadInput
 from ecume.units import Array
 
@@ -45,7 +44,7 @@ class Region(NamedTuple):
 
     @property
     def periods(self) -> Array:
-        """See `ecume.engine.periodic`."""
+        """See `ecume.engine.cells`."""
         if not self.periodic:
             return no_periods(2)
         return periods_of([high - low for low, high in zip(self.low, self.high, strict=True)])
@@ -107,7 +106,7 @@ def _most_tries(count: int) -> int:
 def _covered(radii: Array, region: Region) -> float:
     """The area of the discs over that of the region."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    return math.pi * float((radii**2).sum()) / min(area, enclosures.area(region.walls))
+    return math.pi * float((radii**2).sum()) / min(area, surfaces.area(region.walls))
 
 
 def _overfull(radii: Array, start: int, region: Region) -> str:
@@ -165,7 +164,7 @@ def lattice_room(count: int, spacing: float, radius: float, region: Region) -> i
     """
     middle = (0.5 * (region.low[0] + region.high[0]), 0.5 * (region.low[1] + region.high[1]))
     for number, (x, y) in enumerate(place_on_lattice(count, spacing, middle)):
-        if any(distance < radius for distance in enclosures.clearances(region.walls, (x, y))):
+        if any(distance < radius for distance in surfaces.clearances(region.walls, (x, y))):
             return number
     return count
 

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume.errors import BadInput
 from ecume.lammps import tanks
 from ecume.lammps.expressible import require_expressible
-from ecume.lammps.numbers import DRAG_STEP, DeckNumbers, numbers_of
-from ecume.lammps.pair_tables import ACCURACY, OVERLAP, PairTable, pair_tables, text_of
+from ecume.lammps.numbers import ACCURACY, DRAG_STEP, OVERLAP, DeckNumbers, PairTable, numbers_of, pair_tables, text_of
 from ecume.lammps.script import DATA, TABLES, data_text, script_text
 from ecume.lammps.tanks import TANKS, tank_of
 from ecume.models.floating.contacts.springs import SHALLOW
+from ecume.models.floating.dishes import NO_WALL_LAW
 from ecume.models.floating.forces.pair_forces import row_of
-from ecume.models.floating.menisci import NO_WALL_LAW
 from ecume.trajectories.records import storing, write_whole
 from ecume.value_texts import with_prefix
 

@@ -1,20 +1,27 @@
-"""Floats that LAMMPS integrates: commands, and the state that it hands back."""
+"""Floats that LAMMPS integrates: commands, the state that it hands back, and our forces on the particles of a rank.
+
+A rank has its own particles, and ghosts of those of other ranks and of the box. Ghosts are particles with known
+positions, so that sums over pairs need no periodic images. Their own forces are incomplete, and are not used.
+"""
 
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ecume.engine.cells import Integers
 from ecume.lammps.expressible import calls_us, require_simulable
-from ecume.lammps.numbers import numbers_of, parameters_for
-from ecume.lammps.pair_tables import pair_tables, text_of
+from ecume.lammps.numbers import numbers_of, pair_tables, parameters_for, text_of
 from ecume.lammps.process import SCENE
 from ecume.lammps.script import DATA, TABLES, data_text, external_text, setup_text
 from ecume.models.costs import within_steps
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.state import DEEPEST, State
+from ecume.models.floating.record import workspace
+from ecume.models.floating.setup.initial_state import with_parts
+from ecume.models.floating.state import DEEPEST, State, Workspace, make_state
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
 from ecume.scenes.schema import to_plain
@@ -72,3 +79,57 @@ def invariants(model: Model, scene: Any, parameters: Parameters) -> list[Invaria
     """The invariants of floats; driven floats have no energy budget here."""
     dropped = {"contacts", *([ENERGY] if is_driven(parameters) else [])}
     return [row for row in model.invariants(scene, parameters) if row.name not in dropped]
+
+
+class Kept(NamedTuple):
+    """Neighbor lists, and what they are valid for."""
+
+    which: Integers
+    position: Array
+    parameters: Parameters
+    workspace: Workspace
+
+
+class ExternalForces:
+    """The forces of a scene on some of its floats, with their drag."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        """`parameters` are those of all floats."""
+        self._parameters = parameters
+        self._kept: Kept | None = None
+
+    def __call__(self, which: Integers, position: Array, velocity: Array) -> Array:
+        """The forces (N) on the first floats, as many as there are velocities; `which` are the numbers of all."""
+        own = len(velocity)
+        kept = self._kept
+        if kept is None or not _holds(kept, which, position):
+            kept = self._kept = _listed(part_of(self._parameters, which), which, position)
+        floats = kept.parameters.floats
+        friction = (floats.mass / floats.relaxation_time)[:own, None]
+        found: Array = forces_at(kept.parameters, position, kept.workspace)[:own] - friction * velocity
+        return found
+
+
+def part_of(parameters: Parameters, which: Integers) -> Parameters:
+    """The parameters of these floats, some of which may be there twice; without a periodic cell."""
+    count, kick = len(parameters.floats.radius), parameters.kick
+    rows = np.concatenate([which, np.arange(count, len(kick.mobility))])
+    return parameters._replace(
+        floats=parameters.floats._replace(**{name: row[which] for name, row in parameters.floats._asdict().items()}),
+        kick=kick._replace(decay=kick.decay[which], gain=kick.gain[which], mobility=kick.mobility[rows]),
+        wall_strength=np.ascontiguousarray(parameters.wall_strength[:, which]),
+        periods=np.zeros_like(parameters.periods),
+    )
+
+
+def _holds(kept: Kept, which: Integers, position: Array) -> bool:
+    """Whether neighbor lists are valid: for the same floats, none of which moved by more than half of the skin."""
+    if not np.array_equal(kept.which, which):
+        return False
+    return bool(np.linalg.norm(position - kept.position, axis=1).max() <= 0.5 * kept.parameters.skin)
+
+
+def _listed(parameters: Parameters, which: Integers, position: Array) -> Kept:
+    """New neighbor lists at these positions."""
+    state = with_parts(make_state(position.copy(), np.zeros_like(position)), parameters)
+    return Kept(which.copy(), position.copy(), parameters, workspace(parameters, state, 1.0))

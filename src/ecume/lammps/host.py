@@ -44,8 +44,7 @@ def commands(lammps: Any) -> Iterator[str]:
 
 def register(lammps: Any, name: str) -> None:
     """Let LAMMPS call our forces for this fix."""
-    from ecume.lammps.external_forces import ExternalForces
-    from ecume.lammps.floats_in_engine import parameters
+    from ecume.lammps.floats_in_engine import ExternalForces, parameters
     from ecume.scenes.schema import from_plain
 
     scene: Any = from_plain(json.loads(Path(SCENE).read_text(encoding="utf-8")))

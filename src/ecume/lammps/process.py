@@ -24,8 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._extras import install
-from ecume.errors import BadInput, Diverged, EcumeError
+from ecume.errors import BadInput, Diverged, EcumeError, install
 from ecume.units import Array
 
 VARIABLE = "ECUME_LAMMPS"

@@ -16,7 +16,7 @@ from numpy.polynomial import chebyshev
 from ecume.lammps.expressible import shape_of
 from ecume.lammps.numbers import DeckNumbers
 from ecume.laws.special import scaled_bessel_i1
-from ecume.models.floating.menisci import DISH, NO_WALL_LAW, PLANE
+from ecume.models.floating.dishes import DISH, NO_WALL_LAW, PLANE
 from ecume.models.floating.parameters import CAPILLARY_LENGTH
 from ecume.units import Array
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Annotated
 
 import numpy as np
 
-from ecume.engine.angle_splines import spline
 from ecume.errors import BadInput
 from ecume.units import (
     Acceleration,
     Angle,
     Angles,
+    Array,
     Density,
     Friction,
     Length,
@@ -55,7 +56,7 @@ def immersion_factor(contact_angle: Angles) -> Numbers:
     angles = np.asarray(contact_angle, dtype=np.float64)
     if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
         raise BadInput(f"contact_angle is {contact_angle!r}; expected radians between 0 and pi")
-    factors = np.maximum(spline(angles, IMMERSION_FACTORS, THIN_CAP), 0.0)
+    factors = np.maximum(_spline(angles, IMMERSION_FACTORS, THIN_CAP), 0.0)
     return float(factors) if factors.ndim == 0 else factors
 
 
@@ -254,7 +255,7 @@ def turning_factor(contact_angle: Angles) -> Numbers:
     angles = np.asarray(contact_angle, dtype=np.float64)
     if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
         raise BadInput(f"contact_angle is {contact_angle!r}; expected radians between 0 and pi")
-    factors = np.maximum(spline(angles, TURNING_FACTORS, 0.0), 0.0)
+    factors = np.maximum(_spline(angles, TURNING_FACTORS, 0.0), 0.0)
     return float(factors) if factors.ndim == 0 else factors
 
 
@@ -283,3 +284,31 @@ def disc_inertia(mass: Mass, radius: Length) -> Inertia:
     9.0
     """
     return 0.5 * mass * radius * radius
+
+
+def _spline(angles: Array, table: tuple[float, ...], end: float) -> Array:
+    """The cubic spline of a table from 0 to 180 degrees, flat at 0 and with the slope `end` at the other end: from its
+    values and slopes at the two angles (radians) around.
+    """
+    step = math.pi / (len(table) - 1)
+    place = np.minimum(angles / step, len(table) - 1.0)
+    left = np.minimum(place.astype(np.int64), len(table) - 2)
+    values, slopes, t = np.array(table), step * _slopes(table, end), place - left
+    rise, u = values[left + 1] - values[left], 1.0 - t
+    bend = u * (slopes[left] - rise) - t * (slopes[left + 1] - rise)
+    factors: Array = u * values[left] + t * values[left + 1] + t * u * bend
+    return factors
+
+
+@cache
+def _slopes(table: tuple[float, ...], end: float) -> Array:
+    """Those that leave no jump in the second derivative: (m_{k-1} + 4 m_k + m_{k+1}) / 3 = (f_{k+1} - f_{k-1}) / step,
+    given at both ends.
+    """
+    count, values = len(table), np.array(table)
+    matrix = 4.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)
+    right = np.zeros(count)
+    right[1:-1] = 3.0 * (count - 1) / math.pi * (values[2:] - values[:-2])
+    matrix[0], matrix[-1] = np.eye(count)[0], np.eye(count)[-1]
+    right[0], right[-1] = 0.0, end
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)

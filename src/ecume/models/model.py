@@ -3,13 +3,15 @@
 Whether a state fits the parameters of a scene: sizes and indices, which compiled loops trust. States come from
 checkpoints, and run directories may come from anyone. A state that does not fit would be read beyond the ends of its
 arrays.
+
+From a table of laws to compiled code, which knows a row by its code: its place in the table.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -206,3 +208,20 @@ def _faults(state: Any, layout: Layout) -> Iterator[str]:
     for name, count in layout.sets.items():
         if not np.array_equal(np.sort(getattr(state, name)), np.arange(count)):
             yield f"{name} does not number the particles; expected each number below {count} once"
+
+
+LawRow = TypeVar("LawRow")
+
+
+def code_of(table: Mapping[str, object], name: str) -> int:
+    """The code of a row. Raises ValueError for a name without a row.
+
+    >>> code_of({"none": None, "coulomb": None}, "coulomb")
+    1
+    """
+    return list(table).index(name)
+
+
+def codes(table: Mapping[str, LawRow], part: Callable[[LawRow], Callable[..., Any]]) -> dict[int, Callable[..., Any]]:
+    """A function of each row by the row's code, for `ecume._jit.selection`."""
+    return {code: part(row) for code, row in enumerate(table.values())}

@@ -4,8 +4,8 @@ ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")
 ecume.run.info("runs/bowl").frames
 
-Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `constants`, `manifest` and `progress`
-write and read them; `lock` deals with other processes and signals; `invariant_monitor` checks each
+Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `manifest` and `progress` write and read
+them; `lock` deals with other processes and signals; `invariant_monitor` checks each
 frame; `reports` and `verification` look at one or several runs from outside; `user_code` identifies a user's laws and
 actions; `crate` describes a run as a research object.
 """

@@ -18,7 +18,7 @@ from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.models.model import LOCAL, LONGEST_RUN, Engine
 from ecume.models.step_counts import BEFORE
-from ecume.run import checkpoints, constants, manifest
+from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
@@ -163,7 +163,7 @@ def resume(
         require_source(home)
         sweep(home)
         scene = from_plain(scene_at(home.path, manifest_of(home)))
-        constants.require_sound(home)
+        checkpoints.require_sound_constants(home)
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
@@ -219,7 +219,7 @@ def _moments(
 
 def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     """The parameters of a resumed run: those derived from the scene, with the constants that the run was begun with."""
-    restored = constants.restored(home, derived)
+    restored = checkpoints.restored(home, derived)
     if restored.remark:
         note(home, "constants", remark=restored.remark)
     if not restored.kept:
@@ -248,7 +248,7 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
         home,
         home.manifest,
         manifest.first_manifest(scene, source, plain)
-        | {"constants_sha256": constants.save(home, parameters)}
+        | {"constants_sha256": checkpoints.save_constants(home, parameters)}
         | code.entries()
         | {"on_violation": options.on_violation or scene.on_violation}
         | ({IMPORTED: clean(options.imported)} if options.imported else {})

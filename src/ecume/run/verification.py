@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.models.model import LOCAL, Engine
-from ecume.run import checkpoints, constants, lock
-from ecume.run.checkpoints import set_aside
-from ecume.run.constants import is_sound
+from ecume.run import checkpoints, lock
+from ecume.run.checkpoints import is_sound, set_aside
 from ecume.run.directory import RunDirectory, existing, has_checksums, manifest_of, read, write
 from ecume.run.manifest import changed, digest, digests
 from ecume.run.recording import difference, lines_of, selection_of, split
@@ -224,7 +223,7 @@ def _beside(home: RunDirectory) -> list[str]:
     """What is wrong with the files beside the frames."""
     checks: list[Callable[[], object]] = [
         lambda: resolved_at(home.path, manifest_of(home)),
-        lambda: constants.require_sound(home),
+        lambda: checkpoints.require_sound_constants(home),
         lambda: require_source(home),
         lambda: lock_of(home),
         lambda: _log(home),
@@ -343,4 +342,4 @@ def _recomputed(
 
 
 def _constants(home: RunDirectory, derived: Any) -> Any:
-    return constants.restored(home, derived).parameters
+    return checkpoints.restored(home, derived).parameters

@@ -26,8 +26,7 @@ from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import Scene, scene_hash, to_plain
 from ecume.scenes.tables import beside, require_there
 from ecume.scenes.templates import folder as templates_folder
-from ecume.sweep.processes import require_arguments, require_settings
-from ecume.sweep.spec import Asked, Point, SweepSpec, load_sweep, points_of, varied
+from ecume.sweep.spec import Asked, Point, SweepSpec, load_sweep, points_of, require_arguments, require_settings, varied
 from ecume.trajectories.records import anything, key, listed, named, plain_of, storing, table, whole, write_whole
 
 KEY_LENGTH = 16

@@ -20,8 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ecume._extras import install
-from ecume.errors import BadInput, EcumeError, RunExists, Stopped
+from ecume.errors import BadInput, EcumeError, RunExists, Stopped, install
 from ecume.run.lock import handled
 from ecume.sweep.directory import Job, Sweeping, json_at
 from ecume.sweep.spec import Cluster, Point
@@ -66,7 +65,7 @@ def _record_failure(job: Job, error: Exception) -> None:
 
 
 def _process(job: Job, plan: dict[str, object]) -> None:
-    from ecume.sweep.processes import results_of
+    from ecume.sweep.spec import results_of
 
     result = results_of(str(plan["process"]), dict(plan["settings"]))  # type: ignore[call-overload]
     with storing(job.result):

@@ -20,7 +20,7 @@ from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at
 from ecume.sweep.executors import engine_of
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
-from ecume.sweep.processes import process_of
+from ecume.sweep.spec import process_of
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import storing, write_whole
 from ecume.trajectories.tables import library

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._extras import install
-from ecume.errors import BadInput
+from ecume.errors import BadInput, install
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:

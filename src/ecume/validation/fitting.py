@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.fitting import Estimate, Tracks, fit
-from ecume.fitting.least_squares import simulated
+from ecume.fitting.estimation import simulated
 from ecume.fitting.parameters import quantities_of
 from ecume.scenes.floating import FloatingScene, FloatSpec, LiquidSpec
 from ecume.units import Array

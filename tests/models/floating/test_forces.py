@@ -7,7 +7,7 @@ from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models import MODELS
-from ecume.models.floating import menisci
+from ecume.models.floating import dishes
 from ecume.models.floating.contacts.collisions import require_rest
 from ecume.models.floating.forces.pair_forces import law_of, summed_law, two_floats
 from ecume.models.floating.frames import observe
@@ -148,7 +148,7 @@ def test_only_approaches_by_the_kick_alone_are_brought_to_rest():
 @pytest.mark.parametrize("image", ["pinned", "fixed-angle"])
 def test_the_energy_of_images_in_a_dish_is_continuous_near_the_wall(image):
     dish, liquid = DishSpec(radius=0.02, contact_angle=1.0, image=image), flotation.Liquid(1000.0, 0.0728, 1e-3)
-    switch = menisci.HUGGING * 0.02
-    before, at, after, far = menisci._round_images(dish, liquid, switch * np.array([0.999, 1.0, 1.001, 10.0]))
+    switch = dishes.HUGGING * 0.02
+    before, at, after, far = dishes._round_images(dish, liquid, switch * np.array([0.999, 1.0, 1.001, 10.0]))
     assert at - before == pytest.approx(after - at, rel=0.05)
     assert abs(at - before) < 0.01 * abs(at - far)

@@ -8,9 +8,9 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import capillarity, flotation, meniscus
 from ecume.models import MODELS
+from ecume.models.floating.dishes import DISH, PLANE, TABLED
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
 from ecume.models.floating.frames import observe
-from ecume.models.floating.menisci import DISH, PLANE, TABLED
 from ecume.models.floating.state import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of

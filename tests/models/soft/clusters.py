@@ -5,12 +5,11 @@ import math
 import numpy as np
 
 from ecume.laws.deflections import TANGENTIAL, TENSION
-from ecume.models.model import CROWDED
+from ecume.models.model import CROWDED, code_of
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers
 from ecume.models.soft.contacts.user_forces import no_laws
 from ecume.models.soft.parameters import Contacts
-from ecume.models.tables import code_of
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 
 PAPER = (1.5 * math.pi, math.pi, 1.0, 1.0, 1.0, 1.0)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ecume.laws.interfaces import INTERFACES
+from ecume.models.model import code_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.tables import code_of
 
 from .clusters import LOPSIDED, PAPER, contacts, one_contact
 

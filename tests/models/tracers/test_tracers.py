@@ -9,7 +9,7 @@ import ecume
 from ecume.errors import Diverged, SceneError
 from ecume.laws import brownian, drag
 from ecume.models import MODELS, costs
-from ecume.models.tracers.initial_state import bounds
+from ecume.models.tracers.state import bounds
 from ecume.models.tracers.time_stepping import NOWHERE, all_somewhere
 from ecume.scenes.tracers import (
     FlowSpec,

@@ -11,7 +11,7 @@ from ecume.errors import BadInput
 from ecume.laws import flotation
 from ecume.models.liquids import liquid_of
 from ecume.scenes.load import load_scene
-from ecume.show.floating.force_laws import drawn_forces, force_law, pair_forces
+from ecume.show.floating.law_figures import drawn_forces, force_law, pair_forces
 
 TWO = """
 model = "floating"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ecume.show.floating.integrators import (
+from ecume.show.floating.law_figures import (
     INTEGRATORS,
     comparison,
     integrator_comparison,
@@ -52,7 +52,7 @@ def test_the_figure_names_every_integrator_with_its_order(found, tmp_path):
 
 @pytest.mark.long
 def test_the_comparison_is_written_where_it_is_wanted(found, tmp_path, monkeypatch):
-    monkeypatch.setattr("ecume.show.floating.integrators.comparison", lambda: found)
+    monkeypatch.setattr("ecume.show.floating.law_figures.comparison", lambda: found)
     out = integrator_comparison(tmp_path / "deep" / "integrators.pdf")
     assert out == tmp_path / "deep" / "integrators.pdf"
     assert out.read_bytes().startswith(b"%PDF")

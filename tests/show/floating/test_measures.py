@@ -5,7 +5,7 @@ import pytest
 
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
-from ecume.show.floating.measures import MEASURES, region_of
+from ecume.show.floating.figures import MEASURES, region_of
 from ecume.trajectories.frame import Frame
 
 SCENE = """

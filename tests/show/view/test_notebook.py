@@ -10,7 +10,7 @@ from tests.show.view.runs import run_of
 
 from ecume.errors import BadInput
 from ecume.run import RunResult, info
-from ecume.show.view.notebook import player, still
+from ecume.show.view.page import player, still
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 

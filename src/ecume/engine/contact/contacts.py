@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
-from ecume.engine.cells import Integers
-from ecume.engine.periodic import nearest
+from ecume.engine.cells import Integers, nearest
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
 
@@ -27,7 +26,7 @@ class Bodies(NamedTuple):
     mobility: Array
     """(N + walls,) velocity per impulse: the inverse mass, reduced by drag during the step; zero for fixed bodies"""
     periods: Array
-    """(2, 2): see `ecume.engine.periodic`"""
+    """(2, 2): see `ecume.engine.cells`"""
 
 
 class Candidates(NamedTuple):

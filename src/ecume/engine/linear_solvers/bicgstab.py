@@ -19,8 +19,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, inlined, prange, threaded
 from ecume.engine.cells import Integers
-from ecume.engine.linear_solvers.block_matrix import CHUNK, Matrix
-from ecume.engine.linear_solvers.dense_elimination import invert_diagonal
+from ecume.engine.linear_solvers.block_matrix import CHUNK, Matrix, invert_diagonal
 from ecume.units import Array
 
 FEW = 2000

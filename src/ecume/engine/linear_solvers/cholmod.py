@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._extras import install
 from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center
 from ecume.engine.linear_solvers.sparse_lu import ACCURATE, USEFUL
-from ecume.errors import BadInput
+from ecume.errors import BadInput, install
 from ecume.units import Array
 
 MOST_ITERATIONS = 60

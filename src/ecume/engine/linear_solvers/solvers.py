@@ -18,8 +18,7 @@ from typing import Any
 
 from ecume.engine.linear_solvers import cholmod, sparse_lu
 from ecume.engine.linear_solvers.bicgstab import Goal, Gradients, descend, make_gradients
-from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center
-from ecume.engine.linear_solvers.dense_elimination import eliminate
+from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center, eliminate
 from ecume.units import Array
 
 MOST_ITERATIONS = 2000

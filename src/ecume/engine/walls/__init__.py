@@ -1,25 +1,28 @@
 """Walls: surfaces that turn particles back within a step (`reflect`), and what encloses a floating raft (`Walls`).
 
-Start in `surfaces`, the one family of shapes, planes and spheres, which all models use. `enclosures` reads a flat one
-as floats need it; soft spheres move its planes (`through`).
+Start in `surfaces`, the one family of shapes, planes and spheres, which all models use. Its second part reads a flat
+one as floats need it; soft spheres move its planes (`through`).
 """
 
 from __future__ import annotations
 
-from ecume.engine.walls.enclosures import Walls, enclosed_by, is_circle, no_walls, wall_count, wall_distance
 from ecume.engine.walls.event_driven import CAPPED, MOST_EVENTS, STARTED_OUTSIDE, STAYED, reflect_all
 from ecume.engine.walls.reflecting import Trace, clearance, gaps, reflect, trace
 from ecume.engine.walls.sheets import Sheet, sheet
 from ecume.engine.walls.surfaces import (
     Entrance,
     Surfaces,
+    Walls,
     box,
     described,
     disc,
+    enclosed_by,
     entrance,
+    is_circle,
     moved,
     moving,
     nearest_points,
+    no_walls,
     opening,
     outside,
     planes,
@@ -27,6 +30,8 @@ from ecume.engine.walls.surfaces import (
     polyhedron,
     through,
     together,
+    wall_count,
+    wall_distance,
     wedge,
 )
 

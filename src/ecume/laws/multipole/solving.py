@@ -28,12 +28,11 @@ from numpy.typing import NDArray
 from ecume import _jit
 from ecume._jit import compiled
 from ecume.laws import special
-from ecume.laws.multipole import ladders
-from ecume.laws.multipole.closures import Closure
-from ecume.laws.multipole.ladders import outgoing_ladder, regular_ladder
+from ecume.laws.multipole import closures
+from ecume.laws.multipole.closures import Closure, outgoing_ladder, regular_ladder
 from ecume.units import Array
 
-_jit.admit(special, ladders)
+_jit.admit(special, closures)
 
 Waves = NDArray[np.complex128]
 """(N, order + 1) amplitudes."""

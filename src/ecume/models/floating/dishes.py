@@ -1,4 +1,13 @@
-"""The shapes that a dish can have: `SHAPES`, the table of them.
+"""Dishes: their shapes, and the menisci at their walls, also in compiled code: heights, and forces on floats.
+
+Two kinds are known, each one record: inside a round wall (`ROUND`) and between two pairs of facing walls (`FACING`).
+Each law has a number, which compiled code reads here.
+
+Exact menisci and mirror images have no formula. A table has heights and image energies of a unit charge with their
+slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
+slopes of the polynomial, so that energy is conserved.
+
+The shapes that a dish can have: `SHAPES`, the table of them.
 
 A row holds everything that depends on the shape. Distances, normals, the region inside, its outline in pictures and
 on pages, and the places where floats can start follow from its surfaces (`ecume.engine.walls`).
@@ -7,23 +16,347 @@ on pages, and the places where floats can start follow from its surfaces (`ecume
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine import walls as surfaces
-from ecume.engine.walls import Surfaces, Walls, enclosed_by, enclosures, no_walls, wall_count
-from ecume.laws import flotation
-from ecume.models.floating import menisci
-from ecume.models.floating.menisci import FACING, ROUND, Meniscus
+from ecume._jit import admit, compiled_inside
+from ecume.engine.walls import Surfaces, Walls, enclosed_by, no_walls, surfaces, wall_count, wall_distance
+from ecume.errors import BadInput
+from ecume.laws import capillarity, flotation, meniscus, special
+from ecume.laws.capillarity import (
+    dish_energy,
+    dish_force,
+    plane_wall_energy,
+    plane_wall_force,
+    two_point_legacy_energy,
+    two_point_legacy_force,
+)
 from ecume.models.floating.options import scene_error
-from ecume.models.floating.parameters import Floats
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, Floats, Parameters
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import DishSpec, FloatingScene
+
+admit(special, capillarity)
+
+NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
+"""Laws of walls in compiled code: of `meniscus` and `linear` the far field in a dish or at a plane wall, of
+`two-point-legacy`, and of exact profiles and images a table.
+"""
+HEIGHT, IMAGE = 2, 4
+"""Rows of a table: each of these two, and its slope over ln(d) below it. Row 0 starts with ln(d) of the first node and
+the step; row 1 holds the distances.
+"""
+
+
+@compiled_inside
+def acts(parameters: Parameters) -> bool:
+    """Whether the walls act on floats from afar."""
+    return parameters.wall_law != NO_WALL_LAW
+
+
+def is_far_field(wall_law: int) -> bool:
+    """Whether the walls have the meniscus of superposition, without images, or none: what other methods refine."""
+    return wall_law in (NO_WALL_LAW, DISH, PLANE)
+
+
+def wall_stiffness(parameters: Parameters) -> float:
+    """|dF/dd| of the walls for the float on which they act most (N/m), as near as the smallest float comes."""
+    strongest = float(np.max(np.abs(parameters.wall_strength), initial=0.0))
+    if parameters.wall_law != TABLED:
+        return strongest / float(parameters.pair[CAPILLARY_LENGTH]) ** 2
+    floats, distance = parameters.floats, parameters.wall_table[1]
+    near = distance >= float(np.min(floats.radius))
+    stiffness = 0.0
+    for row, strength in ((HEIGHT, strongest), (IMAGE, parameters.image_strength * float(np.max(floats.charge**2)))):
+        force = parameters.wall_table[row + 1] / distance
+        stiffness += strength * float(np.max(np.abs(np.gradient(force, distance)[near])))
+    return stiffness
+
+
+@compiled_inside
+def wall_force(
+    parameters: Parameters, number: int, place: tuple[float, float], strength: float, charge: float
+) -> tuple[float, float, float]:
+    """The force of wall `number` on a charge at a place (N), positive away from the wall, and the wall's normal."""
+    walls, length, (x, y) = parameters.walls, parameters.pair[CAPILLARY_LENGTH], place
+    distance, inward_x, inward_y = wall_distance(walls, number, x, y)
+    if parameters.wall_law == PLANE:
+        away = plane_wall_force(distance, strength, length)
+    elif parameters.wall_law == DISH:
+        away = dish_force(math.sqrt(x * x + y * y), strength, length, walls.disc_radius)
+    elif parameters.wall_law == TABLED:
+        mirrored = parameters.image_strength * charge * charge
+        away = -strength * tabled(parameters.wall_table, HEIGHT, distance)[1]
+        away -= mirrored * tabled(parameters.wall_table, IMAGE, distance)[1]
+    else:
+        away = two_point_legacy_force(math.sqrt(x * x + y * y), strength, length, walls.disc_radius)
+    return away, inward_x, inward_y
+
+
+@compiled_inside
+def wall_energy(
+    parameters: Parameters, number: int, place: tuple[float, float], strength: float, charge: float
+) -> tuple[float, float]:
+    """The energy of a charge at a place beside wall `number` (J): in the meniscus, and in its mirror image."""
+    walls, length, (x, y) = parameters.walls, parameters.pair[CAPILLARY_LENGTH], place
+    if parameters.wall_law == PLANE:
+        return plane_wall_energy(wall_distance(walls, number, x, y)[0], strength, length), 0.0
+    if parameters.wall_law == DISH:
+        return dish_energy(math.sqrt(x * x + y * y), strength, length, walls.disc_radius), 0.0
+    if parameters.wall_law == TABLED:
+        distance = wall_distance(walls, number, x, y)[0]
+        mirrored = parameters.image_strength * charge * charge
+        height, image = tabled(parameters.wall_table, HEIGHT, distance), tabled(parameters.wall_table, IMAGE, distance)
+        return strength * height[0], mirrored * image[0]
+    return two_point_legacy_energy(math.sqrt(x * x + y * y), strength, length, walls.disc_radius), 0.0
+
+
+@compiled_inside
+def tabled(table: Array, row: int, distance: float) -> tuple[float, float]:
+    """A tabled quantity and its slope over the distance; beyond the ends as at the ends."""
+    start, step = table[0, 0], table[0, 1]
+    last = table.shape[1] - 1
+    within = min(max(distance, table[1, 0]), table[1, last])
+    place = min(max((math.log(within) - start) / step, 0.0), float(last))
+    left = min(int(place), last - 1)
+    t = place - left
+    u = 1.0 - t
+    rise = table[row, left + 1] - table[row, left]
+    before, after = step * table[row + 1, left] - rise, rise - step * table[row + 1, left + 1]
+    value = u * table[row, left] + t * table[row, left + 1] + t * u * (u * before + t * after)
+    slope = rise + (1.0 - 2.0 * t) * (u * before + t * after) + t * u * (after - before)
+    return value, slope / (step * within)
+
+
+NODES = 600
+FAR = 30.0
+"""In capillary lengths: cutoff of plane walls, counted from contact with the largest float."""
+HUGGING = 0.01
+"""Distance from the wall over the radius of the dish below which the image force is that of a plane wall. It is up to
+one percent too weak there, where the sums over images are too long."""
+
+
+class Meniscus(NamedTuple):
+    """A kind of meniscus at the walls of a dish, and everything that depends on it."""
+
+    laws: Mapping[str, int]
+    """the compiled law for each name that `dish.law` may have"""
+    amplitudes: Callable[[DishSpec, flotation.Liquid, str], list[float]]
+    """amplitudes(dish, liquid, theory): the far amplitude of each wall's meniscus (m)"""
+    tabled_amplitudes: Callable[[DishSpec, flotation.Liquid, str], list[float]]
+    """the same, as the table of heights is scaled"""
+    farthest: Callable[[DishSpec, flotation.Liquid, float], float]
+    """farthest(dish, liquid, largest): the distance (m) from a wall to which tables reach"""
+    heights: Callable[[DishSpec, flotation.Liquid, Array], Array]
+    """heights(dish, liquid, distance): of a wall's meniscus, over its tabled amplitude"""
+    images: Callable[[DishSpec, flotation.Liquid, Array], Array]
+    """images(dish, liquid, distance): the energy of a charge in its mirror image, over 2 pi gamma A^2"""
+    field: Callable[[DishSpec, flotation.Liquid, Array, Array], Array]
+    """field(dish, liquid, x, y): the height on a grid (m), shape (y, x), for pictures"""
+    multipoles: Callable[[Any, DishSpec, flotation.Liquid], Any]
+    """multipoles(multipoles, dish, liquid): the multipoles of all floats between these walls"""
+
+
+# --- the two kinds ----------------------------------------------------------------------------------------------------
+
+
+def _round_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
+    return [meniscus.AMPLITUDES[theory](dish.contact_angle, liquid)]
+
+
+def _round_tabled_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
+    _round_amplitudes(dish, liquid, theory)  # refuses angles that the theory does not know
+    return [liquid.capillary_length]
+
+
+def _radius(dish: DishSpec) -> float:
+    assert dish.radius is not None  # noqa: S101  # the shape requires it
+    return dish.radius
+
+
+def _round_heights(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
+    theory = {"meniscus": "amplitude", "linear": "linear", "profile": "nonlinear"}[str(dish.law)]
+    r, radius = np.maximum(_radius(dish) - distance, 0.0), _radius(dish)
+    height = meniscus.dish_height(r, radius, dish.contact_angle, liquid, theory)
+    return np.asarray(height) / liquid.capillary_length
+
+
+def _round_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
+    """The image energy -(1/2) sum_m c_m I_m^2 in a dish."""
+    radius, length = _radius(dish), liquid.capillary_length
+    plane, away = _plane_images(dish, liquid, distance), distance >= HUGGING * radius
+    sums = meniscus.dish_sums((radius - distance[away]) / length, radius / length, meniscus.WALLS[dish.image])
+    energy = -0.5 * sums.height
+    # Nearer to the wall, the energy of a plane wall plus a constant.
+    beside = energy[0] - plane[away][0]
+    return np.concatenate([plane[~away] + beside, energy])
+
+
+def _round_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
+    r = np.minimum(np.hypot(x, y[:, None]), _radius(dish))
+    height = meniscus.dish_height(r=r, dish_radius=_radius(dish), contact_angle=dish.contact_angle, liquid=liquid)
+    return np.asarray(height)
+
+
+def _round_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
+    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
+
+    return multipoles.with_dish(many_floats, _radius(dish), dish.contact_angle, mirrored=True)
+
+
+ROUND = Meniscus(
+    {"meniscus": DISH, "linear": DISH, "profile": TABLED, "two-point-legacy": LEGACY_DISH, "none": NO_WALL_LAW},
+    _round_amplitudes,
+    _round_tabled_amplitudes,
+    lambda dish, liquid, largest: _radius(dish),
+    _round_heights,
+    _round_images,
+    _round_field,
+    _round_multipoles,
+)
+
+
+def _sides(dish: DishSpec) -> tuple[float, float]:
+    assert dish.size is not None  # noqa: S101  # the shape requires it
+    return dish.size
+
+
+def _facing_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
+    across, along = (meniscus.facing_amplitude(side, dish.contact_angle, liquid, theory) for side in _sides(dish))
+    return [across, along, across, along]
+
+
+def _plane_heights(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
+    if dish.law != "profile":
+        return np.exp(-distance / liquid.capillary_length)
+    amplitude = meniscus.wall_amplitude(dish.contact_angle, liquid)
+    if amplitude == 0.0:
+        return np.zeros_like(distance)
+    return np.asarray(meniscus.plane_height(distance, dish.contact_angle, liquid)) / amplitude
+
+
+def _plane_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
+    """-(1/2) K0(2 d/L) at a plane wall, with its sign."""
+    from scipy.special import k0
+
+    energy: Array = -0.5 * meniscus.WALLS[dish.image] * k0(2.0 * distance / liquid.capillary_length)
+    return energy
+
+
+def _facing_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
+    across, along = (
+        _between(nodes, side, dish.contact_angle, liquid) for nodes, side in zip((x, y), _sides(dish), strict=True)
+    )
+    return np.asarray(across + along[:, None])
+
+
+def _between(nodes: Array, side: float, contact_angle: float, liquid: flotation.Liquid) -> Array:
+    """The height between two walls that face each other: a charge of one in it has this as its energy."""
+    amplitude = meniscus.facing_amplitude(side, contact_angle, liquid)
+    apart = np.maximum(side / 2 + np.stack([nodes, -nodes]), 0.0)
+    heights = [plane_wall_energy(float(distance), amplitude, liquid.capillary_length) for distance in apart.ravel()]
+    both: Array = np.reshape(heights, apart.shape)
+    return np.asarray(both[0] + both[1])
+
+
+def _facing_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
+    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
+
+    return multipoles.with_basin(many_floats, _sides(dish), dish.contact_angle, liquid, mirrored=True)
+
+
+FACING = Meniscus(
+    {"meniscus": PLANE, "linear": PLANE, "profile": TABLED, "none": NO_WALL_LAW},
+    _facing_amplitudes,
+    _facing_amplitudes,
+    lambda dish, liquid, largest: FAR * liquid.capillary_length + largest,
+    _plane_heights,
+    _plane_images,
+    _facing_field,
+    _facing_multipoles,
+)
+
+
+# --- choices of a scene -----------------------------------------------------------------------------------------------
+
+
+def law_of(dish: DishSpec, found: Meniscus) -> int:
+    """The compiled law of the walls of a dish with this kind of meniscus. Raises SceneError for other laws."""
+    law = str(dish.law)
+    if law not in found.laws:
+        known = ", ".join(repr(name) for name in found.laws)
+        raise scene_error("dish.law", f"got {law!r}, which is for round dishes; expected one of {known}")
+    code = found.laws[law]
+    if dish.image == "none":
+        return code
+    if code == LEGACY_DISH:
+        raise scene_error("dish.image", f"{dish.law!r} has no images; expected image = 'none', or another law")
+    return TABLED
+
+
+def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int) -> Array:
+    """(walls, N) in J: the strength of the meniscus of each of these walls for each float."""
+    dish, liquid = scene.dish, liquid_of(scene)
+    assert dish is not None  # noqa: S101  # only asked with a dish
+    tension, law = liquid.surface_tension, law_of(dish, found)
+    if law == LEGACY_DISH:
+        bonds = (floats.radius / liquid.capillary_length) ** 2
+        wall_ratio = (dish.density - liquid.gas_density) / liquid.density_difference
+        weight = flotation.weight_number(wall_ratio, dish.contact_angle)
+        rows = [
+            capillarity.legacy_wall_strength(tension, radius, bond, weight)
+            for radius, bond in zip(floats.radius, bonds, strict=True)
+        ]
+        return np.array([rows])
+    amplitudes = [0.0] * count
+    if dish.law != "none":
+        amplitudes_of = found.tabled_amplitudes if law == TABLED else found.amplitudes
+        try:
+            amplitudes = amplitudes_of(dish, liquid, "linear" if dish.law == "linear" else "amplitude")
+        except BadInput as error:
+            raise scene_error("dish.law", str(error)) from None
+    if len(amplitudes) != count:  # compiled loops would read beyond the end
+        raise scene_error("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
+    charges, number = np.unique(floats.charge, return_inverse=True)
+    each = [[capillarity.wall_strength(tension, charge, wall) for charge in charges.tolist()] for wall in amplitudes]
+    return np.array(each)[:, number]
+
+
+def no_table() -> Array:
+    """The table of walls that follow a formula."""
+    return np.zeros((6, 2))
+
+
+def wall_table(dish: DishSpec, liquid: flotation.Liquid, radii: tuple[float, float], found: Meniscus) -> Array:
+    """Heights and mirror energies over the distance from a wall, for floats from the smallest to the largest radius."""
+    if law_of(dish, found) != TABLED:
+        return no_table()
+    smallest, largest = radii
+    farthest = found.farthest(dish, liquid, largest)
+    logarithms = np.linspace(math.log(0.5 * smallest), math.log(farthest), NODES)
+    distance = np.exp(logarithms)
+    distance[-1] = farthest
+    table = np.zeros((6, NODES))
+    table[0, :2] = logarithms[0], logarithms[1] - logarithms[0]
+    table[1] = distance
+    none = np.zeros_like(distance)
+    heights = none if dish.law == "none" else found.heights(dish, liquid, distance)
+    mirrored = none if dish.image == "none" else found.images(dish, liquid, distance)
+    for row, values in ((HEIGHT, heights), (IMAGE, mirrored)):
+        table[row], table[row + 1] = values, _slopes(logarithms, values)
+    return table
+
+
+def _slopes(logarithms: Array, values: Array) -> Array:
+    from scipy.interpolate import CubicSpline
+
+    slopes: Array = CubicSpline(logarithms, values)(logarithms, 1)
+    return slopes
 
 
 FIRST_MODE = 1.8411837813406593
@@ -41,7 +374,7 @@ class Shape(NamedTuple):
     """the menisci at the walls; None if they are not known"""
     no_meniscus: str = ""
     """the reason if they are not known"""
-    wavenumber: Callable[[Walls], float] = lambda walls: FIRST_MODE * math.sqrt(math.pi / enclosures.area(walls))
+    wavenumber: Callable[[Walls], float] = lambda walls: FIRST_MODE * math.sqrt(math.pi / surfaces.area(walls))
     """of the first sloshing mode (1/m). Default: that of a circle of the same area, the largest for that area"""
 
 
@@ -56,7 +389,7 @@ SHAPES = {
         "size",
         lambda size: surfaces.box((-0.5 * size[0], -0.5 * size[1]), (0.5 * size[0], 0.5 * size[1])),
         FACING,
-        wavenumber=lambda walls: 0.5 * math.pi / max(enclosures.bounds(walls)[1]),
+        wavenumber=lambda walls: 0.5 * math.pi / max(surfaces.bounds(walls)[1]),
     ),
 }
 """By the names of `dish.shape`. Without a name, the first row that takes the given key."""
@@ -83,7 +416,7 @@ def walls_of(dish: DishSpec | None) -> Walls:
 
 def outline_of(dish: DishSpec) -> Array:
     """The edge of the dish as points of a polygon, counterclockwise, (n, 2) m."""
-    return enclosures.outline(walls_of(dish))
+    return surfaces.outline(walls_of(dish))
 
 
 def sloshing_wavenumber(dish: DishSpec) -> float:
@@ -108,7 +441,7 @@ def _has_meniscus(dish: DishSpec | None) -> bool:
 def wall_law_of(scene: FloatingScene) -> int:
     """The compiled law that the walls follow."""
     dish = scene.dish
-    return menisci.law_of(dish, meniscus_of(dish)) if dish and _has_meniscus(dish) else menisci.NO_WALL_LAW
+    return law_of(dish, meniscus_of(dish)) if dish and _has_meniscus(dish) else NO_WALL_LAW
 
 
 def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
@@ -116,15 +449,15 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
     dish, count = scene.dish, wall_count(walls_of(scene.dish))
     if dish is None or not _has_meniscus(dish):
         return np.zeros((count, len(floats.radius)))
-    return menisci.strengths(scene, floats, meniscus_of(dish), count)
+    return strengths(scene, floats, meniscus_of(dish), count)
 
 
 def wall_table_of(scene: FloatingScene, radii: tuple[float, float]) -> Array:
     """The table of the walls, or an empty one."""
     dish = scene.dish
     if dish is None or not _has_meniscus(dish):
-        return menisci.no_table()
-    return menisci.wall_table(dish, liquid_of(scene), radii, meniscus_of(dish))
+        return no_table()
+    return wall_table(dish, liquid_of(scene), radii, meniscus_of(dish))
 
 
 def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array) -> Array:

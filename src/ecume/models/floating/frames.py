@@ -8,9 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, into_box
 from ecume.engine.contact.contacts import Candidates, apart
-from ecume.engine.periodic import into_box
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.dish_motion import sway_place
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between

@@ -135,7 +135,7 @@ class Parameters(NamedTuple):
     single: bool = False
     """whether pair forces are computed in single precision"""
     periods: Array = np.zeros((2, 2))
-    """of the cell: see `ecume.engine.periodic`; zero without a cell"""
+    """of the cell: see `ecume.engine.cells`; zero without a cell"""
     parts: Any = ()
     """the `Parts` of the model, whose types select compiled code; empty in the parameters that compiled code gets"""
 

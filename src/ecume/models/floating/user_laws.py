@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume._jit import compiled_once, of_this_process
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
-from ecume.engine.periodic import nearest
 from ecume.models.floating.forces.interactions import BY_CONSTANTS, ROUND, Interaction
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION, PairParameters, Parameters

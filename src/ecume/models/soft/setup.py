@@ -21,6 +21,7 @@ from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import PREFACTORS, Prefactors
 from ecume.laws.surfaces import SURFACES
 from ecume.models.liquids import material_of
+from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.contacts.contact_list import neighbors, open_all, wall_gaps
 from ecume.models.soft.contacts.pieces import UNBALANCED, loose_spheres, pieces
@@ -31,7 +32,6 @@ from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Paramete
 from ecume.models.soft.protocol import LOAD, SCALE, Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
-from ecume.models.tables import code_of
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
 from ecume.units import Array
 from ecume.value_texts import with_prefix

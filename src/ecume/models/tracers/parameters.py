@@ -15,8 +15,8 @@ from ecume.engine.walls import Sheet, Surfaces, sheet
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import brownian, drag
 from ecume.models.liquids import named_liquid
+from ecume.models.model import code_of
 from ecume.models.step_counts import ending_on_a_step
-from ecume.models.tables import code_of
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import ObstacleSpec, TankSpec, TracersScene, WallSpec

@@ -14,10 +14,9 @@ from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
 from ecume.models.step_counts import last_step
 from ecume.models.tracers.energy_budget import brings, exchange, lent
-from ecume.models.tracers.initial_state import layout, start
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import DRAGS, Parameters, parameters_of
-from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
+from ecume.models.tracers.state import CAPPED, State, Workspace, came, layout, start, workspace
 from ecume.models.tracers.state import TRACERS as ACCESS
 from ecume.models.tracers.time_stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene

@@ -14,8 +14,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, normals
 from ecume.engine.walls import Sheet, reflect_all
 from ecume.laws import brownian, drag
-from ecume.models.model import DIVERGED, DONE, EXCHANGE
-from ecume.models.tables import codes
+from ecume.models.model import DIVERGED, DONE, EXCHANGE, codes
 from ecume.models.tracers import parameters
 from ecume.models.tracers.energy_budget import NOT_NOW, has_budget, work_of_drifts, work_of_flights, work_of_steps
 from ecume.models.tracers.parameters import DRAGS, DragChoice, Parameters

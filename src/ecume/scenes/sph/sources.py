@@ -15,7 +15,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from ecume._extras import install
+from ecume.errors import install
 from ecume.scenes.faults import Complaints, Inconsistent, echo
 from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Polygon
 
-from ecume.engine.walls import enclosures
+from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import outline_of, walls_of
 from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
 from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus, with_images
@@ -63,7 +63,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
         margin = 2.0 * BESIDE * max(width, height)
         return view_around(0.5 * width, 0.5 * height, width + margin, height + margin)
     if scene.dish is not None:
-        (left, bottom), (right, top) = enclosures.bounds(walls_of(scene.dish))
+        (left, bottom), (right, top) = surfaces.bounds(walls_of(scene.dish))
         middle = 0.5 * (left + right), 0.5 * (bottom + top)
         whole = view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
         # Below a wall without round corners there is no room for the scale bar.

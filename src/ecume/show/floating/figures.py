@@ -1,28 +1,390 @@
-"""The figures of the floating model: what floats do, and by which force."""
+"""The figures of the floating model: what floats do, and by which force.
+
+Measures of rafts over time and space come first, the table last.
+"""
 
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from ecume.analysis.series import tracks
+from ecume.analysis.boxes import box_of
+from ecume.analysis.clusters import (
+    Clusters,
+    Topology,
+    arrangement,
+    entropy_production,
+    mean_raft,
+    shares_by_size,
+    topologies,
+    touching_clusters,
+    touching_pairs,
+    transitions,
+)
+from ecume.analysis.series import BLOCKS, times, tracks
+from ecume.analysis.structure import (
+    Region,
+    approach,
+    fractal_dimension,
+    hexatic_order,
+    mean_square_displacement,
+    pair_distribution,
+    region_in,
+    shapes_of,
+    whole,
+)
+from ecume.engine.walls.surfaces import shrunk
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
+from ecume.models.floating.dishes import walls_of
 from ecume.models.floating.forces.pair_forces import constants_of
 from ecume.models.liquids import liquid_of
-from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned, titled
+from ecume.show.curves import (
+    Frames,
+    clusters,
+    energies,
+    evolution,
+    kinetic_energy,
+    over_time,
+    scaling,
+    span,
+    thinned,
+    titled,
+)
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
-from ecume.show.floating.measures import CLUSTER_FIGURES, MEASURES
 from ecume.show.picture import species, species_dots
-from ecume.show.style import INK, MUTED, PALETTE, figure, plain, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+MOST_PAIRS = 12
+BINS = 120
+MOST_FOR_NO_FIT = 3
+"""Sizes of rafts up to which no fractal dimension is fitted."""
+SHELLS = 12.0
+"""How far the pair distribution is drawn, in mean radii."""
+
+
+def order(frames: Frames, scene: Any) -> Figure:
+    """The hexatic order over time: how good the lattices are, and how far one of them reaches."""
+    shown = evolution(frames)
+    psi = [hexatic_order(frame) for frame in shown]
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, "Hexatic order")
+        axes.plot(
+            times(shown),
+            [np.abs(each).mean() for each in psi],
+            color=PALETTE[1],
+            label="local, $\\langle|\\psi_6|\\rangle$",
+        )
+        axes.plot(
+            times(shown),
+            [abs(each.mean()) for each in psi],
+            color=PALETTE[0],
+            label="global, $|\\langle\\psi_6\\rangle|$",
+        )
+        axes.set(ylim=(0.0, 1.0), ylabel=r"hexatic order $|\psi_6|$")
+        legend_outside(axes)
+    return drawn
+
+
+def distribution(frames: Frames, scene: Any) -> Figure:
+    """The pair distribution of the last frame beside that of the first."""
+    kept = (frames[0], frames[-1])
+    region = region_of(kept[-1], scene)
+    radius = float(kept[-1].arrays["radius"].mean())
+    # Half a bin off, so that what touches is in the middle of one.
+    bins = (np.arange(BINS) + 0.5) * SHELLS / BINS * radius
+    edges = np.array([0.0, *bins[bins < region.widest]])
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(
+            xlabel="distance of the centers, in mean radii", title=titled("Pair distribution", scene)
+        )
+        for frame, color, label in zip(kept, (MUTED, PALETTE[1]), ("first", "last"), strict=True):
+            found = pair_distribution([frame], edges, region)
+            axes.stairs(found, edges / radius, color=color, label=f"{label}, {frame.time:.3g} s")
+        axes.axhline(1.0, color=INK, linewidth=0.6)
+        axes.set(xlim=(0.0, edges[-1] / radius), ylabel="pair distribution g(r)")
+        axes.set_ylim(bottom=0.0)
+        axes.legend()
+    return drawn
+
+
+def region_of(frame: Frame, scene: Any) -> Region:
+    """The dish as far as centers can reach; on an endless surface the rectangle around all floats."""
+    radius = float(frame.arrays["radius"].min())
+    if scene.cell is not None:
+        return Region(size=scene.sides, periodic=True)
+    if scene.dish is not None:
+        return region_in(shrunk(walls_of(scene.dish), radius))
+    across, along = np.ptp(frame.arrays["position"], axis=0) + 2.0 * radius
+    return Region(size=(float(across), float(along)))
+
+
+def displacement(frames: Frames, scene: Any) -> Figure:
+    """The mean square displacement over time, beside ballistic and diffusive motion."""
+    shown = thinned(frames)
+    if len(shown) < 3:
+        raise BadInput("displacements need three frames or more")
+    every = (shown[-1].time - shown[0].time) / (len(shown) - 1)
+    lags = np.unique(np.geomspace(1, len(shown) - 1, 40).round().astype(int))
+    found = mean_square_displacement(tracks(shown), [int(lag) for lag in lags])
+    if not np.all(found > 0.0):
+        raise BadInput("no float moves; no displacement to draw")
+    scale = scale_for(float(np.sqrt(found.max())), "m")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel="lag (s)", title=titled("Mean square displacement", scene))
+        time, far = every * lags, scale.factor**2 * found
+        axes.plot(time, far, "o-", color=PALETTE[1], markersize=3)
+        for power, name in ((1, "~ t: diffusive"), (2, "~ t²: ballistic")):
+            axes.plot(time, far[0] * (time / time[0]) ** power, "--", color=MUTED, linewidth=0.9)
+            axes.annotate(name, (time[-1], far[0] * (time[-1] / time[0]) ** power), fontsize=8, ha="right", va="bottom")
+        axes.set(xscale=scaling(time), yscale=scaling(far))
+        axes.set_ylabel(f"mean square displacement ({scale.unit}²)")
+    return drawn
+
+
+def approaches(frames: Frames, scene: Any) -> Figure:
+    """The gaps of pairs that touch in the end, over time, down to where they meet."""
+    shown = evolution(frames)
+    last = shown[-1].arrays
+    box = box_of(shown[-1])
+    period = None if box is None else box.sides.tolist()
+    pairs = touching_pairs(last["position"], last["radius"], period=period)[:MOST_PAIRS]
+    if not len(pairs):
+        raise BadInput("no floats are in contact in the last frame; no approach to draw")
+    length, paths = liquid_of(scene).capillary_length, tracks(shown)
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, "Gaps of floats that touch in the end")
+        gaps = []
+        for (i, j), color in zip(pairs, itertools.cycle(PALETTE), strict=False):
+            gap = approach(paths, last["radius"], (int(i), int(j)), box) / length
+            gaps.append(np.where(gap > 1e-4, gap, np.nan))
+            axes.plot(times(shown), gaps[-1], color=color, linewidth=1.0, label=f"floats {i} and {j}")
+        axes.set(yscale=scaling(gaps), ylabel="gap, in capillary lengths")
+        legend_outside(axes)
+    return drawn
+
+
+def shapes(frames: Frames, scene: Any) -> Figure:
+    """The rafts of the last frame: radius of gyration over number, beside that of a round, close-packed raft, and the
+    fitted fractal dimension.
+    """
+    clusters = touching_clusters(frames[-1])
+    found = shapes_of(frames[-1], clusters)
+    several = clusters.sizes > 1
+    if not several.any():
+        raise BadInput("no floats are in contact in the last frame; no rafts to draw")
+    radius = float(frames[-1].arrays["radius"].mean())
+    sizes, gyration = clusters.sizes[several], found.gyration_radius[several] / radius
+    # N discs at the density pi/sqrt(12) fill a circle of area 2 sqrt(3) N R^2; its radius of gyration is r/sqrt(2).
+    round_ones = np.geomspace(2.0, sizes.max(), 50)
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel="floats in a raft", title=titled("Shapes of rafts", scene))
+        long = np.minimum(found.elongation[several], 10.0)
+        dots = axes.scatter(sizes, gyration, c=long, s=14, cmap="viridis", vmin=1.0, vmax=10.0)
+        packed = np.sqrt(np.sqrt(3.0) / np.pi * round_ones)
+        axes.plot(round_ones, packed, color=INK, label="round, close-packed")
+        axes.plot(round_ones, np.sqrt((round_ones**2 - 1.0) / 3.0), "--", color=MUTED, label="a straight row")
+        axes.set_ylabel("radius of gyration, in mean radii")
+        axes.set(xscale=scaling([2.0, *sizes]), yscale=scaling(gyration))
+        if len(np.unique(sizes)) > MOST_FOR_NO_FIT:
+            fit = fractal_dimension(sizes, gyration)
+            middle = np.exp(np.mean(np.log(gyration)) + np.log(round_ones / np.exp(np.mean(np.log(sizes)))) / fit.value)
+            axes.plot(
+                round_ones, middle, ":", color=PALETTE[0], label=f"fit, dimension {fit.value:.2f} ± {fit.error:.2f}"
+            )
+        if axes.get_xscale() == "log":
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter(NullFormatter())
+        else:
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        drawn.colorbar(dots, ax=axes, label="elongation (10 and more)")
+        axes.legend()
+    return drawn
+
+
+MEASURES = {
+    "order": order,
+    "pair-distribution": distribution,
+    "displacement": displacement,
+    "approach": approaches,
+    "shapes": shapes,
+}
+"""By the names that `ecume plot --what` takes."""
+
+
+BOND = 0.1
+"""Gap, over the smaller radius, up to which floats count as touching: thermal and active floats touch for instants
+only.
+"""
+LARGEST = 10
+"""Floats of the largest cluster whose topology is drawn."""
+MOST_BARS = 8
+MOST_STATES = 8
+MOST_FRAMES = 20_000
+
+
+def raft_sizes(frames: Frames, scene: Any) -> Figure:
+    """The shares of the floats in rafts of one, two to three, four to seven floats and so on, over time; and the mean
+    number of floats in the raft of a float.
+    """
+    shown = evolution(frames)
+    found = [touching_clusters(frame, tolerance=BOND) for frame in shown]
+    largest = max(each.largest for each in found)
+    edges = [2**n for n in range(max(largest.bit_length(), 1))]
+    shares = np.array([shares_by_size(each, edges) for each in found]).T
+    with style():
+        drawn = figure(6.4, 4.8)
+        above, below = drawn.subplots(2, 1, sharex=True)
+        colors = colormaps["viridis"](np.linspace(0.95, 0.1, len(edges)))
+        labels = [str(low) if low == 1 else f"{low} – {2 * low - 1}" for low in edges]
+        above.stackplot(times(shown), shares, colors=colors, labels=labels)
+        above.set(ylim=(0.0, 1.0), ylabel="share of the floats", title=titled("Raft sizes", scene))
+        legend_outside(above, "floats in a raft")
+        below.plot(times(shown), [mean_raft(each) for each in found], color=PALETTE[1])
+        below.set(xlabel="time (s)", ylabel="floats in a raft", xlim=span(times(shown)))
+        below.set_ylim(bottom=0.0)
+        below.yaxis.set_major_locator(MaxNLocator(nbins=6))
+    return drawn
+
+
+def topology_figure(frames: Frames, scene: Any) -> Figure:
+    """The most frequent topologies of clusters over all frames, at most ten floats each: how often each appears, with
+    its contacts and symmetry number.
+    """
+    counts: Counter[Topology] = Counter()
+    examples: dict[Topology, Array] = {}
+    for frame in _read(frames):
+        clusters = touching_clusters(frame, tolerance=BOND)
+        if not np.any((clusters.sizes > 1) & (clusters.sizes <= LARGEST)):
+            continue
+        for label, each in _small(frame, clusters):
+            counts[each] += 1
+            if each not in examples:
+                examples[each] = _drawing(frame, clusters, label)
+    if not counts:
+        raise BadInput(f"no clusters of 2 to {LARGEST} floats in any frame; no topology to draw")
+    total, chosen = sum(counts.values()), counts.most_common(MOST_BARS)
+    with style():
+        drawn = figure(1.5 + 0.85 * max(len(chosen), 4), 4.4)
+        axes, below = drawn.subplots(2, 1, height_ratios=(3.0, 1.4), sharex=True)
+        axes.bar(range(len(chosen)), [count / total for _, count in chosen], color=PALETTE[1], width=0.6)
+        axes.set(ylabel="share of the clusters", title=titled("Topologies", scene))
+        axes.tick_params(axis="x", labelbottom=False, length=0)
+        axes.set_xlim(-0.6, len(chosen) - 0.4)
+        for place, (topology, _) in enumerate(chosen):
+            _draw(below, place, examples[topology])
+        names = [f"{each.contacts} contacts\nσ = {each.symmetry}" for each, _ in chosen]
+        below.set_xticks(range(len(chosen)), names, fontsize=8)
+        below.set(ylim=(-0.55, 0.55), yticks=[], aspect="equal", anchor="N")
+        below.grid(visible=False)
+        below.spines[:].set_visible(False)
+    return drawn
+
+
+def transition_figure(frames: Frames, scene: Any) -> Figure:
+    """The transitions between arrangements of all floats from frame to frame, at most ten floats: the share of the
+    changes from each of the most frequent states that lead to each other one, and the entropy production rate.
+    """
+    count = len(frames[0].arrays["radius"])
+    if count > LARGEST:
+        raise BadInput(f"the run has {count} floats; expected at most {LARGEST} for transitions of their arrangement")
+    shown = _read(frames)
+    if len(shown) < 2:
+        raise BadInput(f"the run has a single frame, at {frames[0].time:g} s; transitions need two frames or more")
+    sequence = [arrangement(frame, tolerance=BOND) for frame in shown]
+    found = transitions(sequence)
+    kept = min(len(found.states), MOST_STATES)
+    changes = found.counts[:kept, :kept] * (1.0 - np.eye(kept))
+    rows = changes.sum(axis=1, keepdims=True)
+    shares = np.divide(changes, rows, out=np.zeros_like(changes), where=rows > 0)
+    note = ""
+    if len(sequence) >= 4 * BLOCKS:
+        every = (shown[-1].time - shown[0].time) / (len(shown) - 1)
+        rate = entropy_production([sequence], every)
+        note = f"entropy production ({rate.value:.2g} ± {rate.error:.1g}) k$_B$/s"
+    with style():
+        drawn = figure(6.4, 5.2)
+        axes = drawn.add_subplot(xlabel="to", ylabel="from", title=titled("Transitions of arrangements", scene))
+        image = axes.imshow(shares, cmap="Blues", vmin=0.0, vmax=max(float(shares.max()), 1e-12))
+        for i in range(kept):
+            for j in range(kept):
+                color = "white" if shares[i, j] > 0.6 * shares.max() else INK
+                axes.text(j, i, f"{found.counts[i, j]}", ha="center", va="center", fontsize=7, color=color)
+        names = [_short(state) for state in found.states[:kept]]
+        axes.set_xticks(range(kept), names, rotation=45, ha="right", fontsize=7)
+        axes.set_yticks(range(kept), names, fontsize=7)
+        axes.grid(visible=False)
+        drawn.colorbar(image, ax=axes, label="share of the changes")
+        if note:
+            drawn.text(0.99, 0.005, note, ha="right", va="bottom", fontsize=8, color=MUTED)
+    return drawn
+
+
+def _read(frames: Frames) -> list[Frame]:
+    """All frames, or `MOST_FRAMES` consecutive ones at the end."""
+    start = max(len(frames) - MOST_FRAMES, 0)
+    return [frames[index] for index in range(start, len(frames))]
+
+
+def _small(frame: Frame, clusters: Clusters) -> list[tuple[int, Topology]]:
+    """The clusters of 2 to `LARGEST` floats with their topologies."""
+    if clusters.largest > LARGEST:
+        kept = clusters.sizes[clusters.labels] <= LARGEST
+        numbers = np.unique(clusters.labels[kept])
+        part = frame._replace(arrays={name: frame.arrays[name][kept] for name in ("position", "radius")})
+    else:
+        numbers, part = np.arange(len(clusters.sizes)), frame
+    every = zip(numbers.tolist(), topologies(part, tolerance=BOND), strict=True)
+    return [(label, each) for label, each in every if each.floats > 1]
+
+
+def _drawing(frame: Frame, clusters: Clusters, label: int) -> Array:
+    """Centers and radii of a cluster, (floats, 3), scaled to a circle of radius 0.5."""
+    members = clusters.labels == label
+    center, radius = whole(frame, clusters)[members], frame.arrays["radius"][members]
+    center = center - center.mean(axis=0)
+    reach = float(np.max(np.linalg.norm(center, axis=1) + radius))
+    return np.column_stack([center, radius]) * 0.5 / reach
+
+
+def _draw(axes: Axes, place: int, cluster: Array) -> None:
+    for x, y, radius in cluster:
+        axes.add_patch(
+            Circle((place + 0.9 * x, 0.9 * y), 0.9 * radius, facecolor=PALETTE[1], edgecolor=INK, linewidth=0.5)
+        )
+
+
+def _short(state: str) -> str:
+    """A state without its single floats; they follow from the number of floats.
+
+    >>> _short("1-0-0+1-0-0+3-3-7")
+    '3-3-7'
+    """
+    several = [label for label in state.split("+") if not label.startswith("1-")]
+    return "+".join(several) or "apart"
+
+
+CLUSTER_FIGURES = {"raft-sizes": raft_sizes, "topologies": topology_figure, "transitions": transition_figure}
+"""By the names that `ecume plot --what` takes."""
+
 
 FURTHEST = 6.0
 """How far the force law is drawn, in capillary lengths."""

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine.walls import enclosures
+from ecume.engine.walls import surfaces
 from ecume.errors import BadInput, Diverged, SceneError
 from ecume.laws.flows import wave_frequency
 from ecume.models import MODELS
@@ -266,7 +266,7 @@ class Bowl:
 
 
 def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:
-    return min(enclosures.clearances(walls_of(dish), place)) > ROOM * radius
+    return min(surfaces.clearances(walls_of(dish), place)) > ROOM * radius
 
 
 def placed(scene: FloatingScene, position: Array, velocity: Array, species: Array) -> FloatingScene:

@@ -1,25 +1,364 @@
-"""The figures of the soft model: gaps, forces, stresses and steps over time, and the last instant."""
+"""The figures of the soft model: gaps, forces, stresses and steps over time, and the last instant.
+
+Figures of flows and rheology come first, the table last.
+"""
 
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from ecume.analysis.series import number, series, times
-from ecume.show.curves import Frames, evolution, over_time, scaling, span
-from ecume.show.soft.flow_figures import FLOW_FIGURES
+from ecume.analysis.rheology import (
+    FEWEST_POINTS,
+    CurveFit,
+    FlowPoint,
+    MeanStress,
+    Moduli,
+    creep,
+    creep_flow,
+    flow_point,
+    herschel_bulkley,
+    mean_stress,
+    moduli,
+    steady_part,
+    viscosity_divergence,
+)
+from ecume.analysis.series import Mean, number, series, times
+from ecume.errors import BadInput
+from ecume.models.liquids import material_of
+from ecume.scenes.soft import SoftScene, expanded
+from ecume.show.curves import Frames, evolution, over_time, scaling, span, titled
 from ecume.show.soft.measures import MEASURE_FIGURES, require_box
 from ecume.show.soft.packing import Packing
-from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.soft import SoftScene
+
+LEAST = 8
+"""Frames of a part of the protocol from which a steady state is detected."""
+
+
+class SteadyFlow(NamedTuple):
+    """A part of the protocol in which the packing is sheared while its normal stress is a compression."""
+
+    frames: Sequence[Frame]
+    """of the whole part"""
+    steady: Sequence[Frame]
+    """from where it is stationary"""
+    settled: bool
+    point: FlowPoint
+    stress: MeanStress | None
+    """where frames contain the components"""
+
+
+def parts_of(frames: Frames, scene: SoftScene) -> list[list[Frame]]:
+    """The frames between each two moments of the protocol; steps of the shear rate are moments."""
+    now = times(frames)
+    turns = sorted({0.0, *(stage.time for stage in expanded(scene.protocol)), float(now[-1])})
+    inside = [
+        np.flatnonzero((now > start * (1.0 + 1e-9)) & (now <= end * (1.0 + 1e-9)))
+        for start, end in itertools.pairwise(turns)
+    ]
+    return [[frames[int(index)] for index in part] for part in inside]
+
+
+def steady_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
+    """The stationary flow of each part of the protocol."""
+    thickness = 2.0 * float(frames[0].arrays["radius"].mean()) if frames[0].arrays["position"].shape[1] == 2 else 1.0
+    viscosity = material_of(scene.liquid).viscosity
+    found = []
+    for part in parts_of(frames, scene):
+        if len(part) < LEAST or part[-1].numbers["strain"] == part[0].numbers["strain"]:
+            continue
+        steady, settled = steady_part(part)
+        if series(steady, number("normal_stress")).mean() > 0.0:
+            whole = mean_stress(steady) if "stress_squeeze_xx" in part[0].numbers else None
+            found.append(SteadyFlow(part, steady, settled, flow_point(steady, viscosity, thickness), whole))
+    return found
+
+
+def _required_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
+    require_box(scene, "flow")
+    found = steady_flows(frames, scene)
+    if not found:
+        raise BadInput("nowhere in this run is the packing sheared while its normal stress is a compression")
+    return found
+
+
+class Look(NamedTuple):
+    """How a set of points is drawn."""
+
+    color: str
+    label: str = "_"
+    scale: float = 1.0
+    """of the values"""
+
+
+def _points(axes: Axes, x: Sequence[Mean], y: Sequence[Mean], look: Look) -> None:
+    """Means with the errors of both."""
+    axes.errorbar(
+        [abs(one.value) for one in x], [look.scale * one.value for one in y], [look.scale * one.error for one in y],
+        [one.error for one in x], fmt="o", markersize=4, capsize=2, color=look.color, label=look.label,
+    )  # fmt: skip
+
+
+def _rate_axis(axes: Axes, values: Sequence[float]) -> None:
+    """The scale of the horizontal axis; over less than two decades, with labels at 1, 2 and 5."""
+    axes.set_xscale(scaling(values))
+    if axes.get_xscale() == "log" and max(values) < 100.0 * min(values):
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _mark_unsettled(axes: Axes, flows: Sequence[SteadyFlow], x: Sequence[float], y: Sequence[float]) -> None:
+    """Rings around the points whose stress was not stationary."""
+    loose = [n for n, flow in enumerate(flows) if not flow.settled]
+    if loose:
+        x, y = [x[n] for n in loose], [y[n] for n in loose]
+        axes.plot(x, y, "o", markersize=10, markerfacecolor="none", color=MUTED, label="not stationary")
+
+
+def steady_states(frames: Frames, scene: SoftScene) -> Figure:
+    """Shear stress and pressure over strain, and where each part of the protocol is stationary."""
+    flows = _required_flows(frames, scene)
+    shear, pressure = series(frames, number("shear_stress"), number("pressure"))
+    scale, strain = scale_for(float(np.abs([shear, pressure]).max()), frames[0].units["shear_stress"]), sheared(frames)
+    with style():
+        drawn = figure(7.0, 4.8)
+        panels = drawn.subplots(2, 1, sharex=True)
+        for axes, name, values in zip(panels, ("shear_stress", "pressure"), (shear, pressure), strict=True):
+            axes.plot(strain, scale.factor * values, color=MUTED, linewidth=0.8)
+            for flow, color in zip(flows, itertools.cycle(PALETTE)):
+                (own,) = series(flow.steady, number(name))
+                ends = [strain[place_of(frames, flow.steady[end])] for end in (0, -1)]
+                label = f"{flow.point.rate.value:.3g} /s" + ("" if flow.settled else ", not stationary")
+                axes.plot(ends, [scale.factor * own.mean()] * 2, color=color, linewidth=2.5, label=label)
+            axes.set_ylabel(f"{name.replace('_', ' ')} ({scale.unit})")
+        panels[0].set_title(titled("Steady states", scene))
+        panels[1].set_xlabel("total shear strain")
+        legend_outside(panels[0])
+    return drawn
+
+
+def sheared(frames: Frames) -> Array:
+    """The strain so far, back and forth."""
+    (strain,) = series(frames, number("strain"))
+    return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(strain)))])
+
+
+def place_of(frames: Frames, frame: Frame) -> int:
+    """The place of a frame."""
+    return int(np.argmin(np.abs(times(frames) - frame.time)))
+
+
+def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:
+    """Herschel and Bulkley's law of the flows that are stationary, if they are enough and determine it."""
+    flows = [flow for flow in flows if flow.settled]
+    rates = [abs(flow.point.rate.value) for flow in flows]
+    if len(flows) < FEWEST_POINTS:
+        return None
+    stresses = [Mean(abs(flow.point.shear_stress.value), flow.point.shear_stress.error) for flow in flows]
+    try:
+        return herschel_bulkley(np.array(rates), stresses)
+    except BadInput:
+        return None
+
+
+def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
+    """Shear stress over shear rate, a point for each part of the protocol, with Herschel and Bulkley's law."""
+    flows = _required_flows(frames, scene)
+    values = [Mean(abs(flow.point.shear_stress.value), flow.point.shear_stress.error) for flow in flows]
+    rates = [flow.point.rate for flow in flows]
+    size, fit = [abs(rate.value) for rate in rates], fitted_flow(flows)
+    scale = scale_for(max(one.value for one in values), frames[0].units["shear_stress"])
+    with style():
+        drawn = figure(6.4, 4.2)
+        axes = drawn.add_subplot(xlabel="shear rate (1/s)", ylabel=f"shear stress ({scale.unit})")
+        _points(axes, rates, values, Look(PALETTE[1], "steady flows", scale.factor))
+        _mark_unsettled(axes, flows, size, [scale.factor * one.value for one in values])
+        if fit is not None:
+            rate = np.geomspace(min(size), max(size), 200)
+            start, error = scale.factor * fit.offset.value, scale.factor * fit.offset.error
+            power = f"n = {fit.exponent.value:.2f} ± {fit.exponent.error:.2f}"
+            label = f"{start:.3g} ± {error:.2g} {scale.unit} + K rate^n,\n{power}"
+            axes.plot(rate, scale.factor * fit(rate), color=INK, linewidth=1.0, label=label)
+        _rate_axis(axes, size)
+        axes.set(yscale=scaling([one.value for one in values]), title=titled("Flow curve", scene))
+        axes.legend()
+    return drawn
+
+
+def viscous_numbers(frames: Frames, scene: SoftScene) -> Figure:
+    """Friction and volume fraction over the viscous number: a point for each part of the protocol."""
+    flows = _required_flows(frames, scene)
+    with style():
+        drawn = figure(6.4, 4.8)
+        above, below = drawn.subplots(2, 1, sharex=True)
+        numbers = [flow.point.viscous_number for flow in flows]
+        for axes, name, label in ((above, "friction", "friction μ"), (below, "fraction", "volume fraction φ")):
+            _points(axes, numbers, [getattr(flow.point, name) for flow in flows], Look(PALETTE[1]))
+            axes.set_ylabel(label)
+        above.set_title(titled("Friction and volume fraction", scene))
+        below.set_xlabel("viscous number J = η |rate| / P")
+        _rate_axis(below, [one.value for one in numbers])
+    return drawn
+
+
+def normal_stresses(frames: Frames, scene: SoftScene) -> Figure:
+    """Pressure and normal stress differences over shear rate: a point for each part of the protocol."""
+    flows = [(flow.point.rate, flow.stress) for flow in _required_flows(frames, scene) if flow.stress is not None]
+    if not flows:
+        raise BadInput("the frames contain no components of the stress; see output.quantities")
+    rates, stresses = [rate for rate, _ in flows], [stress for _, stress in flows]
+    shown = [("pressure", "pressure P"), ("first_difference", "N₁ = σ_xx − σ_yy")]
+    if frames[0].arrays["position"].shape[1] == 3:
+        shown.append(("second_difference", "N₂ = σ_yy − σ_zz"))
+    scale = scale_for(max(stress.pressure.value for stress in stresses), frames[0].units["shear_stress"])
+    with style():
+        drawn = figure(6.4, 4.2)
+        axes = drawn.add_subplot(xlabel="shear rate (1/s)", ylabel=f"stress ({scale.unit})")
+        for (name, label), color in zip(shown, PALETTE, strict=False):
+            _points(axes, rates, [getattr(one, name) for one in stresses], Look(color, label, scale.factor))
+        axes.axhline(0.0, color=MUTED, linewidth=0.8)
+        _rate_axis(axes, [abs(rate.value) for rate in rates])
+        axes.set_title(titled("Normal stresses", scene))
+        axes.legend()
+    return drawn
+
+
+def viscosity_over_fraction(frames: Frames, scene: SoftScene) -> Figure:
+    """Viscosity over volume fraction: a point for each part of the protocol, and where it diverges."""
+    flows = _required_flows(frames, scene)
+    fractions = [flow.point.fraction for flow in flows]
+    values = [flow.point.shear_viscosity for flow in flows]
+    scale = scale_for(max(one.value for one in values), frames[0].units["viscosity"])
+    phi = np.array([one.value for one in fractions])
+    with style():
+        drawn = figure(6.4, 4.2)
+        axes = drawn.add_subplot(xlabel="volume fraction φ", ylabel=f"viscosity ({scale.unit})")
+        _points(axes, fractions, values, Look(PALETTE[1], "steady flows", scale.factor))
+        try:
+            fit = viscosity_divergence(phi, values)
+        except BadInput:
+            pass
+        else:
+            line = np.linspace(phi.min(), phi.max(), 100)
+            label = f"diverges at {fit.fraction.value:.3f} ± {fit.fraction.error:.3f}"
+            height = fit.factor.value * (1.0 - line / fit.fraction.value) ** -fit.exponent.value
+            axes.plot(line, scale.factor * height, color=INK, linewidth=1.0, label=label)
+        axes.set(yscale=scaling([one.value for one in values]), title=titled("Viscosity over volume fraction", scene))
+        axes.legend()
+    return drawn
+
+
+def creep_curves(frames: Frames, scene: SoftScene) -> Figure:
+    """The strain since each step of the shear stress, and its rate."""
+    require_box(scene, "strain")
+    moments = [stage.time for stage in scene.protocol if stage.shear_stress is not None]
+    if not moments:
+        raise BadInput("the protocol imposes no shear_stress; creep requires one")
+    now = times(frames)
+    ends = [*moments[1:], float(now[-1])]
+    with style():
+        drawn = figure(6.4, 4.8)
+        strains, rates = drawn.subplots(2, 1, sharex=True)
+        for start, end, color in zip(moments, ends, itertools.cycle(PALETTE), strict=False):
+            part = [frame for frame in frames if start * (1 - 1e-9) <= frame.time <= end * (1 + 1e-9)]
+            if len(part) > FEWEST_POINTS:
+                _creep_of(strains, rates, part, color)
+        strains.set(ylabel="strain since the step", title=titled("Creep", scene))
+        rates.set(xlabel="time since the step (s)", ylabel="rate (1/s)")
+        if rates.lines:
+            rates.set(xscale="log", yscale="log")
+        legend_outside(strains)
+    return drawn
+
+
+def _creep_of(strains: Axes, rates: Axes, part: Sequence[Frame], color: str) -> None:
+    """One step of stress."""
+    time, crept = creep(part, part[0].time)
+    label = f"{part[-1].numbers['shear_stress']:.3g} {part[-1].units['shear_stress']}"
+    try:
+        flow = creep_flow(part, part[0].time)
+        label += f", {flow.rate.value:.2g} /s" if flow.flows else ", no steady flow"
+    except BadInput:
+        pass
+    strains.plot(time, crept, color=color, label=label)
+    rate, middle = np.diff(crept) / np.diff(time), 0.5 * (time[1:] + time[:-1])
+    rates.plot(middle[rate > 0.0], rate[rate > 0.0], color=color)
+
+
+def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]:
+    """The frequency (1/s) and the moduli of each oscillation of the protocol; of several periods, all but the first."""
+    now, strain, stress = times(frames), *series(frames, number("strain"), number("shear_stress"))
+    stages = expanded(scene.protocol)
+    ends = [*(stage.time for stage in stages[1:]), float(now[-1])]
+    found = []
+    for stage, end in zip(stages, ends, strict=True):
+        if stage.oscillation is None:
+            continue
+        period = 1.0 / stage.oscillation.frequency
+        start = stage.time + (period if end - stage.time >= 2.0 * period * (1.0 - 1e-9) else 0.0)
+        inside = (now >= start * (1.0 - 1e-9)) & (now <= end * (1.0 + 1e-9))
+        if inside.any() and now[inside][-1] - now[inside][0] >= period * (1.0 - 1e-9):
+            found.append((stage.oscillation.frequency, moduli(now[inside], strain[inside], stress[inside], period)))
+    return found
+
+
+def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
+    """Stress over strain, and the moduli of each oscillation in the protocol: over frequency, or over the amplitude of
+    the strain where all frequencies are the same.
+    """
+    require_box(scene, "stress")
+    found = oscillations(frames, scene)
+    if not found:
+        raise BadInput("the protocol has no oscillation of a whole period; see protocol.oscillation")
+    strain, stress = series(frames, number("strain"), number("shear_stress"))
+    unit = frames[0].units["shear_stress"]
+    with style():
+        drawn = figure(8.4, 3.8)
+        loops, spectrum = drawn.subplots(1, 2)
+        scale = scale_for(float(np.abs(stress).max()), unit)
+        loops.plot(strain, scale.factor * stress, color=PALETTE[1], linewidth=0.9)
+        loops.set(xlabel="strain", ylabel=f"shear stress ({scale.unit})", title=titled("Stress over strain", scene))
+        frequency = [one for one, _ in found]
+        swept = len(found) > 1 and len(set(frequency)) == 1
+        across = [answer.amplitude for _, answer in found] if swept else frequency
+        levels = scale_for(max(abs(answer.storage.value) for _, answer in found), unit)
+        for name, label, mark, color in (("storage", "G′", "o", PALETTE[0]), ("loss", "G″", "s", PALETTE[2])):
+            values = [getattr(answer, name) for _, answer in found]
+            spectrum.errorbar(
+                across, [levels.factor * one.value for one in values], [levels.factor * one.error for one in values],
+                fmt=mark + "-", color=color, label=label, markersize=4,
+            )  # fmt: skip
+        heights = [abs(getattr(one, name).value) for _, one in found for name in ("storage", "loss")]
+        label = "amplitude of the strain" if swept else "frequency (1/s)"
+        spectrum.set(xlabel=label, ylabel=f"modulus ({levels.unit})", title="Storage and loss moduli")
+        spectrum.set(xscale=scaling(across), yscale=scaling(heights))
+        spectrum.legend()
+    return drawn
+
+
+FLOW_FIGURES = {
+    "steady-state": steady_states,
+    "flow-curve": flow_curve,
+    "viscous-number": viscous_numbers,
+    "normal-stresses": normal_stresses,
+    "viscosity-fraction": viscosity_over_fraction,
+    "creep": creep_curves,
+    "moduli": storage_and_loss,
+}
+
 
 MOST_CURVES = 12
 """Contacts that are drawn one by one; of more, the spread."""

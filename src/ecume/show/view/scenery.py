@@ -11,7 +11,7 @@ import numpy as np
 
 from ecume.analysis.boxes import box_of
 from ecume.analysis.pressures import with_pressures
-from ecume.engine.walls import enclosures
+from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import walls_of
 from ecume.scenes.soft.scene import SIDES as WALL_SIDES
 from ecume.scenes.sph import SIDES
@@ -321,7 +321,7 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 def _borders(scene: Any) -> list[Line]:
     """The rim of the dish, or the outline of the periodic cell."""
     if scene.dish is not None:
-        return [Line(enclosures.outline(walls_of(scene.dish)), closed=True)]
+        return [Line(surfaces.outline(walls_of(scene.dish)), closed=True)]
     if scene.cell is None:
         return []
     return [Line(rectangle(np.zeros(2), np.array(scene.sides)), dashed=True)]

@@ -23,7 +23,7 @@ from ecume._portable import exp, log
 from ecume.engine import grid_splines
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
-from ecume.engine.walls import enclosures
+from ecume.engine.walls import surfaces
 from ecume.errors import BadInput
 from ecume.laws import ewald
 from ecume.laws.ewald import SplitFit, smooth_self_energy, smooth_wave, smooth_wave_within
@@ -94,7 +94,7 @@ def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
 
     region = region_of(parameters)
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    area = min(area, enclosures.area(parameters.walls))
+    area = min(area, surfaces.area(parameters.walls))
     places = given_places(scene).position
     if np.isnan(places).any():
         return area

@@ -25,8 +25,7 @@ from ecume.errors import BadInput
 from ecume.laws import drag, flotation
 from ecume.laws.flotation import Disc, Liquid, Sphere
 from ecume.laws.meniscus import facing_amplitude, plane_amplitude
-from ecume.laws.multipole.closures import Undulated, closure_of
-from ecume.laws.multipole.ladders import outgoing_ladder, regular_ladder
+from ecume.laws.multipole.closures import Undulated, closure_of, outgoing_ladder, regular_ladder
 from ecume.laws.multipole.many import Basin, images
 from ecume.laws.multipole.solving import (
     Echoes,
@@ -46,8 +45,7 @@ from ecume.laws.multipole.solving import (
     torques,
 )
 from ecume.laws.special import bessel_k0, bessel_k1, scaled_bessel_i1
-from ecume.models.floating.dishes import meniscus_of
-from ecume.models.floating.menisci import acts
+from ecume.models.floating.dishes import acts, meniscus_of
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters, part_of
 from ecume.models.floating.setup.kinds import distinct_kinds

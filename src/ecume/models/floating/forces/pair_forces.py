@@ -16,14 +16,13 @@ import numpy as np
 
 from ecume._fused import lane_sum
 from ecume._jit import admit, by_type, compiled, compiled_inside, prange, threaded
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists, Rows, Slots
-from ecume.engine.periodic import nearest
 from ecume.engine.walls import wall_count
 from ecume.laws import capillarity, dipoles, ewald, pair_laws, special
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, settable
-from ecume.models.floating.menisci import acts, wall_energy, wall_force
+from ecume.models.floating.dishes import acts, wall_energy, wall_force
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, into_box, no_periods, periods_of
 from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
-from ecume.engine.periodic import into_box, no_periods, periods_of
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
-from ecume.engine.walls import Walls, enclosures
+from ecume.engine.walls import Walls, surfaces
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
@@ -230,7 +229,7 @@ def _places_of(species: FloatSpec, middle: tuple[float, float]) -> Array:
 
 def region_of(parameters: Parameters) -> Region:
     """The region in which floats can be placed at random."""
-    low, high = enclosures.bounds(parameters.walls)
+    low, high = surfaces.bounds(parameters.walls)
     side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
     if np.all(parameters.periods[0] > 0.0):
         width, height = parameters.periods[0].tolist()
@@ -292,7 +291,7 @@ def _outside(
 
 
 def _into_walls(walls: Walls, place: Array, radius: float) -> float:
-    return radius - min(enclosures.clearances(walls, place), default=math.inf)
+    return radius - min(surfaces.clearances(walls, place), default=math.inf)
 
 
 def _overlapping(

@@ -17,7 +17,7 @@ from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
-from ecume.models.floating.dishes import wall_law_of, wall_strengths, wall_table_of, walls_of
+from ecume.models.floating.dishes import is_far_field, wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.interactions import (
@@ -36,7 +36,6 @@ from ecume.models.floating.forces.pair_forces import (
     pair_option,
     row_of,
 )
-from ecume.models.floating.menisci import is_far_field
 from ecume.models.floating.options import Built, Option, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
 from ecume.models.floating.setup.hydrodynamic_interaction import (

@@ -17,7 +17,7 @@ from ecume.engine.outlines import Outlines
 from ecume.engine.walls import wall_count
 from ecume.laws import capillarity, special
 from ecume.laws.capillarity import pair_energy, pair_force
-from ecume.models.floating.menisci import acts, wall_energy, wall_force
+from ecume.models.floating.dishes import acts, wall_energy, wall_force
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, STRENGTH, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array

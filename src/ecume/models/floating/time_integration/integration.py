@@ -17,10 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, plainly, selected
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
-from ecume.engine.periodic import nearest
 from ecume.models.floating.contacts.contact_models import (
     contacts_after_drift,
     contacts_at_end,

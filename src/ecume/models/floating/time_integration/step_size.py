@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ecume.engine.walls import enclosures
-from ecume.models.floating.dishes import walls_of
+from ecume.engine.walls import surfaces
+from ecume.models.floating.dishes import wall_stiffness, walls_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
-from ecume.models.floating.menisci import wall_stiffness
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme, distinct_rows
 from ecume.models.step_counts import ending_on_a_step
@@ -222,7 +221,7 @@ def _speeds(scene: FloatingScene) -> float:
     """The largest initial speed, or the largest speed of the flow in the dish (m/s)."""
     reach = max((math.hypot(*place) for species in scene.particles for place in species.positions), default=0.0)
     if scene.dish is not None:
-        reach = enclosures.farthest(walls_of(scene.dish))
+        reach = surfaces.farthest(walls_of(scene.dish))
     drift = drift_of(scene)
     flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
     flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))

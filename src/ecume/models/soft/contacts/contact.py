@@ -22,8 +22,8 @@ from ecume.laws.interfaces import INTERFACES, Resistance
 from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import Prefactors
 from ecume.laws.surfaces import SURFACES, Body, Surface
+from ecume.models.model import codes
 from ecume.models.soft.parameters import Contacts
-from ecume.models.tables import codes
 
 admit(soft_pair, long_range, surfaces, interfaces, friction, deflections)
 

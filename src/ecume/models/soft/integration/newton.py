@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly, prange, shared
-from ecume.engine.linear_solvers import dense_elimination
+from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.cell import Goal, carry_along, deform, impose, place_images, unknowns
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, answer, center_distance
@@ -60,7 +60,7 @@ def sides(step: Step) -> int:
 def eliminated(step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step by dense elimination."""
     several = sides(step)
-    return dense_elimination.eliminate(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
+    return block_matrix.eliminate(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
 
 
 def plain(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume._portable import exp
-from ecume.engine.linear_solvers import block_matrix, dense_elimination
+from ecume.engine.linear_solvers import block_matrix
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
 from ecume.models.soft.contacts.films import answer
@@ -109,7 +109,7 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
     bodies.diagonal[:] = 0.0
     block_matrix.assemble(step.matrix, answers.stiffness, bodies.diagonal)
     right, change = step.borders.right[:1], step.borders.change[:1]
-    if not dense_elimination.eliminate(step.matrix, right, change, change.shape[2]):
+    if not block_matrix.eliminate(step.matrix, right, change, change.shape[2]):
         return False
     found.position[:] = bodies.change
     return True

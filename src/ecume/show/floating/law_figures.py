@@ -1,11 +1,9 @@
-"""The integrators beside one another: how errors fall with the step, and what becomes of the energy in the long run.
-
-Two heavy spheres on water orbit each other without drag; what is drawn is what the model itself does with each scheme.
-"""
+"""Figures that need no run: the force law of a scene's floats, and the orders of the integrators."""
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import os
 import warnings
@@ -18,8 +16,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.analysis.series import number, series
+from ecume.errors import BadInput
+from ecume.laws import capillarity
 from ecume.laws.capillarity import pair_force, pair_strength
 from ecume.laws.flotation import Sphere, capillary_charge
+from ecume.laws.multipole.solving import forces
+from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.models.floating.forces import multipoles
+from ecume.models.floating.forces.multipoles import bodies_and_charges
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import (
     FloatingScene,
@@ -28,10 +33,107 @@ from ecume.scenes.floating import (
     IntegrationSpec,
     InteractionSpec,
 )
-from ecume.show.style import PALETTE, figure, save, scale_for, style
+from ecume.scenes.load import load_scene
+from ecume.show.curves import titled
+from ecume.show.style import INK, PALETTE, figure, plain, save, scale_for, style
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+FURTHEST = 4.0
+"""How far forces are drawn, in capillary lengths beyond touching."""
+PLACES = 40
+ORDER = 16
+MOST_PAIRS = 6
+FORCE_LINES = {"superposition": ":", "pair-corrected": "-", "multipole": "o"}
+
+
+class Forces(NamedTuple):
+    """Of one pair of kinds, positive where they repel (N)."""
+
+    label: str
+    distance: Array
+    """m, of the centers"""
+    by_method: dict[str, Array]
+
+
+def force_law(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> Path:
+    """Draw the forces between all kinds of floats of a scene's file into `out`, by each method."""
+    scene: Any = load_scene(Path(path))
+    if scene.model != "floating" or not PAIR_LAWS[str(scene.interaction.law)].menisci:
+        named = [repr(name) for name, row in PAIR_LAWS.items() if row.menisci]
+        raise BadInput(f"{os.fspath(path)}: expected a scene of floats with interaction.law = {' or '.join(named)}")
+    return save(drawn_forces(scene), Path(out))
+
+
+def drawn_forces(scene: Any) -> Figure:
+    """The forces between all kinds of floats of a scene, by each method."""
+    found = pair_forces(scene)
+    length = liquid_of(scene).capillary_length
+    scale = scale_for(max(float(np.abs(force).max()) for pair in found for force in pair.by_method.values()), "N")
+    with style():
+        drawn = figure(6.4, 4.6)
+        axes = drawn.add_subplot(xlabel="gap, in capillary lengths", title=titled("Force between two floats", scene))
+        for pair, color in zip(found, itertools.cycle(PALETTE[1:]), strict=False):
+            gap = (pair.distance - pair.distance[0]) / length
+            for method, force in pair.by_method.items():
+                attracts = force[0] < 0.0
+                label = f"{plain(pair.label)}: {'attract' if attracts else 'repel'}"
+                size = np.abs(scale.factor * force)
+                look = FORCE_LINES[method]
+                axes.plot(
+                    gap, size, look, color=color, markersize=3, label=label if method == "pair-corrected" else None
+                )
+        for method, look in FORCE_LINES.items():
+            axes.plot([], [], look, color=INK, markersize=3, label=method)
+        axes.set(yscale="log", ylabel=f"size of the force ({scale.unit})")
+        axes.legend(fontsize=8)
+    return drawn
+
+
+def pair_forces(scene: Any) -> list[Forces]:
+    """The forces of each pair of kinds of floats, as a run takes them. Raises BadInput where menisci are flat."""
+    kinds, number = distinct_kinds(scene)
+    names = _names(scene, number, len(kinds))
+    pairs = list(itertools.combinations_with_replacement(range(len(kinds)), 2))[:MOST_PAIRS]
+    charged = [pair for pair in pairs if kinds[pair[0]].charge * kinds[pair[1]].charge != 0.0]
+    if not charged:
+        raise BadInput("these floats do not deform the surface; no force to draw")
+    return [_forces_of(scene, (kinds[i], kinds[j]), f"{names[i]} – {names[j]}") for i, j in charged]
+
+
+def _names(scene: Any, number: Any, count: int) -> list[str]:
+    """What each kind is called: its species; rows of one species may be of several kinds."""
+    species = [name for given in scene.particles for name in [given.name] * given.count]
+    species += [row.species_name for row in scene.rows]
+    return [species[int(np.flatnonzero(number == kind)[0])] for kind in range(count)]
+
+
+def _forces_of(scene: Any, pair: tuple[FloatKind, FloatKind], label: str) -> Forces:
+    liquid = liquid_of(scene)
+    length, touching = liquid.capillary_length, pair[0].radius + pair[1].radius
+    distance = touching + FURTHEST * length * np.linspace(0.0, 1.0, PLACES) ** 2
+    strength = capillarity.pair_strength(liquid.surface_tension, pair[0].charge, pair[1].charge)
+    summed = np.array([capillarity.pair_force(float(each), strength, length) for each in distance])
+    reach = float(distance[-1]) + touching
+    bodies, numbers = bodies_and_charges(pair), np.array([0, 1])
+    tables = multipoles.make_pair_tables(bodies, numbers, liquid, reach)
+    beyond = np.array([multipoles.correction(tables, 0, 1, float(each))[1] for each in distance])
+    solved = _by_multipoles(multipoles.make_multipoles(bodies, liquid, ORDER, reach), distance)
+    by_method = {"superposition": summed, "pair-corrected": summed + beyond, "multipole": solved}
+    return Forces(label, distance, by_method)
+
+
+def _by_multipoles(both: multipoles.Multipoles, distance: Array) -> Array:
+    """The force on the second of two, away from the first (N)."""
+    orders, force, found = both.rims.response.shape[1], np.zeros((2, 2)), np.zeros_like(distance)
+    crowd = multipoles.multipole_scratch(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
+    for k in range(len(distance)):
+        multipoles.resolve(both, np.array([[0.0, 0.0], [distance[k], 0.0]]), crowd)
+        forces(both.rims, crowd.amplitudes, crowd.waves, force)
+        found[k] = both.tension * both.length * force[1, 0]
+    return found
+
 
 INTEGRATORS = {
     "explicit-euler": "explicit Euler",
@@ -40,7 +142,7 @@ INTEGRATORS = {
     "stormer-verlet": "Störmer–Verlet",
     "rk4": "Runge–Kutta 4",
 }
-LINES = dict(zip(INTEGRATORS, ("-", "-", "-", (0, (4, 2)), "-"), strict=True))
+ORDER_LINES = dict(zip(INTEGRATORS, ("-", "-", "-", (0, (4, 2)), "-"), strict=True))
 COLORS = dict(zip(INTEGRATORS, (PALETTE[0], PALETTE[4], PALETTE[1], PALETTE[5], PALETTE[2]), strict=True))
 
 RADIUS, DENSITY, CONTACT_ANGLE = 1e-3, 2000.0, math.pi / 2
@@ -121,7 +223,7 @@ def _errors(axes: Axes, found: Comparison) -> None:
     scale = scale_for(float(found.steps.max()), "s")
     for name, slope in orders(found).items():
         label = f"{INTEGRATORS[name]} (order {slope:.1f})"
-        look: dict[str, Any] = {"color": COLORS[name], "linestyle": LINES[name]}
+        look: dict[str, Any] = {"color": COLORS[name], "linestyle": ORDER_LINES[name]}
         axes.plot(scale.factor * found.steps, 1e3 * found.errors[name], marker="o", markersize=4, label=label, **look)
     axes.set(
         xscale="log", yscale="log", xlabel=f"time step ({scale.unit})", ylabel="error after a quarter of an orbit (mm)"
@@ -133,7 +235,7 @@ def _errors(axes: Axes, found: Comparison) -> None:
 
 def _drifts(axes: Axes, found: Comparison) -> None:
     for name, drift in found.drifts.items():
-        axes.plot(found.times, drift, color=COLORS[name], linestyle=LINES[name])
+        axes.plot(found.times, drift, color=COLORS[name], linestyle=ORDER_LINES[name])
     axes.set(yscale="log", xlabel="time (s)", ylabel="change of energy / first kinetic energy")
     axes.set_title(f"Energy, {LONG_STEPS} steps an orbit")
 
