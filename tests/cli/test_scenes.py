@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ecume.cli import app
-from ecume.cli.engines import is_small, without_compiler
+from ecume.cli.scenes import is_small, without_compiler
 from ecume.errors import Fault, SceneError
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder, sweep_templates, templates
@@ -143,7 +143,7 @@ def test_small_scenes_are_checked_without_the_compiler_in_a_process_of_their_own
     assert [name for name, scene in scenes.items() if is_small(scene)] == ["cereal-bowl", "dam-break"]
     without_compiler(scenes["cereal-bowl"])
     assert "NUMBA_DISABLE_JIT" not in os.environ
-    monkeypatch.setattr("ecume.cli.engines.own_process", [True])
+    monkeypatch.setattr("ecume.cli.scenes.own_process", [True])
     without_compiler(scenes["t1"])
     assert "NUMBA_DISABLE_JIT" not in os.environ
     without_compiler(scenes["cereal-bowl"])

@@ -13,7 +13,7 @@ import numpy as np
 import psutil
 import pytest
 
-from ecume.cli.engines import integrating
+from ecume.cli.scenes import integrating
 from ecume.errors import BadInput, Diverged, EcumeError
 from ecume.lammps import floats_in_engine, process
 from ecume.lammps.engine import lammps_engine

@@ -14,8 +14,8 @@ from typing import Annotated
 import typer
 
 from ecume.cli import browser, comparisons, output, pictures, runs, scenes, sweeps
-from ecume.cli.engines import own_process
 from ecume.cli.output import Ending, warned
+from ecume.cli.scenes import own_process
 
 app = typer.Typer(
     name="ecume",

@@ -11,10 +11,9 @@ from typing import Annotated, Any
 
 import typer
 
-from ecume.cli.engines import without_compiler
 from ecume.cli.output import counted, say
 from ecume.cli.runs import HERE, Quiet, RunFolder
-from ecume.cli.scenes import Overrides, placed
+from ecume.cli.scenes import Overrides, placed, without_compiler
 from ecume.errors import BadInput, install
 
 NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")

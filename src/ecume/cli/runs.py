@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume._compiler_events import watch
-from ecume.cli.engines import EngineName, Ranks, integrating
 from ecume.cli.output import (
     Columns,
     Json,
@@ -28,7 +27,7 @@ from ecume.cli.output import (
     shown,
     thermo_table,
 )
-from ecume.cli.scenes import Actions, Laws, Overrides, SceneFile, placed
+from ecume.cli.scenes import Actions, EngineName, Laws, Overrides, Ranks, SceneFile, integrating, placed
 from ecume.errors import StorageError
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from ecume.engine.cells import Integers
 from ecume.models.floating.contacts import contact_models
-from ecume.models.floating.contacts.friction import float_inertia
+from ecume.models.floating.contacts.collisions import float_inertia
 from ecume.models.floating.contacts.springs import Springs
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import PairParameters, Parameters

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError
 
 from ecume.errors import BadInput
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
 from ecume.scenes.quantities import STRICT, Duration, Name, Size
 from ecume.scenes.tables import MOST_BYTES, beside, require_there, text_of
-from ecume.scenes.validated import dataclass
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series

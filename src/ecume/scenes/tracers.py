@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from ecume.scenes.common import Common, Kind
+from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     MOST_PARTICLES,
@@ -27,7 +27,6 @@ from ecume.scenes.quantities import (
     Switch,
     Velocity,
 )
-from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Acceleration, Unit
 
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]

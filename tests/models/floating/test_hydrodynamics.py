@@ -10,8 +10,14 @@ from ecume.errors import SceneError
 from ecume.laws.drag import pair_factor
 from ecume.laws.pair_mobility import compact_raft, raft_speed_factor, surface_mobility
 from ecume.models import MODELS
-from ecume.models.floating.coupled.films import closing_mobility, solve_with_films, subtract_far_field
-from ecume.models.floating.coupled.mobility import CoupledKicks, add_divergence, fill_mobility
+from ecume.models.floating.coupled.mobility import (
+    CoupledKicks,
+    add_divergence,
+    closing_mobility,
+    fill_mobility,
+    solve_with_films,
+    subtract_far_field,
+)
 from ecume.models.floating.forces.films import find_films
 from ecume.models.floating.setup.hydrodynamic_interaction import ReynoldsWarning
 from ecume.models.floating.setup.scene_parameters import memory_estimate

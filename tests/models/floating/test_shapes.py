@@ -11,7 +11,7 @@ from ecume.laws.contact_lines import ellipsoid_friction
 from ecume.models.floating import FLOATING
 from ecume.models.floating.frames import touching_shapes
 from ecume.models.floating.setup.kinds import float_kinds
-from ecume.models.floating.shaped.bodies import RigidKicks, shaped_energies
+from ecume.models.floating.shaped.bodies import RigidKicks, shaped_energies, slowed
 from ecume.models.floating.shaped.figures import (
     MOST_SHAPES,
     TURN,
@@ -21,7 +21,6 @@ from ecume.models.floating.shaped.figures import (
     spinning_time,
     touching_distance,
 )
-from ecume.models.floating.shaped.motion import slowed
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.quantities import (
     STRICT,
@@ -26,7 +27,6 @@ from ecume.scenes.quantities import (
     Undulation,
     Velocity,
 )
-from ecume.scenes.validated import dataclass
 from ecume.units import Length
 
 Rise = Annotated[Length, Field(ge=-1e-2, le=1e-2)]

@@ -8,7 +8,7 @@ from typing import Any, Literal, Self
 
 from pydantic import model_validator
 
-from ecume.scenes.common import Common, Kind
+from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.floating.floats import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import (
@@ -25,7 +25,6 @@ from ecume.scenes.floating.surroundings import (
     WavesSpec,
 )
 from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT, Gravity
-from ecume.scenes.validated import dataclass
 
 THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     "nonlinear": {

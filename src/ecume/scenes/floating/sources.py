@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 from pydantic import TypeAdapter, ValidationError
 
 from ecume.errors import EcumeError
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Inconsistent, Path, echo, faults_of, written
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, lines_of, require_there, text_of
-from ecume.scenes.validated import dataclass
 from ecume.trajectories.frame import Frame, omitted_from
 
 TABLE, RUN = "particles_from", "start_from"

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from ecume.scenes.common import Constant
+from ecume.scenes.common import Constant, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.quantities import (
     STRICT,
@@ -36,7 +36,6 @@ from ecume.scenes.quantities import (
     WettingAngle,
 )
 from ecume.scenes.tables import MOST_BYTES, beside, followed, lines_of, require_there, text_of
-from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Force, Number, Rate, Unit
 
 Torque = Annotated[float, Unit("N*m")]

@@ -9,9 +9,9 @@ from typing import Annotated, Self
 
 from pydantic import Field, PlainValidator, model_validator
 
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import STRICT
-from ecume.scenes.validated import dataclass
 from ecume.units import Number, Rate, Time, Unit, quantity_of
 
 Instant = Annotated[Time, Field(ge=0.0, le=1e10)]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ecume.scenes.common import Common, Kind
+from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import (
     STRICT,
@@ -36,7 +36,6 @@ from ecume.scenes.soft.protocol import (
     end_of,
     protocol_faults,
 )
-from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
 from ecume.value_texts import with_prefix
 

@@ -6,9 +6,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import STRICT, Color, Count, Place, PositiveDensity, Switch
-from ecume.scenes.validated import dataclass
 from ecume.units import Length, Number
 
 Radius = Annotated[Length, Field(ge=0.0, le=1e3)]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ecume.scenes.common import Common
+from ecume.scenes.common import Common, dataclass
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     MOST_STEPS,
@@ -31,7 +31,6 @@ from ecume.scenes.sph.passive_particles import PassiveTracerSpec, passive_tracer
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec, extent
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
-from ecume.scenes.validated import dataclass
 from ecume.units import Number, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]

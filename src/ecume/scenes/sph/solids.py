@@ -7,9 +7,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Inconsistent
 from ecume.scenes.quantities import STRICT, Color, Coordinate, Motion, Place, PositiveDensity, Proportion, Size
-from ecume.scenes.validated import dataclass
 from ecume.units import Number, Rate
 
 Slip = Literal["free", "no-slip"]

@@ -16,10 +16,10 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from ecume.errors import install
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, echo
 from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of
-from ecume.scenes.validated import dataclass
 from ecume.units import Mass
 
 

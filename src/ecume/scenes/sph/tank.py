@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Proportion, Pull, Size
 from ecume.scenes.sph.solids import Slip
-from ecume.scenes.validated import dataclass
 from ecume.units import Angle, Pressure, Rate, Speed, Time
 
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]

@@ -10,8 +10,16 @@ import numpy as np
 
 from ecume._jit import composed, selected
 from ecume.laws import contact
-from ecume.models.floating.contacts.collisions import Impulses, collide, constrain_velocities, separate
-from ecume.models.floating.contacts.friction import Friction, friction_at_step, friction_of, make_friction_scratch
+from ecume.models.floating.contacts.collisions import (
+    Friction,
+    Impulses,
+    collide,
+    constrain_velocities,
+    friction_at_step,
+    friction_of,
+    make_friction_scratch,
+    separate,
+)
 from ecume.models.floating.contacts.springs import Springs, push_at_end, push_before_drift, spring_energies, springs_of
 from ecume.models.floating.coupled.many_floats import GridImpulses, collide_on_grid
 from ecume.models.floating.coupled.mobility import (
@@ -22,14 +30,15 @@ from ecume.models.floating.coupled.mobility import (
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.shaped.bodies import Outlined, Shaped
-from ecume.models.floating.shaped.figures import overlaps
-from ecume.models.floating.shaped.motion import (
+from ecume.models.floating.shaped.bodies import (
+    Outlined,
+    Shaped,
     collide_outlines,
     constrain_outline_velocities,
     find_outline_contacts,
     separate_outlines,
 )
+from ecume.models.floating.shaped.figures import overlaps
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import DONE
 from ecume.units import Array

@@ -32,8 +32,7 @@ from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
 from ecume.laws.pair_mobility import rotne_prager
-from ecume.models.floating.contacts.collisions import clear_impulses
-from ecume.models.floating.contacts.friction import memory_of
+from ecume.models.floating.contacts.collisions import clear_impulses, memory_of
 from ecume.models.floating.coupled.mobility import (
     CoupledKicks,
     CoupledScratch,
@@ -423,7 +422,7 @@ def grid_pairs(part: GridKicks) -> float:
 def fastest_on_grid(
     part: GridKicks, own: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> float:
-    """Compute the velocities by forces, without the current; return the highest speed: see `motion.fastest_coupled`."""
+    """Compute the velocities by forces, without the current; return the highest speed, as `fastest_coupled`."""
     kicks, motion = part.kicks, own.motion
     if not np.isfinite(state.position).all():
         return math.nan
@@ -460,7 +459,7 @@ def add_noise_on_grid(part: CoupledKicks, own: GridScratch, parameters: Paramete
 def add_work_on_grid(
     part: GridKicks, own: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Add the work of the current: see `motion.add_coupled_work`."""
+    """Add the work of the current: see `mobility.add_coupled_work`."""
     add_coupled_work(part.kicks, own.motion, parameters, state, workspace)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import contact_lines, dipoles, ewald, multipole, radiated_waves
-from ecume.models.floating.coupled.films import CoupledFilms, apply_coupled_films, coupled_films_of
+from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
 from ecume.models.floating.forces.activity import (
     Activity,
     activity_forces,

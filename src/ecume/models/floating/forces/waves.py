@@ -18,7 +18,7 @@ from ecume.engine.neighbors import NeighborLists
 from ecume.errors import BadInput
 from ecume.laws import radiated_waves
 from ecume.laws.radiated_waves import Ripples, slope_per_force
-from ecume.models.floating.contacts.friction import float_inertia
+from ecume.models.floating.contacts.collisions import float_inertia
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds, turning_frictions

@@ -1,5 +1,5 @@
 """Floats that are not round: ellipsoids, needles, squares and stars.
 
-Start with `figures`, which computes the constants of each shape. `bodies` has these constants, and the forces on the
-charges inside the contact lines; `motion` integrates position and angle, and solves collisions between outlines.
+Start with `figures`, which computes the constants of each shape. `bodies` has these constants and the forces on the
+charges inside the contact lines, integrates position and angle, and solves collisions between outlines.
 """

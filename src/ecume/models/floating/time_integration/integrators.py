@@ -44,8 +44,8 @@ from ecume.models.floating.forces.flow_and_noise import current_at, straight_cur
 from ecume.models.floating.forces.interactions import evaluate
 from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import Kick, Parameters, Parts, Scheme, Scratch
-from ecume.models.floating.shaped.bodies import RigidKicks
-from ecume.models.floating.shaped.motion import (
+from ecume.models.floating.shaped.bodies import (
+    RigidKicks,
     begin_rigid,
     bound_rigid_travel,
     finish_rigid,
