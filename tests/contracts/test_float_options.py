@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from tests.contracts import float_options
 from tests.contracts.float_options import NEW, PAGE, page, pairs, refusal, scene_with
+from tests.models import begun
 
 from ecume.models.floating import FLOATING
 from ecume.models.floating.options import CAPABILITIES
@@ -58,9 +59,7 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(pair):
         assert any(f"needs {phrase}" in refused for _, phrase in CAPABILITIES.values())
         return
     scene = scene_with(*pair)
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(scene)
     force = forces_at(parameters, state.position, workspace).copy()
     largest = np.abs(force).max()
     if not WITHOUT_ENERGY & set(pair):

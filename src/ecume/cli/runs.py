@@ -141,26 +141,24 @@ MaxDays = Annotated[
         "--max-days", min=0.0, metavar="DAYS", help="Longest expected run time in days; longer runs are refused."
     ),
 ]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "-o", "--out", metavar="DIR", help="Directory of the run; default: runs/NAME for NAME.toml.", show_default=False
+    ),
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing run.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
 
 
 def run(
     scene: SceneFile,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--out",
-            metavar="DIR",
-            help="Directory of the run; default: runs/NAME for NAME.toml.",
-            show_default=False,
-        ),
-    ] = None,
+    out: Out = None,
     overrides: Overrides = None,
     laws: Laws = None,
     actions: Actions = None,
     threads: Threads = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing run.")] = False,
+    force: Force = False,
     view: Annotated[bool, typer.Option("--view", help="Show the run in the browser while it is computed.")] = False,
     on_violation: Violation = None,
     thermo: Thermo = False,
@@ -261,18 +259,9 @@ def resume(
 
 def import_run(
     scene: SceneFile,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--out",
-            metavar="DIR",
-            help="Directory of the run; default: runs/NAME for NAME.toml.",
-            show_default=False,
-        ),
-    ] = None,
+    out: Out = None,
     overrides: Overrides = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing run.")] = False,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Make a run of a trajectory of another program.

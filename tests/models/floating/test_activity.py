@@ -9,6 +9,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.floating.forces.activity import Activity, ActivityScratch, renew_activity
+from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 # `ecume validate activity` runs compiled code; each combination of parts is compiled by itself.
@@ -26,17 +27,11 @@ def swimmers(activity, *, count=1, more=SLOW + ALONE, **times):
     return scene_of(f"{WATER}{floats}[activity]\n{activity}{more}", **times)
 
 
-def set_up(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 def test_a_random_force_is_stationary_and_forgets_at_its_rate():
     dice, count = np.random.default_rng(1), 20_000
     part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), 0.4, np.full(count, 1.5), 5)
     own = ActivityScratch(dice.normal(size=(count, 3)), np.zeros((count, 0)), np.zeros((count, 2)))
-    parameters, state, _ = set_up(swimmers("propulsion = 1e-12\n"))
+    parameters, state, _ = begun(swimmers("propulsion = 1e-12\n"))
     parameters = parameters._replace(time_step=0.3)
     first = own.active.copy()
     for step in range(3):
@@ -56,7 +51,7 @@ def test_a_torque_makes_a_float_swim_in_a_circle():
     from ecume.models.floating.setup.kinds import turning_frictions
 
     scene = swimmers("propulsion = 1e-12\ntorque = 1e-17\n", duration=1.0, frame_every=0.01)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     rate = 1e-17 / turning_frictions(scene)[0]
     turn = 2.0 * math.pi / rate
     parameters = parameters._replace(time_step=turn / 400)
@@ -75,7 +70,7 @@ def test_all_work_of_active_forces_is_injected(integrator):
     more = f'[integration]\nintegrator = "{integrator}"\n{ALONE}'
     activity = "force = 1e-12\npersistence = 0.05\npropulsion = 1e-12\n"
     scene = swimmers(activity, count=3, more=more, duration=0.2, frame_every=0.2)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     dissipated = 0.0
     for _ in range(60):
         before = state.position.copy()
@@ -96,7 +91,7 @@ def test_only_the_active_species_moves_and_a_resumed_run_has_the_same_bits():
     )
     activity = '[activity]\nforce = 1e-12\npersistence = 0.5\nrotational_diffusion = 1.0\nspecies = ["swimmer"]\n'
     scene = scene_of(WATER + floats + activity + SLOW + ALONE, duration=1.0, frame_every=0.1)
-    parameters, whole, workspace = set_up(scene)
+    parameters, whole, workspace = begun(scene)
     assert FLOATING.advance(parameters, whole, workspace, 10) == 0
     state = FLOATING.start(scene, parameters)
     for _ in range(2):

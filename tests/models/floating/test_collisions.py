@@ -4,6 +4,7 @@ import pytest
 from ecume.laws.contact import impulse
 from ecume.models import MODELS
 from ecume.simulation import simulate
+from tests.models import begun
 from tests.models.floating.bowls import HEAVY, WATER, colliding, scene_of
 
 FLOATING = MODELS["floating"]
@@ -88,9 +89,7 @@ def test_floats_that_attract_each_other_bounce_if_they_meet_faster_than_a_few_ki
     and after the collision changes the speeds by some kicks.
     """
     still = pair_about_to_meet(0.0, 1e-9)
-    parameters = FLOATING.parameters(still)
-    state = FLOATING.start(still, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(still)
     FLOATING.advance(parameters, state, workspace, 0)
     speed = float(kicks * 2.0 * parameters.kick.gain[0] * abs(workspace.force[0, 0]))
     for steps_to_contact in np.linspace(0.3, 3.6, 9).tolist():

@@ -13,6 +13,7 @@ from ecume.models.floating.frames import observe
 from ecume.models.floating.state import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene
+from tests.models import begun
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -28,9 +29,7 @@ def magnets(positions, *, moments=(MOMENT, MOMENT), kinds=(HEAVY, HEAVY), rest="
 
 
 def forces_of(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(scene)
     forces_at(parameters, state.position, workspace)
     return parameters, state, workspace
 

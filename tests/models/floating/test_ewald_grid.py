@@ -11,6 +11,7 @@ from ecume.models.floating.forces import ewald_grid
 from ecume.models.floating.frames import observe
 from ecume.models.floating.parameters import part_of
 from ecume.models.floating.time_integration.integration import forces_at
+from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -23,12 +24,6 @@ def scene_of_beads(count, *, interaction='summation = "grid"', motion=SLOW, dish
     floats = f'[[particles]]\nname = "heavy"\ncount = {count // 2}\ndensity = 2000.0\n{SMALL}'
     floats += f'[[particles]]\nname = "light"\ncount = {count - count // 2}\ndensity = 1.0\n{SMALL}'
     return scene_of(f"{WATER}{floats}{motion}[interaction]\n{interaction}\n{dish}", **times)
-
-
-def set_up(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
 
 
 def grid_forces(parameters, state, workspace):
@@ -54,7 +49,7 @@ def test_forces_are_the_direct_sum_to_the_accuracy_asked_for(accuracy, side):
     if side == "0.06" and accuracy < 1e-4:
         pytest.skip("the same grid, only larger")
     scene = scene_of_beads(160, interaction=f'summation = "grid"\naccuracy = {accuracy}', dish=dish)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     wanted, _ = direct(parameters, state.position)
     error = grid_forces(parameters, state, workspace) - wanted
     assert np.sqrt(np.sum(error**2) / np.sum(wanted**2)) < 1.3 * accuracy
@@ -62,7 +57,7 @@ def test_forces_are_the_direct_sum_to_the_accuracy_asked_for(accuracy, side):
 
 def test_a_pair_pulls_alike_on_both_and_none_on_itself():
     scene = scene_of_beads(2, interaction='summation = "grid"\naccuracy = 1e-2')
-    parameters, state, _ = set_up(scene)
+    parameters, state, _ = begun(scene)
     for distance in (6.1e-5, 3e-4, 1.3e-3):
         state.position[:] = [[1e-5, 2e-5], [1e-5 + distance, 5e-5]]
         state.reference[:] = state.position
@@ -78,7 +73,7 @@ def test_a_pair_pulls_alike_on_both_and_none_on_itself():
 @pytest.mark.compiled
 def test_the_recorded_energy_is_the_direct_sum_and_forces_are_its_slope():
     scene = scene_of_beads(60, interaction='summation = "grid"\naccuracy = 1e-6')
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     forces, energy = direct(parameters, state.position)
     assert observe(parameters, state, workspace).numbers["pair_energy"] == pytest.approx(energy, rel=3e-6)
     found, step, energies = grid_forces(parameters, state, workspace), 1e-6, []
@@ -123,7 +118,7 @@ def test_what_a_grid_does_not_go_with_is_reported(interaction, motion, message):
 
 
 def integrated(scene, pauses):
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     for steps in pauses:
         assert FLOATING.advance(parameters, state, workspace, steps) == 0
         workspace = FLOATING.workspace(parameters, state, 1.0)
@@ -151,7 +146,7 @@ def test_an_integration_with_a_grid_is_that_with_cells():
     ends = []
     for how in ('summation = "cells"\naccuracy = 1e-8', 'summation = "grid"\naccuracy = 1e-8'):
         scene = scene_of_beads(8, interaction=how, motion='[integration]\nintegrator = "velocity-verlet"\n')
-        parameters, state, workspace = set_up(scene)
+        parameters, state, workspace = begun(scene)
         assert FLOATING.advance(parameters, state, workspace, 5) == 0
         ends.append(state.velocity)
     assert ends[1] == pytest.approx(ends[0], rel=1e-5, abs=1e-6 * np.abs(ends[0]).max())

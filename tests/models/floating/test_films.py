@@ -16,6 +16,7 @@ from ecume.models.floating.forces.films import (
     make_films,
     solve_velocities,
 )
+from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -29,12 +30,6 @@ def beads(places, *, films="{ roughness = 1e-6 }", integrator="overdamped", more
     return scene_of(f"{WATER}[[particles]]\n{BEAD}positions = {listed}\n{motion}", **times)
 
 
-def set_up(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 def test_the_table_is_the_law_level_where_it_is_rough_and_zero_in_the_end():
     films = make_films(1e-3, 4.0)
     far = pair_factor(4.0)
@@ -46,7 +41,7 @@ def test_the_table_is_the_law_level_where_it_is_rough_and_zero_in_the_end():
 
 
 def test_two_that_are_pushed_together_go_slower_by_lambda():
-    parameters, state, workspace = set_up(beads([(0.0, 0.0), (2.1 * RADIUS, 0.0)]))
+    parameters, state, workspace = begun(beads([(0.0, 0.0), (2.1 * RADIUS, 0.0)]))
     pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     velocity = np.array([[1e-3, 2e-4], [-1e-3, 5e-4]])
     solve_velocities(pairs, parameters.kick.gain, velocity)
@@ -58,7 +53,7 @@ def test_two_that_are_pushed_together_go_slower_by_lambda():
 def test_films_do_not_slow_floats_of_one_velocity_and_keep_momentum():
     rng = np.random.default_rng(1)
     places = 2.3 * RADIUS * np.array([(i, j) for i in range(4) for j in range(4)])
-    parameters, state, workspace = set_up(beads(places.tolist()))
+    parameters, state, workspace = begun(beads(places.tolist()))
     pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     assert len(pairs.friction) > 40
     together = np.full((16, 2), 3e-3)
@@ -80,7 +75,7 @@ def test_two_beads_meet_when_the_law_says():
     start, near = 4.0 * RADIUS, 2.02 * RADIUS
     films = "{ roughness = 1e-6, cutoff = 50.0 }"
     scene = beads([(-0.5 * start, 0.0), (0.5 * start, 0.0)], films=films, duration=20.0, frame_every=0.01)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     length, charge = parameters.pair[1], parameters.floats.charge[0]
     strength = capillarity.pair_strength(0.0728, charge, charge)
     far = pair_factor(50.0)

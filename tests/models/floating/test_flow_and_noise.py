@@ -10,6 +10,7 @@ from ecume.models import MODELS
 from ecume.models.floating.time_integration.integrators import add_noise
 from ecume.models.floating.time_integration.step_size import diffusion_step, longest_good_step
 from ecume.simulation import simulate
+from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -80,9 +81,7 @@ def test_brownian_motion_has_the_temperature_of_the_scene_to_two_percent():
     count, steps, temperature = 300, 100, 300.0
     floats = f'[[particles]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
     scene = creeping(floats + ALONE, temperature)
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(scene)
     squares = 0.0
     for _ in range(steps):
         before = state.position.copy()

@@ -22,6 +22,7 @@ from ecume.models.floating.forces.films import find_films
 from ecume.models.floating.setup.hydrodynamic_interaction import ReynoldsWarning
 from ecume.models.floating.setup.scene_parameters import memory_estimate
 from ecume.models.floating.time_integration.integration import forces_at
+from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 # `ecume validate hydrodynamics` runs compiled code; each combination of parts is compiled by itself.
@@ -40,18 +41,12 @@ def beads(places, *, angle=0.5 * math.pi, density=1050.0, more="", around="", **
     return scene_of(f"{SYRUP}{around}{floats}{MOTION}{more}", **times)
 
 
-def set_up(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 @pytest.mark.parametrize("count", [7, 19])
 def test_a_raft_at_a_wall_moves_as_fast_as_rotne_and_prager_say(count):
     """The wall pulls each float of a rigid raft; a single float moves as fast as its own force and drag say."""
     raft = RADIUS * compact_raft(count) + [0.006, 0.0]
     wall = '[dish]\nsize = [0.02, 0.06]\ncontact_angle = "91 deg"\n'
-    parameters, state, workspace = set_up(beads(raft, around=wall, density=1300.0))
+    parameters, state, workspace = begun(beads(raft, around=wall, density=1300.0))
     force = forces_at(parameters, state.position, workspace).copy()
     assert FLOATING.advance(parameters, state, workspace, 2) == 0
     single = force.sum(axis=0) * parameters.kick.gain[0] / count
@@ -108,7 +103,7 @@ def test_half_a_run_and_half_a_run_with_noise_are_a_run(contacts):
     places = 2e-6 * 1.02 / 2.0 * compact_raft(4)
     body = f"[[particles]]\nradius = 1e-6\ndensity = 2000.0\ncontact_angle = 1.2\npositions = {places.tolist()}\n"
     scene = scene_of(f"{WATER}{body}{MOTION}brownian = true\n[contacts]\n{contacts}\n", duration=1.0, frame_every=1.0)
-    parameters, whole, workspace = set_up(scene)
+    parameters, whole, workspace = begun(scene)
     assert FLOATING.advance(parameters, whole, workspace, 8) == 0
     state = FLOATING.start(scene, parameters)
     for _ in range(2):
@@ -151,7 +146,7 @@ def test_the_spin_by_a_force_is_half_the_rotation_of_its_flow():
 
 def test_two_distant_floats_approach_more_slowly_by_the_flow_of_each_other():
     distance = 6.0 * RADIUS
-    parameters, state, workspace = set_up(beads([(0.0, 0.0), (distance, 0.0)]))
+    parameters, state, workspace = begun(beads([(0.0, 0.0), (distance, 0.0)]))
     force = forces_at(parameters, state.position, workspace).copy()
     assert FLOATING.advance(parameters, state, workspace, 1) == 0
     slowness = force[0, 0] * parameters.kick.gain[0] / state.velocity[0, 0]
@@ -170,7 +165,7 @@ def test_films_complete_the_resistance_of_approaching_floats(angle, gap):
     """
     places = [(0.0, 0.0), ((2.0 + gap) * RADIUS, 0.0)]
     films = "lubrication = { roughness = 1e-8 }\n"
-    parameters, state, workspace = set_up(beads(places, angle=angle, more=films))
+    parameters, state, workspace = begun(beads(places, angle=angle, more=films))
     force = forces_at(parameters, state.position, workspace).copy()
     assert FLOATING.advance(parameters, state, workspace, 1) == 0
     slowness = force[0, 0] * parameters.kick.gain[0] / state.velocity[0, 0]
@@ -178,7 +173,7 @@ def test_films_complete_the_resistance_of_approaching_floats(angle, gap):
 
 
 def test_films_leave_the_speed_of_rigid_rafts_and_add_no_force():
-    parameters, state, workspace = set_up(
+    parameters, state, workspace = begun(
         beads(2.002 / 2.0 * RADIUS * compact_raft(7), more="lubrication = { roughness = 1e-8 }\n")
     )
     own, films = workspace.scratch.integrator, parameters.parts.resistances[0]
@@ -204,7 +199,7 @@ def test_a_current_adds_to_the_velocities(flow):
     places = [(0.0, 0.0), (2.2 * RADIUS, 0.0), (0.0, 2.5 * RADIUS)]
     found = []
     for around in ("", f"[flow]\n{flow}\n"):
-        parameters, state, workspace = set_up(beads(places, around=around))
+        parameters, state, workspace = begun(beads(places, around=around))
         assert FLOATING.advance(parameters, state, workspace, 1) == 0
         found.append(state.velocity.copy())
     x, y = np.array(places).T
@@ -219,7 +214,7 @@ def test_touching_floats_do_not_overlap_and_the_energy_budget_of_a_current_close
     places = 1.04 * RADIUS * compact_raft(7) + 0.015 * RADIUS * dice.normal(size=(7, 2))
     flow = "[flow]\nextension_rate = 0.025\n"
     scene = beads(places, around=flow, more=contacts, density=1300.0, duration=4.0, frame_every=4.0)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     before = FLOATING.observe(parameters, state, workspace).numbers
     assert FLOATING.advance(parameters, state, workspace, 60) == 0
     after = FLOATING.observe(parameters, state, workspace).numbers
@@ -238,7 +233,7 @@ def test_touching_floats_do_not_overlap_and_the_energy_budget_of_a_current_close
 def test_a_current_along_a_force_takes_its_work():
     """A float that a wall pulls drifts faster with the current: the energy falls by more than drag dissipates."""
     around = '[dish]\nsize = [0.02, 0.06]\ncontact_angle = "100 deg"\n[flow]\nvelocity = [1e-3, 0.0]\n'
-    parameters, state, workspace = set_up(beads([(0.006, 0.0)], around=around, density=1300.0))
+    parameters, state, workspace = begun(beads([(0.006, 0.0)], around=around, density=1300.0))
     pull = forces_at(parameters, state.position, workspace)[0, 0]
     assert FLOATING.advance(parameters, state, workspace, 1) == 0
     injected = FLOATING.observe(parameters, state, workspace).numbers["injected_work"]
@@ -255,7 +250,7 @@ def test_a_sticking_pair_turns_as_one_body():
         more="[contacts]\nfriction = 5.0\n",
         density=1300.0,
     )
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     assert FLOATING.advance(parameters, state, workspace, 3) == 0
     apart = state.position[1] - state.position[0]
     normal = apart / np.hypot(*apart)
@@ -291,6 +286,6 @@ def test_inertia_is_refused():
 
 
 def test_floats_that_cannot_meet_in_a_step_are_no_contacts():
-    parameters, state, workspace = set_up(beads([[0.0, 0.0], [2.1 * RADIUS, 0.0]]))
+    parameters, state, workspace = begun(beads([[0.0, 0.0], [2.1 * RADIUS, 0.0]]))
     assert FLOATING.advance(parameters, state, workspace, 1) == 0
     assert workspace.contacts.total[0] == 0

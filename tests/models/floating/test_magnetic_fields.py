@@ -10,6 +10,7 @@ from ecume.errors import SceneError
 from ecume.laws.dipoles import PERMEABILITY, dipole_force, dipole_strength, induced_moment, oblique_dipole_energy
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.integration import forces_at
+from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
@@ -27,19 +28,13 @@ def beads(places, field, *, moment=0.0, more=ALONE, **times):
     return scene_of(f"{WATER}{floats}[magnetic_field]\nsusceptibility = 1e6\n{field}{more}", **times)
 
 
-def set_up(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 def potential(parameters, state, workspace, position):
     return FLOATING.observe(parameters, state._replace(position=position), workspace).numbers["pair_energy"]
 
 
 @pytest.mark.parametrize(("field", "factor"), [((0, 0, 3e-3), 1.0), ((3e-3, 0, 0), -2.0), ((0, 3e-3, 0), 1.0)])
 def test_beads_repel_across_the_field_and_attract_twice_as_strongly_along_it(field, factor):
-    parameters, state, workspace = set_up(beads([(0.0, 0.0), (2e-3, 0.0)], f"constant = {list(map(float, field))}\n"))
+    parameters, state, workspace = begun(beads([(0.0, 0.0), (2e-3, 0.0)], f"constant = {list(map(float, field))}\n"))
     moment = induced_moment(RADIUS, 1e6, 3e-3)
     assert moment == pytest.approx(4.0 * math.pi * RADIUS**3 * 3e-3 / PERMEABILITY, rel=1e-5)
     expected = factor * dipole_force(2e-3, dipole_strength(moment, moment))
@@ -53,7 +48,7 @@ def test_beads_repel_across_the_field_and_attract_twice_as_strongly_along_it(fie
 def test_forces_in_any_field_are_minus_the_slope_of_the_energy():
     places = [(0.0, 0.0), (1.3e-3, 4e-4), (-5e-4, 1.5e-3)]
     field = "constant = [1e-3, -2e-3, 3e-3]\namplitude = [2e-3, 0.0, 1e-3]\nphase = [0.4, 0.0, 1.0]\n"
-    parameters, state, workspace = set_up(beads(places, field, moment=2e-7))
+    parameters, state, workspace = begun(beads(places, field, moment=2e-7))
     force, step = forces_at(parameters, state.position, workspace).copy(), 1e-9
     slope = np.zeros_like(force)
     for i, axis in np.ndindex(force.shape):
@@ -69,7 +64,7 @@ def test_forces_in_any_field_are_minus_the_slope_of_the_energy():
 
 def test_permanent_moments_repel_as_without_a_field():
     places = [(0.0, 0.0), (2e-3, 0.0)]
-    parameters, state, workspace = set_up(beads(places, "", moment=3e-7))
+    parameters, state, workspace = begun(beads(places, "", moment=3e-7))
     expected = dipole_force(2e-3, dipole_strength(3e-7, 3e-7))
     assert forces_at(parameters, state.position, workspace)[1, 0] == pytest.approx(expected)
 
@@ -80,7 +75,7 @@ def test_the_work_of_the_field_closes_the_energy_budget(integrator):
     more = f'[integration]\nintegrator = "{integrator}"\n{ALONE}'
     field = "constant = [0.0, 0.0, 4e-3]\namplitude = [2e-3, 0.0, 0.0]\nfrequency = 100.0\nphase = [0.3, 0.0, 0.0]\n"
     scene = beads([(0.0, 0.0), (1.4e-3, 2e-4)], field, more=more, duration=0.5, frame_every=0.5)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     friction = parameters.floats.mass / parameters.floats.relaxation_time
     before, taken = FLOATING.observe(parameters, state, workspace).numbers["total_energy"], 0.0
     for _ in range(130):
@@ -97,7 +92,7 @@ def test_the_work_of_the_field_closes_the_energy_budget(integrator):
 def test_a_resumed_run_has_the_same_bits():
     field = "amplitude = [2e-3, 2e-3, 0.0]\nfrequency = 5.0\nphase = [0.0, -1.5707963, 0.0]\n"
     scene = beads([(0.0, 0.0), (1.4e-3, 2e-4)], field)
-    parameters, whole, workspace = set_up(scene)
+    parameters, whole, workspace = begun(scene)
     assert FLOATING.advance(parameters, whole, workspace, 10) == 0
     state = FLOATING.start(scene, parameters)
     for _ in range(2):

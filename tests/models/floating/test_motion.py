@@ -14,6 +14,7 @@ from ecume.models.floating.setup.kinds import float_kind
 from ecume.models.floating.time_integration.integrators import SCHEMES
 from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.simulation import simulate
+from tests.models import begun
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
 
 FLOATING = MODELS["floating"]
@@ -228,9 +229,7 @@ def test_runge_kutta_refuses_a_liquid_too_viscous_for_it():
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_whatever_the_scheme_a_dish_does_not_move_by_itself(scheme):
     scene = lone_float_in_a_dish(HEAVY, hydrodynamics="", integration=f'integrator = "{scheme}"')
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(scene)
     for _ in range(4):
         FLOATING.advance(parameters, state, workspace, 1)
         assert workspace.midstep_velocity[1:].tolist() == [[0.0, 0.0]]

@@ -23,6 +23,7 @@ from ecume.scenes.floating import (
 )
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments, simulate
+from tests.models import begun
 
 SMALL = 0.27e-3
 """A tenth of the capillary length of water."""
@@ -45,9 +46,7 @@ def discs(positions, method, radius=1.35e-3, dish=None, drag=True, **options):
 
 def forces(scene):
     """At the start, as the march has them."""
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(scene)
     FLOATING.advance(parameters, state, workspace, 0)
     return workspace.force.copy()
 

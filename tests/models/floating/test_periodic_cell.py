@@ -11,6 +11,7 @@ from ecume.models.floating import FLOATING
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.liquids import liquid_of
 from ecume.models.model import DONE
+from tests.models import begun
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 SIDES = np.array([0.06, 0.08])
@@ -23,14 +24,8 @@ def floats_at(positions, *, velocities=None, kind=HEAVY):
     return f"[[particles]]\n{kind}positions = {np.asarray(positions).tolist()}\n{moving}"
 
 
-def started(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 def advanced(scene, steps):
-    parameters, state, workspace = started(scene)
+    parameters, state, workspace = begun(scene)
     assert FLOATING.advance(parameters, state, workspace, steps) == DONE
     return FLOATING.observe(parameters, state, workspace)
 
@@ -51,7 +46,7 @@ def spread(count, seed, apart=2.2e-3, sides=SIDES):
 def test_forces_are_the_sum_over_all_images():
     position = spread(10, 1)
     scene = scene_of(WATER + floats_at(position[:6]) + floats_at(position[6:], kind=LIGHT) + CELL)
-    parameters, state, workspace = started(scene)
+    parameters, state, workspace = begun(scene)
     force, liquid = forces_at(parameters, state.position, workspace), liquid_of(scene)
     charge, length = parameters.floats.charge, liquid.capillary_length
     direct, cut = np.zeros_like(force), np.zeros_like(force)
@@ -85,7 +80,7 @@ def test_shifting_all_floats_changes_nothing(contacts):
     frames = []
     for shift in (np.zeros(2), np.array([0.0471, 0.0233])):
         scene = scene_of(WATER + floats_at(position + shift, velocities=velocity) + rest, frame_every=1e-2)
-        parameters, state, workspace = started(scene)
+        parameters, state, workspace = begun(scene)
         assert FLOATING.advance(parameters, state, workspace, int(4e-3 / parameters.time_step)) == DONE
         frames.append(FLOATING.observe(parameters, state, workspace))
     one, other = (frame.arrays for frame in frames)
@@ -101,7 +96,7 @@ def test_momentum_is_conserved_while_floats_collide_across_borders():
     chance = np.random.default_rng(5)
     position = spread(12, 2, apart=2.05e-3)
     scene = scene_of(WATER + floats_at(position, velocities=0.05 * chance.normal(size=(12, 2))) + CELL + DRY)
-    parameters, state, workspace = started(scene)
+    parameters, state, workspace = begun(scene)
     before = parameters.floats.mass @ state.velocity
     assert FLOATING.advance(parameters, state, workspace, 40) == DONE
     largest = np.abs(parameters.floats.mass[:, None] * state.velocity).max()
@@ -132,15 +127,15 @@ def test_touching_floats_on_both_sides_of_a_border_are_one_cluster():
 
 def test_given_floats_must_not_overlap_an_image():
     with pytest.raises(SceneError, match=r"overlaps particles\[0\].positions\[1\] by"):
-        started(scene_of(WATER + floats_at([[0.0595, 0.04], [0.0005, 0.04]]) + CELL))
+        begun(scene_of(WATER + floats_at([[0.0595, 0.04], [0.0005, 0.04]]) + CELL))
 
 
 def test_a_run_goes_on_from_its_state_bit_by_bit():
     scene = scene_of(WATER + floats_at(spread(8, 3), velocities=np.full((8, 2), 0.05)) + CELL)
-    parameters, state, workspace = started(scene)
+    parameters, state, workspace = begun(scene)
     assert FLOATING.advance(parameters, state, workspace, 12) == DONE
     once = state
-    parameters, state, workspace = started(scene)
+    parameters, state, workspace = begun(scene)
     assert FLOATING.advance(parameters, state, workspace, 5) == DONE
     fresh = FLOATING.workspace(parameters, state, 1.0)
     assert FLOATING.advance(parameters, state, fresh, 7) == DONE
@@ -158,7 +153,7 @@ def test_the_area_fraction_sets_the_size_of_the_cell():
 @pytest.mark.parametrize(("placement", "extra"), [("lattice", "spacing = 3e-3\n"), ("ring", "ring_radius = 0.01\n")])
 def test_arrangements_are_around_the_center_of_the_cell(placement, extra):
     floats = f'[[particles]]\n{HEAVY}count = 7\nplacement = "{placement}"\n{extra}'
-    state = started(scene_of(WATER + floats + CELL))[1]
+    state = begun(scene_of(WATER + floats + CELL))[1]
     assert state.position.mean(axis=0) == pytest.approx(0.5 * SIDES)
 
 
@@ -206,7 +201,7 @@ def test_the_advised_accuracy_accepts_the_cell():
 def test_a_uniform_flow_carries_floats_through_the_borders():
     scene = scene_of(WATER + floats_at([[0.059, 0.079]], velocities=[[0.3, 0.2]]) + CELL
                      + "[flow]\nvelocity = [0.3, 0.2]\n", frame_every=1e-2)  # fmt: skip
-    parameters, state, workspace = started(scene)
+    parameters, state, workspace = begun(scene)
     steps = int(0.02 / parameters.time_step)
     assert FLOATING.advance(parameters, state, workspace, steps) == DONE
     time = steps * parameters.time_step

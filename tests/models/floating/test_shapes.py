@@ -24,6 +24,7 @@ from ecume.models.floating.shaped.figures import (
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate
+from tests.models import begun
 from tests.models.floating.bowls import scene_of
 
 LIQUID = '[liquid]\ndensity = 1000.0\nviscosity = "{viscosity} mPa*s"\nsurface_tension = "72.8 mN/m"\n'
@@ -63,12 +64,6 @@ def everyone(extra=""):
     return scene_of(LIQUID.format(viscosity=1.0) + bodies + extra, duration=0.01, frame_every=0.01)
 
 
-def opened(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 def energy(parameters, state, workspace):
     (shapes,), (scratch,) = parameters.parts.interactions, workspace.scratch.interactions
     return sum(shaped_energies(shapes, scratch, parameters, state, workspace))
@@ -90,7 +85,7 @@ def pulled(parameters, state, workspace):
     ],
 )
 def test_forces_and_torques_are_what_the_energy_falls_by(dish):
-    opens = opened(everyone(dish))
+    opens = begun(everyone(dish))
     state = opens[1]
     force, torque = pulled(*opens)
     for i in range(len(force)):
@@ -111,7 +106,7 @@ def test_forces_and_torques_are_what_the_energy_falls_by(dish):
 
 
 def test_forces_cancel_and_so_do_torques():
-    opens = opened(everyone())
+    opens = begun(everyone())
     force, torque = pulled(*opens)
     size, position = np.abs(force).sum(), opens[1].position
     assert np.abs(force.sum(axis=0)).max() < 1e-12 * size
@@ -370,7 +365,7 @@ def test_the_shortest_rotation_has_the_whole_kinetic_energy():
 
 @pytest.mark.parametrize(("apart", "contacts"), [(1.5e-3, 0), (1.0e-3 * (1.0 + 1e-5), 1)])
 def test_contacts_of_shapes_are_counted_and_label_clusters(apart, contacts):
-    parameters, state, _ = opened(ellipsoid_pair(0.0, 0.0, apart=apart))
+    parameters, state, _ = begun(ellipsoid_pair(0.0, 0.0, apart=apart))
     label = np.zeros(2, np.int64)
     assert touching_shapes(parameters, state, label) == (contacts, 0.0)
     assert label.tolist() == ([0, 0] if contacts else [0, 1])
@@ -381,7 +376,7 @@ def test_contacts_that_the_next_step_may_close_are_listed():
     step, speed = 1e-5, 0.2
     gap, free = step * speed, FREE.format(restitution=0.0)
     scene = ellipsoid_pair(0.0, 0.0, apart=1.0e-3 + gap, motion=free, duration=step, frame_every=step)
-    parameters, state, workspace = opened(scene)
+    parameters, state, workspace = begun(scene)
     assert parameters.slop < 0.1 * gap
     state.velocity[:] = [0.0, speed]
     assert FLOATING.advance(parameters, state, workspace, 1) == 0

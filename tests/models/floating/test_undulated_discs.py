@@ -12,6 +12,7 @@ from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, FloatingScene, FloatSpec, HydrodynamicsSpec, InteractionSpec, LiquidSpec
 from ecume.simulation import moments, simulate
+from tests.models import begun
 
 RADIUS, HEIGHT = 0.3e-3, 15e-6
 
@@ -39,9 +40,7 @@ def pair(angles, apart=3.0, *, mode=2, drag=True, viscosity=1e-3, duration=0.02,
 
 def test_forces_and_torques_of_the_integration_are_those_of_the_solver():
     scene = pair((0.4, 1.1))
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    workspace = FLOATING.workspace(parameters, state, 1.0)
+    parameters, state, workspace = begun(scene)
     FLOATING.advance(parameters, state, workspace, 0)
     disc = float_kinds(scene)[0].body
     bodies = [multipole.Undulated(disc, ((2, HEIGHT, angle),)) for angle in (0.4, 1.1)]

@@ -10,6 +10,7 @@ from ecume.laws.radiated_waves import mean_force, ripples, slope_per_force
 from ecume.models import MODELS
 from ecume.models.floating.forces import waves
 from ecume.models.floating.time_integration.integration import forces_at
+from tests.models import begun
 from tests.models.floating.bowls import scene_of
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
@@ -32,16 +33,10 @@ def discs(positions, *sources, headings=(), more='[interaction]\nlaw = "none"\n'
     return scene_of(BATH + floats + waves + more, **times)
 
 
-def set_up(scene):
-    parameters = FLOATING.parameters(scene)
-    state = FLOATING.start(scene, parameters)
-    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
-
-
 @pytest.mark.parametrize("distance", [4.3e-3, 7e-3, 2.1e-2])
 def test_the_forces_on_two_points_are_those_of_the_law(distance):
     scene = discs([(0.0, 0.0), (0.6 * distance, 0.8 * distance)], source((0.0, 0.0)), headings=(0.0, 0.0))
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     force = forces_at(parameters, state.position, workspace)
     slope = slope_per_force(np.array([distance]), ripples(FREQUENCY, 1149.5, 0.067, 0.01, scene.gravity))[0]
     expected = mean_force(complex(slope), FORCE, FORCE) * np.array([0.6, 0.8])
@@ -54,7 +49,7 @@ def test_forces_and_torques_turn_with_the_floats():
     turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     found = []
     for positions, headings in ((places, (0.3, 2.0)), (places @ turned.T, (0.3 + angle, 2.0 + angle))):
-        parameters, state, workspace = set_up(discs(positions.tolist(), *sources, headings=headings))
+        parameters, state, workspace = begun(discs(positions.tolist(), *sources, headings=headings))
         force = forces_at(parameters, state.position, workspace).copy()
         found.append((force, workspace.scratch.interactions[-1].torque.copy()))
     (force, torque), (force_turned, torque_turned) = found
@@ -76,7 +71,7 @@ def test_sources_in_phase_keep_momentum_and_others_do_not():
             for name, own in (("one", 0.0), ("other", phase))
         )
         more = f'[waves]\nfrequency = 90.0\n{sources}[interaction]\nlaw = "none"\n'
-        parameters, state, workspace = set_up(scene_of(BATH + floats + more))
+        parameters, state, workspace = begun(scene_of(BATH + floats + more))
         force = forces_at(parameters, state.position, workspace)
         assert (abs(force.sum()) < 1e-12 * np.abs(force).max()) == kept
 
@@ -87,7 +82,7 @@ def test_the_work_of_waves_is_injected(integrator):
     more = f'[interaction]\nlaw = "none"\n[integration]\nintegrator = "{integrator}"\n'
     sources = (source((1.5e-3, 0.0)), source((-1.5e-3, 0.0), 2e-4))
     scene = discs([(0.0, 0.0), (8e-3, 1e-3)], *sources, headings=(0.3, 2.0), more=more, duration=1.0, frame_every=0.5)
-    parameters, state, workspace = set_up(scene)
+    parameters, state, workspace = begun(scene)
     part, taken = parameters.parts.interactions[-1], 0.0
     friction = parameters.floats.mass / parameters.floats.relaxation_time
     for _ in range(60):
@@ -103,7 +98,7 @@ def test_the_work_of_waves_is_injected(integrator):
 def test_propulsion_is_along_the_heading_of_the_float_and_resumed_runs_have_the_same_bits():
     more = '[activity]\npropulsion = 1e-6\nrotational_diffusion = 0.5\n[interaction]\nlaw = "none"\n'
     scene = discs([(0.0, 0.0), (2e-2, 0.0)], source((1e-3, 0.0)), headings=(1.0, 2.0), more=more)
-    parameters, whole, workspace = set_up(scene)
+    parameters, whole, workspace = begun(scene)
     first = forces_at(parameters, whole.position, workspace).copy()
     way = np.column_stack([np.cos([1.0, 2.0]), np.sin([1.0, 2.0])])
     assert first - workspace.scratch.interactions[-1].force == pytest.approx(1e-6 * way)

@@ -7,6 +7,7 @@ from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.contact_list import renew_contacts
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import LEFT
+from tests.models import begun
 
 from .test_packings import packing
 
@@ -17,9 +18,7 @@ pytestmark = pytest.mark.compiled
 @pytest.mark.parametrize("drag", [True, False])
 def test_what_is_left_on_a_thousand_sheared_spheres_is_below_1e_8_of_the_typical_force(drag):
     scene = packing(count=500, filled=0.8, strain=0.5, hydrodynamics={"drag": "stokes" if drag else "none"})
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    scratch = SOFT.workspace(parameters, state, 1.0)
+    parameters, state, scratch = begun(scene)
     left = []
     for _ in range(20):
         assert one_step(parameters, state, scratch) is not None

@@ -15,6 +15,7 @@ from ecume.models.soft.contacts.contact_list import neighbors, newcomers
 from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
+from tests.models import begun
 
 from .clusters import integrated
 
@@ -186,8 +187,6 @@ def test_a_film_that_is_drawn_out_fades_without_a_jump_and_is_gone():
 
 def test_a_workspace_of_other_contacts_is_not_used():
     scene = packing()
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    work = SOFT.workspace(parameters, state, 1.0)
+    parameters, state, work = begun(scene)
     state.generation[0] += 1
     assert SOFT.advance(parameters, state, work, 1) == CROWDED

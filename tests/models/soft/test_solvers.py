@@ -16,6 +16,7 @@ from ecume.models.soft.integration.force_assembly import imbalance, resist
 from ecume.models.soft.integration.linear_solvers import ITERATIONS, choices
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import FAILED
+from tests.models import begun
 
 from .clusters import integrated
 from .test_packings import packing, solved_by
@@ -23,15 +24,9 @@ from .test_packings import packing, solved_by
 pytestmark = pytest.mark.compiled
 
 
-def started(scene):
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    return parameters, state, SOFT.workspace(parameters, state, 1.0)
-
-
 def stage(scene, span):
     """The system of the first of Newton's steps in a stage, as a matrix and what is left on the spheres."""
-    parameters, _, scratch = started(scene)
+    parameters, _, scratch = begun(scene)
     step = scratch.step
     first_stage(parameters.contacts, step, drive_at(parameters.protocol, 0.0))
     begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
@@ -59,7 +54,7 @@ def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensio
 
 def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_after_a_while(monkeypatch):
     monkeypatch.setattr(solvers, "FEW", 0)
-    parameters, state, scratch = started(packing(count=40))
+    parameters, state, scratch = begun(packing(count=40))
     direct = solvers.DENSER * solvers.work(scratch.kept)
     even = int(direct / solvers.operations_of_iteration(scratch.kept))
     for iterations, wanted in ((0, "iterative"), (even, "iterative"), (even + 1, "direct"), (2000, "direct")):
@@ -71,13 +66,13 @@ def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_afte
 
 def test_few_spheres_are_eliminated_and_a_solver_that_is_named_is_the_only_one():
     for scene, wanted in ((packing(count=12), "dense"), (solved_by(packing(count=40), "iterative"), "iterative")):
-        parameters, state, scratch = started(scene)
+        parameters, state, scratch = begun(scene)
         state.effort[:] = 2000, 0, 9
         assert choices(parameters, scratch.kept, state.effort) == (wanted,)
 
 
 def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):
-    parameters, state, scratch = started(packing(count=40))
+    parameters, state, scratch = begun(packing(count=40))
     state.effort[:] = 2000, 0, 9
     assert choices(parameters, scratch.kept, state.effort) == ("direct", "iterative")
     state.effort[:] = 1, 0, 9

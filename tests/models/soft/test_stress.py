@@ -21,6 +21,7 @@ from ecume.models.soft.state import ACCEPTED, CLOCK
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import RateStepsSpec, StageSpec
 from ecume.simulation import simulate
+from tests.models import begun
 
 from .clusters import integrated
 from .test_packings import packing, solved_by
@@ -98,9 +99,7 @@ def test_every_solver_finds_the_same_creep_in_as_many_steps():
 def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rotation, dimensions):
     given = {"dimensions": dimensions, "filled": 0.8 if dimensions == 2 else 0.55, "rotation": rotation}
     scene = solved_by(packing(**given, duration=1.0, protocol=BOTH), "dense")
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    scratch = SOFT.workspace(parameters, state, 1.0)
+    parameters, state, scratch = begun(scene)
     step, drive = scratch.step, drive_at(parameters.protocol, 0.0)
     changes = []
     move = newton.move
@@ -117,9 +116,7 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
 
 def test_the_work_of_the_stresses_is_that_of_all_forces_on_surfaces_and_films():
     scene = stressed(BOTH, duration=1.0, integration={"tolerance": 1e-8})
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    scratch = SOFT.workspace(parameters, state, 1.0)
+    parameters, state, scratch = begun(scene)
     rows = [deflections(parameters, state, scratch)]
     while state.pace[CLOCK] < 0.3:
         assert one_step(parameters, state, scratch) is not None

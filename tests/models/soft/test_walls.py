@@ -22,6 +22,7 @@ from ecume.models.soft.state import CLOCK
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
+from tests.models import begun
 
 from .clusters import integrated
 
@@ -184,9 +185,7 @@ def test_a_wall_that_is_pushed_goes_as_the_one_that_is_moved_is_pushed_back():
 @pytest.mark.parametrize("top", [{}, {"pressure": 2e-3, "shear_stress": 5e-4}])
 def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, dimensions):
     scene = channel({"top": top}, dimensions, rotation=rotation, integration={"solver": "dense"}, count=5)
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    scratch = SOFT.workspace(parameters, state, 1.0)
+    parameters, _, scratch = begun(scene)
     step, drive = scratch.step, drive_at(parameters.protocol, 0.0)
     changes = []
     move = newton.move
@@ -240,9 +239,7 @@ def test_spheres_that_fall_beside_a_periodic_border_are_caught_however_long_a_st
 
 def test_work_goes_into_surfaces_and_films_at_walls_too():
     scene = at_floor(force=-1e-3, gap=0.05, duration=20.0, frame_every=20.0)
-    parameters = SOFT.parameters(scene)
-    state = SOFT.start(scene, parameters)
-    scratch = SOFT.workspace(parameters, state, 1.0)
+    parameters, state, scratch = begun(scene)
     rows = []
     while state.pace[CLOCK] < 10.0:
         SOFT.observe(parameters, state, scratch)
