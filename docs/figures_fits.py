@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ecume.fitting import Tracks, fit
 from ecume.fitting.estimation import simulated
 from ecume.scenes.load import load_scene
-from ecume.show.fit_figures import fit_figure
+from ecume.show.curves import fit_figure
 
 BEADS = """
 model = "floating"

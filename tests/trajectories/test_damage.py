@@ -14,8 +14,7 @@ from some_frames import same
 from ecume.errors import StorageError
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.segments import Recorder
-from ecume.trajectories.verification import repair
+from ecume.trajectories.segments import Recorder, repair
 
 Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]

@@ -268,7 +268,7 @@ def _cells(one: Estimate) -> tuple[str, str, str, str]:
 def keep(found: Fit, directory: Path) -> None:
     """Write the result of a fit: `fitted.toml`, `fit.json` and `residuals.png`."""
     from ecume.scenes.writing import to_toml
-    from ecume.show.fit_figures import fit_figure
+    from ecume.show.curves import fit_figure
     from ecume.show.style import save
     from ecume.trajectories.records import as_json, storing, write_whole
 

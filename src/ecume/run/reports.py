@@ -22,7 +22,7 @@ from ecume.run.verification import mended
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 from ecume.trajectories.records import FAILED, STATUS, manifest_at, scene_at, storing
-from ecume.trajectories.verification import Repaired
+from ecume.trajectories.segments import Repaired
 
 
 class RunSummary(NamedTuple):

@@ -28,7 +28,7 @@ from ecume.run.recording import NOTHING, Kept, Recording, SampleFile, require_kn
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
 from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
 from ecume.trajectories.records import DONE, as_json, clean, scene_at, storing, write_whole
-from ecume.trajectories.verification import good_frames, repair
+from ecume.trajectories.segments import good_frames, repair
 
 if TYPE_CHECKING:
     from ecume.models.actions import Action

@@ -35,9 +35,9 @@ from ecume.trajectories.records import (
     storing,
     write_whole,
 )
-from ecume.trajectories.verification import Repaired
-from ecume.trajectories.verification import check as check_trajectory
-from ecume.trajectories.verification import repair as repair_trajectory
+from ecume.trajectories.segments import Repaired
+from ecume.trajectories.segments import check as check_trajectory
+from ecume.trajectories.segments import repair as repair_trajectory
 
 if TYPE_CHECKING:
     from ecume.models.actions import Action

@@ -1,4 +1,7 @@
-"""Figures that any run can have: numbers over time, clusters of what touches, paths, and samples between frames."""
+"""Figures that any run can have: numbers over time, clusters of what touches, paths, and samples between frames.
+
+The last part is the figure of a fit: where objects were and where the simulation has them, and the residuals.
+"""
 
 from __future__ import annotations
 
@@ -18,15 +21,15 @@ from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.invariants import INJECTED
 from ecume.scenes.faults import suggestion
-from ecume.show.style import INK, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.samples import Samples
 from ecume.units import Array
 
 if TYPE_CHECKING:
+    from ecume.fitting import Fit
     from ecume.scenes.schema import Scene
-
 
 FEWEST = 20
 """Instants below which nothing counts as an outlier."""
@@ -280,3 +283,50 @@ def _curve(axes: Axes, found: Samples, name: str) -> None:
     axes.plot(found.times, factor * mean, color=PALETTE[1], linewidth=1.0)
     label = plain(name.replace("_", " "))
     axes.set_ylabel(f"{label}\n({scale.unit})" if scale else label, fontsize="small")
+
+
+MOST_COLORED = 8
+"""Objects beyond so many are drawn, and have no line in the legend."""
+
+
+def fit_figure(found: Fit) -> Figure:
+    """Tracks and simulation in 2D; residuals over time, with the 95 percent band of the noise."""
+    with style():
+        drawn = figure(9.0, 4.2)
+        left, right = drawn.subplots(1, 2, width_ratios=[1.0, 1.3])
+        _paths(left, found)
+        _residuals(right, found)
+        title = getattr(found.scene, "title", "")
+        left.set_title("Measured and simulated tracks")
+        if title:
+            drawn.suptitle(plain(title).strip())
+    return drawn
+
+
+def _paths(axes: Axes, found: Fit) -> None:
+    measured = found.tracks.position
+    scale = scale_for(float(np.nanmax(np.abs(measured))), "m")
+    for which, color in zip(range(measured.shape[1]), itertools.cycle(PALETTE), strict=False):
+        name = f"object {found.tracks.names[which]}" if which < MOST_COLORED else None
+        axes.plot(*(scale.factor * measured[:, which].T), ".", color=color, ms=3, alpha=0.6, label=name)
+        axes.plot(*(scale.factor * found.simulated[:, which].T), color=INK, lw=0.9)
+    axes.plot([], [], color=INK, lw=0.9, label="simulated")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})")
+    axes.legend(loc="best")
+
+
+def _residuals(axes: Axes, found: Fit) -> None:
+    left = found.tracks.position - found.simulated
+    scale = scale_for(float(np.nanmax(np.abs(left))), "m")
+    band = 1.96 * found.noise * scale.factor
+    axes.axhspan(-band, band, color=MUTED, alpha=0.15, lw=0, label="1.96 standard deviations")
+    axes.axhline(0.0, color=MUTED, lw=0.7)
+    for which, color in zip(range(left.shape[1]), itertools.cycle(PALETTE), strict=False):
+        for component, mark in ((0, "o"), (1, "x")):
+            values: Array = scale.factor * left[:, which, component]
+            label = f"{'xy'[component]} of all objects" if which == 0 else None
+            axes.plot(found.tracks.times, values, mark, color=color, ms=2.5, mew=0.7, label=label)
+    axes.margins(x=0)
+    axes.set(xlabel="time (s)", ylabel=f"measured minus simulated ({scale.unit})", title="Residuals")
+    axes.legend(loc="upper center", ncols=3, bbox_to_anchor=(0.5, -0.16))

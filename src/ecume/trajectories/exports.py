@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 
 from ecume._plain_files import content_of
 from ecume.errors import BadInput
-from ecume.trajectories.exported_frames import ExportedFrames
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.reader import ExportedFrames, open_trajectory
 from ecume.trajectories.records import replacing, storing
 from ecume.trajectories.samples import LARGEST
 from ecume.trajectories.vtk import write_pvd, write_vtk

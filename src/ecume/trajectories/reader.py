@@ -1,18 +1,21 @@
-"""Trajectories as sequences of frames, read from files."""
+"""Trajectories as sequences of frames, read from files.
+
+`ExportedFrames` are the frames as exports hold them: with the arrays that follow from the recorded ones.
+"""
 
 from __future__ import annotations
 
 import bisect
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._hooks import html_of, scene_of
+from ecume._hooks import derived_arrays, html_of, scene_of
 from ecume._plain_files import require_plain
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories import tables
@@ -223,3 +226,44 @@ class _Some(Sequence[Frame]):
         if isinstance(index, slice):
             return _Some(self._trajectory, self._which[index])
         return self._trajectory[self._which[index]]
+
+
+def _as_it_is(frame: Frame) -> Frame:
+    return frame
+
+
+class ExportedFrames:
+    """A view of a trajectory."""
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        self._trajectory = trajectory
+        described = (trajectory.directory / "resolved.json").exists()  # a folder of frames may have no scene
+        self._completed: Callable[[Frame], Frame] = derived_arrays(trajectory.scene) if described else _as_it_is
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """The time of each frame, s."""
+        return self._trajectory.times
+
+    @property
+    def species(self) -> tuple[str, ...]:
+        """The names of the species."""
+        return self._trajectory.species
+
+    @property
+    def samples(self) -> Samples:
+        """The numbers sampled between frames."""
+        return self._trajectory.samples
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """One of the named numbers, of all frames."""
+        return self._trajectory.numbers(name)
+
+    def __len__(self) -> int:
+        return len(self._trajectory)
+
+    def __getitem__(self, index: int) -> Frame:
+        return self._completed(self._trajectory[index])
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[index] for index in range(len(self)))

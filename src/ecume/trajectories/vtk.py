@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import StorageError
-from ecume.trajectories.exported_frames import ExportedFrames
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.reader import ExportedFrames
 from ecume.trajectories.records import replacing, storing
 
 if TYPE_CHECKING:
