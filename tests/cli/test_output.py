@@ -1,4 +1,4 @@
-"""The table of numbers of `--thermo`."""
+"""The progress of a run: the first line with the expected time, and the table of numbers of `--thermo`."""
 
 from __future__ import annotations
 
@@ -10,10 +10,23 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.output import ThermoTable, thermo_table
-from ecume.run import RunResult
+from ecume.cli.output import ThermoTable, WithExpectation, thermo_table
+from ecume.run import Progress, RunResult
 from ecume.scenes.templates import copy_template
 from ecume.trajectories.frame import Frame
+
+
+def test_the_expected_time_is_the_first_line_and_is_said_once(capsys):
+    heard = []
+    reporter = WithExpectation(heard.append)
+    first = Progress(10, 30000, 0.1, 10.0, 1, 0.0, 0.0, None)
+    for progress in (first, first._replace(remaining=240.0), first._replace(remaining=200.0)):
+        reporter(progress)
+    assert capsys.readouterr().err == "30000 steps, about 4 min\n"
+    assert len(heard) == 3
+    WithExpectation(heard.append)(first._replace(steps=None, remaining=3.0))
+    assert capsys.readouterr().err == "adaptive steps, about 3 s\n"
+
 
 NUMBERS = {"kinetic_energy": 1.5e-9, "clusters": 7.0, "momentum_x": -0.25}
 UNITS = {"kinetic_energy": "J", "clusters": "1", "momentum_x": "kg*m/s"}
