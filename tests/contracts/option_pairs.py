@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from ecume.errors import SceneError
 from ecume.models import MODELS
@@ -94,3 +95,35 @@ def section(page):
 def write_section(page, text):
     """Put a new matrix into a page."""
     page.write_text(MARKED.sub(lambda _: text, page.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+class Pairs:
+    """The pairs of a model's options, what becomes of each, and the page that shows it."""
+
+    def __init__(self, page, options, plain_of, laws=()):
+        self.page, self.options, self.plain_of, self.laws = DOCS / page, options, plain_of, laws
+        self.names = list(itertools.combinations(options, 2))
+        self._found = {}
+
+    def outcome(self, one, other):
+        """None where both are choices of one key; frames, and why there are none."""
+        if (one, other) not in self._found:
+            key = clash(self.options[one], self.options[other])
+            self._found[one, other] = (None, key) if key else frames_of(self.plain_of(one, other), self.laws)
+        return self._found[one, other]
+
+    def require_works_or_reason(self, one, other):
+        """A pair works, or the page states why not; a pair that sets one key twice is skipped."""
+        frames, reason = self.outcome(one, other)
+        if frames is None:
+            pytest.skip(f"both set {reason}")
+        if reason:
+            assert reason in section(self.page), "a pair that worked is refused now"
+        else:
+            require_sound(self.plain_of(one, other), frames)
+
+    def matrix(self):
+        """What the page shows."""
+        found = {pair: self.outcome(*pair) for pair in self.names}
+        refusals = {pair: None if frames is None else reason for pair, (frames, reason) in found.items()}
+        return matrix(self.options, refusals)

@@ -4,11 +4,9 @@ The matrix in `docs/physics/soft.md` is written by `python -m tests.contracts.te
 """
 
 import copy
-import itertools
-from functools import cache
 
 import pytest
-from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged, require_sound, section, write_section
+from tests.contracts.option_pairs import Pairs, merged, section, write_section
 
 pytestmark = pytest.mark.compiled
 
@@ -87,7 +85,6 @@ OPTIONS = {
     "normal_stress": stage(normal_stress=1e-3),
     "pressure": stage(pressure=1e-3),
 }
-PAIRS = list(itertools.combinations(OPTIONS, 2))
 
 
 def plain_of(one, other):
@@ -116,12 +113,7 @@ def plain_of(one, other):
     return merged(base, asked) | ({"gravity": [0.0, gravity, *[0.0] * deep]} if gravity else {})
 
 
-@cache
-def outcome(one, other):
-    """None where both are choices of one key; frames, and why there are none."""
-    if key := clash(OPTIONS[one], OPTIONS[other]):
-        return None, key
-    return frames_of(plain_of(one, other), LAWS)
+PAIRS = Pairs("soft.md", OPTIONS, plain_of, LAWS)
 
 
 def long(pair):
@@ -131,28 +123,16 @@ def long(pair):
 
 @pytest.mark.parametrize(
     ("one", "other"),
-    [pytest.param(*pair, id="-".join(pair), marks=[pytest.mark.long] * long(pair)) for pair in PAIRS],
+    [pytest.param(*pair, id="-".join(pair), marks=[pytest.mark.long] * long(pair)) for pair in PAIRS.names],
 )
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
-    frames, reason = outcome(one, other)
-    if frames is None:
-        pytest.skip(f"both set {reason}")
-    if reason:
-        assert reason in section(DOCS / "soft.md"), "a pair that worked is refused now"
-    else:
-        require_sound(plain_of(one, other), frames)
-
-
-def matrix_of_pairs():
-    """What the page shows."""
-    found = {pair: outcome(*pair) for pair in PAIRS}
-    return matrix(OPTIONS, {pair: None if frames is None else reason for pair, (frames, reason) in found.items()})
+    PAIRS.require_works_or_reason(one, other)
 
 
 @pytest.mark.long
 def test_the_page_shows_which_options_go_together():
-    assert section(DOCS / "soft.md") == matrix_of_pairs()
+    assert section(PAIRS.page) == PAIRS.matrix()
 
 
 if __name__ == "__main__":
-    write_section(DOCS / "soft.md", matrix_of_pairs())
+    write_section(PAIRS.page, PAIRS.matrix())

@@ -4,11 +4,9 @@ The matrix in `docs/physics/tracers.md` is written by `python -m tests.contracts
 """
 
 import copy
-import itertools
-from functools import cache
 
 import pytest
-from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged, require_sound, section, write_section
+from tests.contracts.option_pairs import Pairs, merged, section, write_section
 
 OPENING = {"openings": [{"wall": 0, "low": [0.0, 0.004], "high": [0.0, 0.012]}]}
 OPTIONS = {
@@ -37,7 +35,6 @@ OPTIONS = {
     "dust": {"dust": 1e-6},
     "moving start": {"start": [0.2, 0.1]},
 }
-PAIRS = list(itertools.combinations(OPTIONS, 2))
 TANK = {"high": [0.02, 0.016]}
 
 
@@ -81,36 +78,19 @@ def plain_of(one, other):
     return merged(base, asked)
 
 
-@cache
-def outcome(one, other):
-    """None where both are choices of one key; frames, and why there are none."""
-    if key := clash(OPTIONS[one], OPTIONS[other]):
-        return None, key
-    return frames_of(plain_of(one, other))
+PAIRS = Pairs("tracers.md", OPTIONS, plain_of)
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize(("one", "other"), PAIRS, ids=lambda name: name)
+@pytest.mark.parametrize(("one", "other"), PAIRS.names, ids=lambda name: name)
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
-    frames, reason = outcome(one, other)
-    if frames is None:
-        pytest.skip(f"both set {reason}")
-    if reason:
-        assert reason in section(DOCS / "tracers.md"), "a pair that worked is refused now"
-    else:
-        require_sound(plain_of(one, other), frames)
-
-
-def matrix_of_pairs():
-    """What the page shows."""
-    found = {pair: outcome(*pair) for pair in PAIRS}
-    return matrix(OPTIONS, {pair: None if frames is None else reason for pair, (frames, reason) in found.items()})
+    PAIRS.require_works_or_reason(one, other)
 
 
 @pytest.mark.compiled
 def test_the_page_shows_which_options_go_together():
-    assert section(DOCS / "tracers.md") == matrix_of_pairs()
+    assert section(PAIRS.page) == PAIRS.matrix()
 
 
 if __name__ == "__main__":
-    write_section(DOCS / "tracers.md", matrix_of_pairs())
+    write_section(PAIRS.page, PAIRS.matrix())
