@@ -192,7 +192,7 @@ def first_moments() -> Figure:
     )
     for axes, (key, values) in zip(drawn.subplots(1, 3), choices, strict=True):
         for value, color in zip(values, PALETTE, strict=False):
-            method = {"initial_pressure": "zero"} if key == "acoustic_damping" else {}
+            method = {"initial_pressure": "zero"} if key == "acoustic_damping" else {"acoustic_damping": 0.0}
             start = {**SHORT, "duration": 6.0, "frame_every": 0.05, "gauges": gauge}
             frames = simulated({**start, "method": {**method, key: value}})
             pressure = [frame.numbers["floor_pressure"] for frame in frames]

@@ -86,7 +86,7 @@ TANKS = (
                 "that of `tait/water`"),
     Expressible("method.pressure_force", lambda scene: scene.method.pressure_force, lambda name: name == "sum", "sum",
                 "pair_style rheo has this form only"),
-    Expressible("method.acoustic_damping", lambda scene: scene.method.acoustic_damping, _none, "0",
+    Expressible("method.acoustic_damping", lambda scene: scene.method.acoustic_damping, _none, "0, or no key",
                 "RHEO has no bulk viscosity"),
     Expressible("method.pressure_split", lambda scene: scene.method.pressure_split, lambda name: name == "none",
                 "none", "gravity acts on the particles of the deck"),
@@ -414,6 +414,6 @@ Positions are relative to the planes of the mirrored walls ({planes or "none"}).
 - Density diffusion: Molteni's, with the diffusivity of the scene's `method.diffusion_coefficient`. ecume subtracts the
   hydrostatic part.
 - Laminar viscosity: that of RHEO, with the viscosity of the scene.
-- Impacts on walls: not braked; the first particles of a jet have higher pressures.
+- Impacts on walls: neither braked nor damped; the first particles of a jet have higher pressures, and ring.
 - Time: steps of {tank.parameters.time_step:.4g} s, half of those of ecume. LAMMPS does not divide steps.
 """

@@ -28,8 +28,6 @@ MOST_FRONT = {40: 0.1, 80: 0.05}
 """Distance from the front of the finest run of another code, by particles in the column's height."""
 COARSE = 20
 """Particles in the column's height, of the coarsest impact."""
-DAMPED, DAMPING = 40, 1.5
-"""The same of the impact with acoustic damping, and its coefficient."""
 MOST_PRESSURE = {40: 0.1, 80: 0.05}
 """Relative. The other code itself is 8 % off with 40 particles, and 4 % with 80."""
 MOST_LEVEL, MOST_VOLUME = 0.05, 0.01
@@ -59,12 +57,11 @@ def rows() -> list[Row]:
     both = {deep: struck(deep) for deep in MOST_FRONT}
     runs = {deep: run for deep, (run, _) in both.items()}
     impacts = {COARSE: impact.struck([f"spacing={1.0 / COARSE!r}"])} | {deep: run for deep, (_, run) in both.items()}
-    calm = impact.struck([f"spacing={1.0 / DAMPED!r}", f"method.acoustic_damping={DAMPING}"])
     fronts = [row for deep, run in runs.items() for row in front(run, deep)]
     sharper = [order(runs[40], runs[80])]
     others = [row for deep, run in runs.items() for row in (*pressure(run, deep), *level(run, deep), volume(run, deep))]
     hits = [row for deep, run in impacts.items() for row in hit(run, deep)]
-    return [*fronts, *sharper, *others, *tall(), *hits, *hit(calm, DAMPED, ", acoustic damping")]
+    return [*fronts, *sharper, *others, *tall(), *hits]
 
 
 def struck(deep: int) -> tuple[Broken, impact.Impact]:
@@ -74,10 +71,10 @@ def struck(deep: int) -> tuple[Broken, impact.Impact]:
     return gauged(frames, FAR_WALL, 4.0 / deep), impact.read(samples)
 
 
-def hit(run: impact.Impact, deep: int, remark: str = "") -> list[Row]:
+def hit(run: impact.Impact, deep: int) -> list[Row]:
     """The impact beside the experiment, and beside the peak of another code: at H/40 where it has no coarser run."""
     other = impact.published("impact_peak", f"wcsph-{max(deep, min(MOST_FRONT))}")
-    return impact.rows_of(f"H/{deep}{remark}", run, other)
+    return impact.rows_of(f"H/{deep}", run, other)
 
 
 def broken(changes: Sequence[str], reach: float) -> Broken:

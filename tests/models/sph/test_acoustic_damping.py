@@ -1,15 +1,21 @@
-"""The acoustic damper takes the energy of sound, and of nothing else."""
+"""The acoustic damper takes the energy of sound, and of nothing else. By default it acts where liquid may hit walls."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
 
 import ecume
 from ecume.errors import SceneError
+from ecume.models.sph.integration import time_stepping
 from ecume.models.sph.rates.right_hand_side import _sum_push, _sum_stretch, damp_sound, fill, take_forces
 from ecume.models.sph.record import SPH
-from ecume.scenes.schema import from_plain
+from ecume.models.sph.report.energy_budget import power_of_dummies
+from ecume.models.sph.setup.choices import acoustic_damping_of
+from ecume.models.sph.state import RENEWALS
+from ecume.scenes.schema import from_plain, to_plain
+from ecume.validation import random_tanks
 from tests.models.sph.scenes import PERIODIC, free_blob, tank
 
 FORCES = ["sum", "monaghan", "corrected"]
@@ -27,14 +33,17 @@ def started(scene, seed=0):
 
 
 def damping_of(parameters, state, workspace):
-    """(d, N) m/s^2, the acceleration by the damper: that with it less that without."""
-    found = []
+    """(d, N) m/s^2, the acceleration by the damper, and the power (W) of its pressure at dummies: those with it less
+    those without.
+    """
+    found, powers = [], []
     for each in (parameters, parameters._replace(bulk_viscosity=0.0)):
         fill(each, state, workspace)
         _sum_push(each, workspace)
         found.append(workspace.rates.acceleration[: parameters.dimension].copy())
+        powers.append(power_of_dummies(each, state, workspace))
     push = found[0] - found[1]
-    return push / state.density if parameters.pressure_force.per_volume else push
+    return push / state.density if parameters.pressure_force.per_volume else push, powers[0] - powers[1]
 
 
 def divergence(parameters, state, workspace):
@@ -53,10 +62,11 @@ def test_the_damper_takes_the_bulk_viscosity_times_the_squared_divergence(force,
     scene = tank(walls=walls, acoustic_damping=1.0, pressure_force=force, artificial_viscosity=0.0)
     # Under gravity the volume of an image differs from that of its source, by a ten-thousandth here.
     parameters, state, workspace = started(dataclasses.replace(scene, gravity=(0.0, 0.0)), seed)
-    push = damping_of(parameters, state, workspace)
+    push, at_dummies = damping_of(parameters, state, workspace)
+    assert (at_dummies != 0.0) == (walls == "dummy")
     volume = state.mass / state.density
     taken = parameters.bulk_viscosity * np.sum(volume * divergence(parameters, state, workspace) ** 2)
-    assert np.sum(state.mass * push * state.velocity) == pytest.approx(-taken, rel=1e-9)
+    assert np.sum(state.mass * push * state.velocity) - at_dummies == pytest.approx(-taken, rel=1e-9)
     assert parameters.bulk_viscosity == pytest.approx(0.25 * 10.0)  # alpha rho c h, h of two spacings of 1/8
 
 
@@ -66,13 +76,60 @@ def test_the_damper_takes_the_bulk_viscosity_times_the_squared_divergence(force,
 def test_the_damper_keeps_the_momentum_and_does_not_act_on_rigid_motion(force, dimension):
     scene = free_blob(dimension, acoustic_damping=2.0, pressure_force=force)
     parameters, state, workspace = started(scene)
-    push = damping_of(parameters, state, workspace)
+    push, _ = damping_of(parameters, state, workspace)
     scale = np.abs(state.mass * push).sum()
     assert np.abs((state.mass * push).sum(axis=1)).max() < 1e-12 * scale
     state.velocity[:] = 0.3
     state.velocity[0] += 2.0 * state.position[1]
     state.velocity[1] -= 2.0 * state.position[0]
-    assert np.abs(damping_of(parameters, state, workspace)).max() < 1e-9 * np.abs(push).max()
+    assert np.abs(damping_of(parameters, state, workspace)[0]).max() < 1e-9 * np.abs(push).max()
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_dummies_have_the_mean_damping_of_the_liquid_before_them(dimension, precision):
+    parameters, state, workspace = started(walled(dimension, precision=precision), 2)
+    before = workspace.fields.force_term.copy()
+    damp_sound(parameters, workspace)
+    fields, count = workspace.fields, state.position.shape[1]
+    damping = fields.force_term - before
+    x, given, reach = fields.position[:dimension, :count], damping[:count], parameters.support
+    seen = 0
+    for dummy in range(count, len(workspace.lists.counts)):
+        away = np.sqrt(((x - fields.position[:dimension, dummy][:, None]) ** 2).sum(axis=0))
+        weight = np.where(away < reach, (1.0 - away / reach) ** 4 * (1.0 + 4.0 * away / reach), 0.0)  # Wendland's C2
+        if weight.sum() > 1e-3:
+            seen += 1
+            tolerance = 1e-9 if precision == "double" else 1e-3
+            expected = weight @ given / weight.sum()
+            assert damping[dummy] == pytest.approx(expected, rel=tolerance, abs=tolerance * float(np.abs(given).max()))
+    assert seen > 10
+
+
+def walled(dimension, **method):
+    """A little liquid between walls of dummy particles."""
+    side = [1.0] * dimension
+    return from_plain(
+        {
+            "model": "sph", "duration": 1.0, "frame_every": 0.1, "spacing": 0.2,
+            "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0},
+            "gravity": [0.0, -1.0, 0.0][:dimension],
+            "tank": {"high": [1.0, 2.0, 1.0][:dimension], "walls": "dummy"},
+            "fluid": [{"low": [0.0] * dimension, "high": side}],
+            "method": {"acoustic_damping": 1.0, "jitter": 0.2, **method},
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.compiled
+def test_water_in_a_narrow_gap_between_dummies_stays_at_rest():
+    """Between a wall and a block, 2.3 spacings apart. Without damping at the dummies it moves at 0.1 sqrt(g H)."""
+    scene = random_tanks.random_tank(2, 33)
+    assert (scene.tank.walls, acoustic_damping_of(scene)) == ("dummy", 1.5)
+    found = random_tanks.rest(scene)
+    assert found.speed < 0.005
+    assert found.error < 0.01
 
 
 @pytest.mark.compiled
@@ -143,8 +200,8 @@ def test_sound_decays_at_half_the_bulk_viscosity_times_the_squared_wavenumber():
 
 
 @pytest.mark.compiled
-def test_without_the_key_nothing_is_damped():
-    parameters, _, workspace = started(tank())
+def test_a_coefficient_of_zero_damps_nothing():
+    parameters, _, workspace = started(tank(acoustic_damping=0.0))
     before = workspace.fields.force_term.copy()
     damp_sound(parameters, workspace)
     assert (workspace.fields.force_term == before).all()
@@ -166,3 +223,63 @@ def test_what_has_no_such_sound_is_refused(change, says):
     )  # fmt: skip
     with pytest.raises(SceneError, match=says):
         SPH.parameters(scene)
+
+
+def full(**method):
+    """A tank with a lid on the liquid."""
+    plain = to_plain(tank(**method))
+    return from_plain({**plain, "tank": {"low": [0.0, 0.0], "high": [1.0, 1.0]}})
+
+
+def incompressible():
+    """A tank of a liquid without sound."""
+    plain = to_plain(tank(pressure="incompressible"))
+    return from_plain({**plain, "liquid": {"density": 1.0, "maximum_speed": 1.0}})
+
+
+@pytest.mark.parametrize(
+    ("scene", "expected"),
+    [
+        (tank(), 1.5),
+        (tank(walls="dummy"), 1.5),
+        (tank(viscosity=0.01), 1.5),
+        (tank(acoustic_damping=0.5), 0.5),
+        (tank(acoustic_damping=0.0), 0.0),
+        (tank(artificial_viscosity=0.0), 0.0),
+        (tank(walls="reflect"), 0.0),
+        (full(), 0.0),
+        (full(pressure_force="transport"), 0.0),
+        (incompressible(), 0.0),
+    ],
+)
+def test_by_default_sound_is_damped_where_liquid_may_hit_walls(scene, expected):
+    assert acoustic_damping_of(scene) == expected
+    parameters = SPH.parameters(scene)
+    assert parameters.bulk_viscosity == pytest.approx(expected * 0.25 * 10.0)  # alpha rho c h, h of two spacings of 1/8
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_the_divergence_is_summed_again_when_the_lists_are_renewed(walls, monkeypatch):
+    """Renewed lists may have another order of particles, in which the rates of before are those of others."""
+    seen, take = [], time_stepping.take_forces
+
+    def watched(parameters, state, workspace, time, summed=False):
+        kept = workspace.rates.continuity.copy()
+        take(parameters, state, workspace, time, summed)
+        if summed:  # half a drift changes little, another order all
+            assert (kept == workspace.rates.continuity).all()
+            take(parameters, state, workspace, time)
+            now = workspace.rates.continuity
+            assert np.sqrt(np.mean((kept - now) ** 2)) < 0.1 * np.sqrt(np.mean(now**2))
+        seen.append((int(state.tally[RENEWALS]), summed))
+
+    monkeypatch.setattr(time_stepping, "take_forces", watched)
+    parameters, state, workspace = started(tank(walls=walls, jitter=0.3))
+    state.velocity[...] *= 0.3
+    SPH.advance(parameters, state, workspace, 300)
+    changed = [now[0] != before[0] for before, now in itertools.pairwise(seen)]
+    assert sum(changed) > 3
+    # Lists are renewed in either half of a drift; only the second half leaves another order than that of the rates.
+    assert all(after or summed for after, (_, summed) in zip(changed, seen[1:], strict=True))
+    assert 2 < sum(not summed for _, summed in seen[1:]) <= sum(changed)

@@ -128,8 +128,9 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
     take_thickening(parameters, state, workspace)
     add_diffusion_work(parameters, state, workspace, time)
     thicken(state.density, state.thickening, time)
+    renewals = int(state.tally[RENEWALS])
     move(parameters, state, workspace, 0.5 * time)
-    take_forces(parameters, state, workspace, time)
+    take_forces(parameters, state, workspace, time, summed=int(state.tally[RENEWALS]) == renewals)
     kick_all(state, 0.5 * time)
     state.ready[0] = 1
 

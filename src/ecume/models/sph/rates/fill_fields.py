@@ -214,6 +214,25 @@ def read_liquid(
             fields[FIELD.friction_velocity + axis, dummy] = 2.0 * wall - speed[axis] / total if near else wall
 
 
+@spread
+def read_damping(fields: Floats, damping: Floats, first: int, lists: Lists, constants: Constants) -> None:
+    """Fill the damping of dummies, from column `first` on: the mean of the liquid in their rows."""
+    kernel, inverse = constants[0].kernel, 1.0 / constants[0].smoothing_length
+    counts, neighbor = lists
+    for dummy in prange(first, len(counts)):
+        total, mean = 0.0, 0.0
+        for k in range(counts[dummy]):
+            j = neighbor[dummy, k]
+            square = 0.0
+            for axis in range(3):
+                along = fields[FIELD.position + axis, j] - fields[FIELD.position + axis, dummy]
+                square += along * along
+            weight = value_of(math.sqrt(square) * inverse, kernel) * fields[FIELD.liquid, j]
+            total += weight
+            mean += weight * damping[j]
+        damping[dummy] = mean / total if total > NOTHING else 0.0
+
+
 @compiled_inside
 def _set_state(fields: Floats, i: int, enthalpy: float, liquid: EquationOfState) -> None:
     density, push = state_at_enthalpy(enthalpy, liquid)

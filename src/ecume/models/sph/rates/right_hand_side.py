@@ -15,7 +15,7 @@ from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies,
 from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import fill_corrections
-from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
+from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_damping, read_liquid
 from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, set_eddy_viscosity
 from ecume.models.sph.rates.kernels import kernel_type, require_kernel
 from ecume.models.sph.rates.shifting import shift
@@ -36,11 +36,13 @@ def take_thickening(parameters: Parameters, state: State, workspace: Workspace) 
     _store_thickening(parameters, state, workspace)
 
 
-def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The acceleration at the present positions, and the transport for the next drift."""
+def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False) -> None:
+    """The acceleration at the present positions, and the transport for the next drift. `summed`: the lists are still
+    those by which `take_thickening` summed the divergence half a drift ago; acoustic damping takes that one.
+    """
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
-    _sum_push(parameters, workspace)
+    _sum_push(parameters, workspace, summed)
     _store_acceleration(parameters, state, workspace, time)
 
 
@@ -74,7 +76,7 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
         sum_both(*_summed(parameters, workspace), kernel, rates.table)
     else:
         _sum_stretch(parameters, workspace)
-        _sum_push(parameters, workspace)
+        _sum_push(parameters, workspace, summed=True)
     _store_thickening(parameters, state, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
@@ -97,27 +99,37 @@ def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists
     return workspace.fields.table, workspace.lists, parameters.constants
 
 
-def damp_sound(parameters: Parameters, workspace: Workspace) -> None:
+def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
     """Add the pressure -zeta div v of the acoustic damping (`viscous.acoustic_damping`) to what pairs add up. A mirror
-    image has the divergence of its source. The sum over pairs is the adjoint of this divergence: it takes the power
-    zeta V (div v)^2 from each particle.
+    image has the divergence of its source, and a dummy the mean of the liquid before it, as with the other pressure:
+    with none, water in a narrow gap between dummies did not come to rest. The sum over pairs of liquid is the adjoint
+    of this divergence: it takes the power zeta V (div v)^2 from each particle.
     """
     if parameters.bulk_viscosity == 0.0:
         return
-    _sum_stretch(parameters, workspace)
-    fields, images, count = workspace.fields, workspace.images, workspace.rates.shape[1]
+    if not summed:
+        _sum_stretch(parameters, workspace)
+    fields, lists, count = workspace.fields, workspace.lists, workspace.rates.shape[1]
     damping = np.zeros_like(fields.force_term)
     damping[:count] = parameters.bulk_viscosity * workspace.rates.continuity
     if parameters.pressure_force.by_mass:
         damping[:count] /= fields.density[:count] ** 3
-    real = len(workspace.lists.counts)
-    for first, last in itertools.pairwise(images.start):
-        damping[real + first : real + last] = damping[images.source[first:last]]
+    _copy_to_images(workspace, damping)
+    if len(lists.counts) > count:
+        read_damping(fields.table, damping, count, lists, parameters.constants)
+        _copy_to_images(workspace, damping)
     fields.force_term[...] += damping
 
 
-def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
-    damp_sound(parameters, workspace)
+def _copy_to_images(workspace: Workspace, field: Floats) -> None:
+    """Give the images the values of their sources; an image may be the source of another."""
+    images, real = workspace.images, len(workspace.lists.counts)
+    for first, last in itertools.pairwise(images.start):
+        field[real + first : real + last] = field[images.source[first:last]]
+
+
+def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
+    damp_sound(parameters, workspace, summed)
     summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
     if loop is None:
         sum_momentum(*summed, kernel_type(parameters.constants), rates.table)

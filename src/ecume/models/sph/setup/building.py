@@ -31,6 +31,7 @@ from ecume.models.sph.report.observation import gauges_of, reference_of
 from ecume.models.sph.setup.choices import (
     PRECISIONS,
     WATER,
+    acoustic_damping_of,
     acting_friction,
     chosen,
     color_reach_of,
@@ -217,7 +218,7 @@ def central_force_of(scene: SphScene) -> tuple[float, Array]:
 
 def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
     """Pa s, of the acoustic damping; zero without."""
-    alpha = scene.method.acoustic_damping
+    alpha = acoustic_damping_of(scene)
     if alpha == 0.0:
         return 0.0
     faults = []

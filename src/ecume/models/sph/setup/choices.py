@@ -24,6 +24,7 @@ from ecume.laws import (
     states,
     time_step_limits,
     viscous,
+    wall_forces,
 )
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import ICE_POINT, LiquidProperties
@@ -157,6 +158,26 @@ def artificial_viscosity_of(scene: SphScene) -> float:
     given = scene.method.artificial_viscosity
     if given is None:
         return USUAL_ALPHA * (not scene.liquid.viscosity)
+    return given
+
+
+USUAL_DAMPING = 1.5
+"""Of sound, where liquid may hit a wall. The quickest oscillation of a lattice is damped critically with 1.76."""
+
+
+def impacts_dissipate(scene: SphScene) -> bool:
+    """Whether the method dissipates the sound of impacts: where there is a free surface, and sound, and unless the
+    scene gives zero artificial viscosity.
+    """
+    hits = pressure_of(scene).compressible and free_surface(scene) and scene.tank.walls != "reflect"
+    return hits and scene.method.artificial_viscosity != 0.0
+
+
+def acoustic_damping_of(scene: SphScene) -> float:
+    """Its alpha."""
+    given = scene.method.acoustic_damping
+    if given is None:
+        return USUAL_DAMPING * (impacts_dissipate(scene) and not pressure_force_of(scene).transported)
     return given
 
 
@@ -302,8 +323,9 @@ def laws_of(scene: Any) -> list[Source]:
     laws += [diffusion.strength, excess] if excess is not None else []
     if pressure_force_of(scene).continuity is not None:
         laws += [kernel_correction.missing_neighbors, kernel_correction.correction_share]
-    laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
-    laws += [viscous.acoustic_damping] if scene.method.acoustic_damping else []
+    laws += [viscous.artificial_viscosity] if artificial_viscosity_of(scene) else []
+    laws += [viscous.acoustic_damping] if acoustic_damping_of(scene) else []
+    laws += [wall_forces.impact_braking] if impacts_dissipate(scene) else []
     laws += [coverage.covered_part] if scene.gauges else []
     if liquid.viscosity or turbulent(scene):
         laws += [friction_of(scene).law]

@@ -16,7 +16,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
-from ecume.models.sph.setup.choices import color_reach_of, free_surface, pressure_of
+from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate
 from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array
@@ -213,11 +213,8 @@ PLANES = 129
 
 
 def braking_weights(scene: SphScene, support: float) -> Array:
-    """The kernel summed over planes up to the support (1/m); none where there are no impacts with sound, nor in scenes
-    that give zero artificial viscosity.
-    """
-    hits = pressure_of(scene).compressible and free_surface(scene) and scene.tank.walls != "reflect"
-    if not hits or scene.method.artificial_viscosity == 0.0:
+    """The kernel summed over planes up to the support (1/m); none where nothing is braked."""
+    if not impacts_dissipate(scene):
         return np.empty(0)
     shape = kernel(scene.method.kernel, dim=len(scene.tank.low))
     found: Array = np.asarray(shape.over_plane(np.linspace(0.0, shape.support, PLANES))) * (shape.support / support)
