@@ -19,6 +19,18 @@ def block(name: str) -> str:
     return str(found)
 
 
+def place_of(name: str) -> tuple[str, str]:
+    """Where the text before a block puts it: above a line, last in a table, or at the end of the file."""
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    text = page[: page.index(f"```python {name}\n")].rpartition("```")[2]
+    found = re.findall(r"(above|end\s+of)\s+(?:`([^`]+)`|the\s+file)", text, re.IGNORECASE)
+    assert found, f"the text before {name} does not say where it goes"
+    where, anchor = found[-1]
+    if not anchor:
+        return "end", ""
+    return ("before" if where.lower() == "above" else "last in"), anchor
+
+
 class Copy:
     """A copy of the package and of what its tests need."""
 
@@ -30,15 +42,23 @@ class Copy:
         shutil.copy(ROOT / "pyproject.toml", folder)
 
     def edit(self, file: str, where: str, anchor: str, text: str) -> None:
-        """Put text before or after the only line of a file that begins with the anchor, or at the end."""
+        """Put text before the only line that begins with the anchor, last into the table there, or at the end."""
         path = self.folder / "src" / "ecume" / file
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
         place = len(lines)
         if where != "end":
-            (found,) = [number for number, line in enumerate(lines) if line.startswith(anchor)]
-            place = found + (where == "after")
+            (place,) = [number for number, line in enumerate(lines) if re.match(rf"\s*{re.escape(anchor)}(?!\w)", line)]
+        while where == "before" and place > 0 and lines[place - 1].startswith("@"):  # a class with its decorators
+            place -= 1
+        if where == "last in":
+            place = next(number for number in range(place, len(lines)) if lines[number].startswith(("}", ")")))
         path.write_text("".join([*lines[:place], text, *lines[place:]]), encoding="utf-8")
         self.changed.add(path)
+
+    def follow(self, file: str, name: str) -> None:
+        """Put a block of the page where the text before it says."""
+        where, anchor = place_of(name)
+        self.edit(file, where, anchor, block(name) + "\n\n" * (where == "before"))
 
     def write(self, file: str, text: str) -> None:
         """Add a file to the package."""

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.contracts.recipes import Copy, block
+from tests.contracts.recipes import Copy
 
 REPELLING = '''
 import ecume
@@ -55,8 +55,8 @@ except ecume.SceneError as error:
 def copy(tmp_path_factory):
     """The package with the new law: one file is changed."""
     made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "laws/pair_laws.py"
-    made.edit(file, "before", "CAPILLARY = PairLaw(", block("yukawa") + "\n\n")
-    made.edit(file, "after", "PAIR_LAWS = {", block("yukawa-row"))
+    made.follow(file, "yukawa")
+    made.follow(file, "yukawa-row")
     return made
 
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.contracts.recipes import Copy, block
+from tests.contracts.recipes import Copy
 
 # Processes of their own: what they find does not depend on how this one runs, so once is enough.
 pytestmark = pytest.mark.compiled
@@ -45,8 +45,8 @@ STEPS = [
 def copy(tmp_path_factory):
     """The package with the new shape: one file is changed."""
     made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "models/floating/dishes.py"
-    made.edit(file, "before", "SHAPES = {", block("hexagon") + "\n\n")
-    made.edit(file, "after", "SHAPES = {", block("hexagon-row"))
+    made.follow(file, "hexagon")
+    made.follow(file, "hexagon-row")
     (made.folder / "hexagon.toml").write_text(HEXAGON, encoding="utf-8")
     return made
 

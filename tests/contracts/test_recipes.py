@@ -10,37 +10,29 @@ from tests.contracts.recipes import Copy, block
 # As plain Python in processes of their own, whatever this one does: once is enough.
 pytestmark = pytest.mark.compiled
 
+INTERACTIONS = "models/floating/forces/interactions.py"
+TIME_STEPS = "models/sph/integration/time_stepping.py"
+INTEGRATORS = "models/floating/time_integration/integrators.py"
+FIGURES = "show/floating/figures.py"
 EDITS = {
-    "many-body method": [
-        ("models/floating/forces/interactions.py", "before", "import numpy", block("embedded-imports")),
-        ("models/floating/forces/interactions.py", "before", "INTERACTIONS = {", block("embedded") + "\n\n"),
-        ("models/floating/forces/interactions.py", "after", "INTERACTIONS = {", block("embedded-row")),
-    ],
-    "integrator": [
-        ("models/sph/integration/time_stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),
-        ("models/sph/integration/time_stepping.py", "end", "", block("semi-implicit-row")),
-    ],
-    "integrator of floats": [
-        ("models/floating/time_integration/integrators.py", "before", "@dataclass(frozen=True", block("heun") + "\n\n"),
-        ("models/floating/time_integration/integrators.py", "after", "INTEGRATORS = {", block("heun-row")),
-    ],
+    "many-body method": [(INTERACTIONS, name) for name in ("embedded-imports", "embedded", "embedded-row")],
+    "integrator": [(TIME_STEPS, "semi-implicit"), (TIME_STEPS, "semi-implicit-row")],
+    "integrator of floats": [(INTEGRATORS, "heun"), (INTEGRATORS, "heun-row")],
     "measured quantity": [
-        ("models/floating/frames.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
-        ("models/floating/frames.py", "after", '        "momentum_x": ', block("gyration-value")),
+        ("models/floating/frames.py", name) for name in ("gyration-unit", "gyration-value", "gyration-cells")
     ],
-    "figure": [
-        ("show/floating/figures.py", "before", "FLOATING_FIGURES = {", block("fastest") + "\n\n"),
-        ("show/floating/figures.py", "after", "FLOATING_FIGURES = {", block("fastest-row")),
-    ],
+    "figure": [(FIGURES, "fastest"), (FIGURES, "fastest-row"), ("show/figure_names.py", "fastest-name")],
 }
-"""By recipe: the file, where in it, and the code of the page."""
+"""By recipe: the file, and the code of the page, which goes where the text before it says."""
 
 USE = """
-import json, sys
+import contextlib, io, json, sys
 import numpy as np
 from pathlib import Path
 import ecume
+from ecume.cli import main
 from ecume.models.floating import FLOATING
+from ecume.run import run
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.sph.record import SPH
 from ecume.show.figures import figures_of
@@ -83,6 +75,12 @@ scene = ecume.from_plain({
     "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[-3e-3, 0.0], [3e-3, 0.0]]}],
 })
 frames = list(ecume.simulate(scene))
+in_cell = ecume.from_plain({
+    "model": "floating", "duration": 0.1, "frame_every": 0.1, "cell": {"size": [0.08, 0.08]},
+    "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5,
+                   "positions": [[1e-3, 0.04], [7.9e-2, 0.04]]}],
+})
+first_in_cell = next(ecume.simulate(in_cell))
 
 def set_up(count, **tables):
     places = [[0.0, 0.0], [3.1e-3, 0.4e-3], [-0.5e-3, 3.2e-3], [4.2e-3, 3.9e-3]]
@@ -116,6 +114,22 @@ for name, tables in {"smooth": {}, "rough": {"contacts": {"friction": 0.3}}}.ite
     rows = [frame.numbers for frame in ecume.simulate(set_up(4, **tables)[0])]
     embedded[name] = [[row["total_energy"], row["kinetic_energy"]] for row in rows]
 
+def command(*words):
+    sys.argv, said = ["ecume", *words], io.StringIO()
+    with contextlib.redirect_stdout(said):
+        try:
+            main()
+        except SystemExit as end:
+            assert not end.code, (words, end.code)
+    return said.getvalue()
+
+run(scene, "met")
+results = Path("met/results")
+listed = "fastest" in command("plot", "met", "--list")
+command("plot", "met", "--what", "fastest")
+alone = [file.name for file in results.iterdir()]
+(results / "fastest.png").unlink()
+command("plot", "met")
 axes = figures_of(scene)["fastest"](frames, scene).axes[0]
 print(json.dumps({
     "errors": errors,
@@ -123,7 +137,11 @@ print(json.dumps({
     "refused": refused,
     "embedded": embedded,
     "gyration": [frame.numbers["radius_of_gyration"] for frame in frames],
+    "in_cell": sorted({"radius_of_gyration", "angular_momentum", "momentum_x"} & set(first_in_cell.numbers)),
     "unit": frames[0].units["radius_of_gyration"],
+    "listed": listed,
+    "alone": alone,
+    "among_all": (results / "fastest.png").is_file(),
     "label": axes.get_ylabel(),
     "drawn": axes.lines[0].get_ydata().tolist(),
     "speeds": [frame.numbers["largest_speed"] for frame in frames],
@@ -137,8 +155,8 @@ def made(tmp_path_factory):
     copy, files = Copy(tmp_path_factory.mktemp("copy")), {}
     for recipe, edits in EDITS.items():
         copy.changed.clear()
-        for file, where, anchor, text in edits:
-            copy.edit(file, where, anchor, text)
+        for file, name in edits:
+            copy.follow(file, name)
         files[recipe] = {path.name for path in copy.changed}
     (report,) = copy.printed(USE, NUMBA_DISABLE_JIT="1")
     return files, json.loads(report)
@@ -146,8 +164,8 @@ def made(tmp_path_factory):
 
 @pytest.mark.long
 @pytest.mark.parametrize("recipe", EDITS)
-def test_a_recipe_changes_one_file(made, recipe):
-    assert len(made[0][recipe]) == 1
+def test_a_recipe_changes_one_file_and_a_figure_its_name_in_another(made, recipe):
+    assert len(made[0][recipe]) == (2 if recipe == "figure" else 1)
 
 
 @pytest.mark.long
@@ -189,10 +207,20 @@ def test_a_new_quantity_is_in_frames_with_its_unit(made):
     assert made[1]["unit"] == "m"
 
 
+def test_a_new_quantity_without_a_meaning_in_a_periodic_cell_is_not_in_its_frames(made):
+    assert made[1]["in_cell"] == ["momentum_x"]
+
+
 def test_a_new_figure_is_drawn_with_its_unit(made):
     assert re.fullmatch(r"largest speed \(.*m/s\)", made[1]["label"])
     assert len(made[1]["drawn"]) == len(made[1]["speeds"])
     assert made[1]["drawn"][-1] / made[1]["drawn"][1] == pytest.approx(made[1]["speeds"][-1] / made[1]["speeds"][1])
+
+
+def test_a_new_figure_is_listed_and_drawn_by_the_command(made):
+    assert made[1]["listed"]
+    assert made[1]["alone"] == ["fastest.png"]
+    assert made[1]["among_all"]
 
 
 BEADS = """
@@ -243,7 +271,7 @@ def ring(tmp_path_factory):
     """What a process printed that ran the model of the page; and which files of the package there are besides."""
     copy = Copy(tmp_path_factory.mktemp("beads"))
     copy.write("models/beads.py", block("beads"))
-    copy.edit("models/__init__.py", "after", "HOMES = {", block("beads-row"))
+    copy.follow("models/__init__.py", "beads-row")
     (report,) = copy.printed(BEADS, NUMBA_DISABLE_JIT="1")
     return json.loads(report), {path.name for path in copy.changed}
 
@@ -252,7 +280,7 @@ def ring(tmp_path_factory):
 def test_a_new_model_is_a_file_and_a_row(ring):
     report, changed = ring
     assert changed == {"__init__.py"}
-    assert report["models"][0] == "beads"
+    assert report["models"][-1] == "beads"
     assert '"beads"' in report["refused"]
 
 

@@ -17,7 +17,7 @@ from ecume.show import curves
 from ecume.show.curves import number_over_time
 from ecume.show.figure_names import FIGURE_NAMES, require_figure
 from ecume.show.figures import FIGURES as ALL_FIGURES
-from ecume.show.figures import plot
+from ecume.show.figures import plot, require_same_names
 from ecume.show.floating import figures
 from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
 from ecume.show.style import save, scale_for
@@ -267,6 +267,10 @@ def test_names_of_figures_are_known_without_what_draws_them():
     assert {model: list(names) for model, names in FIGURE_NAMES.items()} == {
         model: list(figures) for model, figures in ALL_FIGURES.items()
     }
+    with pytest.raises(TypeError, match=r"model 'sph': FIGURE_NAMES .*: front; expected .* front, mine"):
+        require_same_names({"sph": ("front", "mine")}, {"sph": ("front",)})
+    with pytest.raises(TypeError, match=r"model 'mine': .*: none; expected .*: front"):
+        require_same_names({"mine": ("front",)}, {})
     with pytest.raises(BadInput, match="no such figure as 'nonsense'"):
         require_figure("sph", "nonsense")
     require_figure("a model of its own", "nonsense")

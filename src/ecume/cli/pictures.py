@@ -313,8 +313,7 @@ def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -
     from ecume.run.directory import existing, manifest_of
     from ecume.show.figure_names import require_figure
 
-    home = existing(directory)
-    model = str(manifest_of(home).get("model", ""))
+    model = str(manifest_of(existing(directory)).get("model", ""))
     for name in names:  # refused before anything that draws is imported
         require_figure(model, name)
     from ecume.show.figures import plot as draw
@@ -335,6 +334,7 @@ def _draw_all(directory: Path, out: Path | None, *, quiet: bool, verbose: bool) 
     from ecume.run.directory import existing
     from ecume.show.curves import ONE_FRAME
     from ecume.show.figures import figures_of_run
+    from ecume.show.figures import plot as draw
 
     existing(directory)
     names = figures_of_run(directory)
@@ -343,9 +343,11 @@ def _draw_all(directory: Path, out: Path | None, *, quiet: bool, verbose: bool) 
     omitted = {}
     for name in names:
         try:
-            _draw(directory, [name], None, quiet=quiet)
-        except BadInput as error:
+            drawn = draw(directory, name, None)
+        except BadInput as error:  # no data for it
             omitted[name] = str(error)
+        else:
+            wrote(drawn, quiet=quiet)
     if verbose:
         for name, why in omitted.items():
             say(f"{name} omitted: {why}")

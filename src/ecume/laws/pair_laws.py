@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple, get_args, get_type_hints
 
+from ecume._tables import by_constants
 from ecume.laws.capillarity import one_sided_legacy_force, pair_energy, pair_force, pair_strength
 from ecume.laws.dipoles import DipoleStrength, dipole_energy, dipole_force
 from ecume.laws.ewald import SplitFit, fitted_short_pull
@@ -324,4 +325,7 @@ def add_row(row: PairLaw) -> None:
     _BY_CONSTANTS[row.constants] = row
 
 
-_BY_CONSTANTS: dict[type, PairLaw] = {row.constants: row for row in (*INTERNAL, *PAIR_LAWS.values())}
+OF_THE_CHOICE = frozenset({"make_constants", "papers", "menisci", "has_force"})
+"""Fields that are read from the row that a scene chooses: rows with constants of one type may differ in them."""
+
+_BY_CONSTANTS = by_constants((*INTERNAL, *PAIR_LAWS.values()), OF_THE_CHOICE)

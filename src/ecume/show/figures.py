@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time, samples
-from ecume.show.figure_names import NUMBER
+from ecume.show.figure_names import FIGURE_NAMES, NUMBER
 from ecume.show.floating.figures import FLOATING_FIGURES
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.sph.figures import SPH_FIGURES
@@ -30,6 +30,20 @@ FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "soft": {**SOFT_FIGURES, "samples": samples},
 }
 """By model, then by the name that `ecume plot --what` takes."""
+
+
+def require_same_names(figures: Mapping[str, Iterable[str]], names: Mapping[str, Iterable[str]]) -> None:
+    """Raise TypeError where the names of figures, which are known without this module, are not those of the tables."""
+    for model in dict.fromkeys((*figures, *names)):
+        drawn, known = list(figures.get(model, ())), list(names.get(model, ()))
+        if drawn != known:
+            raise TypeError(
+                f"figures of the model {model!r}: FIGURE_NAMES (show/figure_names.py): {', '.join(known) or 'none'}; "
+                f"expected those of the table in the same order: {', '.join(drawn) or 'none'}"
+            )
+
+
+require_same_names(FIGURES, FIGURE_NAMES)
 COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}
 """For models without specific figures; they need the numbers `kinetic_energy` and `total_energy`."""
 

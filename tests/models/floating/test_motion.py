@@ -21,6 +21,10 @@ FLOATING = MODELS["floating"]
 ORDERS = {"velocity-verlet": 2, "explicit-euler": 1, "stormer-verlet": 2, "semi-implicit-euler": 1, "rk4": 4}
 
 
+def test_the_order_of_every_integrator_with_inertia_is_tested():
+    assert set(ORDERS) == set(SCHEMES) - {"overdamped"}
+
+
 def meeting_time(apart, drag_on):
     """When two floats released at rest touch: the equation of motion, by an integrator of order 8."""
     scene = two_floats(apart, hydrodynamics="" if drag_on else 'drag = "none"')

@@ -57,6 +57,13 @@ NUMBER_UNITS = {
 SIDES = ("box_width", "box_height")
 """The sides of a periodic cell, in frames."""
 
+NOT_IN_CELLS = (
+    "angular_momentum",
+)  # fmt: skip
+"""Numbers that frames of a periodic cell do not contain. Images at different borders have different angular momenta,
+and in general different positions: sums over them are not defined.
+"""
+
 CONTACT_GAP = 1e-3
 """Floats whose gap is below this fraction of the smaller radius count as touching."""
 
@@ -147,8 +154,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     units |= NUMBER_UNITS
     if np.any(parameters.periods):
-        # Images at different borders have different angular momenta: their sum is not defined.
-        del numbers["angular_momentum"], units["angular_momentum"]
+        for name in NOT_IN_CELLS:
+            del numbers[name], units[name]
         numbers |= dict(zip(SIDES, parameters.periods[0].tolist(), strict=True))
         units |= dict.fromkeys(SIDES, "m")
     time = int(state.step[0]) * parameters.time_step

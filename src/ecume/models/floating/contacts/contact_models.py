@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume._jit import composed, selected
+from ecume._tables import by_constants
 from ecume.laws import contact
 from ecume.models.floating.contacts.collisions import (
     Friction,
@@ -200,7 +201,10 @@ CONTACTS["coupled on a grid"] = replace(
 )  # fmt: skip
 CONTACTS["coupled friction"] = replace(CONTACTS["coupled"], path="contacts.friction", make=rubbing_impulses_of)
 
-BY_CONSTANTS: dict[type, ContactModel] = {row.constants: row for row in reversed(CONTACTS.values())}
+OF_THE_CHOICE = frozenset({"name", "path", "make", "gives", "needs", "laws"})
+"""Fields that are read from the row that a scene chooses: rows with constants of one type may differ in them."""
+
+BY_CONSTANTS = by_constants(CONTACTS.values(), OF_THE_CHOICE)
 
 
 def contacts_of(parameters: Parameters) -> ContactModel:

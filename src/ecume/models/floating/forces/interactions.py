@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume._jit import composed, each_by_type
+from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import contact_lines, dipoles, ewald, multipole, radiated_waves
 from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
@@ -269,7 +270,10 @@ INTERACTIONS = {
 METHODS = tuple(name for name, row in INTERACTIONS.items() if row.path == "interaction.method")
 """Choices of `interaction.method`."""
 
-BY_CONSTANTS: dict[type, Interaction] = {row.constants: row for row in INTERACTIONS.values()}
+OF_THE_CHOICE = frozenset({"name", "path", "make", "adds_to_pairs", "gives", "needs", "laws"})
+"""Fields that are read from the row that a scene chooses: rows with constants of one type may differ in them."""
+
+BY_CONSTANTS = by_constants(INTERACTIONS.values(), OF_THE_CHOICE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -307,7 +311,7 @@ RESISTANCES["coupled films"] = replace(
     scratch=lambda moving: moving,
 )  # fmt: skip
 
-RESISTANCES_BY_CONSTANTS: dict[type, Resistance] = {row.constants: row for row in RESISTANCES.values()}
+RESISTANCES_BY_CONSTANTS = by_constants(RESISTANCES.values(), OF_THE_CHOICE)
 
 add_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_forces)
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from ecume._jit import admit, compiled, compiled_inside, composed, selected
+from ecume._tables import by_constants
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, dish_motion, drag
 from ecume.laws.brownian import diffusivity
@@ -375,6 +376,10 @@ KICK_CAPABILITIES = frozenset({"kicks at the ends", "fast drag", "sways", "kicks
 
 
 def _row(name: str, scheme: Scheme, gives: frozenset[str], **rest: Any) -> Integrator:
+    if "predict" in rest and "constants" not in rest:
+        raise TypeError(
+            f"integrator {name!r}: got predict without constants; expected the type by which compiled code finds it"
+        )
     given: dict[str, Any] = {"constants": Kicks, "predict": predict_kicked} | rest
     return Integrator(
         slot="integrator", path="integration.integrator", name=repr(name), gives=gives, scheme=scheme, **given
@@ -383,23 +388,35 @@ def _row(name: str, scheme: Scheme, gives: frozenset[str], **rest: Any) -> Integ
 
 INTEGRATORS = {
     "velocity-verlet": _row(
-        "velocity-verlet", Scheme(True, True, False, True, True), KICK_CAPABILITIES | {"springs", "turns bodies"}
+        "velocity-verlet",
+        Scheme(half_kicks=True, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
+        KICK_CAPABILITIES | {"springs", "turns bodies"},
     ),
-    "explicit-euler": _row("explicit-euler", Scheme(False, True, True, True, True), KICK_CAPABILITIES),
+    "explicit-euler": _row(
+        "explicit-euler",
+        Scheme(half_kicks=False, inertia=True, drifts_first=True, contacts_at_end=True, forces_at_end=True),
+        KICK_CAPABILITIES,
+    ),
     "stormer-verlet": _row(
-        "stormer-verlet", Scheme(False, True, False, True, False), frozenset({"keeps inertia"}),
+        "stormer-verlet",
+        Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=False),
+        frozenset({"keeps inertia"}),
         constants=Stoermer, predict=predict_stoermer, finish=finish_stoermer,
     ),
     "semi-implicit-euler": _row(
-        "semi-implicit-euler", Scheme(False, True, False, False, True),
+        "semi-implicit-euler",
+        Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=False, forces_at_end=True),
         KICK_CAPABILITIES | {"springs", "turns bodies", "kicks before the drift"},
     ),
     "rk4": _row(
-        "rk4", Scheme(False, True, False, True, True), frozenset({"keeps inertia"}),
+        "rk4",
+        Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
+        frozenset({"keeps inertia"}),
         constants=RungeKutta, predict=predict_runge_kutta, finish=finish_runge_kutta, drag_limit=2.0,
     ),
     "overdamped": _row(
-        "overdamped", Scheme(False, False, False, False, True),
+        "overdamped",
+        Scheme(half_kicks=False, inertia=False, drifts_first=False, contacts_at_end=False, forces_at_end=True),
         frozenset({"kicks at the ends", "sways", "kicks spins", "springs", "turns bodies", "kicks before the drift",
                    "no inertia"}),
         needs={"drag": "without inertia, drag alone says how fast a force moves a float"},
@@ -410,7 +427,7 @@ INTEGRATORS = {
 SCHEMES = tuple(INTEGRATORS)
 RIGID = Integrator(
     slot="rigid integrator", path="particles", name="a float with a shape",
-    scheme=Scheme(True, True, False, True, True),
+    scheme=Scheme(half_kicks=True, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
     bound_travel=bound_rigid_travel, store=store_rigid, scratch=lambda part, interactions: interactions[0],
 )  # fmt: skip
@@ -431,9 +448,10 @@ COUPLED_ON_GRID = replace(
 )  # fmt: skip
 """Replaces the functions of the overdamped integrator for floats that interact through the liquid."""
 
-INTEGRATORS_BY_CONSTANTS: dict[type, Integrator] = {
-    row.constants: row for row in (*INTEGRATORS.values(), RIGID, COUPLED, COUPLED_ON_GRID)
-}
+OF_THE_CHOICE = frozenset({"name", "path", "scheme", "gives", "needs", "drag_limit"})
+"""Fields that are read from the row that a scene chooses, so that rows with kicks may differ in them."""
+
+INTEGRATORS_BY_CONSTANTS = by_constants((*INTEGRATORS.values(), RIGID, COUPLED, COUPLED_ON_GRID), OF_THE_CHOICE)
 
 predict = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].predict)
 
