@@ -4,9 +4,25 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from ecume.engine import walls
-from ecume.engine.walls import box, disc, enclosed_by, no_walls, outside, polygon, surfaces, wall_count, wall_distance
+from ecume.engine.walls import (
+    box,
+    disc,
+    enclosed_by,
+    no_walls,
+    outside,
+    planes,
+    polygon,
+    surfaces,
+    together,
+    wall_count,
+    wall_distance,
+    wedge,
+)
 from ecume.errors import BadInput
 
 ROOM = walls.box((0.0, 0.0), (1.0, 0.7))
@@ -313,3 +329,79 @@ def test_a_shrunk_enclosure_is_where_centers_may_be(name):
 def test_what_does_not_enclose_the_origin_is_refused(shape):
     with pytest.raises(BadInput, match="enclosure"):
         enclosed_by(shape)
+
+
+@pytest.mark.parametrize("shape", [wedge((-1.0, 0.0), (1.0, 0.0), 0.5), planes([(0, -1), (0, 1)], [(0, 1), (0, -1)])])
+def test_an_open_shape_is_refused(shape):
+    with pytest.raises(BadInput, match="enclosure: the shape is open"):
+        enclosed_by(shape)
+
+
+DIAMOND = 3.0 * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+
+
+@pytest.mark.parametrize(
+    ("further", "count"),
+    [(polygon(DIAMOND), 4), (box((-2, -2), (2, 2)), 4), (box((-1, -1), (1, 1)), 4), (disc((0, 0), 1.5), 4),
+     (box((-1, -1), (0.5, 1)), 4), (disc((0, 0), 1.2), 5)],
+)  # fmt: skip
+def test_surfaces_that_the_inside_does_not_reach_are_no_walls(further, count):
+    found = enclosed_by(together(box((-1, -1), (1, 1)), further))
+    assert wall_count(found) == count
+    if found.disc_radius == math.inf:
+        assert surfaces.area(found) == pytest.approx(3.0 if np.any(found.offset == -0.5) else 4.0, rel=1e-12)
+
+
+def test_a_shrunk_enclosure_loses_the_sides_that_vanish():
+    cut = np.array([(1.0, 0.9), (0.9, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
+    assert wall_count(enclosed_by(polygon(cut))) == 5
+    small = surfaces.shrunk(enclosed_by(polygon(cut)), 0.5)
+    assert wall_count(small) == 4
+    assert surfaces.area(small) == pytest.approx(1.0, rel=1e-12)
+
+
+lines = st.tuples(st.floats(0.0, 6.28), st.floats(0.1, 3.0))
+
+
+def half_planes(given):
+    """Surfaces around the origin, each by the direction of its normal and its distance."""
+    normal = np.array([(math.cos(angle), math.sin(angle)) for angle, _ in given])
+    return planes([-away * each for each, (_, away) in zip(normal, given, strict=True)], normal)
+
+
+@given(st.lists(lines, min_size=3, max_size=9))
+@settings(max_examples=60, deadline=None)
+def test_an_intersection_of_half_planes_is_open_or_has_its_area(given_lines):
+    angles = np.sort([angle for angle, _ in given_lines])
+    gap = np.diff(np.append(angles, angles[0] + 2 * math.pi)).max()
+    assume(abs(gap - math.pi) > 1e-3)
+    shape = half_planes(given_lines)
+    if gap > math.pi:
+        with pytest.raises(BadInput, match="open"):
+            enclosed_by(shape)
+        return
+    found = enclosed_by(shape)
+    inside = HalfspaceIntersection(np.column_stack([-shape.place[:, :2], shape.size]), np.zeros(2))
+    hull = ConvexHull(inside.intersections, qhull_options="QJ")
+    assert surfaces.area(found) == pytest.approx(hull.volume, rel=1e-6)
+    assert surfaces.farthest(found) == pytest.approx(np.hypot(*inside.intersections.T).max(), rel=1e-6)
+    assert np.array(surfaces.bounds(found)) == pytest.approx(np.array([hull.min_bound, hull.max_bound]), abs=1e-6)
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 6.28), st.floats(0.3, 2.0)), min_size=1, max_size=6), st.floats(0.5, 2.0))
+@settings(max_examples=60, deadline=None)
+def test_a_circle_cut_by_half_planes_has_its_area(given_lines, radius):
+    found = enclosed_by(together(disc((0.0, 0.0), radius), half_planes(given_lines)))
+    # Of a region around the origin: the mean square of the distance of its edge, over all directions.
+    angle = np.linspace(0.0, 2.0 * math.pi, 100001)[:-1]
+    edge = np.full_like(angle, radius)
+    for way, away in given_lines:
+        outward = -np.cos(angle - way)
+        edge = np.minimum(edge, np.where(outward > 1e-9, away / np.maximum(outward, 1e-9), np.inf))
+    assert surfaces.area(found) == pytest.approx(math.pi * np.mean(edge**2), rel=1e-4)
+    assert surfaces.farthest(found) == pytest.approx(edge.max(), rel=1e-3)
+    reach = edge[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    assert np.array(surfaces.bounds(found)) == pytest.approx(np.array([reach.min(0), reach.max(0)]), abs=2e-3 * radius)
+    outline = surfaces.outline(found)
+    for point in outline:
+        assert min(surfaces.clearances(found, point)) == pytest.approx(0.0, abs=1e-9)

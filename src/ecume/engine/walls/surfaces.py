@@ -355,7 +355,8 @@ def no_walls() -> Walls:
 
 
 def enclosed_by(surfaces: Surfaces) -> Walls:
-    """The walls of a 2D shape. Raises BadInput if it is not convex, or does not contain the origin.
+    """The walls of a 2D shape, without surfaces that its inside does not reach. Raises BadInput if it is not convex, is
+    open, or does not contain the origin.
 
     >>> from ecume.engine.walls import box
     >>> enclosed_by(box((-2.0, -1.0), (2.0, 1.0))).offset.tolist()
@@ -367,7 +368,50 @@ def enclosed_by(surfaces: Surfaces) -> Walls:
     if np.any(surfaces.place[round_ones]) or np.any(surfaces.size[flat] > 0.0):
         raise BadInput("enclosure: expected a shape around the origin")
     radius = float(surfaces.size[round_ones].min(initial=math.inf))
-    return Walls(radius, np.ascontiguousarray(surfaces.place[flat, :2]), surfaces.size[flat].copy())
+    found = reached(Walls(radius, np.ascontiguousarray(surfaces.place[flat, :2]), surfaces.size[flat].copy()))
+    if found.disc_radius == math.inf and (len(found.offset) < 3 or not np.all(np.isfinite(_ends(found)))):
+        raise BadInput("enclosure: the shape is open; expected one that lines or a circle close all around")
+    return found
+
+
+SLIVER = 1e-9
+"""Sides shorter than this, over the size of the enclosure, are those of lines that only touch it."""
+
+
+def _ends(walls: Walls) -> Array:
+    """Where each line is part of the edge, (K, 2) m along it from the point nearest to the origin, counterclockwise:
+    the second end is not beyond the first if the line is no part of the edge.
+    """
+    normal, offset, count = walls.normal, walls.offset, len(walls.offset)
+    radius = walls.disc_radius
+    turn = normal[:, 0, None] * normal[:, 1] - normal[:, 1, None] * normal[:, 0]  # from line k to line j
+    alike, parallel = normal @ normal.T, np.abs(turn) <= SLIVER
+    needed = offset[None] - offset[:, None] * np.where(parallel, np.sign(alike), alike)
+    meets = needed / np.where(parallel, np.inf, -turn)
+    # Points inside of line j are at t >= meets where line j turns clockwise, and at t <= meets otherwise.
+    first = np.where(turn < -SLIVER, meets, -np.inf).max(axis=1, initial=-np.inf)
+    last = np.where(turn > SLIVER, meets, np.inf).min(axis=1, initial=np.inf)
+    if radius < math.inf:
+        half = np.sqrt(np.maximum(radius**2 - offset**2, 0.0))
+        first, last = np.maximum(first, -half), np.minimum(last, half)
+    earlier = np.arange(count)[None] < np.arange(count)[:, None]
+    behind = parallel & ((needed > 0.0) | ((needed == 0.0) & earlier & (alike > 0.0)))
+    return np.where(behind.any(axis=1)[:, None], 0.0, np.stack([first, last], axis=1))
+
+
+def reached(walls: Walls) -> Walls:
+    """The same enclosure without lines, and without a circle, that are no part of its edge."""
+    if not len(walls.offset):
+        return walls
+    ends = _ends(walls)
+    size = float(np.abs(walls.offset).max()) if walls.disc_radius == math.inf else walls.disc_radius
+    kept = ends[:, 1] - ends[:, 0] > SLIVER * size
+    left = Walls(walls.disc_radius, np.ascontiguousarray(walls.normal[kept]), walls.offset[kept])
+    lines = left._replace(disc_radius=math.inf)
+    around = _ends(lines)
+    if len(around) > 2 and np.all(np.hypot(around, lines.offset[:, None]) <= walls.disc_radius * (1.0 + SLIVER)):
+        return lines
+    return left
 
 
 @compiled_inside
@@ -407,7 +451,7 @@ def clearances(walls: Walls, place: Any) -> list[float]:
 
 def shrunk(walls: Walls, by: float) -> Walls:
     """The enclosure of the centers of discs of this radius (m)."""
-    return Walls(walls.disc_radius - by, walls.normal, walls.offset + by)
+    return reached(Walls(walls.disc_radius - by, walls.normal, walls.offset + by))
 
 
 def corners(walls: Walls) -> Array:
@@ -426,6 +470,9 @@ def outline(walls: Walls) -> Array:
     if walls.disc_radius == math.inf:
         return corners(walls)
     angle = np.linspace(0.0, 2.0 * np.pi, ARCS, endpoint=False)
+    if len(walls.offset):
+        x, y = _line_points(walls).T
+        angle = np.sort(np.concatenate([angle, np.arctan2(y, x) % (2.0 * np.pi)]))
     unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     outward = -unit @ walls.normal.T
     with np.errstate(divide="ignore"):
@@ -437,16 +484,23 @@ def outline(walls: Walls) -> Array:
 
 def farthest(walls: Walls) -> float:
     """The distance of the farthest point inside from the origin (m)."""
-    return min(walls.disc_radius, max((math.hypot(*corner) for corner in _lines_corners(walls)), default=math.inf))
+    if walls.disc_radius < math.inf or not len(walls.offset):
+        return walls.disc_radius
+    return max(math.hypot(*corner) for corner in corners(walls))
 
 
 def bounds(walls: Walls) -> tuple[tuple[float, float], tuple[float, float]]:
     """The lower and the upper corner of the rectangle around an enclosure (m)."""
-    around, r = _lines_corners(walls), walls.disc_radius
-    low, high = around.min(axis=0, initial=np.inf), around.max(axis=0, initial=-np.inf)
-    if not len(around):
-        low, high = np.full(2, -np.inf), np.full(2, np.inf)
-    low, high = np.maximum(low, -r), np.minimum(high, r)
+    r = walls.disc_radius
+    if not len(walls.offset):
+        return (-r, -r), (r, r)
+    if r == math.inf:
+        around = corners(walls)
+    else:
+        extremes = r * np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+        inside = np.all(extremes @ walls.normal.T >= walls.offset, axis=1)
+        around = np.concatenate([_line_points(walls), extremes[inside]])
+    low, high = around.min(axis=0), around.max(axis=0)
     return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
 
@@ -454,9 +508,17 @@ def area(walls: Walls) -> float:
     """The area inside (m^2), infinite if it is open."""
     if not len(walls.offset):
         return math.pi * walls.disc_radius**2
-    x, y = outline(walls).T
-    return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    if walls.disc_radius == math.inf:
+        x, y = corners(walls).T
+        return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    # Triangles from the origin to the lines, and sectors of the circle between them.
+    ends, away = _ends(walls), -walls.offset[:, None]
+    triangles, angles = 0.5 * np.diff(ends, axis=1) * away, np.diff(np.arctan2(ends, away), axis=1)
+    return float(np.sum(triangles)) + 0.5 * walls.disc_radius**2 * (2.0 * math.pi - float(np.sum(angles)))
 
 
-def _lines_corners(walls: Walls) -> Array:
-    return corners(walls._replace(disc_radius=math.inf)) if len(walls.offset) > 2 else np.zeros((0, 2))
+def _line_points(walls: Walls) -> Array:
+    """Both ends of each line's part of the edge, (2 K, 2) m."""
+    along = np.stack([walls.normal[:, 1], -walls.normal[:, 0]], axis=1)
+    points: Array = (walls.offset[:, None] * walls.normal)[:, None] + _ends(walls)[:, :, None] * along[:, None]
+    return points.reshape(-1, 2)

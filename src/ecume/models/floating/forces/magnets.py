@@ -18,6 +18,7 @@ from ecume._jit import admit, compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists, Slots
+from ecume.engine.walls.surfaces import farthest
 from ecume.laws import dipoles
 from ecume.laws.dipoles import dipole_energy, dipole_force, dipole_strength, induced_moment
 from ecume.laws.pair_laws import Dipoles
@@ -118,7 +119,7 @@ def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     moment = moments_of(scene)
     radius, walls = parameters.floats.radius, parameters.walls
     touching = 2.0 * float(radius.min())
-    across = 2.0 * min(walls.disc_radius, float(np.hypot.reduce(walls.offset)) if len(walls.offset) else math.inf)
+    across = 2.0 * farthest(walls)
     cutoff = min(touching / math.sqrt(scene.interaction.accuracy), across)
     strongest = float(np.abs(moment).max())
     at_contact = dipole_force(touching, dipole_strength(strongest, strongest))

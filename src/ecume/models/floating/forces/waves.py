@@ -15,6 +15,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists
+from ecume.engine.walls.surfaces import farthest
 from ecume.errors import BadInput
 from ecume.laws import radiated_waves
 from ecume.laws.radiated_waves import Ripples, slope_per_force
@@ -258,7 +259,7 @@ def _table(found: Ripples, parameters: Parameters, scene: FloatingScene) -> tupl
     spacing = found.wavelength / PER_WAVELENGTH
     far = min(far, MOST_WAVELENGTHS * found.wavelength)
     walls = parameters.walls
-    across = 2.0 * min(walls.disc_radius, float(np.hypot.reduce(walls.offset)) if len(walls.offset) else math.inf)
+    across = 2.0 * farthest(walls)
     far = min(far, across + 4.0 * spacing)
     given, liquid = scene.waves, liquid_of(scene)
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
