@@ -12,6 +12,7 @@ from tests.models.floating.bowls import WATER, scene_of
 from ecume.engine.walls import surfaces, wall_count, wall_distance
 from ecume.errors import SceneError
 from ecume.models import MODELS
+from ecume.models.floating import dishes
 from ecume.models.floating.dishes import FACING, ROUND, SHAPES, outline_of, walls_of
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
 from ecume.show.figures import FIGURES
@@ -174,6 +175,15 @@ def test_a_shape_that_does_not_exist_is_refused():
     scene = scene_in("round", "count = 1")
     with pytest.raises(SceneError, match="expected one of 'round'"):
         FLOATING.parameters(dataclasses.replace(scene, dish=dataclasses.replace(scene.dish, shape="star")))
+
+
+def test_a_new_row_does_not_change_dishes_without_a_name(monkeypatch):
+    first = {"other": SHAPES["round"]._replace(meniscus=None)} | SHAPES
+    monkeypatch.setattr(dishes, "SHAPES", first)
+    for key, shape in (("radius", "round"), ("size", "rectangle")):
+        scene = scene_of(f"{WATER}[[particles]]\nradius = 1e-3\ndensity = 600.0\ncontact_angle = 1.2\n[dish]\n"
+                         f"{key} = {SIZES[key]}\n")  # fmt: skip
+        assert dishes.name_of(scene.dish) == shape
 
 
 @each_shape

@@ -392,13 +392,15 @@ SHAPES = {
         wavenumber=lambda walls: 0.5 * math.pi / max(surfaces.bounds(walls)[1]),
     ),
 }
-"""By the names of `dish.shape`. Without a name, the first row that takes the given key."""
+"""By the names of `dish.shape`."""
+UNNAMED = {"radius": "round", "size": "rectangle"}
+"""The shape of a dish without a name, by the key of its size."""
 
 
 def name_of(dish: DishSpec) -> str:
     """The name of the shape of a dish. Raises SceneError for an unknown name, or a wrong key for the size."""
-    given = next(row.key for row in SHAPES.values() if getattr(dish, row.key) is not None)
-    name = dish.shape or next(name for name, row in SHAPES.items() if row.key == given)
+    given = next(key for key in UNNAMED if getattr(dish, key) is not None)
+    name = dish.shape or UNNAMED[given]
     if name not in SHAPES:
         raise scene_error("dish.shape", f"got {name!r}; expected one of {', '.join(map(repr, SHAPES))}")
     if SHAPES[name].key != given:
