@@ -34,6 +34,7 @@ print(f"{1e3 * apart[-1]:.6f} mm")
 '''
 
 SETTING = """
+import warnings
 import ecume
 from ecume.models import MODELS
 from ecume.models.floating.forces.pair_forces import law_of
@@ -44,10 +45,16 @@ def made(constants):
         "interaction": {"law": "yukawa", "constants": constants}})
 for constants in ([], [3e-12], [3e-12, 2e-3]):
     print(tuple(law_of(MODELS["floating"].parameters(ecume.load_scene(to_toml(made(constants)))))))
-try:
-    MODELS["floating"].parameters(made([1.0, 2.0, 3.0]))
-except ecume.SceneError as error:
-    print(error)
+for constants in ([1.0, 2.0, 3.0], [1e-10, 0.0], [1e-10, -1e-3]):
+    try:
+        MODELS["floating"].parameters(made(constants))
+    except ecume.SceneError as error:
+        print(error)
+with warnings.catch_warnings(record=True) as noted:
+    warnings.simplefilter("always")
+    for constants in ([3e-12], [3e-12, 0.05]):
+        print(len(noted), next(row for row in MODELS["floating"].summary(made(constants)) if row[0] == "pair law"))
+print(*[each.message for each in noted])
 """
 
 
@@ -55,8 +62,8 @@ except ecume.SceneError as error:
 def copy(tmp_path_factory):
     """The package with the new law: one file is changed."""
     made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "laws/pair_laws.py"
-    made.follow(file, "yukawa")
-    made.follow(file, "yukawa-row")
+    for name in ("yukawa-imports", "yukawa", "yukawa-row"):
+        made.follow(file, name)
     return made
 
 
@@ -88,9 +95,15 @@ def test_a_new_law_holds_what_all_others_hold(copy):
 
 @pytest.mark.compiled
 def test_a_scene_sets_the_constants_of_a_new_law(copy):
-    *found, refused = copy.printed(SETTING, NUMBA_DISABLE_JIT="1")
+    *found, refused, zero, negative, short, long, warned = copy.printed(SETTING, NUMBA_DISABLE_JIT="1")
     assert found == ["(2e-12, 0.0014)", "(3e-12, 0.0014)", "(3e-12, 0.002)"]
     assert "interaction.constants: got 3 numbers for the law 'yukawa'; expected strength (J*m), length (m)" in refused
+    assert "interaction.constants: got a length of 0 m; expected one above 0" in zero
+    assert "interaction.constants: got a length of -0.001 m; expected one above 0" in negative
+    assert short == "0 ('pair law', 'yukawa', 'strength = 3e-12 J*m, length = 0.0014 m')"
+    assert long == "0 ('pair law', 'yukawa', 'strength = 3e-12 J*m, length = 0.05 m')"
+    assert warned.startswith("interaction.accuracy: at the cutoff, ")
+    assert "which is above 0.0001; beyond, it is ignored" in warned
 
 
 KNOWING = '''

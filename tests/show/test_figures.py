@@ -181,10 +181,16 @@ def test_the_force_law_begins_where_floats_touch_and_is_the_scene_s_own(scene, f
     assert ratio / ratio[0] == pytest.approx(law / law[0], rel=1e-7)
 
 
-def test_floats_that_leave_the_surface_flat_have_no_force_law(scene, frames):
+def test_floats_that_leave_the_surface_flat_have_no_force_law(scene, frames, monkeypatch):
     flat = [frame._replace(arrays={**frame.arrays, "charge": np.zeros(6)}) for frame in frames]
     with pytest.raises(BadInput, match="do not deform the surface"):
         figures.force_law(flat, scene)
+    powerless = figures.PAIR_LAWS["none"]._replace(has_force=True)
+    monkeypatch.setitem(figures.PAIR_LAWS, "none", powerless)
+    quiet = dataclasses.replace(scene, interaction=InteractionSpec(law="none"))
+    with pytest.raises(BadInput, match="the law 'none' exerts no force on these floats"):
+        figures.force_law(frames, quiet)
+    monkeypatch.undo()
     with pytest.raises(BadInput, match="'none'"):
         figures.force_law(frames, dataclasses.replace(scene, interaction=InteractionSpec(law="none")))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, NamedTuple, get_args, get_type_hints
 
 from ecume._tables import by_constants
@@ -318,6 +318,14 @@ def settable(row: PairLaw) -> dict[str, str]:
     hints = get_type_hints(row.make_constants, include_extras=True)
     names = list(inspect.signature(row.make_constants).parameters)[1:]
     return {name: next(mark.symbol for mark in get_args(hints[name]) if isinstance(mark, Unit)) for name in names}
+
+
+def described(row: PairLaw, given: Sequence[float]) -> str:
+    """The numbers that a scene may set, with units: those that it gives, and the defaults of the others."""
+    usual = [each.default for each in list(inspect.signature(row.make_constants).parameters.values())[1:]]
+    values = [*given, *usual[len(given) :]]
+    known = settable(row).items()
+    return ", ".join(f"{name} = {value:g} {unit}" for (name, unit), value in zip(known, values, strict=True))
 
 
 def add_row(row: PairLaw) -> None:

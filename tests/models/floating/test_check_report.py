@@ -1,10 +1,17 @@
 """What `ecume check` tells of a scene is true of all its floats."""
 
+import math
+from typing import Annotated, NamedTuple
+
 import pytest
 
-from ecume.laws import flotation
+from ecume.errors import SceneError
+from ecume.laws import flotation, pair_laws
+from ecume.laws.pair_laws import PairLaw
 from ecume.models.floating.check_report import _summary_of_raft_speeds, seconds_per_step, summary
+from ecume.models.floating.forces.pair_forces import CutoffWarning
 from ecume.scenes.schema import from_plain
+from ecume.units import Unit
 
 SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}
 STUFF = {"contact_angle": 1.2}
@@ -113,3 +120,78 @@ def test_rafts_with_hydrodynamic_interaction_are_announced_with_their_speed():
 
 def test_pairs_and_floats_without_drag_form_no_raft_that_is_too_slow():
     assert drift_of_rafts(2) == drift_of_rafts(19, drag="none") == []
+
+
+class Screened(NamedTuple):
+    """Constants of a law for these tests."""
+
+    strength: Annotated[float, Unit("J*m")]
+    length: Annotated[float, Unit("m")]
+
+
+def screened(setting, strength: Annotated[float, Unit("J*m")] = 2e-12, length: Annotated[float, Unit("m")] = 1e-3):
+    return Screened(strength, length)
+
+
+def inverse(setting, strength: Annotated[float, Unit("J*m")] = 2e-12, length: Annotated[float, Unit("m")] = 1e-3):
+    return Screened(strength / length, length)
+
+
+def screened_force(distance, own, law):
+    return law.strength * math.exp(-distance / law.length) / distance**2
+
+
+@pytest.fixture
+def without_checks(monkeypatch):
+    """Laws without checks of their numbers in place of the built-in one-sided one."""
+
+    def put(make):
+        law = PairLaw(Screened, make, screened_force, None, papers=())
+        monkeypatch.setitem(pair_laws.PAIR_LAWS, "one-sided-legacy", law)
+        monkeypatch.setitem(pair_laws._BY_CONSTANTS, Screened, law)
+
+    return put
+
+
+def with_constants(*numbers):
+    interaction = {"law": "one-sided-legacy", "constants": list(numbers)}
+    return {"rows": [row(0.0, 1e-3, 1300.0), row(0.01, 1e-3, 1300.0)], "interaction": interaction}
+
+
+@pytest.mark.parametrize("make", [screened, inverse])
+def test_numbers_that_a_law_divides_by_are_faults_of_the_scene(make, without_checks):
+    without_checks(make)
+    with pytest.raises(SceneError, match=r"interaction.constants: the law 'one-sided-legacy' cannot be evaluated with "
+                       r"strength = 1e-10 J\*m, length = 0 m: .*division by zero"):  # fmt: skip
+        report(with_constants(1e-10, 0.0))
+
+
+def test_a_force_that_is_no_number_is_a_fault_of_the_scene(without_checks):
+    without_checks(screened)
+    with pytest.raises(SceneError, match=r"interaction.constants: .* (the force is inf N|math range error)"):
+        report(with_constants(1e300, -1e-5))
+
+
+def test_a_law_is_named_with_its_numbers_and_those_it_has_by_default(without_checks):
+    assert report({"rows": [row(0.0, 1e-3, 1300.0)]})["pair law"] == ("capillary", "superposition of menisci")
+    without_checks(screened)
+    assert report(with_constants(3e-12))["pair law"][1] == "strength = 3e-12 J*m, length = 0.001 m"
+
+
+def test_a_law_that_is_cut_off_too_early_is_warned_of(without_checks):
+    without_checks(screened)
+    with pytest.warns(CutoffWarning, match=r"interaction.accuracy: at the cutoff, .* of that at contact"):
+        report(with_constants(3e-12, 0.05))
+    dish = {"dish": {"radius": 0.012, "law": "none"}}
+    assert report(with_constants(3e-12, 0.05) | dish), "no two floats are farther apart than the cutoff"
+
+
+def test_a_law_without_menisci_is_not_said_to_attract():
+    found = report({"rows": [row(0.0, 1e-3, 200.0)], "interaction": {"law": "none"}})
+    assert found["float-1: capillary charge"][1] == "light: raises the surface"
+
+
+def test_a_law_of_no_strength_does_not_limit_the_time_step(without_checks):
+    without_checks(screened)
+    found = report(with_constants(0.0))
+    assert found["time step"][1] == "good; no force limits it"

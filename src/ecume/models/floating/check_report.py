@@ -9,11 +9,11 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.nonspherical import greatest_rim_load
-from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
-from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of, two_floats
 from ecume.models.floating.parameters import Parameters, distinct_rows, part_of
 from ecume.models.floating.setup.hydrodynamic_interaction import hydrodynamics_of
 from ecume.models.floating.setup.initial_state import start
@@ -63,7 +63,7 @@ def summary(scene: FloatingScene) -> list[Row]:
     return [
         ("capillary length", with_prefix(length, "m"), "range of a meniscus"),
         *_summary_of_species(scene),
-        *_summary_of_pairs(parameters),
+        *_summary_of_pairs(parameters, scene),
         *_summary_of_chance(parameters),
         *_summary_of_raft_speeds(scene),
         *_summary_of_sums(parameters, length),
@@ -94,25 +94,19 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
         left = capillarity.neglected_fraction(far / length, 2.0 * float(parameters.floats.radius.max()) / length)
         ignored = f"{left:.1e} of the attraction of a raft is ignored"
     else:
-        ignored = f"the law is ignored beyond, where it is {_force_left(parameters):.1e} of the force at contact"
+        ignored = f"the law is ignored beyond, where it is {force_left(parameters):.1e} of the force at contact"
     cut = f"{far / length:.3g} capillary lengths; {ignored}"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
     return [("cutoff", with_prefix(far, "m"), cut), *lines]
 
 
-def _force_left(parameters: Parameters) -> float:
-    """The force of the pair law at the cutoff, over that of two touching floats; the largest of all sizes."""
-    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
-    kinds = distinct_rows(floats.radius, floats.charge).tolist()
-    pairs = [(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge))) for radius, charge in kinds]
-    forces = [(abs(row.force(touch, own, law)), abs(row.force(parameters.cutoff, own, law))) for touch, own in pairs]
-    return max((far / near for near, far in forces if near > 0.0), default=0.0)
-
-
-def _summary_of_pairs(parameters: Parameters) -> list[Row]:
-    """The lines of the pair law."""
-    lines = row_of(parameters).check_lines
-    return [] if lines is None else lines(law_of(parameters))
+def _summary_of_pairs(parameters: Parameters, scene: FloatingScene) -> list[Row]:
+    """The pair law with its numbers, and further lines of it."""
+    row, name = row_of(parameters), str(scene.interaction.law)
+    numbers = described(row, scene.interaction.constants)
+    usual = "superposition of menisci" if row.menisci else "" if row.has_force else "floats do not act on one another"
+    lines = [] if row.check_lines is None else row.check_lines(law_of(parameters))
+    return [("pair law", name, numbers or usual), *lines]
 
 
 def _summary_of_chance(parameters: Parameters) -> list[Row]:
@@ -161,6 +155,8 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 def _step_remark(time_step: float, good: float) -> str:
     """The judgment of a time step; `good` is the longest good one."""
+    if good == math.inf:
+        return "good; no force limits it"
     coarse, refused = with_prefix(COARSE_OVER_GOOD * good, "s", 3), with_prefix(UNSTABLE_OVER_GOOD * good, "s", 3)
     if time_step > COARSE_OVER_GOOD * good:
         return f"coarse; {with_prefix(good, 's', 3)} is good, refused above {refused}"
@@ -181,7 +177,7 @@ def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) 
     """The lines of one species: one number if all floats are equal, otherwise the range."""
     liquid = liquid_of(scene)
     if any(is_shape(kind) for kind in members):
-        return [row for kind in members for row in _summary_of_shape(name, kind)]
+        return [row for kind in members for row in _summary_of_shape(name, kind, scene)]
     if any(isinstance(kind.body, flotation.Disc) for kind in members):
         return [row for kind in members for row in _summary_of_disc(name, kind, scene)]
     spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
@@ -203,7 +199,7 @@ def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) 
         _filling(members),
         _heights(members),
         *_closeness(members, scene),
-        _charges(members),
+        _charges(members, scene),
     ]
     if len(members) > 1:
         radii = range_with_prefix((sphere.radius for sphere in spheres), "m")
@@ -222,11 +218,12 @@ def _heights(members: dict[FloatKind, int]) -> Row:
     return ("height of the contact line", lines, f"over the flat surface; of the center: {centers}")
 
 
-def _charges(members: Iterable[FloatKind]) -> Row:
+def _charges(members: Iterable[FloatKind], scene: FloatingScene) -> Row:
     charges = [kind.charge for kind in members]
-    remark = (
-        _by_sign(charges, "heavy: attracts heavy floats", "light: attracts light floats") if any(charges) else "none"
-    )
+    effects = ("heavy: lowers the surface", "light: raises the surface")
+    if PAIR_LAWS[str(scene.interaction.law)].menisci:
+        effects = ("heavy: attracts heavy floats", "light: attracts light floats")
+    remark = _by_sign(charges, *effects) if any(charges) else "none"
     return ("capillary charge", range_with_prefix(charges, "m"), remark)
 
 
@@ -260,9 +257,9 @@ def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[R
         ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
         _heights({kind: 1}),
-        _charges([kind]),
+        _charges([kind], scene),
     ]
-    if scene.interaction.method == "superposition":
+    if scene.interaction.method == "superposition" and PAIR_LAWS[str(scene.interaction.law)].menisci:
         rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; use method = 'multipole'"))
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
@@ -273,7 +270,7 @@ def is_shape(kind: FloatKind) -> bool:
     return lying or (kind.figure is not None and len(kind.figure.skeleton.corners) > 0)
 
 
-def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
+def _summary_of_shape(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
     """An ellipsoid, a needle, a square or a star: slope, rise, charge, friction."""
     line, (along, across, _) = kind.figure.line, kind.figure.friction
     slope = kind.equilibrium.slope_angle
@@ -283,7 +280,7 @@ def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
         _filling({kind: 1}),
         _heights({kind: 1}),
         ("rise of the contact line", with_prefix(line.rise, "m"), f"{rise} {line.mode} times around"),
-        _charges([kind]),
+        _charges([kind], scene),
         ("friction across over along", f"{across / along:.3g}", "ratio of the friction across and along the float"),
     ]
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]

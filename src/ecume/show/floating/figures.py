@@ -489,7 +489,10 @@ def _pairs(frame: Frame, scene: Any, row: PairLaw) -> list[Pair]:
     ]
     charged = [pair for pair in found if pair.force(pair.touching) != 0.0]
     if not charged:
-        raise BadInput("these floats do not deform the surface; no force to draw")
+        why = "these floats do not deform the surface"
+        if not row.menisci:
+            why = f"the law {str(scene.interaction.law)!r} exerts no force on these floats where they touch"
+        raise BadInput(f"{why}; no force to draw")
     return charged
 
 

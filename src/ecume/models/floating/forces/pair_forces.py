@@ -9,6 +9,7 @@ so that bits do not depend on the number of threads.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,8 +21,10 @@ from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists, Rows, Slots
 from ecume.engine.walls import wall_count
+from ecume.engine.walls.surfaces import farthest
+from ecume.errors import BadInput, SceneError
 from ecume.laws import capillarity, dipoles, ewald, pair_laws, special
-from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, settable
+from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, described, settable
 from ecume.models.floating.dishes import acts, wall_energy, wall_force
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import (
@@ -32,6 +35,7 @@ from ecume.models.floating.parameters import (
     Floats,
     PairParameters,
     Parameters,
+    distinct_rows,
 )
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
@@ -83,14 +87,71 @@ def in_double(law: Any, parameters: Parameters) -> Any:
 
 
 def constants_of(scene: FloatingScene, setting: Setting) -> Any:
-    """The constants of the scene's pair law, from the numbers that the scene gives. Raises SceneError, BadInput."""
+    """The constants of the scene's pair law, from the numbers that the scene gives. Raises SceneError."""
     name, given = str(scene.interaction.law), scene.interaction.constants
     row = PAIR_LAWS[name]
     known = [f"{each} ({unit})" for each, unit in settable(row).items()]
     if len(given) > len(known):
         expected = f"expected {', '.join(known)}" if known else "its constants cannot be set"
         raise scene_error("interaction.constants", f"got {len(given)} numbers for the law {name!r}; {expected}")
-    return row.make_constants(setting, *given)
+    try:
+        return row.make_constants(setting, *given)
+    except SceneError:
+        raise
+    except BadInput as error:
+        raise scene_error("interaction.constants" if known else "particles", str(error)) from None
+    except (ArithmeticError, ValueError) as error:
+        raise scene_error("interaction.constants", _without_meaning(scene, str(error))) from None
+
+
+def _without_meaning(scene: FloatingScene, why: str) -> str:
+    name, given = str(scene.interaction.law), scene.interaction.constants
+    numbers = described(PAIR_LAWS[name], given) or "no numbers"
+    return f"the law {name!r} cannot be evaluated with {numbers}: {why}; expected other numbers"
+
+
+def require_finite_forces(parameters: Parameters, scene: FloatingScene) -> None:
+    """Raise SceneError where the pair law gives no number for the smallest and the largest floats, at contact or at the
+    cutoff.
+    """
+    row, law, radius = row_of(parameters), law_of(parameters), parameters.floats.radius
+    for i in {int(np.argmin(radius)), int(np.argmax(radius))}:
+        own, charge = float(radius[i]), float(parameters.floats.charge[i])
+        pair = two_floats(parameters, (own, own), (charge, charge))
+        for distance in (2.0 * own, max(parameters.cutoff, 2.0 * own)):
+            try:
+                found = [each(distance, pair, law) for each in (row.force, row.energy) if each is not None]
+            except (ArithmeticError, ValueError) as error:
+                raise scene_error("interaction.constants", _without_meaning(scene, str(error))) from None
+            if not np.all(np.isfinite(found)):
+                why = f"at the distance {distance:.3g} m the force is {found[0]} N"
+                raise scene_error("interaction.constants", _without_meaning(scene, why))
+
+
+def force_left(parameters: Parameters) -> float:
+    """The force of the pair law at the cutoff, over that of two touching floats; the largest of all sizes."""
+    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
+    kinds = distinct_rows(floats.radius, floats.charge).tolist()
+    pairs = [(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge))) for radius, charge in kinds]
+    forces = [(abs(row.force(touch, own, law)), abs(row.force(parameters.cutoff, own, law))) for touch, own in pairs]
+    return max((far / near for near, far in forces if near > 0.0), default=0.0)
+
+
+class CutoffWarning(UserWarning):
+    """The pair law is cut off where its force is not small."""
+
+
+def warn_of_long_range(parameters: Parameters, scene: FloatingScene) -> None:
+    """Warn if a law that is no superposition of menisci, whose range sets the cutoff, is cut off too early."""
+    accuracy, within = scene.interaction.accuracy, parameters.cutoff < 2.0 * farthest(parameters.walls)
+    if row_of(parameters).menisci or not within or not (left := force_left(parameters)) > accuracy:
+        return
+    message = (
+        f"interaction.accuracy: at the cutoff, {parameters.cutoff:.3g} m, the force of the law "
+        f"{str(scene.interaction.law)!r} is {left:.2g} of that at contact, which is above {accuracy:g}; beyond, it is "
+        "ignored. Expected a lower interaction.accuracy, which lengthens the cutoff, or constants of a shorter range"
+    )
+    warnings.warn(message, CutoffWarning, stacklevel=2)
 
 
 def pair_option(name: str) -> Option:

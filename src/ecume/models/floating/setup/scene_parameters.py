@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.engine.walls import wall_count
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
@@ -34,7 +34,9 @@ from ecume.models.floating.forces.pair_forces import (
     constants_of,
     law_in_precision,
     pair_option,
+    require_finite_forces,
     row_of,
+    warn_of_long_range,
 )
 from ecume.models.floating.options import Built, Option, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
@@ -79,12 +81,14 @@ def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -
     longer = 1.0 if requested is None else requested / good_step(parameters, scene)
     # Floats that move farther in a step require lists with a longer range.
     warn_of_fast_floats(chosen.hydrodynamics, parameters, scene)
+    warn_of_long_range(parameters, scene)
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
 
 
 def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
     """Return parameters with neighbor lists for time steps that are longer by this factor than the default."""
     plain = _without_parts(scene, chosen, longer)
+    require_finite_forces(plain, scene)
     eligible = chosen.grid_allowed and row_of(plain).menisci and scene.cell is None
     split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
     if split is not None:
@@ -139,10 +143,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     smallest, largest = float(floats.radius.min()), float(floats.radius.max())
     cutoff = capillarity.truncation_radius(scene.interaction.accuracy, 2.0 * largest / length) * length
     setting = Setting(length, liquid.surface_tension, 2.0 * DEEPEST_TOUCH * smallest, cutoff + largest)
-    try:
-        law = constants_of(scene, setting)
-    except BadInput as error:
-        raise scene_error("particles", str(error)) from None
+    law = constants_of(scene, setting)
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.hydrodynamics.moves(chosen.integrator).scheme
