@@ -13,10 +13,11 @@ from tests.contracts.test_laws import ROOT, bibliography, cited, rescaled, scale
 from tests.models.floating.bowls import WATER, scene_of
 
 from ecume.errors import SceneError
+from ecume.laws.drag import pair_factor
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, Setting, row_of
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
-from ecume.models.floating.forces.pair_forces import law_of, two_floats
+from ecume.models.floating.forces.pair_forces import law_of, require_admitted, two_floats
 from ecume.models.floating.frames import observe
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
 from ecume.models.floating.time_integration import step_size
@@ -58,6 +59,21 @@ def test_a_stiffness_is_the_slope_of_the_force_or_more(row):
     for distance in DISTANCES if row.stiffness is not None else ():
         slope = (row.force(distance + fine, OWN, law) - row.force(distance - fine, OWN, law)) / (2.0 * fine)
         assert row.stiffness(distance, OWN, law) >= abs(slope) * (1.0 - 1e-6)
+
+
+def calls_elsewhere(distance, own, law):
+    return deeper(distance)
+
+
+def deeper(distance):
+    return pair_factor(distance, 0.1)
+
+
+def test_a_law_that_calls_a_module_unknown_to_compiled_code_is_refused(monkeypatch):
+    monkeypatch.setattr(calls_elsewhere, "__module__", "ecume.laws.pair_laws")
+    monkeypatch.setattr(deeper, "__module__", "ecume.laws.pair_laws")
+    with pytest.raises(TypeError, match=r"calls_elsewhere calls pair_factor of ecume.laws.drag, .* to ADMITTED in"):
+        require_admitted(calls_elsewhere)
 
 
 def test_a_law_is_reciprocal_if_it_says_so(row):

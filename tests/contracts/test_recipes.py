@@ -36,6 +36,7 @@ from ecume.run import run
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.sph.record import SPH
 from ecume.show.figures import figures_of
+from ecume.show.floating import law_figures
 from ecume.trajectories.frame import Frame
 
 def end_of_blob(integrator, steps):
@@ -134,6 +135,7 @@ axes = figures_of(scene)["fastest"](frames, scene).axes[0]
 print(json.dumps({
     "errors": errors,
     "heun": heun,
+    "compared": "heun" in law_figures.INTEGRATORS,
     "refused": refused,
     "embedded": embedded,
     "gyration": [frame.numbers["radius_of_gyration"] for frame in frames],
@@ -197,6 +199,7 @@ def test_a_new_integrator_moves_floats_with_the_order_it_has(made):
     coarse, fine = made[1]["heun"]
     assert fine > 0.0
     assert coarse / fine == pytest.approx(4.0, rel=0.15)
+    assert made[1]["compared"]
     assert "'heun' needs a time step below" in made[1]["refused"]
 
 

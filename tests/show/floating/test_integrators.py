@@ -9,10 +9,9 @@ from ecume.show.floating.law_figures import (
     integrators_beside_one_another,
     orders,
 )
+from tests.models.floating.test_motion import ORDERS
 
 pytestmark = pytest.mark.compiled
-
-ORDERS = {"explicit-euler": 1, "semi-implicit-euler": 1, "velocity-verlet": 2, "stormer-verlet": 2, "rk4": 4}
 
 
 @pytest.fixture(scope="module")

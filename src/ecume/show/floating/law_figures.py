@@ -25,6 +25,7 @@ from ecume.laws.pair_laws import PAIR_LAWS
 from ecume.models.floating.forces import multipoles
 from ecume.models.floating.forces.multipoles import bodies_and_charges
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
+from ecume.models.floating.time_integration.integrators import INTEGRATORS as MODEL_INTEGRATORS
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import (
     FloatingScene,
@@ -35,7 +36,7 @@ from ecume.scenes.floating import (
 )
 from ecume.scenes.load import load_scene
 from ecume.show.curves import titled
-from ecume.show.style import INK, PALETTE, figure, plain, save, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, figure, plain, save, scale_for, style
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -135,15 +136,21 @@ def _by_multipoles(both: multipoles.Multipoles, distance: Array) -> Array:
     return found
 
 
-INTEGRATORS = {
+TITLES = {
     "explicit-euler": "explicit Euler",
     "semi-implicit-euler": "semi-implicit Euler",
     "velocity-verlet": "velocity Verlet",
     "stormer-verlet": "Störmer–Verlet",
     "rk4": "Runge–Kutta 4",
 }
-ORDER_LINES = dict(zip(INTEGRATORS, ("-", "-", "-", (0, (4, 2)), "-"), strict=True))
-COLORS = dict(zip(INTEGRATORS, (PALETTE[0], PALETTE[4], PALETTE[1], PALETTE[5], PALETTE[2]), strict=True))
+_WITH_INERTIA = [name for name, row in MODEL_INTEGRATORS.items() if "keeps inertia" in row.gives]
+INTEGRATORS = {name: TITLES.get(name, name) for name in sorted(_WITH_INERTIA, key=[*TITLES, *_WITH_INERTIA].index)}
+"""The integrators of the model that orbits can be compared with, and their names in the figure."""
+_FURTHER = [name for name in INTEGRATORS if name not in TITLES]
+ORDER_LINES: dict[str, Any] = dict(zip(TITLES, ("-", "-", "-", (0, (4, 2)), "-"), strict=True))
+ORDER_LINES |= dict.fromkeys(_FURTHER, ":")
+COLORS = dict(zip(TITLES, (PALETTE[0], PALETTE[4], PALETTE[1], PALETTE[5], PALETTE[2]), strict=True))
+COLORS |= dict(zip(_FURTHER, itertools.cycle((PALETTE[3], INK, MUTED)), strict=False))
 
 RADIUS, DENSITY, CONTACT_ANGLE = 1e-3, 2000.0, math.pi / 2
 DISTANCE = 5e-3

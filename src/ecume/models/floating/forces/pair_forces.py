@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable
+from types import FunctionType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -43,7 +44,33 @@ from ecume.units import Array
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
-admit(capillarity, dipoles, pair_laws, special, ewald)
+ADMITTED = (capillarity, dipoles, pair_laws, special, ewald)
+"""The modules whose functions a pair law may call in compiled code."""
+admit(*ADMITTED)
+
+
+def require_admitted(function: Callable[..., Any]) -> None:
+    """Raise TypeError where a law, or a function that it calls, is in a module that compiled code does not know."""
+    known = {module.__name__ for module in ADMITTED} | {lane_sum.__module__}
+    seen, ahead = {function}, [function]
+    while ahead:
+        caller: Any = ahead.pop()
+        called = {caller.__globals__.get(name) for name in caller.__code__.co_names if name in caller.__globals__
+                  and isinstance(caller.__globals__[name], FunctionType)} - seen  # fmt: skip
+        for each in called:
+            if each.__module__ not in known:
+                raise TypeError(
+                    f"the pair law's {function.__name__} calls {each.__name__} of {each.__module__}, which compiled "
+                    "code does not know; add that module to ADMITTED in models/floating/forces/pair_forces.py"
+                )
+        seen |= called
+        ahead += called
+
+
+for _row in PAIR_LAWS.values():
+    for _function in (_row.force, _row.energy, _row.pull):
+        if _function is not None:
+            require_admitted(_function)
 
 
 NAMES = tuple(PAIR_LAWS)
