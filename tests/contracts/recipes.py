@@ -15,14 +15,14 @@ ROOT = Path(__file__).parents[2]
 def block(name: str) -> str:
     """A block of code of the page."""
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    (found,) = re.findall(rf"```python {name}\n(.*?)```", page, re.DOTALL)
+    (found,) = re.findall(rf"```(?:python|text) {name}\n(.*?)```", page, re.DOTALL)
     return str(found)
 
 
 def place_of(name: str) -> tuple[str, str]:
     """Where the text before a block puts it: above a line, last in a table, or at the end of the file."""
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    text = page[: page.index(f"```python {name}\n")].rpartition("```")[2]
+    text = re.split(rf"```(?:python|text) {name}\n", page)[0].rpartition("```")[2]
     found = re.findall(r"(above|end\s+of)\s+(?:`([^`]+)`|the\s+file)", text, re.IGNORECASE)
     assert found, f"the text before {name} does not say where it goes"
     where, anchor = found[-1]

@@ -1,6 +1,7 @@
 """The comparison of the integrators shows what their theory says."""
 
 import pytest
+from tests.models.floating.test_motion import ORDERS
 
 from ecume.show.floating.law_figures import (
     INTEGRATORS,
@@ -9,7 +10,6 @@ from ecume.show.floating.law_figures import (
     integrators_beside_one_another,
     orders,
 )
-from tests.models.floating.test_motion import ORDERS
 
 pytestmark = pytest.mark.compiled
 

@@ -57,12 +57,10 @@ NUMBER_UNITS = {
 SIDES = ("box_width", "box_height")
 """The sides of a periodic cell, in frames."""
 
-NOT_IN_CELLS = (
-    "angular_momentum",
-)  # fmt: skip
-"""Numbers that frames of a periodic cell do not contain. Images at different borders have different angular momenta,
-and in general different positions: sums over them are not defined.
-"""
+NOT_IN_CELLS = {
+    "angular_momentum": "images at different borders have different angular momenta",
+}
+"""Numbers that frames of a periodic cell do not contain, and why they are not defined there."""
 
 CONTACT_GAP = 1e-3
 """Floats whose gap is below this fraction of the smaller radius count as touching."""
