@@ -252,10 +252,7 @@ def floating(density, **method):
 @pytest.mark.parametrize("density", [0.001, 0.01, 0.1, 1.0])
 def test_by_default_damping_does_not_shorten_the_step_of_a_light_body(density):
     given = {"acoustic_damping": 0.0}, {}, {"acoustic_damping": 2.0}
-    free, damped, forced = (
-        SPH.parameters(floating(density, **method))
-        for method in ({"acoustic_damping": 0.0}, {}, {"acoustic_damping": 2.0})
-    )
+    free, damped, forced = (SPH.parameters(floating(density, **method)) for method in given)
     assert damped.time_step == free.time_step
     assert 0.0 < damped.bulk_viscosity <= forced.bulk_viscosity
     assert (forced.time_step < 0.5 * free.time_step) == (density < 0.5)
