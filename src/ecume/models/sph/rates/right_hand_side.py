@@ -135,11 +135,11 @@ def _copy_to_images(workspace: Workspace, field: Floats) -> None:
 
 def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
     damp_sound(parameters, workspace, summed)
-    summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
+    arguments, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
     if loop is None:
-        sum_momentum(*summed, kernel_type(parameters.constants), rates.table)
+        sum_momentum(*arguments, kernel_type(parameters.constants), rates.table)
     else:
-        loop(*summed, rates.table)
+        loop(*arguments, rates.table)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
