@@ -20,7 +20,7 @@ from ecume.laws import states
 from ecume.laws.liquids import LIQUIDS
 from ecume.laws.liquids import liquid as named_liquid
 from ecume.models.sph.record import SPH, start
-from ecume.models.sph.setup.building import limits_of, material_of
+from ecume.models.sph.setup.building import bulk_viscosity_of, limits_of, material_of
 from ecume.run import run
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
@@ -296,7 +296,8 @@ def _limits(spacing: float) -> dict[str, float]:
         "bodies": [{"center": [0.2, 0.2], "radius": 0.03, "density": 20.0}],
     }  # fmt: skip
     scene = from_plain(plain)
-    return limits_of(scene, material_of(scene))
+    material = material_of(scene)
+    return limits_of(scene, material, bulk_viscosity_of(scene, material))
 
 
 def tub(density: float) -> dict[str, Any]:

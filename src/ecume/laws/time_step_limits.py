@@ -86,6 +86,21 @@ def body_sound_limit(areal_mass: ArealMass, density: Density, sound_speed: Speed
     return math.sqrt(areal_mass / (density * overlap)) / sound_speed
 
 
+def body_damping_limit(areal_mass: ArealMass, bulk_viscosity: Viscosity, overlap: PerLength) -> Time:
+    """M / (4 zeta I): how long a body of the mass m per unit of its surface may ignore the liquid's acoustic damping.
+
+    A surface that approaches at the speed v raises the density of a particle z before it at the rate rho v w(z), see
+    `body_sound_limit`; damping of the bulk viscosity zeta answers with zeta v w(z), and dummies with the same again.
+    The body is slowed at the rate gamma = 2 zeta I / m while it swings at the rate omega of `body_sound_limit`, which
+    explicit schemes follow while (omega dt)^2 < 4 - 2 gamma dt; this is 1/(2 gamma). Derived here for the damper of
+    [sun2023]. Infinite without damping.
+
+    >>> body_damping_limit(1.0, 2.5, 10.0), body_damping_limit(1.0, 0.0, 10.0)
+    (0.01, inf)
+    """
+    return areal_mass / (4.0 * bulk_viscosity * overlap) if bulk_viscosity > 0.0 else math.inf
+
+
 def body_drag_limit(areal_mass: ArealMass, viscosity: Viscosity, plane_weight: PerLength) -> Time:
     """M / (4 eta w(0)): how long a body of the mass m per unit of its surface may ignore the liquid's friction.
 

@@ -51,9 +51,11 @@ def artificial_viscosity(
 
 
 def acoustic_damping(alpha: Number, density: Density, smoothing_length: Length, sound_speed: Speed) -> Viscosity:
-    """Alpha rho_0 c_0 h, the bulk viscosity zeta of the acoustic damper: it adds -zeta div v to the pressure [sun2023].
+    """Alpha rho_0 c_0 h, the bulk viscosity zeta of the acoustic damper [sun2023].
 
-    Sound of the wavenumber k decays at the rate alpha c_0 h k^2/2, flows without divergence not at all.
+    There it adds -zeta div v to the pressure; here (zeta/rho) drho/dt, which is the same without density diffusion, and
+    zero where diffusion balances a divergence that only sums see. Sound of the wavenumber k decays at the rate
+    alpha c_0 h k^2/2, flows of constant density not at all.
 
     >>> acoustic_damping(1.0, 1000.0, 0.1, 20.0)
     2000.0

@@ -146,9 +146,9 @@ class MethodSpec:
     """The coefficient alpha of the artificial viscosity; by default 0.02, or 0 where
     `liquid.viscosity` is given. Effect: larger values damp noise and motion."""
     acoustic_damping: Annotated[Number, Field(ge=0.0, le=2.0)] | None = None
-    """The coefficient alpha of the acoustic damping, a bulk viscosity; by default 1.5 where the liquid has a free
-    surface and artificial viscosity is not set to 0, otherwise 0. Effect: damps sound waves, such as those of
-    impacts."""
+    """The coefficient alpha of the acoustic damping, a bulk viscosity; by default 2 where the liquid has a free surface
+    and artificial viscosity is not set to 0, less with very light bodies, otherwise 0. Effect: damps sound waves, such
+    as those of impacts."""
     viscosity_model: LawName = "automatic"
     """The viscous force: `monaghan` along the lines of centers, right at a free surface; `corrected`, the same with
     the part completed that has no neighbors there; `morris` along velocities, right in full tanks; by default the one

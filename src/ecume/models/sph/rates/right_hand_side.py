@@ -38,7 +38,7 @@ def take_thickening(parameters: Parameters, state: State, workspace: Workspace) 
 
 def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False) -> None:
     """The acceleration at the present positions, and the transport for the next drift. `summed`: the lists are still
-    those by which `take_thickening` summed the divergence half a drift ago; acoustic damping takes that one.
+    those by which `take_thickening` summed the rate of density half a drift ago; acoustic damping takes that one.
     """
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
@@ -100,10 +100,12 @@ def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists
 
 
 def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
-    """Add the pressure -zeta div v of the acoustic damping (`viscous.acoustic_damping`) to what pairs add up. A mirror
-    image has the divergence of its source, and a dummy the mean of the liquid before it, as with the other pressure:
-    with none, water in a narrow gap between dummies did not come to rest. The sum over pairs of liquid is the adjoint
-    of this divergence: it takes the power zeta V (div v)^2 from each particle.
+    """Add the pressure (zeta/rho) drho/dt of the acoustic damping (`viscous.acoustic_damping`) to what pairs add up.
+
+    The rate contains density diffusion: it is that at which the pressure changes. With -zeta div v, small waves were
+    damped, too, since a sum without neighbors beyond the surface takes their strain for a compression, which diffusion
+    balances. A mirror image has the damping of its source, and a dummy the mean of the liquid before it: with none,
+    water in a narrow gap between dummies did not come to rest.
     """
     if parameters.bulk_viscosity == 0.0:
         return
@@ -111,9 +113,12 @@ def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = Fals
         _sum_stretch(parameters, workspace)
     fields, lists, count = workspace.fields, workspace.lists, workspace.rates.shape[1]
     damping = np.zeros_like(fields.force_term)
-    damping[:count] = parameters.bulk_viscosity * workspace.rates.continuity
+    rates, density = workspace.rates, fields.density[:count]
     if parameters.pressure_force.by_mass:
-        damping[:count] /= fields.density[:count] ** 3
+        rate = (rates.continuity + rates.diffusion) / density**3
+    else:
+        rate = rates.continuity + rates.diffusion / density
+    damping[:count] = parameters.bulk_viscosity * rate
     _copy_to_images(workspace, damping)
     if len(lists.counts) > count:
         read_damping(fields.table, damping, count, lists, parameters.constants)
@@ -130,11 +135,11 @@ def _copy_to_images(workspace: Workspace, field: Floats) -> None:
 
 def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
     damp_sound(parameters, workspace, summed)
-    summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
+    arguments, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
     if loop is None:
-        sum_momentum(*summed, kernel_type(parameters.constants), rates.table)
+        sum_momentum(*arguments, kernel_type(parameters.constants), rates.table)
     else:
-        loop(*summed, rates.table)
+        loop(*arguments, rates.table)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:

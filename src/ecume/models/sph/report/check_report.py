@@ -330,4 +330,4 @@ def time_step_remark(scene: SphScene, parameters: Parameters) -> str:
     """The limit that determines the time step."""
     if scene.integration.time_step is not None:
         return "as given"
-    return f"set by {limiter(limits_of(scene, parameters.material))}"
+    return f"set by {limiter(limits_of(scene, parameters.material, parameters.bulk_viscosity))}"

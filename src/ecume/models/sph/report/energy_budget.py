@@ -132,13 +132,15 @@ def has_unbudgeted_work(parameters: Parameters) -> bool:
 
 def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Add the work of density diffusion in a step, before its densities change: it changes the elastic energy without
-    moving anything, and the pressure that results may lift the liquid.
+    moving anything, and the pressure that results may lift the liquid. It works against the acoustic damping, too:
+    what is left of the power of that is -(zeta/rho^2) V (drho/dt)^2.
     """
     if parameters.density_diffusion.excess is None and not parameters.fixed_volume:
         return
     fields, rates, count = workspace.fields, workspace.rates, len(state.density)
     rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.thickening
-    state.budget[WORK] += diffusion_work(*rows, state.zone, parameters.material.sound_speed, time)
+    laws = parameters.material.sound_speed, parameters.bulk_viscosity
+    state.budget[WORK] += diffusion_work(*rows, state.zone, *laws, time)
 
 
 @compiled
@@ -150,13 +152,17 @@ def diffusion_work(
     thickening: Array,
     zone: Integers,
     sound_speed: float,
+    bulk_viscosity: float,
     time: float,
 ) -> float:
-    """sum_i m_i p/rho^2 (drho/dt of diffusion) dt (J), with the pressure in the middle of the change of density."""
+    """sum_i m_i p/rho^2 (drho/dt of diffusion) dt (J), with the pressure in the middle of the change of density, and
+    the damping.
+    """
     total = 0.0
     for i in range(len(mass)):
         if zone[i] == 0:
             middle = pressure[i] + 0.5 * sound_speed * sound_speed * thickening[i] * time
+            middle += bulk_viscosity * thickening[i] / density[i]
             total += mass[i] / (density[i] * density[i]) * middle * diffusion[i] * time
     return total
 

@@ -15,6 +15,7 @@ from ecume.laws.tension import laplace_pressure
 from ecume.laws.time_step_limits import (
     acoustic_limit,
     advective_limit,
+    body_damping_limit,
     body_drag_limit,
     body_sound_limit,
     radial_excess,
@@ -217,7 +218,7 @@ def central_force_of(scene: SphScene) -> tuple[float, Array]:
 
 
 def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
-    """Pa s, of the acoustic damping; zero without."""
+    """Pa s, of the acoustic damping; zero without. By default it does not require shorter steps for light bodies."""
     alpha = acoustic_damping_of(scene)
     if alpha == 0.0:
         return 0.0
@@ -228,7 +229,12 @@ def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
         faults.append("is added to the sum of pressures, which 'transport' does not take; use pressure_force = 'sum'")
     if faults:
         raise SceneError([Fault("method.acoustic_damping", f"got {alpha:g}; {fault}") for fault in faults])
-    return acoustic_damping(alpha, material.density, smoothing_of(scene), material.sound_speed)
+    full = acoustic_damping(alpha, material.density, smoothing_of(scene), material.sound_speed)
+    if scene.method.acoustic_damping is not None:
+        return full
+    # The limit by damping is proportional to the mass and to the inverse of the bulk viscosity.
+    step = scene.integration.time_step or min(limits_of(scene, material, 0.0).values())
+    return min([full, *(full * damping_limit(scene, spec, material, full) / step for spec in scene.bodies)])
 
 
 def background_of(scene: SphScene, material: Material) -> float:
@@ -253,7 +259,7 @@ LENIENT = 4.0
 BODIES = "the lightest body"
 
 
-def limits_of(scene: SphScene, material: Material) -> dict[str, float]:
+def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dict[str, float]:
     """The longest step (s), by what limits it; infinite where nothing does."""
     h, courant = smoothing_of(scene), scene.integration.courant_number
     tension = material.surface_tension if tension_of(scene) != "none" else 0.0
@@ -261,7 +267,7 @@ def limits_of(scene: SphScene, material: Material) -> dict[str, float]:
         **speed_limit(h, material, courant),
         "viscosity": viscous_limit(h, material.viscosity / material.density),
         "surface tension": tension_limit(h, material.density, tension),
-        BODIES: min((body_limit(scene, spec, material) for spec in scene.bodies), default=math.inf),
+        BODIES: min((body_limit(scene, spec, material, bulk_viscosity) for spec in scene.bodies), default=math.inf),
     }
 
 
@@ -279,20 +285,31 @@ def integrator_of(scene: SphScene) -> str:
     return default if name == "automatic" else chosen(name, INTEGRATORS, "integration.integrator")
 
 
-def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:
-    """The longest stable time step for a body (s), by the pressure and viscosity of the liquid before it."""
-    shape, kernel, h = shape_of(spec), kernel_of(scene), smoothing_of(scene)
-    areal_mass = mass_of(spec, shape) / shape.surface()
+def damping_limit(scene: SphScene, spec: BodySpec, material: Material, bulk_viscosity: float) -> float:
+    """The longest step for a body (s), by the acoustic damping of the liquid before it."""
+    return body_damping_limit(areal_mass_of(spec), bulk_viscosity, kernel_of(scene).overlap / smoothing_of(scene))
+
+
+def areal_mass_of(spec: BodySpec) -> float:
+    """The mass of a body over its surface."""
+    shape = shape_of(spec)
+    return float(mass_of(spec, shape) / shape.surface())
+
+
+def body_limit(scene: SphScene, spec: BodySpec, material: Material, bulk_viscosity: float) -> float:
+    """The longest stable time step for a body (s), by pressure, damping and viscosity of the liquid before it."""
+    kernel, h, areal_mass = kernel_of(scene), smoothing_of(scene), areal_mass_of(spec)
     pressed = body_sound_limit(areal_mass, material.density, material.sound_speed, kernel.overlap / h)
     viscosity = material.viscosity * holds(spec, scene)
     if friction_of(scene).radial:
         viscosity *= radial_excess(kernel.dim)
-    return min(pressed, body_drag_limit(areal_mass, viscosity, float(kernel.over_plane(0.0)) / h))
+    damped = damping_limit(scene, spec, material, bulk_viscosity)
+    return min(pressed, damped, body_drag_limit(areal_mass, viscosity, float(kernel.over_plane(0.0)) / h))
 
 
 def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     """The time step and how many fit between two frames."""
-    limits = limits_of(scene, material)
+    limits = limits_of(scene, material, bulk_viscosity_of(scene, material))
     longest = min(limits.values())
     step = scene.integration.time_step or longest
     # The other limits are rules of thumb with a margin; a body that is too light for its time step diverges.

@@ -161,7 +161,7 @@ def artificial_viscosity_of(scene: SphScene) -> float:
     return given
 
 
-USUAL_DAMPING = 1.5
+USUAL_DAMPING = 2.0
 """Of sound, where liquid may hit a wall. The quickest oscillation of a lattice is damped critically with 1.76."""
 
 
