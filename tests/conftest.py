@@ -1,6 +1,7 @@
 """Which pass of scripts/test runs a test, and coverage in every process that runs tests, however many there are."""
 
 import os
+import zlib
 from pathlib import Path
 
 import coverage
@@ -24,7 +25,10 @@ if MEASURED is not None:
 
 
 def pytest_itemcollected(item):
-    """Mark what the plain pass runs, and what it alone need run, so that `-m` can choose them."""
+    """Mark what the plain pass runs, what it alone need run, and what is left to `--all`, so that `-m` can choose."""
+    sampled = item.get_closest_marker("sampled")
+    if sampled is not None and zlib.crc32(item.name.encode()) % sampled.args[0]:
+        item.add_marker(pytest.mark.long)
     folder = item.path.relative_to(TESTS).parts[0]
     if folder in PLAIN and item.get_closest_marker("compiled") is None:
         item.add_marker(pytest.mark.plain)

@@ -84,6 +84,7 @@ def test_check_of_what_is_no_file_ends_with_two(name: str) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[pytest.mark.long] * (name in SLOW_TO_START)) for name in templates()],

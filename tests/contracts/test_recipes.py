@@ -189,6 +189,7 @@ def test_a_new_method_keeps_the_energy_with_any_contacts(made, contacts):
     assert total == pytest.approx(total[0], rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_new_integrator_moves_a_tank_with_the_order_it_has(made):
     coarse, fine = made[1]["errors"]
     assert fine > 0.0

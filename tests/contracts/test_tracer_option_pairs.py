@@ -81,6 +81,7 @@ def plain_of(one, other):
 PAIRS = Pairs("tracers.md", OPTIONS, plain_of)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.compiled
 @pytest.mark.parametrize(("one", "other"), PAIRS.names, ids=lambda name: name)
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):

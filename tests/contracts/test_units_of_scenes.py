@@ -110,6 +110,7 @@ def compare(name: str, scales: Scales, steps: int = 12) -> None:
     assert other.time == pytest.approx(scales.time * one.time, rel=WITHIN[plain["model"]])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("name", "scales"),
     [

@@ -205,6 +205,7 @@ def test_a_track_is_of_the_particle_that_starts_where_it_does():
         matched(Tracks(("a", "b"), np.zeros(1), moved[None, :2]), there, centered=True)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_angle_viscosity_and_charge_are_found_again_within_their_intervals(tracks):
     found = ecume.fit(tracks, beads(viscosity=3.0, angle=80.0), ["contact_angle", "viscosity"])

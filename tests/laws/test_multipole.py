@@ -129,6 +129,7 @@ def test_turning_and_relabeling_bodies_turns_and_relabels_their_forces():
     assert again.energy == pytest.approx(found.energy, rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_iteration_finds_what_elimination_finds_and_leaves_it_as_it_is():
     places = 1.03 * np.array([(i + 0.5 * j, j * math.sqrt(0.75)) for i in range(4) for j in range(3)])

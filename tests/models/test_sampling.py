@@ -37,6 +37,7 @@ def test_samples_change_no_frame(scene):
         assert all(array.tobytes() == other.arrays[name].tobytes() for name, array in one.arrays.items())
 
 
+@pytest.mark.sampled(3)
 def test_a_stopped_run_has_the_samples_of_one_that_was_not(scene, tmp_path):
     run(scene, tmp_path / "whole")
 

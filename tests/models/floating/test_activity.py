@@ -27,6 +27,7 @@ def swimmers(activity, *, count=1, more=SLOW + ALONE, **times):
     return scene_of(f"{WATER}{floats}[activity]\n{activity}{more}", **times)
 
 
+@pytest.mark.long
 def test_a_random_force_is_stationary_and_forgets_at_its_rate():
     dice, count = np.random.default_rng(1), 20_000
     part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), 0.4, np.full(count, 1.5), 5)

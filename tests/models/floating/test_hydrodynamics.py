@@ -64,6 +64,7 @@ def test_the_matrix_of_a_run_is_that_of_the_law():
     assert mobility == pytest.approx(surface_mobility(position, radius, 0.7), rel=1e-12, abs=1e-16)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("part", range(10))
 def test_the_matrix_with_spins_is_symmetric_and_positive_definite_in_a_thousand_packings(part):
     dice = np.random.default_rng(part)
@@ -207,6 +208,7 @@ def test_a_current_adds_to_the_velocities(flow):
     assert found[1] - found[0] == pytest.approx(current, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("contacts", ["", "[contacts]\nfriction = 0.4\n"])
 def test_touching_floats_do_not_overlap_and_the_energy_budget_of_a_current_closes(contacts):
     """A converging flow presses a raft together; the contacts conserve its momentum, and friction turns the floats."""

@@ -112,6 +112,7 @@ def test_a_raft_that_is_pressed_together_moves_as_with_the_matrix(fine, few_are_
     assert np.abs(load - workspace.force).max() > 0.1 * np.abs(workspace.force).max()
 
 
+@pytest.mark.long
 @plain
 def test_noise_is_that_of_the_matrix_and_half_a_run_and_half_a_run_are_a_run(fine, few_are_many):
     scene = raft_scene("brownian = true\n", radius=1e-6, squeezed=1.3, duration=1.0, frame_every=1.0)

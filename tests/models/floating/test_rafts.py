@@ -106,6 +106,7 @@ def test_contacts_of_a_settled_raft_carry_the_pull_and_nothing_moves():
     assert frames[-1].numbers["clusters"] == 1
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("of_floats", "of_wall"),

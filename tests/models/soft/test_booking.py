@@ -115,6 +115,7 @@ DRIVEN = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     "driven", [pytest.param(name, marks=[pytest.mark.long] * ("wall" in name or "torques" in name)) for name in DRIVEN]
@@ -138,6 +139,7 @@ def test_a_jump_does_the_work_that_deflections_take_up():
     assert last["injected_work"] - calm["injected_work"] == pytest.approx(taken_up, rel=1e-6, abs=0.0)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_films_take_what_contacts_hold_that_fade():
     scene = channel({}, count=5)

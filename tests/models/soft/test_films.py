@@ -65,6 +65,7 @@ def begun(direction):
     return np.array([GAP]), n
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("given", "between", "direction"), SMOOTH.values(), ids=SMOOTH)
 @pytest.mark.parametrize("span", [0.0, SPAN, 5.0])
 def test_stiffness_and_response_are_slopes_over_the_displacement(given, between, direction, span):

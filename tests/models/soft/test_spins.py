@@ -124,6 +124,7 @@ def test_forces_and_moments_of_contacts_sum_to_zero(dimensions):
     assert moment == pytest.approx(np.zeros_like(moment), abs=1e-15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dimensions", [2, pytest.param(3, marks=pytest.mark.compiled)])
 @pytest.mark.parametrize("remote", [{}, pytest.param(STERIC, marks=pytest.mark.compiled)], ids=["relaxing", "steric"])
 def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions, remote):
@@ -146,6 +147,7 @@ def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions,
     assert step.films.log_gap == pytest.approx(still_step.films.log_gap, abs=1e-12)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.compiled
 @pytest.mark.parametrize(("gap", "kappa"), [(1e-2, 1e-3), (0.1, 1e-6), (1e-3, 1e-4), (1e-5, 1e-2)])
 def test_spheres_do_not_spin_in_a_symmetric_swap(gap, kappa):

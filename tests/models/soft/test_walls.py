@@ -95,6 +95,7 @@ def test_a_moving_ceiling_drags_the_spheres_along_and_the_floor_holds_them(rotat
     assert speed.max() < 0.22
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("dimensions", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_a_ceiling_yields_until_it_is_pushed_back_as_hard(dimensions):
     scene = channel({"top": {"pressure": 1e-3, "shear_stress": 2e-4}}, dimensions, frame_every=1.0, duration=2.0)

@@ -123,6 +123,7 @@ def test_the_surface_energy_is_the_same_wherever_the_nodes_are():
     np.testing.assert_allclose(found, found[0], rtol=1e-3)
 
 
+@pytest.mark.long
 def test_disorder_inside_costs_nothing():
     whole, jittered = (begun(drop("csf", DISC, jitter=jitter)) for jitter in (0.0, 0.2))
     assert surface_energy(jittered[0], jittered[2]) == pytest.approx(surface_energy(whole[0], whole[2]), rel=0.01)

@@ -44,6 +44,7 @@ def framed(rim="", walls="", left=-1.3):
     return scene, model.observe(parameters, state, model.workspace(parameters, state, 1.0))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("rim", ["", UNDULATED], ids=["flat rims", "saddles"])
 @pytest.mark.parametrize(
     "walls", ["no walls", *(pytest.param(name, marks=pytest.mark.compiled) for name in ("dish", "basin"))]
