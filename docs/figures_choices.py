@@ -188,7 +188,7 @@ def first_moments() -> Figure:
     choices = (
         ("initial_pressure", ("hydrostatic", "zero")),
         ("jitter", (0.0, 0.1, 0.2)),
-        ("acoustic_damping", (0.0, 1.5)),
+        ("acoustic_damping", (0.0, 2.0)),
     )
     for axes, (key, values) in zip(drawn.subplots(1, 3), choices, strict=True):
         for value, color in zip(values, PALETTE, strict=False):
