@@ -126,7 +126,7 @@ SAMPLES = {
     "area": 0.02, "film_area": 0.01, "facet_area": 0.03, "rest": 0.2, "radius_sum": 1.1, "mobility": 1.4,
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "critical_load": 0.2,
     "pull": 1.5, "limit": 1.49,
-    "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
+    "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "bulk_viscosity": 0.7, "overlap": 0.4, "plane_weight": 1.3,
     "slip_force": 0.4,
     "color": 0.4, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
     "trace": 1.7, "missing": 0.06, "completion": 1.3,

@@ -25,8 +25,8 @@ LAYERS = {2: (8, 18), 3: (7, 9)}
 TIME, FRAMES = 2.0, 8
 """Seconds, and frames in them."""
 GRAVITY = 9.81
-MOST_SPEED, MOST_ERROR, MOST_RISE, MOST_CHANGE = 0.02, 0.1, 1e-4, 1e-3
-"""In units of sqrt(g H), of rho g H, of rho g H times the volume, and of the volume."""
+MOST_SPEED, MOST_ERROR, MOST_SCATTER, MOST_RISE, MOST_CHANGE = 0.02, 0.1, 0.02, 1e-4, 1e-3
+"""In units of sqrt(g H), of rho g H (twice), of rho g H times the volume, and of the volume."""
 USUAL_SPEED, USUAL_ERROR = 0.01, 0.02
 """Of half of the tanks."""
 FOLDER = Path("random-tank-pieces")
@@ -114,7 +114,10 @@ class Rest(NamedTuple):
     speed: float
     """largest, over sqrt(g H)"""
     error: float
-    """root mean square of the pressure less rho g (H - y), over rho g H"""
+    """root mean square of the pressure less rho g (H - y), over rho g H, with the level H that is drawn"""
+    scatter: float
+    """the same with the level that fits best: where rows of particles do not fit between walls, the liquid stands up to
+    half a row higher or lower"""
     change: float
     """of the volume, relative"""
     rise: float
@@ -170,6 +173,7 @@ def rest(scene: SphScene) -> Rest:
         full=scene.tank.high[1] == depth,
         speed=last.numbers["largest_speed"] / math.sqrt(GRAVITY * depth),
         error=float(np.sqrt(np.mean(error**2))),
+        scatter=float(np.std(error)),
         change=abs(last.numbers["volume"] / volume - 1.0),
         rise=float((energy - np.minimum.accumulate(energy)).max()) / (unit * volume),
         lost=last.numbers["lost"],
@@ -184,6 +188,7 @@ def rows_of(name: str, found: list[Rest]) -> list[Row]:
         below(f"{name}: median of the largest speeds", float(np.median(speed)), USUAL_SPEED),
         below(f"{name}: error of the pressure, over rho g H", max(error), MOST_ERROR),
         below(f"{name}: median error of the pressure", float(np.median(error)), USUAL_ERROR),
+        below(f"{name}: the largest from the liquid's own level", max(each.scatter for each in found), MOST_SCATTER),
         below(f"{name}: change of the volume", max(each.change for each in found), MOST_CHANGE),
         below(f"{name}: rise of energy minus work", max(each.rise for each in found), MOST_RISE),
         within(f"{name}: particles lost", sum(each.lost for each in found), 0.0, 0.0),
