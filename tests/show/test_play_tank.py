@@ -242,6 +242,7 @@ def test_the_saved_scene_goes_on_from_here(tank):
     assert first.numbers["left_position"] == pytest.approx(tank.pushed)
     tank.drag(tank.pushed)
     tank.time = 0.0
+    tank.integration.state.ready[0] = 0  # the scene begins with the forces beside a side at rest; here it still moved
     tank.play(1 / 60)
     assert places_of(tank)[order] == pytest.approx(simulated(scene, tank).arrays["position"], abs=1e-3)
 
