@@ -82,6 +82,9 @@ up_to_date() {
 
 environment() {
   venv=$root/.venv
+  # Python's own bytecode, even where it is told to write none: without it each process reads all its libraries as text.
+  unset PYTHONDONTWRITEBYTECODE
+  export PYTHONPYCACHEPREFIX="$venv/bytecode"
   find_bin
   up_to_date "$1" && return
   find_python

@@ -58,6 +58,7 @@ def nested(tmp_path):
     return run, folder
 
 
+@pytest.mark.long
 def test_a_second_process_finds_the_whole_on_the_disk_and_needs_no_part(nested):
     run, _ = nested
     assert run().stdout.split() == ["7.0", "0", "0"]
@@ -217,6 +218,7 @@ print(*cpu_target.target_context.codegen().magic_tuple()[1:])
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="levels are those of x86-64")
 def test_code_is_compiled_for_a_level_unless_the_user_names_a_processor():
     def target(**names):

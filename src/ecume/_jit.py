@@ -1,4 +1,4 @@
-"""How loops are compiled: with `_parts`, the only file that imports Numba."""
+"""How loops are compiled: with `_parts` and `_borrowing`, the only files that import Numba."""
 
 from __future__ import annotations
 

@@ -28,9 +28,11 @@ from numba.core import config, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
 
 from ecume import _cache
+from ecume._borrowing import borrowing
 
 log = logging.getLogger(__name__)
 
@@ -175,7 +177,15 @@ class Nowhere:
         """Do nothing."""
 
 
-class Part(Compiler):  # type: ignore[misc]
+class Borrowing(Compiler):  # type: ignore[misc]
+    """Compiles without counting references to what arguments keep."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """The steps."""
+        return [borrowing(steps) for steps in super().define_pipelines()]
+
+
+class Part(Borrowing):
     """Compiles for compiled code."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
@@ -192,7 +202,7 @@ def libraries_are_parts(codegen: Any) -> Iterator[None]:
         codegen._library_class = kept
 
 
-class Whole(Compiler):  # type: ignore[misc]
+class Whole(Borrowing):
     """Compiles for Python, all parts included.
 
     The bodies of threaded loops are parts too. Numba would optimize and emit each of them by itself, and again inside

@@ -234,6 +234,7 @@ def test_a_total_that_is_unknown_is_not_reported(monkeypatch: pytest.MonkeyPatch
     assert HALF._replace(steps=None).place == "at t = 1 s (step 50)"
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C cannot be sent to one process alone there")
 def test_ctrl_c_stops_with_a_checkpoint_and_says_how_to_go_on(tmp_path: Path) -> None:

@@ -196,6 +196,7 @@ def test_a_new_integrator_moves_a_tank_with_the_order_it_has(made):
     assert coarse / fine == pytest.approx(2.0, rel=0.15)
 
 
+@pytest.mark.long
 def test_a_new_integrator_moves_floats_with_the_order_it_has(made):
     coarse, fine = made[1]["heun"]
     assert fine > 0.0

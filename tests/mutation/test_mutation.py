@@ -168,6 +168,7 @@ def test_named_tests_may_catch_a_fault_and_what_they_miss_is_not_recorded(toy, t
     assert not list(tmp_path.glob("copy/lines-*"))
 
 
+@pytest.mark.long
 def test_a_test_that_fails_anyway_catches_nothing(toy, tmp_path, monkeypatch):
     monkeypatch.setitem(TESTS, "toy", ("tests",))
     (toy.folder / "tests/test_energy.py").write_text("def test_nothing():\n    assert False\n")

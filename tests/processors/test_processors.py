@@ -61,6 +61,7 @@ print(hashlib.sha256(b"".join(np.asarray(one, float).tobytes() for one in found)
 """
 
 
+@pytest.mark.long
 def test_portable_functions_give_the_same_bits_on_any_processor() -> None:
     def bits(processor: str) -> str:
         environment = environment_of(processor)

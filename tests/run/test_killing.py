@@ -57,6 +57,7 @@ def files_of_at_most(size: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@pytest.mark.long
 def test_a_run_killed_ten_times_equals_one_that_was_left_alone(
     tmp_path: Path, server: Callable[..., Any], results: Results
 ) -> None:

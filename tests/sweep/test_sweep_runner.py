@@ -197,6 +197,7 @@ def test_what_breaks_in_a_point_is_reported_in_a_line_and_the_rest_continues(fil
     assert heard[0][1] == "ZeroDivisionError: nobody thought of it"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
 @pytest.mark.parametrize(
     ("workers", "name"),

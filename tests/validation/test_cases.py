@@ -106,6 +106,7 @@ def test_a_wall_of_the_wrong_sign_is_seen(monkeypatch):
     assert missed([floats.drift("heavy", "wetting", 25.0, False)])
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
 def test_the_integrators_have_their_orders_and_keep_or_lose_the_energy():

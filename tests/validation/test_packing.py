@@ -36,6 +36,7 @@ def test_a_run_that_ends_too_early_is_not_met(monkeypatch):
     assert not spheres.stationary("sheared-packing", 1.0, [piece, PIECE, PIECE]).met
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @pytest.mark.parametrize("template", spheres.CONTROLS)
 def test_the_error_of_the_energy_budget_of_a_packing_falls_with_the_order_of_the_scheme(template):

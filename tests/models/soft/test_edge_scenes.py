@@ -12,8 +12,6 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
-pytestmark = pytest.mark.compiled
-
 SPHERE = {"radius": 1.0, "modulus": 1.0}
 RING = SPHERE | {"positions": [[1.02 + 2.05 * k, 1.0] for k in range(6)]}
 """Neighbors across a periodic cell 12.3 wide."""

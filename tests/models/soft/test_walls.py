@@ -26,8 +26,6 @@ from tests.models import begun
 
 from .clusters import integrated
 
-pytestmark = pytest.mark.compiled
-
 FLOOR = {"side": "bottom", "position": 0.0}
 
 
@@ -95,6 +93,7 @@ def test_a_moving_ceiling_drags_the_spheres_along_and_the_floor_holds_them(rotat
     assert speed.max() < 0.22
 
 
+@pytest.mark.compiled
 @pytest.mark.long
 @pytest.mark.parametrize("dimensions", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_a_ceiling_yields_until_it_is_pushed_back_as_hard(dimensions):
@@ -110,6 +109,8 @@ def test_a_ceiling_yields_until_it_is_pushed_back_as_hard(dimensions):
     assert y[0] > y[1] > y[2]
 
 
+@pytest.mark.compiled
+@pytest.mark.long
 def test_a_plate_is_sheared_by_a_step_of_stress_while_the_pressure_on_it_stays():
     """Creep between plates: at once, then slowly, and back in part when the stress is taken off."""
     protocol = [
@@ -135,6 +136,8 @@ def test_a_plate_is_sheared_by_a_step_of_stress_while_the_pressure_on_it_stays()
     assert x[150] > x[200] > 0.5 * x[150]
 
 
+@pytest.mark.compiled
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("top", "bottom"),
     [({"velocity": [0.3, 0.0]}, {}), ({}, {"velocity": [-0.3, 0.0]})],
@@ -154,6 +157,8 @@ def test_a_plate_that_is_pressed_down_rides_on_what_is_sheared_below(top, bottom
     assert np.ptp([one["top_y"] for one in numbers]) > 0.02
 
 
+@pytest.mark.compiled
+@pytest.mark.long
 def test_two_plates_are_one_flow_whichever_of_them_goes():
     ends = []
     for walls in ({"top": {"velocity": [0.2, 0.0]}}, {"bottom": {"velocity": [-0.2, 0.0]}}):
@@ -170,6 +175,8 @@ def test_two_plates_are_one_flow_whichever_of_them_goes():
     assert moved[:, 0] == pytest.approx(np.full(16, 0.1), abs=1e-6)
 
 
+@pytest.mark.compiled
+@pytest.mark.long
 def test_a_wall_that_is_pushed_goes_as_the_one_that_is_moved_is_pushed_back():
     moved = list(simulate(channel({"top": {"velocity": [0.0, -0.02]}}, duration=2.0, frame_every=0.02)))
     width = channel({}).cell.size[0]
@@ -203,6 +210,7 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
         assert math.log(small[2]) < 1.7 * math.log(small[1])
 
 
+@pytest.mark.compiled
 @pytest.mark.long
 def test_interruptions_change_no_bit_at_walls():
     scene = channel({"top": {"pressure": 1e-3, "shear_stress": 2e-3}}, rotation=True, duration=8.0, frame_every=8.0)
@@ -228,6 +236,8 @@ def test_a_heavy_sphere_falls_at_stokes_speed_and_lies_on_the_floor_with_its_wei
     assert (heights > 0.98).all()
 
 
+@pytest.mark.compiled
+@pytest.mark.long
 def test_spheres_that_fall_beside_a_periodic_border_are_caught_however_long_a_step_could_be():
     scene = load_scene(files("ecume") / "templates" / "settling-packing.toml")
     scene = dataclasses.replace(scene, duration=2.0, frame_every=1.0)

@@ -259,6 +259,7 @@ def test_by_default_damping_does_not_shorten_the_step_of_a_light_body(density):
 
 
 @pytest.mark.compiled
+@pytest.mark.long
 @pytest.mark.parametrize("damping", [{}, {"acoustic_damping": 2.0}])
 @pytest.mark.parametrize("density", [0.003, 0.03])
 def test_a_light_body_is_stable_with_damping(density, damping):

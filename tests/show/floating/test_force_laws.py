@@ -51,6 +51,7 @@ def test_all_pairs_are_there_and_like_ones_attract(forces):
         assert all(np.all(sign * force > 0.0) for force in pair.by_method.values())
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_superposition_is_the_pair_law_and_far_away_all_agree(scene, forces):
     spheres = [flotation.Sphere(1e-3, density, 0.5 * np.pi) for density in (1300.0, 300.0)]

@@ -69,6 +69,7 @@ def pictures(tab):
     return int(tab.get_attribute("body", "data-drawn"))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("model", ["floating", "tracers", "sph", "soft"])
 def test_a_run_is_drawn_without_a_word_to_anybody(tab, tmp_path, model):
     address = opened(tab, run_of(model, tmp_path))
@@ -98,6 +99,7 @@ def test_it_plays_and_is_played(tab, tmp_path):
     assert tab.inner_text("#clock") == "80 ms"
 
 
+@pytest.mark.long
 def test_colors_follow_the_choice_and_say_what_they_mean(tab, tmp_path):
     opened(tab, run_of("sph", tmp_path))
     assert tab.input_value("#coloring") == "pressure"
@@ -120,6 +122,7 @@ def test_a_particle_shows_its_numbers(tab, tmp_path):
     assert not tab.is_visible("#inspector")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_liquid_is_one_region_without_gaps_inside_its_walls_and_seen_on_a_dark_page(tab, tmp_path, scheme):
     scene, frame = scene_of(), frame_of()
@@ -151,6 +154,7 @@ def test_a_liquid_is_one_region_without_gaps_inside_its_walls_and_seen_on_a_dark
     assert tab.complaints == []
 
 
+@pytest.mark.long
 def test_a_liquid_in_3d_is_translucent_water_in_one_piece(tab, tmp_path):
     scene, frame = scene_of(3), frame_of(dimension=3)
     stage = STAGES["sph"](scene, [frame])
@@ -185,6 +189,7 @@ def test_a_liquid_in_3d_is_translucent_water_in_one_piece(tab, tmp_path):
     assert all("GPU stall" in one for one in tab.complaints)
 
 
+@pytest.mark.long
 def test_a_passive_tracer_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     scene = scene_of(passive_tracers=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
     frame = carrying(frame_of())
@@ -219,6 +224,7 @@ def test_a_passive_tracer_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     assert tab.complaints == []
 
 
+@pytest.mark.long
 def test_dragging_moves_and_the_wheel_enlarges(tab, tmp_path):
     opened(tab, run_of("tracers", tmp_path))
     box = tab.locator("#canvas").bounding_box()
@@ -264,6 +270,7 @@ def test_everything_that_is_pressed_has_a_name(tab, tmp_path):
             assert named.strip()
 
 
+@pytest.mark.long
 def test_a_run_in_progress_is_followed_and_stopped(tab, tmp_path):
     state, stopped = ["running"], []
     source = Source(run_of("tracers", tmp_path), lambda: state[0], lambda: stopped.append(True))
@@ -293,6 +300,7 @@ def played(name, changes):
     loop.join()
 
 
+@pytest.mark.long
 def test_a_bowl_is_played_with(tab):
     away = "particles[0].positions=[[-0.02, 0.02], [-0.01, 0.025], [0.01, 0.025], [0.02, 0.02]]"
     with played("cereal-bowl", ["particles[0].count=4", away]) as (bowl, address):

@@ -1,0 +1,135 @@
+"""Lowers functions without counting references to what they have from their arguments.
+
+Numba counts a reference to each array of a tuple whenever the tuple, or a field of it, gets a name, and counts it off
+when the name ends. Our functions take tuples of a hundred arrays: most of the code that Numba wrote was such counting,
+and the compiler spent a third of its time on writing it and on taking most of it out again.
+
+None of it is needed. A caller keeps its arguments for as long as a call lasts, so that whatever a function takes out of
+them, or puts together from them alone, cannot end before the function does: it is *borrowed*. What a function returns
+or stores is counted as before, and so is whatever comes from anywhere else.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from typing import Any
+
+from numba.core import ir, types
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.lowering import Lower
+from numba.core.typed_passes import BaseNativeLowering, NativeLowering
+
+
+def borrowed_variables(function: Any, kinds: Mapping[str, Any]) -> frozenset[str]:
+    """The variables of a function in Numba's representation that hold only what its arguments keep alive; `kinds` are
+    the types of variables.
+    """
+    sources: dict[str, list[list[str] | None]] = defaultdict(list)
+    for block in function.blocks.values():
+        for assignment in block.find_insts(ir.Assign):
+            sources[assignment.target.name].append(_taken_from(assignment, kinds))
+    borrowed = {
+        name: [source for taken in definitions for source in taken or ()]
+        for name, definitions in sources.items()
+        if None not in definitions
+    }
+    while owned := [name for name, taken in borrowed.items() if any(source not in borrowed for source in taken)]:
+        for name in owned:
+            del borrowed[name]
+    return frozenset(borrowed)
+
+
+def _taken_from(assignment: Any, kinds: Mapping[str, Any]) -> list[str] | None:
+    """The variables that must be borrowed for the value of an assignment to be so; None if it is not in any case."""
+    value, kind = assignment.value, kinds[assignment.target.name]
+    if isinstance(value, ir.Arg):
+        return [] if kinds.get(f"arg.{value.name}") == kind else None
+    if isinstance(value, ir.Var):
+        return [value.name] if kinds[value.name] == kind else None
+    if not isinstance(value, ir.Expr):
+        return None
+    if value.op == "null":
+        return []
+    if value.op in ("getattr", "static_getitem", "exhaust_iter"):
+        return [value.value.name] if _is_taken_out(value, kinds[value.value.name]) else None
+    if value.op == "build_tuple":
+        return _put_together(value.items, kind, kinds)
+    if (
+        value.op == "call"
+        and isinstance(kinds[value.func.name], types.NamedTupleClass)
+        and not (value.kws or value.vararg)
+    ):
+        return _put_together(value.args, kind, kinds)
+    return None
+
+
+def _is_taken_out(expression: Any, kind: Any) -> bool:
+    """The value of the expression is an item, a field or a part of a tuple of this type."""
+    if not isinstance(kind, types.BaseTuple):
+        return False
+    return expression.op != "getattr" or expression.attr in getattr(kind, "fields", ())
+
+
+def _put_together(items: Any, kind: Any, kinds: Mapping[str, Any]) -> list[str] | None:
+    """The items of a new tuple; None if one of them is converted."""
+    same = isinstance(kind, types.BaseTuple) and [kinds[item.name] for item in items] == list(kind)
+    return [item.name for item in items] if same else None
+
+
+class BorrowingLower(Lower):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
+    """Writes machine code of a function; only what is not borrowed is counted."""
+
+    def init(self) -> None:
+        """Find what is borrowed."""
+        super().init()
+        self.borrowed = borrowed_variables(self.func_ir, self.fndesc.typemap) if self.generator_info is None else ()
+        self.counted: dict[Any, bool] = {}
+        _ = self.context.nrt  # made here, where it counts, since it is kept
+
+    def lower_inst(self, inst: Any) -> None:
+        """Write the code of one statement."""
+        name = inst.target.name if isinstance(inst, ir.Assign) else inst.value if isinstance(inst, ir.Del) else None
+        if name not in self.borrowed:
+            super().lower_inst(inst)
+            return
+        counting, self.context.enable_nrt = self.context.enable_nrt, False
+        try:
+            super().lower_inst(inst)
+        finally:
+            self.context.enable_nrt = counting
+
+    def incref(self, typ: Any, val: Any) -> None:
+        """Count a reference."""
+        if self.holds_references(typ):
+            super().incref(typ, val)
+
+    def decref(self, typ: Any, val: Any) -> None:
+        """Count a reference off."""
+        if self.holds_references(typ):
+            super().decref(typ, val)
+
+    def holds_references(self, kind: Any) -> bool:
+        """Values of this type hold arrays. Numba looks through all fields of a tuple of numbers each time."""
+        if kind not in self.counted:
+            self.counted[kind] = self.context.data_model_manager[kind].contains_nrt_meminfo()
+        return self.counted[kind]
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class BorrowingLowering(BaseNativeLowering):  # type: ignore[misc]
+    """The step of a compilation that does it."""
+
+    _name = "borrowing_lowering"
+
+    @property
+    def lowering_class(self) -> type[Lower]:
+        """What writes the code."""
+        return BorrowingLower
+
+
+def borrowing(steps: PassManager) -> PassManager:
+    """The steps of a compilation, with this one in the place of Numba's."""
+    steps.passes = [(BorrowingLowering if step is NativeLowering else step, text) for step, text in steps.passes]
+    steps.finalize()
+    return steps
