@@ -87,6 +87,7 @@ def flat(answer):
     return [np.asarray(part).tolist() for part in answer] if isinstance(answer, tuple) else np.asarray(answer).tolist()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.usefixtures("counting")
 @pytest.mark.parametrize(
     ("function", "more"),

@@ -20,8 +20,8 @@ from ecume.scenes.templates import folder, sweep_templates, templates
 cli = CliRunner()
 DERIVED = {"floating": "capillary length", "soft": "narrowest gap", "sph": "sound speed", "tracers": "terminal speed"}
 """A number that follows from each scene of a model."""
-SLOW_TO_START = ("active-raft", "ellipsoids", "pressed-packing")
-"""Templates that take seconds to place their particles."""
+SLOW_TO_START = ("active-raft", "ellipsoids", "original-2022", "pressed-packing")
+"""Templates that take seconds to place their particles, or compile laws of their own."""
 
 
 @pytest.fixture(autouse=True)

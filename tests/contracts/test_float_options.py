@@ -72,6 +72,7 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(pair):
     assert int(state.step[0]) == 3
 
 
+@pytest.mark.long
 @plain_only
 def test_the_page_says_what_can_be_combined():
     assert page() == PAGE.read_text(encoding="utf-8"), "write it again: python -m tests.contracts.float_options"

@@ -8,7 +8,7 @@ import pytest
 from tests.contracts.recipes import Copy, block
 
 # As plain Python in processes of their own, whatever this one does: once is enough.
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.long]
 
 INTERACTIONS = "models/floating/forces/interactions.py"
 TIME_STEPS = "models/sph/integration/time_stepping.py"

@@ -220,6 +220,7 @@ def refusals():
     return [f"| {one} | {other} | {reason} |" for (one, other), reason in found.items() if reason is not None]
 
 
+@pytest.mark.long
 def test_the_documentation_lists_the_pairs_that_are_refused():
     listed = re.search(r"<!-- refused pairs -->\n\n(.*?)\n\n<!-- end -->", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert listed is not None

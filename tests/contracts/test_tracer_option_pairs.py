@@ -88,6 +88,7 @@ def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
     PAIRS.require_works_or_reason(one, other)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_page_shows_which_options_go_together():
     assert section(PAIRS.page) == PAIRS.matrix()

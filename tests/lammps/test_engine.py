@@ -188,6 +188,7 @@ def bowl(duration: str = "50 ms", **changes: object) -> object:
     return scene.replace({name.replace("__", "."): value for name, value in changes.items()})
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 @in_lammps
 def test_a_run_in_lammps_is_a_run(tmp_path: Path) -> None:

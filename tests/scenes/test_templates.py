@@ -42,6 +42,7 @@ def test_a_template_copied_is_a_scene(name: str, tmp_path: Path) -> None:
     assert scene.duration > scene.frame_every
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", templates())
 def test_a_typo_in_any_key_of_a_template_is_refused_with_the_right_key(name: str, tmp_path: Path) -> None:
     file = copy_template(name, tmp_path / "mine.toml")[0]

@@ -42,7 +42,7 @@ BRIEFLY = {
 TRIALS = {trial.name: trial for trial in torture.TRIALS}
 
 
-LONG = {"R15 sweeps", "R18 caches"}
+LONG = {"R13 signals", "R15 sweeps", "R18 caches"}
 """Take seconds each."""
 
 

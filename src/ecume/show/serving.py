@@ -171,7 +171,8 @@ def served(site: Site) -> Iterator[str]:
     """Serve while the block lasts; the page's address."""
     server = _Server((HOST, 0), _Requests)
     server.site = site  # type: ignore[attr-defined]
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    # How long the end of the server may take.
+    threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
     try:
         yield f"http://{HOST}:{server.server_address[1]}/?token={site.token}"
     finally:

@@ -66,6 +66,7 @@ def test_a_pressure_moves_all_sides_alike_and_a_normal_stress_the_height_alone()
         assert width[-1] == pytest.approx(height[-1] if same else width[0], rel=1e-12)
 
 
+@pytest.mark.long
 def test_the_stress_that_a_strain_took_gives_the_strain_back():
     strained = packing(filled=0.8, strain=0.1, duration=10.0, frame_every=0.1)
     frames = list(simulate(strained))
@@ -86,6 +87,7 @@ def test_spheres_that_spin_make_a_symmetric_stress():
     assert frame.numbers["strain"] > still.numbers["strain"]
 
 
+@pytest.mark.long
 def test_every_solver_finds_the_same_creep_in_as_many_steps():
     scene = stressed(BOTH, duration=1.0)
     ends = [integrated(solved_by(scene, solver))[1] for solver in ("dense", "iterative", "direct")]
@@ -144,6 +146,7 @@ def deflections(parameters, state, scratch):
     return frame.time, frame.numbers["strain"], volume, float((force * flow).sum()), force[:, :2], between
 
 
+@pytest.mark.long
 def test_creep_is_the_same_in_other_units():
     scene = stressed(BOTH, duration=2.0)
     length, pressure, time = 1e-3, 1e4, 7.0
@@ -160,6 +163,7 @@ def test_creep_is_the_same_in_other_units():
     assert two.cell == pytest.approx(one.cell, abs=1e-9)
 
 
+@pytest.mark.long
 def test_interruptions_change_no_bit_of_a_creep_with_steps():
     protocol = [
         {"time": 0.0, "shear_stress": 0.0, "normal_stress": NORMAL},
@@ -174,6 +178,7 @@ def test_interruptions_change_no_bit_of_a_creep_with_steps():
     assert whole.cell_rate[4] == 0.01
 
 
+@pytest.mark.long
 def test_a_step_of_stress_is_met_at_once_by_the_surfaces_and_then_creeps():
     protocol = [
         {"time": 0.0, "shear_stress": 0.0},
@@ -191,6 +196,7 @@ def test_a_step_of_stress_is_met_at_once_by_the_surfaces_and_then_creeps():
     assert strain[300] > strain[500] > 0.1 * strain[300]
 
 
+@pytest.mark.long
 def test_a_strain_or_a_stress_oscillates_as_asked_and_the_other_lags():
     wave = {"frequency": 0.5, "amplitude": 1e-3}
     strain, stress = numbers(stressed([{"time": 0.0, "oscillation": wave}], 4.0, frames=80), "strain", "shear_stress")

@@ -71,6 +71,7 @@ def test_superposition_is_the_pair_law_and_far_away_all_agree(scene, forces):
         assert near["pair-corrected"] == pytest.approx(near["multipole"], abs=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.compiled
 def test_the_figure_has_a_curve_for_each_pair_and_method(scene):
     (axes,) = drawn_forces(scene).axes

@@ -13,8 +13,9 @@ from ecume.show.view.live import Source, serving
 
 
 @pytest.fixture
-def asked(tmp_path):
+def asked(tmp_path, monkeypatch):
     """A server with a run in progress, how it stands, and who asked to stop it."""
+    monkeypatch.setattr("ecume.show.view.live.FAREWELL", 0.1)  # no page waits for the end
     state, stopped = ["running"], []
     source = Source(run_of("tracers", tmp_path), lambda: state[0], lambda: stopped.append(True))
     with serving(source) as address:
