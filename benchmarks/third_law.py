@@ -13,7 +13,7 @@ import numpy as np
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.protocol import drive_at
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.units import Array
 
 RATIOS, GAPS = (1.0, 2.0, 3.0), (0.01, 0.05, 0.2)

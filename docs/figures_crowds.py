@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from scipy.special import k1
 
-from ecume.laws import dipoles
+from ecume.laws import pair_laws
 from ecume.models import MODELS
 from ecume.models.floating.forces import ewald_grid
 from ecume.models.floating.forces.magnets import DipoleMoments
@@ -100,7 +100,7 @@ def magnets() -> Figure:
         distance = np.geomspace(touching, 12.0 * length, 200)
         pull = unit * charge**2 / length * k1(distance / length)
         for color, share in zip(PALETTE, (0.5, 1.0, 2.0, 4.0), strict=False):
-            push = dipoles.dipole_force(distance, dipoles.dipole_strength(share * moment, share * moment))
+            push = pair_laws.dipole_force(distance, pair_laws.dipole_strength(share * moment, share * moment))
             left.plot(
                 distance / length, (push - pull) / pull[0], color=color, label=f"m = {share * moment * 1e6:.3g} µA m²"
             )

@@ -18,12 +18,11 @@ from matplotlib.patches import Polygon
 from ecume.laws import states
 from ecume.laws.flows import channel_speed
 from ecume.laws.kernels import Kernel, kernel
-from ecume.scenes.load import load_scene
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, load_scene, to_plain
 from ecume.show.picture import Size
 from ecume.show.sph.liquid import Water
 from ecume.show.sph.picture import liquid_picture
-from ecume.show.sph.solids import movers_of
+from ecume.show.sph.water import movers_of
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -71,12 +71,12 @@ def test_no_loop_of_tanks_depends_on_how_a_scene_is_read():
 @pytest.mark.parametrize(
     ("line", "reaches"),
     [
-        ("from ecume.laws import contact", {"laws/contact.py"}),
-        ("def late():\n    import ecume.laws.contact as c", {"laws/contact.py"}),
+        ("from ecume.laws import contact", {"laws/friction.py"}),
+        ("def late():\n    import ecume.laws.friction as c", {"laws/friction.py"}),
         ("from ecume.laws.flotation import Liquid", {"laws/flotation/__init__.py", "laws/flotation/balance.py"}),
         ("if TYPE_CHECKING:\n    from ecume.laws import contact\n\nX = 1", set()),
-        ("import ecume.laws.contact", {"laws/contact.py", "show/movies.py"}),
-        ("from ecume import simulate", {"laws/contact.py", "show/movies.py"}),
+        ("import ecume.laws.friction", {"laws/friction.py", "show/movies.py"}),
+        ("from ecume import simulate", {"laws/friction.py", "show/movies.py"}),
     ],
 )
 def test_every_form_of_import_counts(tmp_path, line, reaches):

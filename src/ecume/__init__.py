@@ -32,10 +32,8 @@ if TYPE_CHECKING:
         LiquidSpec,
         SurfaceEnergies,
     )
-    from ecume.scenes.load import load_scene
-    from ecume.scenes.objects import scene
-    from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
-    from ecume.scenes.writing import to_toml, write_scene
+    from ecume.scenes.load import Scene, from_plain, load_scene, scene_hash, to_plain
+    from ecume.scenes.writing import scene, to_toml, write_scene
     from ecume.simulation import simulate
     from ecume.sweep import open_sweep
     from ecume.trajectories.frame import Frame
@@ -87,10 +85,8 @@ _HOMES = {
     "ecume.run": "resume",
     "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene HydrodynamicsSpec"
     " IntegrationSpec InteractionSpec LiquidSpec SurfaceEnergies",
-    "ecume.scenes.load": "load_scene",
-    "ecume.scenes.objects": "scene",
-    "ecume.scenes.schema": "Scene from_plain scene_hash to_plain",
-    "ecume.scenes.writing": "to_toml write_scene",
+    "ecume.scenes.load": "Scene from_plain load_scene scene_hash to_plain",
+    "ecume.scenes.writing": "scene to_toml write_scene",
     "ecume.simulation": "simulate",
     "ecume.sweep": "open_sweep",
     "ecume.trajectories.frame": "Frame",
@@ -116,12 +112,12 @@ def _html_of(subject: Any) -> str | None:
 
 def _scene_of(plain: dict[str, Any]) -> Any:
     """A scene from plain data; the scene modules are imported at the first call."""
-    return importlib.import_module("ecume.scenes.schema").from_plain(plain)
+    return importlib.import_module("ecume.scenes.load").from_plain(plain)
 
 
 def _derived_arrays(scene: Any) -> Any:
     """The arrays that follow from the recorded ones: the other pressures of a tank."""
-    return importlib.import_module("ecume.analysis.pressures").with_pressures(scene)
+    return importlib.import_module("ecume.analysis.fields").with_pressures(scene)
 
 
 def _scenes_of_models(_: None) -> Any:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from ecume.models import MODELS
 
 if TYPE_CHECKING:
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
 
 KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
 

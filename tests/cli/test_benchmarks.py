@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 from ecume.cli import app, comparisons
 from ecume.cli.comparisons import BENCHES, PEERS, Bench
 from ecume.validation import Case
-from ecume.validation.rows import below, within
+from ecume.validation.runner import below, within
 
 cli = CliRunner()
 

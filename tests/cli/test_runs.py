@@ -187,10 +187,10 @@ def test_a_scene_starts_from_the_end_of_a_run() -> None:
 
 
 def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    from ecume.run.progress import Pace
+    from ecume.run.recording import Pace
 
     clock = iter([0.0, 60.0, 60.5, 61.0])
-    monkeypatch.setattr("ecume.run.progress.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("ecume.run.recording.time.monotonic", lambda: next(clock))
     pace = Pace(duration=10.0)
     reported = [pace.progress(moment_at(step, 1001), 1) for step in (0, 1, 2, 101)]
     # A first half second of small steps would say a quarter of an hour.

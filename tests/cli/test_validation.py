@@ -12,7 +12,7 @@ from ecume.cli import app
 from ecume.errors import Diverged
 from ecume.laws import meniscus
 from ecume.validation import CASES, Case
-from ecume.validation.rows import Row, below, within
+from ecume.validation.runner import Row, below, within
 
 cli = CliRunner()
 

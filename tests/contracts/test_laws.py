@@ -19,14 +19,9 @@ from tests.oracles import dam_breaks, liquids, soft_contacts, swirls
 import ecume.laws
 from ecume import _jit
 from ecume.laws import (
-    brownian,
     capillarity,
-    contact,
     contact_lines,
-    coverage,
-    deflections,
     diffusion,
-    dish_motion,
     drag,
     flotation,
     flows,
@@ -55,32 +50,25 @@ MODULES = sorted(
 )
 COMPILED = (
     special,
-    brownian,
+    diffusion,
     capillarity,
-    contact,
+    friction,
     kernels,
     states,
     viscous,
-    diffusion,
     tension,
     time_step_limits,
-    wall_forces,
     soft_pair,
     long_range,
     contact_lines,
     surfaces,
     interfaces,
-    friction,
-    deflections,
-    dish_motion,
-    coverage,
+    wall_forces,
 )
 RESCALED = (
-    brownian,
-    capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
-    flotation.nonspherical, flotation.young_laplace, states, viscous, diffusion, tension,
-    time_step_limits, wall_forces, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, friction,
-    deflections, dish_motion, coverage, dam_breaks, liquids, soft_contacts, swirls,
+    diffusion, capillarity, friction, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
+    flotation.nonspherical, flotation.young_laplace, states, viscous, tension, time_step_limits, flows, long_range,
+    soft_pair, contact_lines, surfaces, interfaces, wall_forces, dam_breaks, liquids, soft_contacts, swirls,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -200,7 +188,7 @@ PLAIN = {
 }  # fmt: skip
 """What compiled code does not call, or calls with the names of arguments."""
 UNSCALED = {
-    brownian.thermal_energy,
+    diffusion.thermal_energy,
     states.absolute_pressure,
     states.hydrostatic_fault,
     flows.viscous_decay,
@@ -208,7 +196,8 @@ UNSCALED = {
 }
 """Defaults in SI, words, or results of several units: they cannot be asked in other units."""
 LAWS = [law for module in RESCALED for law in public(module).values() if law not in UNSCALED]
-SCALARS = [law for module in COMPILED for law in public(module).values() if law not in PLAIN]
+SWAY = (flows.sway_place, flows.sway_velocity, flows.sway_acceleration, flows.left_behind)
+SCALARS = [*SWAY, *(law for module in COMPILED for law in public(module).values() if law not in PLAIN)]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{law.__module__.rsplit('.', 1)[-1]}.{law.__name__}")
@@ -240,7 +229,7 @@ def test_every_argument_and_result_of_a_law_says_its_unit(law):
 
 @cache
 def numba_ready():
-    _jit.admit(*COMPILED)
+    _jit.admit(*COMPILED, flows)
 
 
 @pytest.mark.parametrize("law", SCALARS, ids=lambda law: law.__name__)
@@ -291,8 +280,8 @@ TABLES = {
     ],
     "remote": [law for row in long_range.REMOTE.values() for law in (row.energy, row.force, row.slope)],
     "interfaces": list(interfaces.INTERFACES.values()),
-    "tangential": [law for row in deflections.TANGENTIAL.values() for law in row.papers],
-    "tension": [law for row in deflections.TENSION.values() for law in row.papers],
+    "tangential": [law for row in soft_pair.TANGENTIAL.values() for law in row.papers],
+    "tension": [law for row in soft_pair.TENSION.values() for law in row.papers],
 }
 UNCITED = {
     "no_wall_energy", "no_wall_force", "nonlinear_charge", "no_remote_energy", "no_remote_force", "no_remote_slope",

@@ -17,12 +17,12 @@ import ecume
 from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
 from ecume.models.sph.integration.passive_particles import surroundings
-from ecume.models.sph.rates.kernels import kernel_type, slope_of, value_of
 from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
+from ecume.models.sph.rates.sums import kernel_type, slope_of, value_of
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark
 from ecume.models.sph.setup.choices import smoothing_of
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, to_plain
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(ecume.__file__).parent

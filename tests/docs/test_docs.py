@@ -26,8 +26,7 @@ from ecume.models import MODELS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes import floating
 from ecume.scenes.floating.sources import SOURCES
-from ecume.scenes.load import load_scene
-from ecume.scenes.schema import SCENES
+from ecume.scenes.load import SCENES, load_scene
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ecume.engine.boundary_images import Sides, images_of, positions_of_images
+from ecume.engine.cells import Sides, images_of, positions_of_images
 
 REACH = 0.3
 

@@ -9,13 +9,13 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from ecume.errors import BadInput, SceneError
-from ecume.lammps import numbers, walls
+from ecume.lammps import numbers
 from ecume.lammps.decks import DECKS, write_deck
 from ecume.lammps.expressible import FLOATS, LEAST_RESTITUTION, MOST_GROUPS, MOST_KINDS, faults_of
 from ecume.lammps.numbers import nominal, numbers_of
 from ecume.laws import capillarity
-from ecume.laws.contact import dashpot_restitution
-from ecume.models.floating.contacts.springs import damping_of
+from ecume.laws.friction import dashpot_restitution
+from ecume.models.floating.contacts.contact_models import damping_of
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
@@ -122,7 +122,7 @@ def evaluated(lines: tuple[str, ...], x: float, y: float, own: dict[str, float])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (1e-4, -2e-4), (0.012, 0.009), (0.0, -0.0185)])
 def test_the_meniscus_of_a_round_dish_is_the_law(place: tuple[float, float]) -> None:
     deck = numbers_of(scene_of(DISH))
-    formula, r = walls.meniscus_of(deck), math.hypot(*place)
+    formula, r = numbers.meniscus_of(deck), math.hypot(*place)
     length = float(deck.parameters.pair[CAPILLARY_LENGTH])
     for kind, first in enumerate(deck.first):
         found = evaluated(formula.lines, *place, {formula.properties[0]: formula.values[0][kind]})
@@ -133,17 +133,17 @@ def test_the_meniscus_of_a_round_dish_is_the_law(place: tuple[float, float]) -> 
 
 @pytest.mark.parametrize("ratio", [0.1, 5.0, 60.0, 400.0])
 def test_the_fit_of_a_dish_has_the_value_one_at_the_wall(ratio: float) -> None:
-    fit, s = walls.dish_fit(ratio, 1.0), math.hypot(ratio, walls.ROUNDED)
+    fit, s = numbers.dish_fit(ratio, 1.0), math.hypot(ratio, numbers.ROUNDED)
     k = fit.slope / s + fit.shift
     assert k == pytest.approx(-1.0, abs=1e-12)
     value = s**-1.5 * np.polynomial.Polynomial(fit.coefficients)(k)
     assert value == pytest.approx(1.0, rel=1e-9)
-    assert len(fit.coefficients) < walls.LONGEST
+    assert len(fit.coefficients) < numbers.LONGEST
 
 
 def test_the_menisci_of_facing_walls_are_the_law() -> None:
     deck, (x, y) = numbers_of(scene_of(BASIN)), (0.017, -0.013)
-    formula, length = walls.meniscus_of(deck), float(deck.parameters.pair[CAPILLARY_LENGTH])
+    formula, length = numbers.meniscus_of(deck), float(deck.parameters.pair[CAPILLARY_LENGTH])
     for kind, first in enumerate(deck.first):
         own = {name: of[kind] for name, of in zip(formula.properties, formula.values, strict=True)}
         found = evaluated(formula.lines, x, y, own)
@@ -156,12 +156,12 @@ def test_the_menisci_of_facing_walls_are_the_law() -> None:
 def test_the_drag_of_a_flow_is_the_law() -> None:
     flow = "[flow]\nvelocity = [0.01, -0.02]\nshear_rate = 0.3\nrotation_rate = 0.5\nextension_rate = 0.7\n"
     deck, (x, y) = numbers_of(scene_of(flow)), (0.011, -0.004)
-    formula, floats = walls.flow_of(deck), deck.parameters.floats
+    formula, floats = numbers.flow_of(deck), deck.parameters.floats
     found = evaluated(formula.lines, x, y, {"d_friction": formula.values[0][1]})
     friction = floats.mass[2] / floats.relaxation_time[2]
     assert found["v_flow_x"] / friction == pytest.approx(0.01 + 0.7 * x + (0.3 - 0.5) * y)
     assert found["v_flow_y"] / friction == pytest.approx(-0.02 + 0.5 * x - 0.7 * y)
-    assert walls.flow_of(numbers_of(scene_of())) is None
+    assert numbers.flow_of(numbers_of(scene_of())) is None
 
 
 @pytest.mark.parametrize("restitution", [1.0, 0.5, 0.2, LEAST_RESTITUTION])
@@ -252,6 +252,6 @@ def test_the_readme_states_what_is_approximated(tmp_path: Path) -> None:
 
 
 def test_other_models_have_no_decks(tmp_path: Path) -> None:
-    packing = load_scene(Path(walls.__file__).parents[1] / "templates" / "t1.toml")
+    packing = load_scene(Path(numbers.__file__).parents[1] / "templates" / "t1.toml")
     with pytest.raises(BadInput, match="got a scene of the model soft; expected one of: floating, sph"):
         write_deck(packing, tmp_path / "deck")

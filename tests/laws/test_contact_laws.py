@@ -2,11 +2,11 @@
 
 import pytest
 
-from ecume.laws import contact
+from ecume.laws import friction
 
 
 def collided(v_i, v_j, m_i, m_j, restitution):
-    J = contact.impulse(v_i - v_j, m_i, m_j, restitution)
+    J = friction.impulse(v_i - v_j, m_i, m_j, restitution)
     return v_i - J / m_i, v_j + J / m_j
 
 
@@ -23,15 +23,15 @@ def test_an_elastic_collision_keeps_energy():
 
 
 def test_bodies_that_part_are_left_alone():
-    assert contact.impulse(-1.0, 1.0, 1.0, 1.0) == 0.0
+    assert friction.impulse(-1.0, 1.0, 1.0, 1.0) == 0.0
 
 
 def test_the_original_coefficient_below_one_half_lets_bodies_sink_into_each_other():
-    w_i, w_j = collided(1.0, -1.0, 1.0, 1.0, contact.RESTITUTIONS["legacy_coefficient"](0.3))
+    w_i, w_j = collided(1.0, -1.0, 1.0, 1.0, friction.RESTITUTIONS["legacy_coefficient"](0.3))
     assert w_i > w_j
-    w_i, w_j = collided(1.0, -1.0, 1.0, 1.0, contact.RESTITUTIONS["restitution"](0.3))
+    w_i, w_j = collided(1.0, -1.0, 1.0, 1.0, friction.RESTITUTIONS["restitution"](0.3))
     assert w_i < w_j
 
 
 def test_the_coefficient_and_the_restitution_are_inverse():
-    assert contact.legacy_coefficient(contact.legacy_restitution(0.35)) == pytest.approx(0.35)
+    assert friction.legacy_coefficient(friction.legacy_restitution(0.35)) == pytest.approx(0.35)

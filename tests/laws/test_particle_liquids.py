@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from tests.oracles import liquids
 
-from ecume.laws import diffusion, incompressible, shifting, states, tension, time_step_limits, viscous
+from ecume.laws import diffusion, incompressible, states, tension, time_step_limits, viscous
 from ecume.laws.kernels import kernel
 
 
@@ -189,8 +189,10 @@ def test_the_excess_of_straight_motion_is_the_change_of_volume_beyond_first_orde
 
 
 def test_shifting_grows_with_the_speed_and_close_neighbors_pull_more():
-    assert shifting.shifting_coefficient(0.02, 3.0) == pytest.approx(3.0 * shifting.shifting_coefficient(0.02, 1.0))
+    assert incompressible.shifting_coefficient(0.02, 3.0) == pytest.approx(
+        3.0 * incompressible.shifting_coefficient(0.02, 1.0)
+    )
     ratios = np.linspace(0.0, 3.0, 7)
-    weights = shifting.tensile_weight(ratios)
+    weights = incompressible.tensile_weight(ratios)
     assert np.all(np.diff(weights) > 0.0)
     assert weights[0] == 1.0

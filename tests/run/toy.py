@@ -23,8 +23,8 @@ from pydantic.dataclasses import dataclass
 from ecume.models import MODELS
 from ecume.models.model import Model
 from ecume.scenes.common import Common
+from ecume.scenes.load import SCENES
 from ecume.scenes.quantities import STRICT
-from ecume.scenes.schema import SCENES
 from ecume.trajectories.frame import Frame
 
 TIME_STEP = 0.001

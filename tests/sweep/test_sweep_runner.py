@@ -21,7 +21,7 @@ from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.executors import ExecutorOptions, _client, next_word, work
-from ecume.sweep.runner import Outcome
+from ecume.sweep.results import Outcome
 from ecume.sweep.spec import load_sweep
 
 
@@ -98,7 +98,7 @@ def test_workers_of_dask_may_die(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
     out = tmp_path / "out"
     call = (
-        "from ecume.sweep.runner import ExecutorOptions, sweep\n"
+        "from ecume.sweep.results import ExecutorOptions, sweep\n"
         f"if __name__ == '__main__': print(sweep({str(file)!r}, {str(out)!r}, ExecutorOptions(workers=2)).done)"
     )
     script = tmp_path / "call.py"
@@ -140,7 +140,7 @@ def test_a_scheduler_that_is_gone_is_reported_in_a_line_with_code_75():
 
 def test_points_that_are_lost_are_no_success(file, tmp_path, monkeypatch):
     lost = Outcome(tmp_path, 3, [], 0, lost=1)
-    monkeypatch.setattr("ecume.sweep.runner.sweep", lambda *_: lost)
+    monkeypatch.setattr("ecume.sweep.results.sweep", lambda *_: lost)
     done = CliRunner().invoke(app, ["sweep", str(file)])
     assert done.exit_code == 75
     assert "1 of the points are missing" in done.stderr
@@ -189,7 +189,7 @@ def test_what_breaks_in_a_point_is_reported_in_a_line_and_the_rest_continues(fil
         (job.folder / "result.json").write_text("{}")
 
     monkeypatch.setattr("ecume.sweep.executors._scene", breaks)
-    monkeypatch.setattr("ecume.sweep.runner.write_table", lambda sweeping: None)
+    monkeypatch.setattr("ecume.sweep.results.write_table", lambda sweeping: None)
     heard = []
     done = sweep(file, tmp_path / "out", ExecutorOptions(workers=1, failed=lambda *now: heard.append(now)))
     assert done.done == 3

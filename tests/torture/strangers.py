@@ -79,7 +79,7 @@ def _page(title: str, folder: Path) -> tuple[str, Path]:
 
 def strangers(scale: float, folder: Path) -> Outcome:
     """Whoever has not the token, or comes from elsewhere or under another name, gets 403; no other address answers."""
-    from ecume.show.view.live import Source, serving
+    from ecume.show.view.page import Source, serving
 
     warmed("floating")
     run(scene_of("floating", "0.1 s"), folder / "run", options=ONE_THREAD)

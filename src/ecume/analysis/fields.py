@@ -1,22 +1,35 @@
-"""Fields of particles at gauges, on grids and along lines, and where a run's energy goes.
+"""Liquids in frames: fields at gauges, on grids and along lines, pressures, the free surface, and where energy goes.
 
 Gauges: what a probe at a place, a sensor on a wall or a gauge of the water level would read in a frame of particles.
 A value at a point is the mean of the particles near it, weighed by kernel and volume. `reach` (m) is how far a
 particle may be, the kernel's support: four spacings is usual in 2D, three to four in 3D.
+
+The free surface of a liquid: its outline, its front, and how high it stands.
+
+Gauge, hydrostatic, dynamic and absolute pressure of tanks; `ecume.models.sph.report.observation` defines them.
+
+Frames hold the gauge pressure; the others follow from it, the position and the scene.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+from contourpy import contour_generator
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from ecume.analysis.series import number, series, times
+from ecume.engine.cells import Sides, images_of, positions_of_images
 from ecume.engine.interpolation import Near, added, dry, means, near, planes
+from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.laws.kernels import kernel
 from ecume.models.invariants import INJECTED
+from ecume.scenes.sph import SIDES, TankSpec
 from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Array, Length
 
@@ -195,3 +208,148 @@ def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
     curves = dict(zip(names, series(kept, *map(number, names)), strict=True))
     lost, work = curves["total_energy"][0] - curves["total_energy"], curves.get(INJECTED, np.zeros(len(kept)))
     return {"time": times(kept), **curves, "lost": lost, "dissipated": lost + work - work[0]}
+
+
+TOGETHER = 1.6
+"""Particles closer than this many spacings belong to one liquid."""
+
+
+def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf) -> float:
+    """The largest x that the liquid has reached (m), its edge and not its last particle's center; drops that have come
+    off do not count. `below` is the height under which to look.
+    """
+    position = frame.arrays["position"]
+    near = largest_piece(position, spacing) & (position[:, 1] < below)
+    if not near.any():
+        raise BadInput(f"no liquid below {below:g} m")
+    return float(position[near, 0].max()) + 0.5 * spacing
+
+
+def largest_piece(position: Array, spacing: Length) -> Flags:
+    """(N,) which particles belong to the largest connected piece of liquid."""
+    pairs = cKDTree(position).query_pairs(TOGETHER * spacing, output_type="ndarray")
+    count = len(position)
+    graph = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, piece = connected_components(graph, directed=False)
+    mine: Flags = piece == np.bincount(piece).argmax()
+    return mine
+
+
+def level_by_column(frame: Frame, edges: Array) -> Array:
+    """The depth of the liquid in each column, were it at rest (m): its volume over the column's ground.
+
+    `edges` are those of the columns along x, one more than columns, in 2D.
+    """
+    if np.any(np.diff(edges) <= 0.0):
+        raise BadInput("edges of columns must grow from one to the next")
+    volume = frame.arrays["mass"] / frame.arrays["density"]
+    found, _ = np.histogram(frame.arrays["position"][:, 0], edges, weights=volume)
+    depth: Array = found / np.diff(edges)
+    return depth
+
+
+def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
+    """The height that the liquid reaches in each column (m), spray included; NaN in empty columns."""
+    position = frame.arrays["position"]
+    column = np.digitize(position[:, 0], edges) - 1
+    tops = np.full(len(edges) - 1, -np.inf)
+    inside = (column >= 0) & (column < len(tops))
+    np.maximum.at(tops, column[inside], position[inside, 1] + 0.5 * spacing)
+    return np.where(np.isfinite(tops), tops, np.nan)
+
+
+HALF = 0.5
+REACH = 4.0
+"""In spacings: how far a particle fills its surroundings."""
+FINE = 0.5
+"""Of the grid, in spacings."""
+
+
+class Walls(NamedTuple):
+    """The corners of a tank (m); infinite where a side is open. At a wall a liquid does not end."""
+
+    low: Array
+    high: Array
+
+
+def walls_of(tank: TankSpec) -> Walls:
+    """The walls of a scene's tank."""
+    low, high = np.array(tank.low, dtype=float), np.array(tank.high, dtype=float)
+    for index, side in enumerate(SIDES[: 2 * len(low)]):
+        if getattr(tank, side).kind == "open":
+            (low if index % 2 == 0 else high)[index // 2] = -np.inf if index % 2 == 0 else np.inf
+    return Walls(low, high)
+
+
+def free_surface(frame: Frame, spacing: Length, walls: Walls | None = None) -> list[Array]:
+    """The outline of a liquid in 2D as lines, (K, 2) each, in m; a closed one ends where it begins.
+
+    A contour of the kernel's sum, at one half. The liquid is mirrored at walls, so that no line runs along them.
+    """
+    position = frame.arrays["position"]
+    if position.shape[1] != 2:
+        raise BadInput(f"an outline needs frames in 2D; these frames have {position.shape[1]} dimensions")
+    if not len(position):
+        return []
+    reach, room = REACH * spacing, 1.5 * REACH * spacing
+    low, high = position.min(axis=0) - room, position.max(axis=0) + room
+    if walls is not None:
+        low, high = np.maximum(low, walls.low), np.minimum(high, walls.high)
+    grid = grid_over(low, high, FINE * spacing)
+    field = filled_on_grid(frame if walls is None else mirrored(frame, walls, reach), grid, reach)
+    lines = contour_generator(grid.axes[0], grid.axes[1], field.T).lines(HALF)
+    return [np.asarray(line, dtype=float) for line in lines]
+
+
+def mirrored(frame: Frame, walls: Walls, reach: Length) -> Frame:
+    """The frame with images of its particles behind walls closer than the reach."""
+    sides = _sides(walls)
+    position = frame.arrays["position"].T
+    images = images_of(position, sides, reach)
+    source = images.source.copy()
+    # An image may be the image of an image: each is followed back to its particle.
+    while (late := source >= position.shape[1]).any():
+        source[late] = source[source[late] - position.shape[1]]
+    arrays = {name: np.concatenate([array, array[source]]) for name, array in frame.arrays.items()}
+    positions = np.concatenate([position, positions_of_images(position, images, sides)], axis=1)
+    return frame.with_arrays({**arrays, "position": np.ascontiguousarray(positions.T)})
+
+
+def _sides(walls: Walls) -> Sides:
+    """The walls as mirrors."""
+    dimension = len(walls.low)
+    rows = [
+        (axis, corner, sign) for corner, sign in ((walls.low, 1.0), (walls.high, -1.0)) for axis in range(dimension)
+    ]
+    kept = [(axis, corner[axis], sign) for axis, corner, sign in rows if np.isfinite(corner[axis])]
+    point, normal = np.zeros((len(kept), dimension)), np.zeros((len(kept), dimension))
+    for row, (axis, place, sign) in enumerate(kept):
+        point[row, axis], normal[row, axis] = place, sign
+    return Sides(point, normal, np.zeros_like(point), np.ones(len(kept), np.int64))
+
+
+def with_pressures(scene: Any) -> Callable[[Frame], Frame]:
+    """A function that adds `hydrostatic_pressure`, `dynamic_pressure` and `absolute_pressure` (Pa) to frames of a tank.
+    Frames of other models stay as they are.
+
+    >>> import ecume, numpy as np
+    >>> scene = ecume.from_plain({"model": "sph", "duration": 0.1, "frame_every": 0.1, "spacing": 0.1,
+    ...     "liquid": {"atmospheric_pressure": 101325.0},
+    ...     "tank": {"high": [1.0, 1.0]}, "fluid": [{"low": [0.0, 0.0], "high": [1.0, 0.5]}]})
+    >>> frame = Frame(0.0, {"position": np.array([[0.5, 0.1]]), "pressure": np.array([4000.0])}, {}, {})
+    >>> arrays = with_pressures(scene)(frame).arrays
+    >>> {name: round(float(arrays[name][0]), 6) for name in sorted(arrays) if name != "position"}
+    {'absolute_pressure': 105325.0, 'dynamic_pressure': 76.0, 'hydrostatic_pressure': 3924.0, 'pressure': 4000.0}
+    """
+    if scene.model != "sph":
+        return lambda frame: frame
+    from ecume.models.sph.report.observation import PRESSURES, reference_of
+
+    reference = reference_of(scene)
+
+    def added(frame: Frame) -> Frame:
+        gauge, position = frame.arrays["pressure"], frame.arrays["position"]
+        found = {name: kind(reference, gauge, position) for name, kind in PRESSURES.items() if name != "pressure"}
+        return frame._replace(arrays={**frame.arrays, **found}, units={**frame.units, **dict.fromkeys(found, "Pa")})
+
+    return added

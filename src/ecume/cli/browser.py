@@ -70,7 +70,7 @@ def _follow(directory: Path) -> None:
     """Serve a run until it ends, or Ctrl-C."""
     from ecume.run import RunDirectory, lock
     from ecume.run import info as look
-    from ecume.show.view.live import Source, serving
+    from ecume.show.view.page import Source, serving
 
     def stop() -> None:
         lock.stop(RunDirectory(directory))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from ecume.validation import Case
-    from ecume.validation.rows import Row
+    from ecume.validation.runner import Row
 
 
 NOT_MET = 1
@@ -107,7 +107,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
 
 
 def _plain(row: Row) -> dict[str, Any]:
-    from ecume.validation.rows import as_text
+    from ecume.validation.runner import as_text
 
     return {**dict(zip(("name", *NUMBERS), as_text(row), strict=True)), "met": row.met}
 
@@ -115,7 +115,7 @@ def _plain(row: Row) -> dict[str, Any]:
 def _cells(row: Row) -> tuple[str | Text, ...]:
     from rich.text import Text
 
-    from ecume.validation.rows import as_text
+    from ecume.validation.runner import as_text
 
     return (*as_text(row), Text("met", "green") if row.met else Text("NOT MET", "bold red"))
 

@@ -25,7 +25,7 @@ from ecume.errors import BadInput, EcumeError, StorageError
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from ecume.run.progress import Progress
+    from ecume.run.recording import Progress
     from ecume.trajectories.frame import Frame
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]

@@ -366,7 +366,7 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
         yield
         return
     from ecume.run.lock import ask_to_stop
-    from ecume.show.view.live import Source, serving
+    from ecume.show.view.page import Source, serving
 
     ended: list[str] = []
     source = Source(directory, lambda: ended[0] if ended else "running", lambda: ask_to_stop(os.getpid()))

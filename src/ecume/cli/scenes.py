@@ -21,7 +21,7 @@ from ecume.errors import BadInput
 
 if TYPE_CHECKING:
     from ecume.models.model import Engine
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
 
 EngineName = Annotated[
     str | None,

@@ -12,7 +12,6 @@ import typer
 from ecume.cli.output import Json, counted, lasting, print_json, print_table, say
 from ecume.cli.runs import Quiet, use_at_most
 from ecume.errors import BadInput, Stopped
-from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.fitting import Estimate, Fit
@@ -101,13 +100,13 @@ def _write_array(source: Path, directory: Path) -> None:
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
     """Run what is missing, and say what became of it."""
-    from ecume.sweep import ExecutorOptions, runner
+    from ecume.sweep import ExecutorOptions, results
 
     def failed(folder: Path, why: str) -> None:
         say(f"{folder}: {why}")
 
     with counted("points", quiet=quiet, lines=True) as reporter:
-        done = runner.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
+        done = results.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
     _end(done, quiet=quiet)
 
 
@@ -238,6 +237,7 @@ def fit(
     """
     from ecume.fitting import Camera, picked, read_tracks
     from ecume.fitting import fit as fitted
+    from ecume.units import with_prefix
 
     camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
     measured = read_tracks(tracks, camera)

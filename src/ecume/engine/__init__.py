@@ -1,6 +1,6 @@
 """Numerics without physics: what models share and what would be the same for other laws.
 
-Neighbor search (`cells`, `neighbors`, `neighbor_rows`, `boundary_images`), contacts of rigid bodies (`contact`), linear
-systems (`linear_solvers`), walls and solids, placement of particles at random, grids for Ewald sums (`grid_splines`).
-Start reading with `cells`.
+Neighbor search (`cells` with images at borders, `neighbors`, `neighbor_rows`), contacts of rigid bodies (`contact`),
+linear systems (`linear_solvers`), walls and solids, placement of particles at random, grids (`interpolation`). Start
+reading with `cells`.
 """

@@ -1,6 +1,11 @@
 """Interpolation at points from values at nearby particles: weighted sums over neighbors, means and linear fits.
 
 The caller supplies the weights: this file contains no kernel.
+
+Charges onto a square grid and fields back to them, by B-splines; the same bits for any number of threads.
+
+A spline of order p spreads a particle over p x p points: weights add up to one, and are p - 2 times smooth. Each row
+of the grid is written by one thread, which takes the particles that reach it in their order.
 """
 
 from __future__ import annotations
@@ -12,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ecume._jit import compiled, prange, threaded
 from ecume._portable import solve_definite
+from ecume.engine.cells import Integers
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -96,3 +103,115 @@ def _mean_of_pairs(pairs: Near, weight: Array, values: Array) -> Array:
 def _shaped(numbers: Array, like: Array) -> Array:
     """Numbers with as many axes, so that each multiplies its row."""
     return numbers.reshape(numbers.shape + (1,) * (like.ndim - 1))
+
+
+class Spread(NamedTuple):
+    """Positions of particles on a grid."""
+
+    corner: Integers
+    """(N, 2) the lowest point that each reaches"""
+    weight: Array
+    """(2, N, order) along x and along y"""
+    start: Integers
+    """(rows + 1,) where the particles with their corner in a row begin"""
+    order: Integers
+    """(N,) particles row by row"""
+
+
+def spread_out(position: Array, low: Array, spacing: float, rows: int, order: int) -> Spread:
+    """Places and weights of particles, (N, 2), on a grid whose first point is at `low`, with so many rows."""
+    count = len(position)
+    found = Spread(
+        corner=np.empty((count, 2), np.int64),
+        weight=np.empty((2, count, order)),
+        start=np.zeros(rows + 1, np.int64),
+        order=np.empty(count, np.int64),
+    )
+    _weigh(position, low, 1.0 / spacing, found.corner, found.weight)
+    _sort_rows(found.corner, found.start, found.order)
+    return found
+
+
+@compiled
+def _spline(weights: Array, t: float) -> None:
+    """B-spline weights of the points around a particle at the fraction t of a cell, by the recursion over the order."""
+    order = len(weights)
+    weights[0], weights[1] = 1.0 - t, t
+    for n in range(3, order + 1):
+        scale = 1.0 / (n - 1)
+        weights[n - 1] = scale * t * weights[n - 2]
+        for k in range(n - 2, 0, -1):
+            weights[k] = scale * ((t + n - 1 - k) * weights[k - 1] + (k + 1 - t) * weights[k])
+        weights[0] *= scale * (1.0 - t)
+
+
+@threaded
+def _weigh(position: Array, low: Array, per_cell: float, corner: Integers, weight: Array) -> None:
+    back = weight.shape[2] // 2 - 1
+    for row in prange(position.shape[0]):
+        i = np.uint64(row)
+        for axis in range(2):
+            place = (position[i, axis] - low[axis]) * per_cell
+            whole = int(place)
+            corner[i, axis] = whole - back
+            _spline(weight[axis, i], place - whole)
+
+
+@compiled
+def _sort_rows(corner: Integers, start: Integers, order: Integers) -> None:
+    """Count, and put in order; stable."""
+    rows = len(start) - 1
+    for i in range(len(order)):
+        start[corner[i, 0] + 1] += 1
+    for row in range(rows):
+        start[row + 1] += start[row]
+    for i in range(len(order) - 1, -1, -1):
+        row = corner[i, 0]
+        start[row + 1] -= 1
+        order[start[row + 1]] = i
+    for row in range(rows):
+        start[row] = start[row + 1]
+    start[rows] = len(order)
+
+
+def density(spread: Spread, charge: Array, shape: tuple[int, int]) -> Array:
+    """The charges on the grid: their sum is what they were."""
+    grid = np.zeros(shape)
+    _fill(spread.corner, spread.weight, spread.start, spread.order, charge, grid)
+    return grid
+
+
+@threaded
+def _fill(corner: Integers, weight: Array, start: Integers, order: Integers, charge: Array, grid: Array) -> None:
+    reach = weight.shape[2]
+    for number in prange(len(start) - 1):
+        row = int(np.int64(number))
+        for place in range(start[max(row - reach + 1, 0)], start[row + 1]):
+            i = np.uint64(order[place])
+            share = charge[i] * weight[0, i, np.uint64(row - corner[i, 0])]
+            column = np.uint64(corner[i, 1])
+            for k in range(np.uint64(reach)):
+                grid[row, column + k] += share * weight[1, i, k]
+
+
+def fields(spread: Spread, grids: Array) -> Array:
+    """The values of grids, (fields, rows, columns), at the particles: (N, fields)."""
+    found = np.empty((len(spread.order), len(grids)))
+    _read(spread.corner, spread.weight, spread.order, grids, found)
+    return found
+
+
+@threaded
+def _read(corner: Integers, weight: Array, order: Integers, grids: Array, found: Array) -> None:
+    reach = np.uint64(weight.shape[2])
+    for number in prange(len(order)):
+        i = np.uint64(order[np.uint64(number)])
+        row, column = np.uint64(corner[i, 0]), np.uint64(corner[i, 1])
+        for field in range(np.uint64(grids.shape[0])):
+            total = 0.0
+            for a in range(reach):
+                line = 0.0
+                for b in range(reach):
+                    line += weight[1, i, b] * grids[field, row + a, column + b]
+                total += weight[0, i, a] * line
+            found[i, field] = total

@@ -36,12 +36,10 @@ from ecume.fitting.tracks import (
 )
 from ecume.models import MODELS
 from ecume.scenes.faults import suggestion
-from ecume.scenes.load import load_scene
-from ecume.scenes.schema import Scene, from_plain, to_plain
+from ecume.scenes.load import Scene, from_plain, load_scene, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 STARTS = ("positions", "moving", "scene")
 """The part of the initial state that is fitted: positions, positions and velocities, or nothing."""

@@ -27,7 +27,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array, factor
 
 if TYPE_CHECKING:
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
 
 
 LEAST = 3

@@ -20,8 +20,7 @@ from ecume.lammps.expressible import require_simulable
 from ecume.lammps.process import Lammps, Program, program
 from ecume.models.model import DIVERGED, DONE, LAMMPS, Engine, Model
 from ecume.trajectories.frame import Frame
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 """Domains of ranks follow the particles."""

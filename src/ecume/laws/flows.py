@@ -1,6 +1,8 @@
 """Exact flows to hold a simulated liquid against: vortices, channels, waves, shaken tanks and drops that swing.
 
 The functions of Taylor and Green welcome arrays: they also start runs.
+
+A dish that is moved, as floats see it from inside: the place, velocity and acceleration of a swing, and its pull.
 """
 
 from __future__ import annotations
@@ -19,8 +21,11 @@ from ecume.units import (
     Angle,
     Angles,
     Density,
+    Force,
+    Friction,
     KinematicViscosity,
     Length,
+    Mass,
     Number,
     Pressure,
     Rate,
@@ -414,3 +419,43 @@ def _stress(s: complex, nu: float, swing: float, mode: tuple[float, float]) -> c
     vorticity = k * complex(above / here)
     potential = (s * s + 2.0 * nu * n * (n - 1.0) * s + swing * swing) * (k * k + 2.0 * t - 2.0 * vorticity)
     return potential / (k * k) - 2.0 * t / (k * k) * (swing * swing + 2.0 * nu * n * (n - 1.0 + vorticity) * s)
+
+
+def sway_place(amplitude: Length, turning: Rate, time: Time) -> Length:
+    """Where a dish is that swings about A, from rest at 0: x = A (1 - cos(Omega t)).
+
+    >>> round(sway_place(2.0, math.pi, 1.0), 12)
+    4.0
+    """
+    return amplitude * (1.0 - math.cos(turning * time))
+
+
+def sway_velocity(amplitude: Length, turning: Rate, time: Time) -> Speed:
+    """Its velocity, A Omega sin(Omega t): the slope of `sway_place` in time.
+
+    >>> sway_velocity(2.0, 3.0, 0.0)
+    0.0
+    """
+    return amplitude * turning * math.sin(turning * time)
+
+
+def sway_acceleration(amplitude: Length, turning: Rate, time: Time) -> Acceleration:
+    """Its acceleration, A Omega^2 cos(Omega t): the slope of `sway_velocity` in time.
+
+    >>> sway_acceleration(2.0, 3.0, 0.0)
+    18.0
+    """
+    return amplitude * turning**2 * math.cos(turning * time)
+
+
+def left_behind(mass: Mass, friction: Friction, acceleration: Acceleration, velocity: Speed, slip: Number) -> Force:
+    """What a dish in motion does to a float, as seen from the dish: F = -s (m a + zeta V).
+
+    The liquid goes along with the part 1 - s of the dish's velocity V and acceleration a: what it is carried by at
+    s = 0 it does not feel, since liquid that is moved as a whole is in an even gravity, only a tilted one. At s = 1 the
+    liquid rests, and the float lags by its own inertia and by all of its drag.
+
+    >>> left_behind(2.0, 0.5, 3.0, 4.0, 0.0) == 0.0, left_behind(2.0, 0.5, 3.0, 4.0, 1.0)
+    (True, -8.0)
+    """
+    return -slip * (mass * acceleration + friction * velocity)

@@ -1,4 +1,7 @@
-"""Pressure of incompressible liquids of particles: the excess of density, and the diagonal of the pressure equation."""
+"""Incompressible liquids of particles: the excess of density, the pressure equation's diagonal, and shifting.
+
+Particle shifting of the scheme delta-plus: how fast particles move toward regions of lower concentration.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ecume.units import Density, Number, Time, Unit, Value
+from ecume.units import Density, Length, Number, Speed, Time, Unit, Value
 
 Pure = Annotated[Value, Unit("1")]
 SquaredSlopes = Annotated[float, Unit("1/m^2")]
@@ -97,3 +100,31 @@ def diagonal(slopes: SquaredSlopes, compact: SquaredSlopes, density: Density, ti
     0.001
     """
     return 0.5 * time_step * time_step / density * (slopes + 2.0 * compact)
+
+
+Diffusivity = Annotated[float, Unit("m^2/s")]
+
+
+def shifting_coefficient(smoothing_length: Length, speed: Speed) -> Diffusivity:
+    """Return the coefficient of the shifting velocity, 4 h u: the velocity is this times minus the gradient of the
+    concentration.
+
+    h: smoothing length; u: the largest speed of the flow. Sun et al. 2017, eq. (5), per time: in a step of Courant
+    number C, with a speed of sound of u/Ma, particles move by C Ma (2h)^2 times the gradient. [sun2017].
+
+    >>> shifting_coefficient(0.1, 2.0)
+    0.8
+    """
+    return 4.0 * smoothing_length * speed
+
+
+def tensile_weight(ratio: Pure[Value]) -> Pure[Value]:
+    """Return the weight of a neighbor in the gradient of the concentration, 1 + 0.2 (W/W_0)^4.
+
+    ratio: the kernel at the neighbor over that at one spacing. Close neighbors count more, so that particles do not
+    pair. Sun et al. 2017, eq. (6), after Monaghan 2000. [sun2017].
+
+    >>> tensile_weight(0.0), tensile_weight(1.0)
+    (1.0, 1.2)
+    """
+    return 1.0 + 0.2 * ratio * ratio * ratio * ratio

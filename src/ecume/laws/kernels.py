@@ -1,7 +1,7 @@
 """Smoothing kernels, W(r, h) = sigma / h^dim f(r/h), by name: their shapes f(q), slopes f'(q)/q, and their table.
 
 `kernel("wendland-c2", dim=2)` is for people and arrays. Compiled loops call the shapes through
-`ecume.models.sph.rates.kernels`, by the number in `KERNEL_CODES`. A kernel is defined in this file alone, by two
+`ecume.models.sph.rates.sums`, by the number in `KERNEL_CODES`. A kernel is defined in this file alone, by two
 functions and a row of the table `KERNELS` at the end, which holds everything that depends on the kernel. The compiled
 loops of the sph model are made from that table.
 
@@ -12,6 +12,12 @@ exactly zero beyond the support.
 
 In one dimension Wendland's kernels have separate shapes (`..._line_...`): there positive definite functions of the same
 smoothness have a lower degree [wendland1995, dehnen2012].
+
+How gradients by sums over neighbors are completed where neighbors are missing, at a free surface.
+
+The matrix M_i = -sum_j V_j F x_ij x_ij, with F = (1/r) dW/dr, is the unit matrix where neighbors surround a particle on
+all sides, and its inverse B_i completes a sum in which some of them are missing: B_i sum_j V_j F x_ij (A_i - A_j) is
+the gradient of a linear field A, also at a surface.
 """
 
 from __future__ import annotations
@@ -544,3 +550,33 @@ def _quadrature(support: float) -> tuple[Array, Array]:
     edges = np.arange(0.0, support, PANEL)[:, np.newaxis]
     q: Array = (edges + 0.5 * PANEL * (nodes + 1.0)).ravel()
     return q, np.tile(0.5 * PANEL * weights, len(edges))
+
+
+DISORDER, ROW = 0.02, 0.1
+"""Parts of the neighbors: what settled disorder varies by, and less than what the second row at a surface lacks."""
+
+
+def missing_neighbors(trace: Number, dimensions: Number) -> Number:
+    """The part 1 - tr M / d of the neighbors that a particle lacks. [bonet1999].
+
+    trace: of M. In a square lattice with h of two spacings it is 0.41, 0.19, 0.03 and 0.001 in the rows below a flat
+    surface.
+
+    >>> missing_neighbors(1.5, 2)
+    0.25
+    """
+    return 1.0 - trace / dimensions
+
+
+def correction_share(missing: Number) -> Number:
+    """The share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a surface.
+
+    missing: see `missing_neighbors`. A smooth step between `DISORDER` and `ROW`. With s = 1 everywhere, as in
+    [bonet1999], the sums would not notice where particles are too close, and disorder would last longer. Like this,
+    [schulze2025] corrects near the surface only, with other weights.
+
+    >>> correction_share(0.01), round(correction_share(0.06), 12), correction_share(0.4)
+    (0.0, 0.5, 1.0)
+    """
+    part = min(max((missing - DISORDER) / (ROW - DISORDER), 0.0), 1.0)
+    return part * part * (3.0 - 2.0 * part)

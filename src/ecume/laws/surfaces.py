@@ -22,8 +22,7 @@ from typing import Annotated, Any, NamedTuple
 
 from ecume.laws import soft_pair
 from ecume.laws.soft_pair import Prefactors, SoftPair, Stiffness, crossover_gap, passage_time, viscous_time
-from ecume.units import Area, Energy, Force, Length, Number, Pressure, SurfaceTension, Unit
-from ecume.value_texts import with_prefix
+from ecume.units import Area, Energy, Force, Length, Number, Pressure, SurfaceTension, Unit, with_prefix
 
 SquaredArea = Annotated[float, Unit("m^4")]
 

@@ -123,7 +123,7 @@ def corrected_friction(
 ) -> PairFriction:  # fmt: skip
     """The `radial_friction` of a pair, times its completion x.(B_i + B_j) x / 2 r^2 at a free surface. [schwaiger2008].
 
-    B: the matrix of `kernel_correction`, by which the paper completes the Laplacian of a scalar; here pair by pair, so
+    B: the matrix of corrected gradients, by which the paper completes the Laplacian of a scalar; here pair by pair, so
     that friction keeps linear and angular momentum, and never drives the liquid.
 
     >>> corrected_friction(1.0, 1.0, 2.0, 0.5, 2, 1.5)

@@ -108,7 +108,7 @@ class Model:
     extended: Callable[[Any], Model] = field(kw_only=True, default=_no_extra_laws)
     """extended(laws): the same model with the user's laws, `user_laws.BoundLaw`, compiled into it. Raises BadInput."""
     scene: Any = field(kw_only=True, default=None)
-    """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
+    """The type of its scenes, for a model that has no row in `ecume.scenes.load.SCENES`."""
     constant: frozenset[str] = field(kw_only=True, default=frozenset())
     """The arrays of frames that never change while no particle is added or removed."""
     main_numbers: tuple[str, ...] = field(kw_only=True, default=("kinetic_energy", "total_energy"))

@@ -18,7 +18,7 @@ from ecume._jit import compiled_once
 from ecume.errors import BadInput, Fault, SceneError, nearest
 
 if TYPE_CHECKING:
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
 
 PAIR, EXTERNAL = 2, 4
 """The number of arguments of a law, which determines its kind."""

@@ -4,14 +4,14 @@ ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")
 ecume.run.info("runs/bowl").frames
 
-Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `manifest` and `progress` write and read
-them; `lock` deals with other processes and signals; `invariant_monitor` checks each
-frame; `reports` and `verification` look at one or several runs from outside; `user_code` identifies a user's laws and
-actions; `crate` describes a run as a research object.
+Start with `runner`. `directory` names the files; `recording` (also progress), `checkpoints` and `manifest` write and
+read them; `lock` deals with other processes and signals; `invariant_monitor` checks each frame; `reports` and
+`verification` look at one or several runs from outside; `user_code` identifies a user's laws and actions. `manifest`
+also describes a run as a research object.
 """
 
 from ecume.run.directory import RunDirectory
-from ecume.run.progress import Progress
+from ecume.run.recording import Progress
 from ecume.run.reports import Comparison, Info, RunSummary, compare, info, list_runs, repair
 from ecume.run.runner import RunOptions, RunResult, resume, run
 from ecume.run.verification import Verification, verify

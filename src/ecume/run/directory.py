@@ -10,7 +10,7 @@ from typing import Any
 
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, RunExists, StorageError
-from ecume.trajectories import samples
+from ecume.trajectories import reader
 from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, storing, write_record
 
 MOST_NAMED = 5
@@ -66,7 +66,7 @@ class RunDirectory:
     @property
     def samples(self) -> Path:
         """The numbers sampled between frames, a line per block; only if the scene has samples."""
-        return self.path / samples.FILE
+        return self.path / reader.FILE
 
     @property
     def crate(self) -> Path:

@@ -17,11 +17,10 @@ from ecume.errors import BadInput, Stopped
 from ecume.models import MODELS
 from ecume.models.model import DONE, EXCHANGE, Engine, Model
 from ecume.run.directory import RunDirectory, clear, manifest_of
-from ecume.run.progress import Progress
+from ecume.run.recording import Progress
 from ecume.run.runner import RunOptions, RunResult, run
 from ecume.run.verification import IMPORTED
-from ecume.scenes.load import load_scene, overridden, parsed, source_of
-from ecume.scenes.schema import Scene
+from ecume.scenes.load import Scene, load_scene, overridden, parsed, source_of
 from ecume.scenes.starts import RUN, all_frames
 from ecume.trajectories.foreign.particles import Particles
 from ecume.trajectories.foreign.series import Series

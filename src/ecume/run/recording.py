@@ -1,4 +1,4 @@
-"""The frames of a run onto disk: the quantities that are selected, the table of numbers, and samples between frames.
+"""The frames of a run onto disk: the quantities that are selected, the table of numbers, samples, and progress.
 
 Numbers sampled between frames: averaged in blocks, and written to `samples.csv` of a run. A checkpoint contains the
 length of the file and the block that is not complete yet. A resumed run cuts the file there and continues the block,
@@ -8,6 +8,8 @@ The frames of a run onto disk, also those of a run that was interrupted. What a 
 checkpoint is computed again, and compared bit for bit instead of being written again: each crash is a test of
 determinism. On another processor or with other versions of the libraries the last bits may differ; then the old
 frames are replaced, and the run says by how much they differ.
+
+The progress of a run: for people, for machines (`status.json`), and for later (`log.jsonl`).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import time
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from io import FileIO
@@ -26,20 +29,116 @@ from numpy.typing import NDArray
 
 from ecume._plain_files import append, opened
 from ecume.errors import BadInput, Fault, SceneError, StorageError, nearest
-from ecume.models.step_counts import BEFORE
-from ecume.run.directory import RunDirectory, has_checksums
-from ecume.run.manifest import changed, circumstances_of_frame, record
-from ecume.run.progress import note
+from ecume.models.costs import BEFORE
+from ecume.run.directory import RunDirectory, has_checksums, write
+from ecume.run.manifest import changed, circumstances_of_frame, now, record
 from ecume.scenes.common import Kind, colors_of
 from ecume.trajectories.frame import Frame, RecordedArrays
-from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.records import LINE, line_of, sealed_line, storing, write_whole
-from ecume.trajectories.samples import heading, read_heading
+from ecume.trajectories.reader import Trajectory, heading, read_heading
+from ecume.trajectories.records import LINE, clean, line_of, sealed_line, storing, write_whole
 from ecume.trajectories.segments import LARGEST, Recorder
 
 if TYPE_CHECKING:
     from ecume.models.model import Model
     from ecume.scenes.common import Common, SamplesSpec
+    from ecume.simulation import Moment
+
+SETTLED = 1.0
+"""Seconds of integration after which its speed gives the time left."""
+STATUS_EVERY = 1.0
+"""Seconds of wall time between two replacements of `status.json`, at least."""
+
+
+class Progress(NamedTuple):
+    """The progress of a run in time steps, simulated time (s) and frames; `speed` is simulated time per wall time."""
+
+    step: int
+    steps: int | None
+    """None while the total is unknown: time steps that adapt are counted as they are taken."""
+    time: float
+    duration: float
+    frames: int
+    speed: float
+    steps_per_second: float
+    remaining: float | None
+    """Seconds of wall time; None while nothing is known."""
+
+    @property
+    def begun(self) -> bool:
+        """Whether any step was taken in this session."""
+        return self.speed > 0.0
+
+    @property
+    def place(self) -> str:
+        """`at step 25 of 100`, or `at t = 0.5 s (step 25)` where the total is unknown."""
+        return f"at step {self.step} of {self.steps}" if self.steps else f"at t = {self.time:.6g} s (step {self.step})"
+
+
+class Pace:
+    """The speed of the integration since the first steps of this process, without the time spent compiling."""
+
+    def __init__(self, duration: float) -> None:
+        self._duration = duration
+        self._start = (0.0, 0, 0.0)
+        self._heard = 0
+        self.integrating = 0.0
+        """Seconds of wall time in time steps, without the first, for which code is read or compiled."""
+
+    def progress(self, moment: Moment, frames: int) -> Progress:
+        """The progress at this moment."""
+        clock = time.monotonic()
+        self._heard += 1
+        if self._heard <= 2:
+            self._start = (moment.done, moment.taken, clock)
+        done, step, began = self._start
+        self.integrating = spent = clock - began
+        rate = (moment.done - done) / spent if moment.done > done and spent > 0.0 else 0.0
+        known = rate and spent >= SETTLED
+        return Progress(
+            step=moment.taken,
+            steps=moment.planned,
+            time=moment.done * self._duration,
+            duration=self._duration,
+            frames=frames,
+            speed=rate * self._duration,
+            steps_per_second=(moment.taken - step) / spent if rate else 0.0,
+            remaining=0.0 if moment.ended else (1.0 - moment.done) / rate if known else None,
+        )
+
+
+class StatusFile:
+    """`status.json`: replaced as a whole, at most once a second, whatever its state but the last."""
+
+    def __init__(self, home: RunDirectory) -> None:
+        self._home, self._written = home, -STATUS_EVERY
+        self.last_checkpoint: int | None = None
+
+    def write(self, state: str, progress: Progress, *, last: bool = False) -> None:
+        """Write how far the run is."""
+        clock = time.monotonic()
+        if not last and clock - self._written < STATUS_EVERY:
+            return
+        self._written = clock
+        report = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
+        try:
+            write(self._home, self._home.status, report, settled=False)
+        except StorageError as error:  # Windows, while another process reads it: the next second is soon enough
+            if os.name != "nt" or not isinstance(error.__cause__, PermissionError):
+                raise
+
+
+def note(home: RunDirectory, event: str, **details: Any) -> None:
+    """Add an event to the log."""
+    line = sealed_line({"at": now(), "event": event, **{name: _cleaned(value) for name, value in details.items()}})
+    with storing(home.log), opened(home.log, "a", home.path) as file:
+        append(file, line.encode())
+
+
+def _cleaned(value: Any) -> Any:
+    """Details of an event may quote what was read from a damaged file: text without anything that could act."""
+    if isinstance(value, list | tuple):
+        return [_cleaned(each) for each in value]
+    return clean(value) if isinstance(value, str) else value
 
 
 POSITION = "position"

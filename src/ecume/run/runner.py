@@ -16,15 +16,26 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
+from ecume.models.costs import BEFORE
 from ecume.models.model import LOCAL, LONGEST_RUN, Engine
-from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
 from ecume.run.lock import PATIENT, StopRequest, held, stop_requests
-from ecume.run.progress import Pace, Progress, StatusFile, note
-from ecume.run.recording import NOTHING, Kept, Recording, SampleFile, require_known, require_numbers, selection_of
+from ecume.run.recording import (
+    NOTHING,
+    Kept,
+    Pace,
+    Progress,
+    Recording,
+    SampleFile,
+    StatusFile,
+    note,
+    require_known,
+    require_numbers,
+    selection_of,
+)
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
 from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
 from ecume.trajectories.records import DONE, as_json, clean, scene_at, storing, write_whole
@@ -33,7 +44,7 @@ from ecume.trajectories.segments import good_frames, repair
 if TYPE_CHECKING:
     from ecume.models.actions import Action
     from ecume.models.model import Model
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
     from ecume.simulation import Moment
     from ecume.trajectories.frame import Frame
 
@@ -150,7 +161,7 @@ def resume(
     or actions needs the same `extra_laws` and `actions` again: their text and the numbers they use are compared with
     those it was begun with.
     """
-    from ecume.scenes.schema import from_plain
+    from ecume.scenes.load import from_plain
 
     home = existing(directory)
     with stop_requests(PATIENT) as request, held(home):
@@ -237,7 +248,7 @@ def _model(scene: Scene, engine: Engine | None = None) -> Model:
 
 def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, options: RunOptions) -> None:
     """Write what a run has before it begins; the manifest is last, and makes it one."""
-    from ecume.scenes.schema import to_plain
+    from ecume.scenes.load import to_plain
     from ecume.scenes.writing import to_toml
 
     plain = as_json(to_plain(scene))

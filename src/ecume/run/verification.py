@@ -66,7 +66,7 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
 
 def _scene_file(home: RunDirectory) -> Iterator[str]:
     """Write a damaged scene file again from the resolved scene; yields what was done."""
-    from ecume.scenes.schema import from_plain
+    from ecume.scenes.load import from_plain
     from ecume.scenes.writing import to_toml
 
     try:
@@ -98,8 +98,7 @@ def _constants_file(home: RunDirectory) -> Iterator[str]:
 
 def _from_the_scene(home: RunDirectory) -> bytes:
     """The resolved scene as the scene's file gives it today; empty where that cannot be read."""
-    from ecume.scenes.load import load_scene
-    from ecume.scenes.schema import to_plain
+    from ecume.scenes.load import load_scene, to_plain
 
     try:
         return as_json(to_plain(load_scene(home.scene))).encode()
@@ -316,7 +315,7 @@ def _recomputed(
 ) -> tuple[int, list[str]]:
     """How many frames were computed again, and the first that differs."""
     from ecume.models import MODELS
-    from ecume.scenes.schema import from_plain
+    from ecume.scenes.load import from_plain
     from ecume.simulation import moments
 
     require_same(home, code)

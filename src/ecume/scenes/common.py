@@ -258,7 +258,7 @@ class Common:
 
         Values that the scene did not state follow from the new ones. Raises SceneError with all faults at once.
         """
-        from ecume.scenes.objects import changed
+        from ecume.scenes.writing import changed
 
         return cast(Self, changed(self, {changes: value} if isinstance(changes, str) else changes))
 

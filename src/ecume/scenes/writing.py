@@ -1,6 +1,6 @@
 """Scenes as the text of scene files: only what differs from the defaults, and units as in the templates.
 
->>> from ecume.scenes.schema import from_plain
+>>> from ecume.scenes.load import from_plain
 >>> print(to_toml(from_plain({"model": "tracers", "duration": 2, "frame_every": 0.1, "tank": {"high": [0.01, 0.02]},
 ...     "particles": [{"radius": 5e-6, "density": 2500}]})))
 model = "tracers"
@@ -14,6 +14,14 @@ density = 2500.0
 [tank]
 high = ["1 cm", "2 cm"]
 <BLANKLINE>
+
+Scenes from Python objects: numbers with units, arrays and tables become a scene, with the messages of scene files.
+
+>>> from ecume.units import mm
+>>> made = scene("floating", duration="1 s", frame_every="0.1 s",
+...     particles=[{"radius": 2 * mm, "count": 3, "density": 600, "contact_angle": (70, "deg")}])
+>>> made.particles[0].radius, changed(made, {"particles[0].radius": "3 mm"}).particles[0].radius
+(0.002, 0.003)
 """
 
 from __future__ import annotations
@@ -23,16 +31,23 @@ import dataclasses
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path as File
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
-from ecume.errors import BadInput, SceneError
-from ecume.scenes.faults import Path, value_at
+import numpy as np
+
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.scenes.common import Common, Given
+from ecume.scenes.faults import Path, as_faults, read_path, value_at
+from ecume.scenes.floating import FloatingScene
+from ecume.scenes.load import KEY, Scene, assembled, below, from_plain, item_unit, put, to_plain
 from ecume.scenes.quantities import COLORS
-from ecume.scenes.schema import Scene, below, from_plain, item_unit, to_plain
-from ecume.units import Unit
+from ecume.scenes.soft import SoftScene
+from ecume.scenes.sph import SphScene
+from ecume.scenes.tracers import TracersScene
+from ecume.units import Quantity, Unit, quantity_of
 
 MOST_BYTES = 2**20
 """Of a scene file."""
@@ -267,3 +282,75 @@ def _inline(value: Any) -> str:
 
         return tomli_w.dumps({"key": value}).removeprefix("key = ").rstrip("\n")
     return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+@overload
+def scene(model: Literal["floating"], *, folder: str | os.PathLike[str] = ..., **keys: Given) -> FloatingScene: ...
+
+
+@overload
+def scene(model: Literal["sph"], *, folder: str | os.PathLike[str] = ..., **keys: Given) -> SphScene: ...
+
+
+@overload
+def scene(model: Literal["soft"], *, folder: str | os.PathLike[str] = ..., **keys: Given) -> SoftScene: ...
+
+
+@overload
+def scene(model: Literal["tracers"], *, folder: str | os.PathLike[str] = ..., **keys: Given) -> TracersScene: ...
+
+
+@overload
+def scene(model: str, *, folder: str | os.PathLike[str] = ..., **keys: Given) -> Scene: ...
+
+
+def scene(model: str, *, folder: str | os.PathLike[str] = ".", **keys: Given) -> Scene:
+    """The scene of these keys, which are those of a scene file; tables are dictionaries or dataclasses.
+
+    A number with a unit is text (`"2 mm"`), a pair (`(2, "mm")`), a quantity (`2 * mm` with `ecume.units.mm`) or a
+    quantity of Pint; a plain number is in SI units. Arrays of NumPy may stand for lists. Files that the scene names are
+    looked for in `folder`. Raises SceneError with all faults at once.
+    """
+    made, faults = assembled({"model": model, **{key: plain_of(value) for key, value in keys.items()}}, File(folder))
+    if made is None or faults:
+        raise SceneError(as_faults(faults))
+    return made
+
+
+def changed(of: Common, changes: Mapping[str, Given]) -> Scene:
+    """A scene with other values at some paths, such as `dish.radius`. Raises SceneError with all faults at once.
+
+    Values that the scene did not state, such as the laws of its `theory`, follow from the new ones.
+    """
+    plain, faults = essential(of), []  # type: ignore[arg-type]  # every scene is one of `Scene`
+    for name, value in changes.items():
+        try:
+            if KEY.fullmatch(name) is None:
+                raise ValueError("expected the path of a key, such as dish.radius or particles[0].count")
+            put(plain, read_path(name), plain_of(value))
+        except ValueError as fault:
+            faults.append(Fault(name, str(fault)))
+    if faults:
+        raise SceneError(faults)
+    return from_plain(plain)
+
+
+def plain_of(value: Any) -> Any:
+    """A Python object as the plain data that a scene is read from; quantities and dataclasses stay what they are."""
+    if quantity_of(value) is not None:
+        return quantity_of(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain_of(item) for key, item in value.items()}
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain_of(value.tolist())
+    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], str) and _is_list(value[0]):
+        return plain_of(value[0]) * Quantity(1.0, value[1])
+    if _is_list(number := getattr(value, "magnitude", None)):
+        return plain_of(number) * Quantity(1.0, str(value.units).replace(" ", ""))
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    return [plain_of(item) for item in value] if _is_list(value) else value
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, np.ndarray) or (isinstance(value, Sequence) and not isinstance(value, (str, bytes)))

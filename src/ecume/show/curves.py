@@ -23,13 +23,12 @@ from ecume.models.invariants import INJECTED
 from ecume.scenes.faults import suggestion
 from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.samples import Samples
+from ecume.trajectories.reader import Samples, Trajectory
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.fitting import Fit
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
 
 FEWEST = 20
 """Instants below which nothing counts as an outlier."""

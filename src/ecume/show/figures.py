@@ -21,7 +21,7 @@ from ecume.show.tracers import TRACER_FIGURES
 from ecume.trajectories.reader import open_trajectory
 
 if TYPE_CHECKING:
-    from ecume.scenes.schema import Scene
+    from ecume.scenes.load import Scene
 
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "floating": {**FLOATING_FIGURES, "samples": samples},

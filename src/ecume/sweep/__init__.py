@@ -8,7 +8,6 @@ Start with `runner.sweep`. `spec` is the schema of the file and its points, `exe
 """
 
 from ecume.sweep.executors import ExecutorOptions
-from ecume.sweep.results import Sweep, open_sweep
-from ecume.sweep.runner import Outcome, sweep
+from ecume.sweep.results import Outcome, Sweep, open_sweep, sweep
 
 __all__ = ["ExecutorOptions", "Outcome", "Sweep", "open_sweep", "sweep"]

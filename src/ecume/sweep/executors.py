@@ -74,7 +74,7 @@ def _process(job: Job, plan: dict[str, object]) -> None:
 
 def _scene(job: Job, plan: dict[str, object]) -> None:
     from ecume.run import RunOptions, resume, run
-    from ecume.scenes.schema import from_plain
+    from ecume.scenes.load import from_plain
 
     with engine_of(plan) as engine:
         options = RunOptions(threads=THREADS, engine=engine)

@@ -3,28 +3,271 @@
     export("runs/bowl", "csv", "bowl.csv")
 
 The file is written under another name and takes its own when it is complete, so that no half of one is ever left.
+
+Trajectories for ParaView: one VTKHDF file, or a VTK file for each frame and a list of them with their times.
+
+VTKHDF: the points of all frames stand in one table, and tables of offsets say where each frame begins; what is the same
+as in the frame before is not written again. HDF5 ends the process when a disk is full, so the library must not hear of
+it: the file under it accepts everything, and remembers the first refusal.
+
+PVD, for ParaView before VTKHDF: `bowl.pvd` is the list, `bowl/0000.vtp` and so on are the frames. They are written
+beside what is there, and replace it when all are whole, the list last.
 """
 
 from __future__ import annotations
 
+import base64
+import contextlib
 import csv
+import io
 import json
 import os
+import shutil
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ecume._plain_files import content_of
-from ecume.errors import BadInput
+from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import ExportedFrames, open_trajectory
+from ecume.trajectories.reader import LARGEST, ExportedFrames, open_trajectory
 from ecume.trajectories.records import replacing, storing
-from ecume.trajectories.samples import LARGEST
-from ecume.trajectories.vtk import write_pvd, write_vtk
+
+if TYPE_CHECKING:
+    import h5py
+
+Answer = TypeVar("Answer")
+CELLS = ("Vertices", "Lines", "Polygons", "Strips")
+
+
+def write_vtk(trajectory: ExportedFrames, file: BinaryIO) -> None:
+    """Points with all arrays, and the numbers as field data; positions with three components."""
+    import h5py  # heavy, and needed here alone
+
+    sink = _Patient(file)
+    try:
+        with h5py.File(sink, "w", libver=("earliest", "v110")) as document:
+            _write(trajectory, document)
+    except Exception:  # HDF5 raises nearly anything when what it wrote did not stay: then the refusal is what happened
+        if sink.refusal is None:
+            raise
+    if sink.refusal is not None:
+        raise sink.refusal
+
+
+def _write(trajectory: ExportedFrames, document: h5py.File) -> None:
+    root = document.create_group("VTKHDF")
+    root.attrs["Version"] = np.array([2, 0])
+    root.attrs.create("Type", np.bytes_("PolyData"))
+    steps = root.create_group("Steps")
+    steps.attrs["NSteps"] = len(trajectory)
+    steps["Values"] = trajectory.times
+    steps["NumberOfParts"] = np.ones(len(trajectory), np.int64)
+    steps["PartOffsets"] = np.arange(len(trajectory))
+    counts = _write_points(trajectory, root, steps)
+    root["NumberOfPoints"] = counts
+    _write_cells(root, steps, counts)
+    _write_numbers(trajectory, root, steps)
+
+
+def _write_points(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Group) -> NDArray[np.int64]:
+    """The points of all frames and their arrays, each in one long table; how many points each frame has."""
+    data, starts = root.create_group("PointData"), steps.create_group("PointDataOffsets")
+    names = list(trajectory[0].arrays)
+    tables = {name: _Table(root if name == "position" else data, name) for name in names}
+    counts = []
+    for frame in trajectory:
+        counts.append(len(frame.arrays["position"]))
+        for name, table in tables.items():
+            table.add(_in_space(frame.arrays[name]) if name in ("position", "velocity") else frame.arrays[name])
+    root.move("position", "Points")
+    steps["PointOffsets"] = tables.pop("position").starts
+    for name, table in tables.items():
+        starts[name] = table.starts
+    return np.array(counts, np.int64)
+
+
+def _write_cells(root: h5py.Group, steps: h5py.Group, counts: NDArray[np.int64]) -> None:
+    """A vertex a point: the list of them is written once, and each frame begins to read it at its beginning."""
+    for kind in CELLS:
+        cells = root.create_group(kind)
+        most = int(counts.max()) if kind == "Vertices" else 0
+        cells["Offsets"], cells["Connectivity"] = np.arange(most + 1), np.arange(most)
+        cells["NumberOfCells"] = counts if kind == "Vertices" else np.zeros_like(counts)
+        cells["NumberOfConnectivityIds"] = cells["NumberOfCells"][:]
+    steps["CellOffsets"] = steps["ConnectivityIdOffsets"] = np.zeros((len(counts), len(CELLS)), np.int64)
+
+
+def _write_numbers(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Group) -> None:
+    data, count = root.create_group("FieldData"), len(trajectory)
+    starts, sizes = steps.create_group("FieldDataOffsets"), steps.create_group("FieldDataSizes")
+    for name in trajectory[0].numbers:
+        data[name] = trajectory.numbers(name)
+        starts[name], sizes[name] = np.arange(count), np.ones((count, 2), np.int64)
+
+
+class _Table:
+    """A dataset that frames are added to, and where each began."""
+
+    def __init__(self, group: h5py.Group, name: str) -> None:
+        self._group, self._name, self._last = group, name, np.zeros(0)
+        self.starts: list[int] = []
+
+    def add(self, rows: NDArray[Any]) -> None:
+        """Add the rows of a frame, unless they are those of the frame before."""
+        if self._name not in self._group:
+            self._group.create_dataset(
+                self._name, (0, *rows.shape[1:]), rows.dtype, maxshape=(None, *rows.shape[1:]), chunks=self._chunk(rows)
+            )
+        dataset = self._group[self._name]
+        if self.starts and np.array_equal(rows, self._last):
+            self.starts.append(self.starts[-1])
+            return
+        self.starts.append(len(dataset))
+        dataset.resize(len(dataset) + len(rows), axis=0)
+        dataset[self.starts[-1] :] = rows
+        self._last = rows
+
+    @staticmethod
+    def _chunk(rows: NDArray[Any]) -> tuple[int, ...]:
+        return (max(256, min(len(rows), 2**16)), *rows.shape[1:])
+
+
+class _Patient(io.RawIOBase):
+    """A file that never refuses, so that HDF5 comes to its end; `refusal` is what the system said first."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self.refusal: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write, or pretend to."""
+        self._tried(lambda: self._file.write(data), 0)
+        return len(data)
+
+    def readinto(self, buffer: Any) -> int:
+        """Read back; zeros where nothing stayed."""
+        found = self._tried(lambda: self._file.read(len(buffer)), b"")
+        buffer[:] = found.ljust(len(buffer), b"\0")
+        return len(buffer)
+
+    def seek(self, place: int, whence: int = 0) -> int:
+        """Go there."""
+        return self._tried(lambda: self._file.seek(place, whence), place)
+
+    def tell(self) -> int:
+        """The position in the file."""
+        return self._tried(self._file.tell, 0)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the length, or pretend to."""
+        return self._tried(lambda: self._file.truncate(size), size or 0)
+
+    def _tried(self, action: Callable[[], Answer], otherwise: Answer) -> Answer:
+        try:
+            return action()
+        except OSError as error:
+            self.refusal = self.refusal or error
+            return otherwise
+
+
+KINDS = {"<f8": "Float64", "<i8": "Int64"}
+HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+
+
+def write_pvd(trajectory: ExportedFrames, path: Path) -> None:
+    """The list at `path`, the frames in the folder beside it that is called as it is, but for the ending."""
+    write_series(path, ".vtp", trajectory.times.tolist(), map(vtp_of, trajectory))
+
+
+def write_series(path: Path, ending: str, times: Sequence[float], files: Iterable[str]) -> None:
+    """A list of files at `path`, and they themselves in a folder beside it."""
+    folder = path.with_suffix("") if path.suffix else path.with_name(f"{path.name}-frames")
+    names = [f"{number:04d}{ending}" for number in range(len(times))]
+    with _replacing_folder(folder, ending) as part:
+        for name, text in zip(names, files, strict=True):
+            with storing(part), (part / name).open("wb") as file:
+                file.write(text.encode())
+    with replacing(path) as listed:
+        listed.write(_listing(times, [f"{folder.name}/{name}" for name in names]).encode())
+
+
+def vtp_of(frame: Frame) -> str:
+    """One frame: a vertex a particle with all arrays, and the numbers as field data."""
+    position = frame.arrays["position"]
+    rest = {name: array for name, array in frame.arrays.items() if name != "position"}
+    numbers = "".join(data_array(name, np.array([value])) for name, value in frame.numbers.items())
+    points = data_array("position", _in_space(position))
+    values = "".join(
+        data_array(name, _in_space(array) if name == "velocity" else array) for name, array in rest.items()
+    )
+    vertices = data_array("connectivity", np.arange(len(position))) + data_array(
+        "offsets", np.arange(1, len(position) + 1)
+    )
+    piece = f'<Piece NumberOfPoints="{len(position)}" NumberOfVerts="{len(position)}">\n'
+    return (
+        f"{HEAD.format('PolyData')}<PolyData>\n<FieldData>\n{numbers}</FieldData>\n{piece}"
+        f"<PointData>\n{values}</PointData>\n<Points>\n{points}</Points>\n<Verts>\n{vertices}</Verts>\n"
+        "</Piece>\n</PolyData>\n</VTKFile>\n"
+    )
+
+
+def _listing(times: Sequence[float], names: Sequence[str]) -> str:
+    rows = "".join(
+        f'<DataSet timestep="{time!r}" part="0" file={quoteattr(name)}/>\n'
+        for time, name in zip(times, names, strict=True)
+    )
+    return f"{HEAD.format('Collection')}<Collection>\n{rows}</Collection>\n</VTKFile>\n"
+
+
+def data_array(name: str, values: NDArray[Any]) -> str:
+    """The data as base64: the number of bytes, then the bytes."""
+    plain = np.ascontiguousarray(values)
+    text = base64.b64encode(np.uint64(plain.nbytes).tobytes() + plain.tobytes()).decode()
+    wide = int(np.prod(plain.shape[1:])) if plain.ndim > 1 else 1
+    count = f' NumberOfTuples="{len(plain)}"'
+    return (
+        f"<DataArray type={quoteattr(KINDS[plain.dtype.str])} Name={quoteattr(name)}"
+        f' NumberOfComponents="{wide}"{count} format="binary">{text}</DataArray>\n'
+    )
+
+
+def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
+    """Three components, the missing ones zero."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
+@contextlib.contextmanager
+def _replacing_folder(folder: Path, ending: str) -> Iterator[Path]:
+    """A new content of a folder, as `replacing` of a file. What was made here before goes, and nothing else."""
+    part = folder.with_name(f"{folder.name}.part")
+    try:
+        with storing(folder):
+            shutil.rmtree(part, ignore_errors=True)
+            part.mkdir(parents=True)
+        yield part
+        with storing(folder):
+            _clear(folder, ending)
+            part.rename(folder)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        raise
+
+
+def _clear(folder: Path, ending: str) -> None:
+    """Remove a folder of frames. Raises StorageError, before anything goes, for one that holds anything else."""
+    if not folder.exists():
+        return
+    strange = [path.name for path in folder.iterdir() if path.suffix != ending] if folder.is_dir() else [folder.name]
+    if strange:
+        raise StorageError(f"{folder}: holds what no export made ({strange[0]}); give another name with -o")
+    shutil.rmtree(folder)
+
 
 AXES = "xyz"
 SYMBOLS = ("H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar")
@@ -38,7 +281,7 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
     csv is one long table, a row a particle and frame, the unit in each heading; xyz is extended XYZ, for OVITO and ASE;
     vtk is VTKHDF, which ParaView opens as a series in time, pvd the same for its older versions, with a folder of
     frames beside it; npz holds one array a quantity, for `numpy.load`. Frames of tanks have all pressures: see
-    `ecume.analysis.pressures`.
+    `ecume.analysis.fields`.
     """
     if kind not in (*EXPORTS, "pvd"):
         raise BadInput(f"a trajectory cannot be written as {kind}; expected one of {', '.join((*EXPORTS, 'pvd'))}")

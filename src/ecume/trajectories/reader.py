@@ -1,32 +1,182 @@
 """Trajectories as sequences of frames, read from files.
 
 `ExportedFrames` are the frames as exports hold them: with the arrays that follow from the recorded ones.
+
+Numbers that were sampled between frames: the table `samples.csv` of a run.
+
+A row is a sample, or the average of a block of samples: of each number the mean, the least and the largest value, and
+the standard error of the mean.
 """
 
 from __future__ import annotations
 
 import bisect
 import contextlib
+import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ecume._hooks import derived_arrays, html_of, scene_of
-from ecume._plain_files import require_plain
+from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories import tables
+from ecume.trajectories import frame
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.records import manifest_at, scene_at, storing
-from ecume.trajectories.samples import FILE, Samples
 from ecume.trajectories.segments import Segment, segment_files
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame
     from polars import DataFrame as PolarsFrame
+
+FILE = "samples.csv"
+LARGEST = 2**34
+"""Bytes of a table."""
+STATISTICS = ("", "_min", "_max", "_error")
+"""The columns of a number in a table of blocks: mean, minimum, maximum, standard error of the mean."""
+LEAD = ("step", "time [s]", "samples")
+"""The first columns; tables without blocks lack the last of them."""
+
+
+class Average(NamedTuple):
+    """The mean of a number over several rows, and its standard error from the scatter of the rows."""
+
+    mean: float
+    error: float
+    rows: int
+
+
+def heading(names: Sequence[str], units: Mapping[str, str], *, blocks: bool) -> str:
+    r"""The first line of the table.
+
+    >>> heading(["contacts", "kinetic_energy"], {"contacts": "1", "kinetic_energy": "J"}, blocks=False)
+    'step,time [s],contacts,kinetic_energy [J]\n'
+    """
+    ends = STATISTICS if blocks else STATISTICS[:1]
+    marks = [f" [{units[name]}]" if units.get(name, "1") != "1" else "" for name in names]
+    columns = [f"{name}{end}{mark}" for name, mark in zip(names, marks, strict=True) for end in ends]
+    return ",".join([*(LEAD if blocks else LEAD[:2]), *columns]) + "\n"
+
+
+def read_heading(line: str) -> tuple[list[str], dict[str, str], bool]:
+    """The names of the numbers, their units, and whether rows are blocks. Raises ValueError for another line."""
+    columns = [column.removesuffix("]").partition(" [") for column in line.rstrip("\n").split(",")]
+    blocks = tuple(line.split(",")[:3]) == LEAD or line.rstrip("\n") == ",".join(LEAD)
+    lead = 3 if blocks else 2
+    found = columns[lead :: len(STATISTICS) if blocks else 1]
+    names, units = [name for name, _, _ in found], {name: unit or "1" for name, _, unit in found}
+    if heading(names, units, blocks=blocks).rstrip("\n") != line.rstrip("\n"):
+        raise ValueError("not a heading of samples")
+    return names, units, blocks
+
+
+class Samples:
+    """The table of a run's samples, read when it is made."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises BadInput where the run has no samples, and StorageError where the table is damaged."""
+        self.path = path
+        if not path.is_file():
+            raise BadInput(f"{path.parent}: the run has no samples; its scene has no table [output.samples]")
+        with storing(path):
+            lines = content_of(path, LARGEST, path.parent).splitlines(keepends=True)
+        if lines and not lines[-1].endswith(b"\n"):  # a run is writing just now
+            lines.pop()
+        try:
+            self.names, self.units, self.blocks = read_heading(lines[0].decode() if lines else ",".join(LEAD[:2]))
+            rows = [[float(cell) for cell in line.split(b",")] for line in lines[1:]]
+            self._values = np.array(rows, dtype=np.float64).reshape(len(rows), self._width)
+        except ValueError as error:
+            raise StorageError(f"{path}: damaged: {error}") from error
+
+    @property
+    def _lead(self) -> int:
+        return len(LEAD) if self.blocks else len(LEAD) - 1
+
+    @property
+    def _width(self) -> int:
+        return self._lead + len(self.names) * (len(STATISTICS) if self.blocks else 1)
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """The number of time steps before the last sample of each row."""
+        return self._values[:, 0].astype(np.int64)
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """The mean time of the samples of each row, s."""
+        return self._values[:, 1]
+
+    @cached_property
+    def counts(self) -> NDArray[np.int64]:
+        """The number of samples of each row."""
+        return self._values[:, 2].astype(np.int64) if self.blocks else np.ones(len(self), np.int64)
+
+    def mean(self, name: str) -> NDArray[np.float64]:
+        """The mean of a number in each row; the sample itself without blocks."""
+        return self._column(name, 0)
+
+    def minimum(self, name: str) -> NDArray[np.float64]:
+        """The least value in each row."""
+        return self._column(name, 1 if self.blocks else 0)
+
+    def maximum(self, name: str) -> NDArray[np.float64]:
+        """The largest value in each row."""
+        return self._column(name, 2 if self.blocks else 0)
+
+    def error(self, name: str) -> NDArray[np.float64]:
+        """The standard error of the mean in each row, for independent samples; NaN for a single one."""
+        return self._column(name, 3) if self.blocks else np.full(len(self._column(name, 0)), np.nan)
+
+    def average(self, name: str, start: float = 0.0, end: float = math.inf) -> Average:
+        """The mean over all samples between two times (s). Its standard error follows from the scatter of the rows, so
+        it is right for correlated samples too if blocks are longer than the correlation time.
+        """
+        chosen = (self.times >= start) & (self.times <= end)
+        values, weights = self.mean(name)[chosen], self.counts[chosen]
+        if not len(values):
+            raise BadInput(f"{self.path}: no samples between {start:g} s and {end:g} s")
+        mean = float(np.average(values, weights=weights))
+        scatter = float(np.average((values - mean) ** 2, weights=weights))
+        return Average(mean, math.sqrt(scatter / (len(values) - 1)) if len(values) > 1 else math.nan, len(values))
+
+    def polars(self) -> PolarsFrame:
+        """The table as a DataFrame of Polars."""
+        return frame.library("polars").DataFrame(self.columns())
+
+    def pandas(self) -> PandasFrame:
+        """The table as a DataFrame of Pandas."""
+        return frame.library("pandas").DataFrame(self.columns())
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """All columns by name: `step`, `time`, `kinetic_energy`; of blocks also `samples`, `kinetic_energy_min` ..."""
+        ends = STATISTICS if self.blocks else STATISTICS[:1]
+        names = [f"{name}{end}" for name in self.names for end in ends]
+        lead: dict[str, NDArray[Any]] = {"step": self.steps, "time": self.times}
+        lead |= {"samples": self.counts} if self.blocks else {}
+        return lead | dict(zip(names, self._values[:, self._lead :].T, strict=True))
+
+    def __len__(self) -> int:
+        """The number of rows."""
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        """`Samples('runs/bowl', 120 rows, 0 s to 12 s: kinetic_energy, contacts)`."""
+        span = f", {self.times[0]:.6g} s to {self.times[-1]:.6g} s" if len(self) else ""
+        return f"Samples({str(self.path.parent)!r}, {len(self)} rows{span}: {', '.join(self.names)})"
+
+    def _column(self, name: str, statistic: int) -> NDArray[np.float64]:
+        if name not in self.names:
+            known = ", ".join(self.names)
+            raise BadInput(f"{self.path}: got the name {name!r}; expected one of {known} (output.samples.numbers)")
+        width = len(STATISTICS) if self.blocks else 1
+        return self._values[:, self._lead + width * self.names.index(name) + statistic]
+
 
 OF_A_RUN = ("manifest.json", "resolved.json")
 """Files beside the folder of frames of a run."""
@@ -153,14 +303,14 @@ class Trajectory(Sequence[Frame]):
 
         Of an array each component is a column (`position_x`); `frame` and `particle` count from 0.
         """
-        return tables.library("polars").DataFrame(self._table(particles))
+        return frame.library("polars").DataFrame(self._table(particles))
 
     def pandas(self, *, particles: bool = False) -> PandasFrame:
         """The same as a DataFrame of Pandas."""
-        return tables.library("pandas").DataFrame(self._table(particles))
+        return frame.library("pandas").DataFrame(self._table(particles))
 
     def _table(self, particles: bool) -> dict[str, NDArray[Any]]:
-        return tables.of_particles(self) if particles else tables.of_numbers(self)
+        return frame.of_particles(self) if particles else frame.of_numbers(self)
 
     def __repr__(self) -> str:
         """`Trajectory('runs/bowl', 151 frames, 0 s to 12 s)`."""

@@ -1,8 +1,9 @@
 """Comparisons of ecume with what others computed or measured: `ecume validate`.
 
-`CASES` is the table; start there. Each case is a function that runs it and returns `rows.Row`s: `rows` in the module of
-its name, or a function of a module with the cases of one subject. Its scene, its tables and a README with their sources
-are in `data/CASE`. `runner` reads and runs them; `flow_pieces` is shared by the flow curves of packings.
+`CASES` is the table; start there. Each case is a function that runs it and returns `runner.Row`s: `rows` in the module
+of its name, or a function of a module with the cases of one subject. Its scene, its tables and a README with their
+sources are in `data/CASE`. `runner` reads and runs them, and judges rows; `flow_pieces` is shared by the flow curves of
+packings.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import importlib
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ecume.validation.rows import Row
+from ecume.validation.runner import Row
 
 
 class Case(NamedTuple):

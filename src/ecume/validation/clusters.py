@@ -12,15 +12,15 @@ import numpy as np
 
 from ecume.analysis.clusters import entropy_production, rigid_weight, topology_of, touching_pairs
 from ecume.analysis.series import Mean
-from ecume.laws.brownian import thermal_energy
 from ecume.laws.capillarity import pair_energy, pair_strength
+from ecume.laws.diffusion import thermal_energy
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.models.liquids import liquid_of
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 from ecume.units import Array
-from ecume.validation.rows import Row, above, within
+from ecume.validation.runner import Row, above, within
 
 RADIUS, TEMPERATURE = 1e-6, 300.0
 STEEPNESS, FARTHEST, SPRING = 10.0, 2.9, 400.0

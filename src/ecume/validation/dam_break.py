@@ -14,8 +14,7 @@ from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 from ecume.validation import impact
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import read_table, sph_scene
+from ecume.validation.runner import Row, above, below, read_table, sph_scene, within
 
 FAR_WALL = impact.FAR_WALL
 SENSORS = {"P1": 0.01, "P2": 0.05, "P3": 0.1, "P4": 0.267}

@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.models.step_counts import BEFORE
+from ecume.models.costs import BEFORE
 from ecume.simulation import moments
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import read_table, sph_scene
+from ecume.validation.runner import Row, above, below, read_table, sph_scene, within
 
 CASE = "dam_break_obstacle"
 FRONT, TOP = ("P1", "P2", "P3", "P4"), ("P5", "P7")

@@ -14,15 +14,15 @@ from ecume.analysis.structure import mean_square_displacement
 from ecume.laws.flows import wave_frequency
 from ecume.laws.radiated_waves import ripples
 from ecume.models import MODELS
-from ecume.models.floating.forces.activity import Activity
+from ecume.models.floating.forces.flow_and_noise import Activity
 from ecume.models.floating.forces.waves import Waves
 from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.scenes.floating import FloatingScene
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 from ecume.units import Array, Length
 from ecume.validation.hydrodynamics import Run
-from ecume.validation.rows import Row, above, below, within
+from ecume.validation.runner import Row, above, below, within
 
 COUNT, RADIUS, FORCE = 2000, 1e-5, 1e-12
 MEMORY, EVERY, FRAMES = 0.5, 0.1, 600

@@ -23,8 +23,7 @@ from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import frames_of, read_table, sph_scene
+from ecume.validation.runner import Row, above, below, frames_of, read_table, sph_scene, within
 
 
 class Swing(NamedTuple):

@@ -13,7 +13,7 @@ from ecume.fitting.estimation import simulated
 from ecume.fitting.parameters import quantities_of
 from ecume.scenes.floating import FloatingScene, FloatSpec, LiquidSpec
 from ecume.units import Array
-from ecume.validation.rows import Row, within
+from ecume.validation.runner import Row, within
 
 COUNT = 100
 NOISE = 5e-6

@@ -18,8 +18,7 @@ from ecume.models.liquids import liquid_of
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import floating_scene, read_table
+from ecume.validation.runner import Row, above, below, floating_scene, read_table, within
 
 # A liquid whose capillary length is one meter, so that heights come out in capillary lengths.
 SPHERE_LIQUID = flotation.Liquid(density=1000.0, surface_tension=1000.0, viscosity=1e-3, gravity=1.0)

@@ -27,8 +27,7 @@ from ecume.scenes.floating import FloatingScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import case_scene, floating_scene, frames_of
+from ecume.validation.runner import Row, above, below, case_scene, floating_scene, frames_of, within
 
 ACCURACY = 1e-12
 """Relative, of the reference."""

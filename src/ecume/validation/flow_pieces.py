@@ -12,8 +12,7 @@ import numpy as np
 
 from ecume.analysis.rheology import CurveFit, herschel_bulkley, over_seeds, steady_state, stress_tensor
 from ecume.analysis.series import Mean
-from ecume.scenes.load import load_scene
-from ecume.scenes.schema import Scene, from_plain, to_plain
+from ecume.scenes.load import Scene, from_plain, load_scene, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.validation.runner import kept_values, read_table

@@ -13,8 +13,7 @@ from ecume.laws.kernels import kernel
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import case_scene, frames_of, read_table
+from ecume.validation.runner import Row, above, below, case_scene, frames_of, read_table, within
 
 VORTEX_SIDES = (25, 50)
 VORTEX_VISCOSITY = 0.01

@@ -11,16 +11,16 @@ import numpy as np
 from scipy.special import i1
 
 from ecume.errors import EcumeError
-from ecume.laws.brownian import thermal_energy
+from ecume.laws.diffusion import thermal_energy
 from ecume.laws.drag import pair_factor
 from ecume.laws.pair_mobility import compact_raft, raft_speed_factor, surface_mobility
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.models.model import CROWDED, DONE
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.units import Array
-from ecume.validation.rows import Row, below, within
+from ecume.validation.runner import Row, below, within
 
 RADIUS = 3e-4
 SYRUP = {"density": 1000.0, "viscosity": 0.02, "surface_tension": 0.0728}

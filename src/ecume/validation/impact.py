@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.models.step_counts import BEFORE
+from ecume.models.costs import BEFORE
 from ecume.simulation import moments
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import read_table, sph_scene
+from ecume.validation.runner import Row, above, below, read_table, sph_scene, within
 
 FAR_WALL = 5.366
 SENSORS = {"S1": 0.01, "S2": 0.05, "S3": 0.1, "S4": 80.0 / 300.0}

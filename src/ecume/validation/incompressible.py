@@ -12,8 +12,7 @@ from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 from ecume.validation import dam_break, full_tanks
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import DATA
+from ecume.validation.runner import DATA, Row, above, below, within
 
 FOLDER = DATA / "incompressible"
 TAIT = 'method.pressure="tait"'

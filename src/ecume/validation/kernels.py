@@ -10,8 +10,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from ecume.laws.kernels import KERNELS, Kernel, gaussian_deficit, kernel
-from ecume.validation.rows import Row, below, within
-from ecume.validation.runner import read_table
+from ecume.validation.runner import Row, below, read_table, within
 
 SPHERE = {1: 2.0, 2: 2.0 * math.pi, 3: 4.0 * math.pi}
 KNOTS = (0.5, 1.0, 1.5, 2.0)

@@ -12,12 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.units import Array
-from ecume.validation.rows import Row, below, within
-from ecume.validation.runner import kept_values
+from ecume.validation.runner import Row, below, kept_values, within
 
 COUNT = {2: 176, 3: 24}
 LAYERS = {2: (8, 18), 3: (7, 9)}

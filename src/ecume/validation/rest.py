@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ecume.simulation import simulate
-from ecume.validation.rows import Row, below, within
-from ecume.validation.runner import floating_scene
+from ecume.validation.runner import Row, below, floating_scene, within
 
 BOWLS: dict[str, tuple[str, ...]] = {
     "milk": (),

@@ -13,12 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from ecume.analysis.rheology import CurveFit, power_fit, viscous_number
-from ecume.scenes.load import load_scene
-from ecume.scenes.schema import Scene, from_plain, to_plain
+from ecume.scenes.load import Scene, from_plain, load_scene, to_plain
 from ecume.simulation import simulate
 from ecume.validation import flow_pieces
 from ecume.validation.flow_pieces import Piece, fitted, friction, kept, means_over_seeds, sheared, template
-from ecume.validation.rows import Row, above, below, within
+from ecume.validation.runner import Row, above, below, within
 
 RATES, SEEDS = (0.025, 0.08, 0.25, 0.8, 2.5, 8.0, 25.0), (1, 2, 3)
 """1/s; of the random start."""

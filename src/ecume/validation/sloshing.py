@@ -14,8 +14,7 @@ from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import sph_scene
+from ecume.validation.runner import Row, above, below, sph_scene, within
 
 DEEP = (16, 32)
 """Particles in the depth."""

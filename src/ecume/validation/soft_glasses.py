@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from ecume.analysis.rheology import FEWEST_POINTS, CurveFit, power_fit
-from ecume.scenes.schema import Scene
+from ecume.scenes.load import Scene
 from ecume.validation import flow_pieces
 from ecume.validation.flow_pieces import Piece, fitted, friction, kept, sheared
-from ecume.validation.rows import Row, above, below, within
+from ecume.validation.runner import Row, above, below, within
 
 RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0), 1.00: (0.8, 4.5, 25.0)}
 """1/s, at each volume fraction. Soft glasses of the paper are 1.1 to 1.4 times as dense as at jamming; 1.00 is 1.19."""

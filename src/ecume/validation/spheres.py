@@ -18,14 +18,12 @@ from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft.setup import prefactors_of
 from ecume.models.soft.t1.cluster import T1
 from ecume.models.soft.t1.process import t1_process
-from ecume.scenes.load import load_scene
-from ecume.scenes.schema import Scene
+from ecume.scenes.load import Scene, load_scene
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, above, below, within
-from ecume.validation.runner import kept_values, read_table
+from ecume.validation.runner import Row, above, below, kept_values, read_table, within
 
 FORCES = (1e-6, 1e-4, 1e-3, 1e-2)
 """In E R^2."""

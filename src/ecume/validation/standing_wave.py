@@ -14,8 +14,7 @@ from ecume.analysis.fields import wave_amplitude
 from ecume.laws.flows import Decay, viscous_decay
 from ecume.simulation import simulate
 from ecume.units import Array
-from ecume.validation.rows import Row, above, within
-from ecume.validation.runner import sph_scene
+from ecume.validation.runner import Row, above, sph_scene, within
 
 REYNOLDS = (50.0, 100.0)
 DEEP = (16, 32)

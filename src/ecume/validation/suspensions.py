@@ -13,10 +13,10 @@ import numpy as np
 
 from ecume.analysis.rheology import Divergence, viscosity_divergence
 from ecume.analysis.series import Mean
-from ecume.scenes.schema import Scene
+from ecume.scenes.load import Scene
 from ecume.validation import flow_pieces
 from ecume.validation.flow_pieces import Piece, kept, sheared
-from ecume.validation.rows import Row, above, below, within
+from ecume.validation.runner import Row, above, below, within
 
 SPHERES, SEED, STRAIN, FRAMES_PER_STRAIN = 50, 1, 3.0, 50
 """In 2D, of two sizes; after a pre-shear to a strain of 1, during which dense packings are compressed. Flows that are

@@ -11,8 +11,7 @@ from ecume.laws.states import column_height, column_pressure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, below, within
-from ecume.validation.runner import sph_scene
+from ecume.validation.runner import Row, below, sph_scene, within
 
 MOST_ERROR, LARGEST_ERROR, MOST_SHIFT, MOST_SPEED = 0.01, 0.015, 0.003, 2e-4
 """In units of rho g H, of H and of sqrt(g H)."""

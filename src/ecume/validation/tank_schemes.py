@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 
-from ecume.validation.rows import Row, above, below, within
+from ecume.validation.runner import Row, above, below, within
 from ecume.validation.tank import last_quarter, run
 
 LASTING = ("spacing=0.05", "duration=35.0", "frame_every=0.25")

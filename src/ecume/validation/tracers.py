@@ -8,8 +8,8 @@ import numpy as np
 
 from ecume.engine import walls
 from ecume.engine.walls import Surfaces
-from ecume.laws import brownian, drag
-from ecume.scenes.schema import Scene
+from ecume.laws import diffusion, drag
+from ecume.scenes.load import Scene
 from ecume.scenes.tracers import (
     ParticleSpec,
     TankSpec,
@@ -20,8 +20,7 @@ from ecume.scenes.tracers import (
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
-from ecume.validation.rows import Row, below, within
-from ecume.validation.runner import case_scene
+from ecume.validation.runner import Row, below, case_scene, within
 
 WEDGES = (90, 60, 45, 30, 10, 7)
 RESTITUTIONS = (0.5, 0.8, 0.9)
@@ -164,12 +163,12 @@ GRAINS = 4000
 GRAIN = 0.5e-6
 """Radius of what diffuses, m."""
 FRICTION = drag.stokes_friction(GRAIN, 1e-3, 1.0)
-THERMAL = brownian.thermal_energy(293.15)
+THERMAL = diffusion.thermal_energy(293.15)
 
 
 def settling_rows() -> list[Row]:
     """Compare all subjects."""
-    return [*terminal_speeds(), *from_rest(), *diffusion(), *equilibrium()]
+    return [*terminal_speeds(), *from_rest(), *spreading(), *equilibrium()]
 
 
 def _last(scene: Scene) -> Frame:
@@ -203,7 +202,7 @@ def from_rest() -> list[Row]:
     return found
 
 
-def diffusion() -> list[Row]:
+def spreading() -> list[Row]:
     """The mean square displacement along an axis, over 2 D t."""
     tau = 4.0 / 3.0 * math.pi * GRAIN**3 * 2500.0 / FRICTION
     found = []
@@ -222,7 +221,7 @@ def diffusion() -> list[Row]:
         )
         frame = _last(scene)
         late = 1.5 * tau if regime == "inertial" else 0.0
-        exact = 2.0 * brownian.diffusivity(THERMAL, FRICTION) * (frame.time - late)
+        exact = 2.0 * diffusion.diffusivity(THERMAL, FRICTION) * (frame.time - late)
         computed = float((frame.arrays["position"] ** 2).mean()) / exact
         found.append(within(f"{regime}: <x^2> / 2 D t", computed, 1.0, 4.0 * math.sqrt(2.0 / (3 * GRAINS))))
     return found
@@ -231,9 +230,9 @@ def diffusion() -> list[Row]:
 def equilibrium() -> list[Row]:
     """Grains that sink and diffuse in a tank three layers high."""
     weight = 4.0 / 3.0 * math.pi * GRAIN**3 * 100.0 * 9.81
-    layer = brownian.sedimentation_length(THERMAL, weight)
+    layer = diffusion.sedimentation_length(THERMAL, weight)
     tall = 3.0 * layer
-    settled = tall**2 / brownian.diffusivity(THERMAL, FRICTION)
+    settled = tall**2 / diffusion.diffusivity(THERMAL, FRICTION)
     scene = TracersScene(
         duration=3 * settled,
         frame_every=settled,

@@ -10,7 +10,7 @@ from ecume.laws import flotation, pair_laws
 from ecume.laws.pair_laws import PairLaw
 from ecume.models.floating.check_report import _summary_of_raft_speeds, seconds_per_step, summary
 from ecume.models.floating.forces.pair_forces import CutoffWarning
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.units import Unit
 
 SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ecume.laws.contact import impulse
+from ecume.laws.friction import impulse
 from ecume.models import MODELS
 from ecume.simulation import simulate
 from tests.models import begun

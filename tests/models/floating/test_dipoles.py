@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import brentq
 
 from ecume.errors import SceneError
-from ecume.laws import capillarity, dipoles
+from ecume.laws import capillarity, pair_laws
 from ecume.models import MODELS
 from ecume.models.floating.frames import observe
-from ecume.models.floating.state import make_state
+from ecume.models.floating.parameters import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene
 from tests.models import begun
@@ -38,7 +38,7 @@ def both(distance, parameters, moments=(MOMENT, MOMENT)):
     """Force of menisci and dipoles; positive repels."""
     length, charge = parameters.pair[1], parameters.floats.charge
     strength = capillarity.pair_strength(0.0728, charge[0], charge[1])
-    pushed = dipoles.dipole_force(distance, dipoles.dipole_strength(*moments))
+    pushed = pair_laws.dipole_force(distance, pair_laws.dipole_strength(*moments))
     return capillarity.pair_force(distance, strength, length) + pushed
 
 
@@ -87,7 +87,7 @@ def test_dipoles_add_to_multipoles():
     places, rest = [(0.0, 0.0), (4e-3, 1e-3)], '[interaction]\nmethod = "multipole"\norder = 2\n'
     _, _, with_dipoles = forces_of(magnets(places, rest=rest))
     _, _, without = forces_of(magnets(places, moments=(0.0, 0.0), rest=rest))
-    pushed = dipoles.dipole_force(math.hypot(4e-3, 1e-3), dipoles.dipole_strength(MOMENT, MOMENT))
+    pushed = pair_laws.dipole_force(math.hypot(4e-3, 1e-3), pair_laws.dipole_strength(MOMENT, MOMENT))
     found = with_dipoles.force - without.force
     assert math.hypot(*found[1]) == pytest.approx(pushed, rel=1e-6)
     assert found[0] == pytest.approx(-found[1], rel=1e-9)

@@ -11,7 +11,7 @@ from ecume.models.floating import dishes
 from ecume.models.floating.contacts.collisions import require_rest
 from ecume.models.floating.forces.pair_forces import law_of, summed_law, two_floats
 from ecume.models.floating.frames import observe
-from ecume.models.floating.state import make_state
+from ecume.models.floating.parameters import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.floating.time_integration.step_size import raft_pull
 from ecume.scenes.floating import DishSpec

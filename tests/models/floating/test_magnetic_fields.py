@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.laws.dipoles import PERMEABILITY, dipole_force, dipole_strength, induced_moment, oblique_dipole_energy
+from ecume.laws.pair_laws import PERMEABILITY, dipole_force, dipole_strength, induced_moment, oblique_dipole_energy
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.laws.contact import dashpot_restitution
+from ecume.laws.friction import dashpot_restitution
 from ecume.models import MODELS
 from ecume.simulation import moments, simulate
 from tests.models.floating.bowls import HEAVY, WATER, colliding, scene_of, two_floats

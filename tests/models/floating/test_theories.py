@@ -11,7 +11,7 @@ from ecume.models import MODELS
 from ecume.models.floating.dishes import DISH, PLANE, TABLED
 from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wall_energies
 from ecume.models.floating.frames import observe
-from ecume.models.floating.state import make_state
+from ecume.models.floating.parameters import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ecume.laws.deflections import TANGENTIAL, TENSION
+from ecume.laws.soft_pair import TANGENTIAL, TENSION
 from ecume.models.model import CROWDED, code_of
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers

@@ -15,7 +15,7 @@ from ecume.models.soft.report.check_report import (
     strain_of,
     typical_pair,
 )
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 
 pytestmark = pytest.mark.compiled

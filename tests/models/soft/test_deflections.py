@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.laws.deflections import (
+from ecume.laws.soft_pair import (
     DEFINITE,
     TANGENTIAL,
     TENSION,

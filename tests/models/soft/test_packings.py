@@ -13,7 +13,7 @@ from ecume.models.soft.cell import Box
 from ecume.models.soft.contacts import contact_list
 from ecume.models.soft.contacts.contact_list import neighbors, newcomers
 from ecume.models.soft.state import ACCEPTED
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 from tests.models import begun
 

@@ -12,8 +12,8 @@ from ecume.models.soft.contacts.films import answer
 from ecume.models.soft.integration import linear_solvers
 from ecume.models.soft.integration.dirk import begin_stage, first_stage
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.integration.force_assembly import imbalance, resist
 from ecume.models.soft.integration.linear_solvers import ITERATIONS, choices
+from ecume.models.soft.integration.newton import imbalance, resist
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import FAILED
 from tests.models import begun

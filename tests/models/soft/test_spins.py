@@ -11,9 +11,9 @@ from ecume.models.soft import SOFT, t1_process
 from ecume.models.soft.contacts.films import answer
 from ecume.models.soft.contacts.rotation import carry, turn_pairs, turned_orientation, unturn
 from ecume.models.soft.integration.dirk import first_stage
-from ecume.models.soft.integration.force_assembly import imbalance, resist
+from ecume.models.soft.integration.newton import imbalance, resist
 from ecume.models.soft.protocol import drive_at
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 
 from .clusters import integrated

@@ -9,9 +9,8 @@ from scipy.integrate import solve_ivp
 
 from ecume.errors import BadInput
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft.t1.cluster import Instant
+from ecume.models.soft.t1.cluster import Instant, follow_symmetric
 from ecume.models.soft.t1.process import follow, t1_process, t1_scene
-from ecume.models.soft.t1.symmetric import follow_symmetric
 
 from .clusters import Referee
 

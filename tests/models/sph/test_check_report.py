@@ -9,7 +9,7 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark, seconds_a_step
 from ecume.models.sph.setup.building import material_of
 from ecume.models.sph.setup.choices import artificial_viscosity_of, tension_of
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, to_plain
 
 from .scenes import free_blob, tank
 

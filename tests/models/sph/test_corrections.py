@@ -9,7 +9,7 @@ from ecume.laws.flows import viscous_decay
 from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, to_plain
 from ecume.validation import standing_wave
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_sums import at_start

@@ -9,7 +9,7 @@ import ecume
 from ecume.laws import flows
 from ecume.laws.kernels import kernel
 from ecume.models.sph.setup.initial_particles import velocity_in
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
 pytestmark = pytest.mark.compiled

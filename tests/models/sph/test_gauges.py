@@ -10,7 +10,7 @@ from ecume.errors import SceneError
 from ecume.models.sph.boundaries.rigid_bodies import instant
 from ecume.models.sph.record import SPH, start
 from ecume.models.sph.report.observation import gauges_of, readings, sensing_area
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, to_plain
 from ecume.scenes.sph.tank import TankSpec
 
 from .scenes import tank

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.engine.meshes import Cloud, Mesh
+from ecume.engine.outlines import Cloud, Mesh
 from ecume.errors import SceneError
 from ecume.models.sph.record import SPH, start
 from ecume.run import run

@@ -10,7 +10,7 @@ from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces,
 from ecume.models.sph.rates.sums import sum_radial_friction
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import likely_neighbors
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 
 

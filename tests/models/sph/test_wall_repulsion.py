@@ -6,7 +6,7 @@ import pytest
 import ecume
 from ecume.laws import wall_forces
 from ecume.models.sph.record import SPH
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.load import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
 
 

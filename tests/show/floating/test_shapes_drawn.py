@@ -7,8 +7,7 @@ import pytest
 
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl
-from ecume.show.floating.shapes import outlines_in, shapes_of
-from ecume.show.floating.surface import sheet, surface
+from ecume.show.floating.surface import outlines_in, shapes_of, sheet, surface
 from ecume.show.picture import Size, view_around
 from ecume.show.view.chunks import pack
 from ecume.show.view.scenery import floating_stage

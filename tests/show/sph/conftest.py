@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.states import hydrostatic_density, tait_pressure
-from ecume.scenes.schema import from_plain
+from ecume.scenes.load import from_plain
 from ecume.trajectories.frame import Frame
 
 SPACING = 0.05

@@ -20,8 +20,7 @@ from ecume.show.serving import served
 from ecume.show.style import DARK_CANVAS, contrast
 from ecume.show.view import save_page
 from ecume.show.view.chunks import pack
-from ecume.show.view.live import Source, serving
-from ecume.show.view.page import hexadecimal, looks, page
+from ecume.show.view.page import Source, hexadecimal, looks, page, serving
 from ecume.show.view.scenery import STAGES
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")

@@ -9,13 +9,13 @@ import pytest
 from tests.show.view.runs import run_of
 
 from ecume.show.serving import HOST
-from ecume.show.view.live import Source, serving
+from ecume.show.view.page import Source, serving
 
 
 @pytest.fixture
 def asked(tmp_path, monkeypatch):
     """A server with a run in progress, how it stands, and who asked to stop it."""
-    monkeypatch.setattr("ecume.show.view.live.FAREWELL", 0.1)  # no page waits for the end
+    monkeypatch.setattr("ecume.show.view.page.FAREWELL", 0.1)  # no page waits for the end
     state, stopped = ["running"], []
     source = Source(run_of("tracers", tmp_path), lambda: state[0], lambda: stopped.append(True))
     with serving(source) as address:
@@ -59,7 +59,7 @@ def test_only_what_is_new_comes(asked):
 
 
 def test_the_end_is_sent_with_the_last_frames(asked, monkeypatch):
-    monkeypatch.setattr("ecume.show.view.live.MOST_FRAMES", 6)
+    monkeypatch.setattr("ecume.show.view.page.MOST_FRAMES", 6)
     asked[2][0] = "done"
     assert [frames_from(asked, begin)[0]["state"] for begin in (0, 6)] == ["running", "done"]
     assert asked[1].end_reported

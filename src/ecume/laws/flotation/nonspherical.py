@@ -31,8 +31,7 @@ from ecume.laws.flotation.young_laplace import (
     sloping_height,
 )
 from ecume.laws.special import bessel_k0, bessel_k1
-from ecume.units import Angle, Array, Force, Length, Lengths, Number, Real, Unit
-from ecume.value_texts import with_prefix
+from ecume.units import Angle, Array, Force, Length, Lengths, Number, Real, Unit, with_prefix
 
 WIDEST = 600.0
 """In capillary lengths: the menisci of wider rims are no numbers any more, since K0 and K1 fall as exp(-r)."""

@@ -16,8 +16,7 @@ from ecume.laws.arguments import require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid, Sphere
 from ecume.laws.meniscus import dish_height, facing_amplitude, plane_amplitude
 from ecume.laws.multipole.closures import Closure, closure_of
-from ecume.units import Angle, Array, Length
-from ecume.value_texts import with_prefix
+from ecume.units import Angle, Array, Length, with_prefix
 
 if TYPE_CHECKING:
     from ecume.laws.multipole.solving import Echoes, Rims, Waves

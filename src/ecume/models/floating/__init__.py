@@ -1,6 +1,6 @@
 """Floats on a liquid surface: the Cheerios effect.
 
-Start with `record`, the functions that a run calls, and with `parameters` and `state`. `forces` has the forces
+Start with `record`, the functions that a run calls, and with `parameters` (also the state). `forces` has the forces
 between floats, `contacts` collisions and friction, `time_integration` the time step, `setup` what follows from a
 scene, `frames` and `check_report` what is reported, `dishes` the shapes of dishes and menisci at their
 walls, and `shaped` floats that are not round. `options` states which parts can be combined, and `user_laws` adds pair

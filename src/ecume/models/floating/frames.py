@@ -11,12 +11,20 @@ from ecume._jit import compiled
 from ecume.engine.cells import Integers, into_box
 from ecume.engine.contact.contacts import Candidates, apart
 from ecume.engine.walls import Walls, wall_count, wall_distance
-from ecume.laws.dish_motion import sway_place
+from ecume.laws.flows import sway_place
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
-from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, WORK, State, Workspace
+from ecume.models.floating.parameters import (
+    COLLISIONS,
+    DEEPEST,
+    SWEEPS,
+    UNCONVERGED,
+    WORK,
+    Parameters,
+    State,
+    Workspace,
+)
 from ecume.models.floating.time_integration.integration import inertia_of
 from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.invariants import INJECTED, Invariant, Seen, energy_never_rises, kept, part_of

@@ -8,20 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
+from ecume.laws import capillarity, contact_lines, diffusion, drag, flotation, meniscus, pair_laws
 from ecume.models.actions import Access
 from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.frames import OVERLAP, invariants, observe
-from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.parameters import DEEPEST, WORK, Parameters, State, Workspace, make_workspace
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
-from ecume.models.floating.state import DEEPEST, WORK, State, Workspace, make_workspace
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
 from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import DEEP, Model, Source, first_broken, when
 from ecume.models.user_laws import BoundLaw
-from ecume.value_texts import with_prefix
+from ecume.units import with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
@@ -42,7 +41,7 @@ def laws_of(scene: Any) -> list[Source]:
     if scene.shaped:
         resistance = [contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []
-    laws += [brownian.diffusivity] if scene.hydrodynamics.brownian else []
+    laws += [diffusion.diffusivity] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]
 
 

@@ -18,8 +18,14 @@ from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
 from ecume.models.floating.forces.interactions import BY_CONSTANTS, ROUND, Interaction
 from ecume.models.floating.options import Built, scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION, PairParameters, Parameters
-from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    SURFACE_TENSION,
+    PairParameters,
+    Parameters,
+    State,
+    Workspace,
+)
 from ecume.models.floating.time_integration.step_size import FINE, RAFT_NEIGHBORS
 from ecume.models.user_laws import (
     PAIR,

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Surfaces
-from ecume.laws.deflections import TangentialLaw, TensionLaw
 from ecume.laws.friction import ContactFriction
 from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
+from ecume.laws.soft_pair import TangentialLaw, TensionLaw
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.contacts.user_forces import Tables
 from ecume.models.soft.protocol import Protocol
@@ -62,9 +62,9 @@ class Contacts(NamedTuple):
     critical_load: float
     """N: the compression above which there is contact friction"""
     tangential_law: int
-    """the code of a row of `ecume.laws.deflections.TANGENTIAL`"""
+    """the code of a row of `ecume.laws.soft_pair.TANGENTIAL`"""
     tension_law: int
-    """the code of a row of `ecume.laws.deflections.TENSION`"""
+    """the code of a row of `ecume.laws.soft_pair.TENSION`"""
     cavitation_pressure: float
     """Pa: by how much the pressure in a film can fall below that outside"""
 

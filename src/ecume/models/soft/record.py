@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume._portable import exp
 from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
-from ecume.laws.deflections import TANGENTIAL, TENSION
+from ecume.laws.soft_pair import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.costs import require_memory
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Seen, part_of
@@ -24,7 +24,7 @@ from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, deflec
 from ecume.models.soft.setup import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BUDGET, State, make_state, workspace
 from ecume.scenes.soft import SoftScene, tension_law_of
-from ecume.value_texts import with_prefix
+from ecume.units import with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw

@@ -13,28 +13,26 @@ from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.engine.walls import nearest_points, planes
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
-from ecume.laws.deflections import TANGENTIAL, TENSION
 from ecume.laws.drag import stokes_friction
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
-from ecume.laws.soft_pair import PREFACTORS, Prefactors
+from ecume.laws.soft_pair import PREFACTORS, TANGENTIAL, TENSION, Prefactors
 from ecume.laws.surfaces import SURFACES
+from ecume.models.costs import last_step
 from ecume.models.liquids import material_of
 from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.contacts.contact_list import neighbors, open_all, wall_gaps
-from ecume.models.soft.contacts.pieces import UNBALANCED, loose_spheres, pieces
+from ecume.models.soft.contacts.films import UNBALANCED, loose_spheres, pieces
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.protocol import LOAD, SCALE, Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
-from ecume.models.step_counts import last_step
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 GAP = 1e-2
 """Of the smallest radius."""

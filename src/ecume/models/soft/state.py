@@ -15,8 +15,7 @@ from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
 from ecume.models.soft.contacts.contact import ROUNDING
-from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
-from ecume.models.soft.contacts.pieces import anchors
+from ecume.models.soft.contacts.films import Answers, Films, Pairs, anchors, make_answers, make_films
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
 from ecume.models.soft.contacts.user_forces import across
 from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
@@ -266,7 +265,7 @@ class Bodies(NamedTuple):
     drag: Array
     """(N,) N s/m"""
     anchor: Array
-    """(N,) N/m: what holds spheres that nothing pulls at and that no film ties to the rest; see `pieces`"""
+    """(N,) N/m: what holds spheres that nothing pulls at and that no film ties to the rest; see `films`"""
     force: Array
     """(N, d) N external, at factor 1"""
     weight: Array

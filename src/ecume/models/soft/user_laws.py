@@ -22,8 +22,7 @@ from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.check_report import advice
 from ecume.models.user_laws import PAIR, BoundLaw, masks_of, require_force, require_kinds
 from ecume.scenes.soft import SoftScene
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 NARROWEST, WIDEST = 1e-10, 1e4
 """Ends of a table: in radii of the smallest sphere, and of the largest one where films have no cutoff."""

@@ -17,7 +17,7 @@ from ecume.models.sph.rates.methods import (
     PressureMethod,
 )
 from ecume.models.sph.setup.choices import sides_of
-from ecume.models.sph.setup.lattice_sums import (
+from ecume.models.sph.setup.packing import (
     largest_eigenvalue,
     lattice,
     lattice_coupling,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from ecume.engine.boundary_images import Sides
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, Sides
 from ecume.engine.shapes import Shape
 from ecume.engine.walls import Sheet
 from ecume.models.sph.fields import Constants, EquationOfState, Numbers, Precision

@@ -39,7 +39,7 @@ from ecume.models.sph.state import (
     workspace_at,
 )
 from ecume.scenes.sph import SphScene
-from ecume.value_texts import with_prefix
+from ecume.units import with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw

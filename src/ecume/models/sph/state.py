@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.boundary_images import Images, images_of, positions_of_images
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Images, Integers, images_of, positions_of_images
 from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sort_by_cell
 from ecume.models.sph.fields import Fields, Rates, zero_fields, zero_rates
 from ecume.models.sph.integration.particle_loops import largest

@@ -1,8 +1,7 @@
 """Tracers: spheres deep in a liquid that bounce, disperse and settle in a tank, and do not feel one another.
 
-Start with `time_stepping`: flights that are exact between walls, and steps without inertia. `parameters` holds drag
-laws, the choice of the time step and the walls, `openings` the particles that come in, `energy_budget` their
-work.
+Start with `time_stepping`: flights that are exact between walls, steps without inertia, and their work. `parameters`
+holds the state, drag laws, the choice of the time step and the walls, `openings` the particles that come in.
 """
 
 from ecume.models.tracers.record import TRACERS

@@ -7,22 +7,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian, drag
-from ecume.models.costs import Content, frame_cost, require_memory, within_steps
+from ecume.laws import diffusion, drag
+from ecume.models.costs import Content, frame_cost, last_step, require_memory, within_steps
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
-from ecume.models.step_counts import last_step
-from ecume.models.tracers.energy_budget import brings, exchange, lent
 from ecume.models.tracers.openings import species_of
-from ecume.models.tracers.parameters import DRAGS, Parameters, parameters_of
-from ecume.models.tracers.state import CAPPED, State, Workspace, came, layout, start, workspace
-from ecume.models.tracers.state import TRACERS as ACCESS
-from ecume.models.tracers.time_stepping import NOWHERE, advance
+from ecume.models.tracers.parameters import (
+    CAPPED,
+    DRAGS,
+    Parameters,
+    State,
+    Workspace,
+    came,
+    layout,
+    parameters_of,
+    start,
+    workspace,
+)
+from ecume.models.tracers.parameters import TRACERS as ACCESS
+from ecume.models.tracers.time_stepping import NOWHERE, advance, brings, exchange, lent
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
-from ecume.units import Array
-from ecume.value_texts import duration_text, size_text, with_prefix
+from ecume.units import Array, duration_text, size_text, with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
@@ -153,10 +160,10 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
         ]
     if fluid.thermal > 0.0 and friction > 0.0:
-        spread, weight = brownian.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
+        spread, weight = diffusion.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
         rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
         if weight > 0.0:
-            layer = brownian.sedimentation_length(fluid.thermal, weight)
+            layer = diffusion.sedimentation_length(fluid.thermal, weight)
             rows.append(
                 (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
             )
@@ -192,7 +199,9 @@ def _through(way: str, numbers: Numbers) -> float:
 
 def laws_of(scene: Any) -> list[Source]:
     """Drag and heat."""
-    heat: list[Source] = [brownian.diffusivity, brownian.displacement_variance] if scene.hydrodynamics.brownian else []
+    heat: list[Source] = (
+        [diffusion.diffusivity, diffusion.displacement_variance] if scene.hydrodynamics.brownian else []
+    )
     return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *correlations_of(scene.liquid.name)]
 
 

@@ -3,25 +3,171 @@
 With inertia, the flight of a step is exact without walls, and a parabola between collisions. Without inertia, a step is
 half a drift, diffusion, and half a drift; walls act on each part in the way that is exact for it alone (a drift stops
 at the wall, a diffusing particle is reflected).
+
+The work of the liquid and of openings on tracers. Their energy minus this work never increases.
+
+The power of the drag force G on a particle is G.v = G.u - (dissipation), with the liquid's velocity u; a flowing
+liquid does at most the work of G.u, where u is constant during a step, as in the flight. In a step with a collision the
+drag continues as in free flight and may do more work in a flow, G.v, which then counts. A liquid at rest does no work:
+energy gained from drag after a bounce is an error, and is detected as one. Thermal noise adds heat, the difference of
+the energies with and without it. Particles that enter or leave carry their energy. Tracers without inertia have no
+kinetic energy: their velocity in a frame is that of the liquid.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ecume._jit import admit, compiled, compiled_inside, selection
+from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, normals
 from ecume.engine.walls import Sheet, reflect_all
-from ecume.laws import brownian, drag
+from ecume.laws import diffusion, drag
 from ecume.models.model import DIVERGED, DONE, EXCHANGE, codes
 from ecume.models.tracers import parameters
-from ecume.models.tracers.energy_budget import NOT_NOW, has_budget, work_of_drifts, work_of_flights, work_of_steps
-from ecume.models.tracers.parameters import DRAGS, DragChoice, Parameters
-from ecume.models.tracers.state import CAPPED, State, Workspace
+from ecume.models.tracers.parameters import CAPPED, DRAGS, DragChoice, Parameters, State, Workspace, came
 from ecume.units import Array
 
-admit(brownian, drag, parameters)
+NOT_NOW = 1 << 40
+"""The fate of particles that a passage excludes."""
+
+
+@compiled
+def has_budget(parameters: Parameters) -> bool:
+    """Whether the liquid flows or has thermal noise, or particles may leave."""
+    return bool(stirred(parameters) or len(parameters.bouncing.hole) > 0)
+
+
+@compiled
+def stirred(parameters: Parameters) -> bool:
+    """Whether the liquid flows or kicks."""
+    flow, fluid = parameters.fluid.flow, parameters.fluid
+    return bool(fluid.thermal > 0.0 or fluid.shear_rate != 0.0 or flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0)
+
+
+@compiled
+def flow_at(parameters: Parameters, height: float, axis: int) -> float:
+    """A component of the liquid's velocity (m/s)."""
+    fluid = parameters.fluid
+    speed: float = fluid.flow[axis] + (fluid.shear_rate * height if axis == 0 else 0.0)
+    return speed
+
+
+@compiled
+def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) -> float:
+    """Work on tracers with inertia in their step (J)."""
+    total, bodies, moved = 0.0, parameters.bodies, stirred(parameters)
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] <= 0:
+            if moved:
+                carried = carry_of_flight(parameters, state, scratch, i)
+                total += bodies.mass[i] * (carried + heat_of_flight(parameters, state, scratch, i))
+        elif scratch.fate[i] < NOT_NOW:
+            total -= bodies.mass[i] * energy_before(parameters, scratch, i)
+    return total
+
+
+@compiled
+def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
+    """Energy of a tracer with inertia at the start of the step, per mass (J/kg)."""
+    last = scratch.origin.shape[1] - 1
+    energy: float = parameters.bodies.push[i] * scratch.origin[i, last]
+    for axis in range(last + 1):
+        energy += 0.5 * scratch.travel[i, axis] ** 2
+    return energy
+
+
+@compiled
+def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
+    """The impulse of the steady drag times the liquid's velocity, or its force along the way, per mass (J/kg)."""
+    h, last, by_flow, along = parameters.time_step, scratch.origin.shape[1] - 1, 0.0, 0.0
+    height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
+    for axis in range(last + 1):
+        impulse = h * scratch.push[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
+        impulse -= h * scratch.external[i, axis]
+        if axis == last:
+            impulse += h * parameters.bodies.push[i]
+        by_flow += impulse * flow_at(parameters, height, axis)
+        along += impulse / h * (state.position[i, axis] - scratch.origin[i, axis])
+    return max(by_flow, along) if scratch.hits[i] > 0 else by_flow
+
+
+@compiled
+def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
+    """Work of thermal noise per mass (J/kg): exact in free flight; with wall collisions, that along the parabola."""
+    h, last, heat = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
+    for axis in range(last + 1):
+        shift, kicked = scratch.shift[i, axis], scratch.noise[i, axis]
+        if scratch.hits[i] > 0:
+            heat += 2.0 * shift / (h * h) * (state.position[i, axis] - scratch.origin[i, axis])
+        else:
+            kicked += 2.0 * shift / h
+            heat += parameters.bodies.push[i] * shift if axis == last else 0.0
+        heat += kicked * (state.velocity[i, axis] - 0.5 * kicked)
+    return heat
+
+
+@compiled
+def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, time: float) -> float:
+    """Work on tracers without inertia during a time (J): the drag times the velocity of the liquid."""
+    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
+    for i in range(len(scratch.fate)):
+        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
+        if scratch.fate[i] <= 0:
+            friction = weight / bodies.settling[i] if bodies.settling[i] != 0.0 else bodies.friction[i]
+            height = start - 0.5 * time * bodies.settling[i]
+            for axis in range(last + 1):
+                flow = flow_at(parameters, height, axis)
+                behind = time * flow - (state.position[i, axis] - scratch.origin[i, axis])
+                total += friction * behind * flow
+        elif scratch.fate[i] < NOT_NOW:
+            total -= weight * start
+    return total
+
+
+@compiled
+def work_of_steps(parameters: Parameters, state: State, scratch: Workspace) -> float:
+    """Work of thermal noise on tracers without inertia: their gain of potential energy (J)."""
+    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] < NOT_NOW:
+            end = state.position[i, last] if scratch.fate[i] <= 0 else 0.0
+            total += bodies.mass[i] * bodies.push[i] * (end - scratch.origin[i, last])
+    return total
+
+
+def brings(parameters: Parameters) -> bool:
+    """Whether there is anything that may bring energy, or take it away."""
+    return bool(has_budget(parameters) or np.any(parameters.bodies.overdamped))
+
+
+def lent(parameters: Parameters, state: State) -> float:
+    """The energy of motion of those inside who have no inertia (J)."""
+    some = (state.left < 0) & (parameters.bodies.overdamped[: len(state.left)] == 1)
+    mass = parameters.bodies.mass[: len(state.left)][some]
+    return 0.5 * float(np.sum(mass * (state.velocity[some] ** 2).sum(axis=1)))
+
+
+def exchange(parameters: Parameters, state: State) -> State:
+    """The state with all particles that have entered by now, and their energy in the budget."""
+    arrivals, first, bodies = parameters.arrivals, came(parameters, state), parameters.bodies
+    last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
+    position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]
+    here = slice(len(state.left), len(state.left) + last - first)
+    moving = 0.5 * (velocity**2).sum(axis=1) * (bodies.overdamped[here] == 0)
+    brought = dot(bodies.mass[here], moving + bodies.push[here] * position[:, -1])
+    return state._replace(
+        position=np.concatenate([state.position, position]),
+        velocity=np.concatenate([state.velocity, velocity]),
+        left=np.concatenate([state.left, np.full(last - first, -1, np.int64)]),
+        work=state.work + brought,
+    )
+
+
+admit(diffusion, drag, parameters)
 
 STARTED_OUTSIDE = -2
 NOWHERE = 1e100
@@ -210,7 +356,7 @@ def midway_friction(
     friction = slowed(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
     if not liquid[0].linear:
         ratio = friction / inertia
-        change = (math.exp(-ratio), fall * brownian.velocity_gain(ratio))
+        change = (math.exp(-ratio), fall * diffusion.velocity_gain(ratio))
         friction = slowed(relative_speed(velocity, i, flow, change), (radius, stokes), liquid)
     return friction
 
@@ -245,12 +391,12 @@ def plan_flights(
         body = (radius[i], stokes[i], 2.0 * mass[i] / h, 0.5 * h * weight[i])
         friction = midway_friction(velocity, i, flow, body, (law, density, viscosity)) if stokes[i] > 0.0 else 0.0
         ratio = h * friction / mass[i]
-        gain, way = brownian.velocity_gain(ratio), brownian.displacement_gain(ratio)
+        gain, way = diffusion.velocity_gain(ratio), diffusion.displacement_gain(ratio)
         fast, far, both = 0.0, 0.0, 0.0
         if thermal > 0.0 and friction > 0.0:
-            fast = math.sqrt(thermal / mass[i] * brownian.velocity_variance(ratio))
-            both = thermal / friction * brownian.covariance(ratio) / fast
-            far = thermal * mass[i] / (friction * friction) * brownian.displacement_variance(ratio) - both * both
+            fast = math.sqrt(thermal / mass[i] * diffusion.velocity_variance(ratio))
+            both = thermal / friction * diffusion.covariance(ratio) / fast
+            far = thermal * mass[i] / (friction * friction) * diffusion.displacement_variance(ratio) - both * both
             far = math.sqrt(max(far, 0.0))
         for axis in range(last + 1):
             start = (flow[axis] - velocity[i, axis]) * friction / mass[i] + external[i, axis]
@@ -332,6 +478,6 @@ def plan_steps(friction: Array, fate: Integers, chance: tuple[int, int, float], 
     seed, step, thermal = chance
     for i in range(velocity.shape[0]):
         if fate[i] == 0:
-            far = math.sqrt(2.0 * brownian.diffusivity(thermal, friction[i]) / time)
+            far = math.sqrt(2.0 * diffusion.diffusivity(thermal, friction[i]) / time)
             for axis in range(velocity.shape[1]):
                 velocity[i, axis] = far * normals(counter_of(i, step, axis), seed)[0]

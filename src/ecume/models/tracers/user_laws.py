@@ -17,9 +17,8 @@ from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
 from ecume.models.actions import with_injected_work
 from ecume.models.model import DONE, Model
-from ecume.models.tracers.parameters import Bodies, Parameters
-from ecume.models.tracers.state import TRACERS as ACCESS
-from ecume.models.tracers.state import State, Workspace
+from ecume.models.tracers.parameters import TRACERS as ACCESS
+from ecume.models.tracers.parameters import Bodies, Parameters, State, Workspace
 from ecume.models.user_laws import (
     EXTERNAL,
     BoundLaw,

@@ -1,11 +1,18 @@
 """The scene of the floating model: liquid, floats, dish, and the laws of their interaction.
 
-`scene.FloatingScene` is the whole; start there. `floats` describes species and shapes, `surroundings` the liquid, the
-dish, currents, contacts and interactions, and `sources` reads floats from tables and other runs.
+`scene.FloatingScene` is the whole; start there, with species and shapes. `surroundings` describes the liquid, the dish,
+currents, contacts and interactions, and `sources` reads floats from tables and other runs.
 """
 
-from ecume.scenes.floating.floats import DiscSpec, FloatRow, FloatSpec, ShapeSpec, SurfaceEnergies
-from ecume.scenes.floating.scene import FloatingScene, species_of
+from ecume.scenes.floating.scene import (
+    DiscSpec,
+    FloatingScene,
+    FloatRow,
+    FloatSpec,
+    ShapeSpec,
+    SurfaceEnergies,
+    species_of,
+)
 from ecume.scenes.floating.surroundings import (
     ActivitySpec,
     CellSpec,

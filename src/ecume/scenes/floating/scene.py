@@ -1,16 +1,18 @@
-"""The scene of the floating model as a whole."""
+"""The scene of the floating model, and its floats.
+
+The floats of a scene: a species at once or one by one, spheres or other shapes.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
-from ecume.scenes.floating.floats import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import (
     ActivitySpec,
     CellSpec,
@@ -24,7 +26,295 @@ from ecume.scenes.floating.surroundings import (
     MagneticFieldSpec,
     WavesSpec,
 )
-from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT, Gravity
+from ecume.scenes.quantities import (
+    MOST_PARTICLES,
+    MOST_STEPS,
+    STRICT,
+    Color,
+    ContactAngle,
+    Coordinate,
+    Count,
+    Direction,
+    Gravity,
+    MagneticMoment,
+    Name,
+    PositiveDensity,
+    Proportion,
+    Radius,
+    Size,
+    Switch,
+    Tension,
+    TurningRate,
+    Undulation,
+    Velocity,
+)
+from ecume.units import Length
+
+Rise = Annotated[Length, Field(ge=-1e-2, le=1e-2)]
+PINNED = ("square", "star")
+"""Shapes whose contact line is pinned to an edge; the others have a contact angle."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ShapeSpec:
+    """The outline of a float from above. The `radius` of its species is that of the circle around it."""
+
+    kind: Literal["ellipsoid", "needle", "square", "star"]
+    """The shape: an ellipsoid; a needle, which is a horizontal cylinder with round ends; a square plate or cube; a
+    flat star. Effect: determines the capillary multipoles, the drag and the outline for collisions."""
+    width: Size | None = None
+    """The width of an ellipsoid, a needle or an arm of a star (m); squares have none. Effect: a smaller width makes
+    the body more slender: its capillary quadrupole and its anisotropic drag grow."""
+    thickness: Size | None = None
+    """The vertical size of an ellipsoid, a star or a square (m); by default the width, of a square the side. A
+    needle is round. Effect: a thicker body is heavier and displaces more liquid."""
+    arms: Annotated[int, Field(strict=True, ge=3, le=12)] = 5
+    """The number of arms of a star. Effect: sets the symmetry of the outline and the default `mode`."""
+    corner: Annotated[Proportion, Field(ge=0.02)] = 0.1
+    """The radius of the corners of a square, divided by half of its side. Effect: 1 gives a circle; small values
+    give sharp corners, which collide at smaller distances."""
+    rim: Literal["top", "bottom"] = "bottom"
+    """The edge that pins the contact line of a square or a star. Effect: `bottom` holds light bodies, `top` holds
+    bodies denser than the liquid."""
+    undulation: Rise | None = None
+    """The amplitude of the height of the contact line along the axis of the body (m), negative where it dips; by
+    default the value that follows from the contact angle of an ellipsoid, zero for other shapes. Effect: forces
+    and torques between undulated bodies grow with its square."""
+    mode: Annotated[int, Field(strict=True, ge=2, le=12)] | None = None
+    """The number of periods of the contact line around the body; by default 2 (ellipsoid, needle), 4 (square) or the
+    number of arms. Example: `3`. Effect: higher modes give forces of shorter range."""
+    angle: Direction | None = None
+    """The initial angle of the long axis, a corner or an arm from the x axis (rad); by default random. Effect: sets
+    the initial orientation."""
+
+    @property
+    def pinned(self) -> bool:
+        """Whether the contact line is pinned to an edge."""
+        return self.kind in PINNED
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints: Complaints = []
+        if self.kind == "square" and self.width is not None:
+            complaints.append((("width",), "a square has none: its radius, that of the circle around it, says all"))
+        if self.kind != "square" and self.width is None:
+            complaints.append((("width",), f"is missing; expected the width of the {self.kind}"))
+        if self.kind == "needle" and self.thickness is not None:
+            complaints.append((("thickness",), "a needle is round: it has a width only"))
+        if self.kind == "star" and self.mode not in (None, self.arms):
+            complaints.append((("mode",), f"got {self.mode}; expected {self.arms}, one period per arm, or no mode"))
+        if complaints:
+            raise Inconsistent(complaints)
+        if self.mode is None:
+            modes = {"square": 4, "star": self.arms}
+            object.__setattr__(self, "mode", modes.get(self.kind, 2))
+        return self
+
+
+def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
+    """The faults of a shape inside a circle of that radius."""
+    if shape.width is not None and shape.width > 2.0 * radius:
+        came = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
+        return [(("shape", "width"), came)]
+    return []
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SurfaceEnergies:
+    """The energies of a float's surface against the gas and the liquid: Young's law makes the contact angle of them."""
+
+    solid_gas: Tension
+    """The surface energy of the solid against the gas (J/m^2 = N/m). Effect: a larger value lowers the contact angle
+    that follows from Young's law."""
+    solid_liquid: Tension
+    """The surface energy of the solid against the liquid (J/m^2 = N/m). Effect: a larger value raises the contact
+    angle that follows from Young's law."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class DiscSpec:
+    """A flat disc instead of a sphere: the contact line is pinned to one of its edges."""
+
+    thickness: Size
+    """The thickness of the disc (m). Effect: a thicker disc is heavier and displaces more liquid."""
+    rim: Literal["top", "bottom"] = "bottom"
+    """The edge that pins the contact line. Effect: `bottom` holds light discs, `top` holds discs denser than the
+    liquid."""
+    tilting: Switch = True
+    """Whether the disc can tilt in the menisci of others. Effect: tilting discs attract each other more strongly at
+    short distances."""
+    undulation: Undulation = 0.0
+    """The amplitude of the height of the rim (m); such discs rotate and require `interaction.method = "multipole"`.
+    Effect: forces and torques between undulated discs grow with its square."""
+    mode: Annotated[int, Field(strict=True, ge=2, le=12)] = 2
+    """The number of periods of the height around the rim: 2 is a quadrupole, as of an ellipsoid, 3 a hexapole, as of
+    a cube on its corner. Effect: higher modes give forces of shorter range."""
+    angle: Direction | None = None
+    """The initial direction of the highest point of the rim from the x axis (rad); by default random. Effect: sets
+    the initial orientation."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FloatSpec:
+    """Equal spheres, discs or other shapes, and where they start."""
+
+    name: Name = ""
+    """The name of the species in frames, legends and exports; by default `float-1` and so on. Effect: none on the
+    motion."""
+    count: Count = 0
+    """The number of floats; by default one, or the number of positions. Effect: forces cost more time than in
+    proportion to it, except with a grid."""
+    radius: Radius
+    """The radius of each sphere or disc (m); of other shapes that of the circumscribed circle. Effect: the capillary
+    charge of a small sphere grows as the third power of it, the attraction as the sixth."""
+    density: PositiveDensity
+    """The density of each float (kg/m^3). Effect: light floats raise the surface, heavy ones depress it; equal signs
+    attract each other, opposite signs repel. Too dense floats sink and are refused."""
+    contact_angle: ContactAngle | None = None
+    """The contact angle, measured through the liquid (rad); or `original-closure`; or omitted with
+    `surface_energies`. Effect: sets the height of a float and its capillary charge; above 90 deg the float is
+    hydrophobic."""
+    surface_energies: SurfaceEnergies | None = None
+    """Surface energies, from which the contact angle follows, instead of a contact angle. Effect: replaces the
+    contact angle by one that follows from the energies."""
+    disc: DiscSpec | None = None
+    """A flat disc instead of a sphere; its edge pins the contact line. Effect: replaces the contact angle by the
+    edge."""
+    shape: ShapeSpec | None = None
+    """A shape that is elongated or has corners, instead of a sphere; such floats rotate. Effect: adds capillary
+    torques, anisotropic drag and contacts of outlines."""
+    placement: Literal["random", "lattice", "ring"] = "random"
+    """The initial arrangement: random without overlap, a triangular lattice, or equal distances on a ring. Effect:
+    random placement depends on `seed` and fails where there is too little area."""
+    positions: tuple[tuple[Coordinate, Coordinate], ...] = ()
+    """The initial position of each float (m); takes precedence over `placement`. Effect: replaces the random
+    arrangement."""
+    velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
+    """The initial velocity of all floats of the species (m/s). Effect: drag damps it within the relaxation time that
+    `ecume check` prints."""
+    velocities: tuple[tuple[Velocity, Velocity], ...] = ()
+    """Individual initial velocities, one per position (m/s); take precedence over `velocity`. Effect: drag damps
+    them within the relaxation time."""
+    spacing: Size | None = None
+    """The distance between neighbors of the lattice (m). Effect: must exceed the diameter; wider lattices take
+    longer to collapse into rafts."""
+    ring_radius: Size | None = None
+    """The radius of the ring (m). Effect: larger rings have larger initial distances."""
+    center: tuple[Coordinate, Coordinate] | None = None
+    """The center of the lattice or the ring (m); by default the origin, in a periodic cell its center. Effect: shifts
+    the arrangement."""
+    magnetic_moment: MagneticMoment = 0.0
+    """The moment of a vertical magnet in each float (A m^2), positive upward. Effect: parallel magnets repel each
+    other with a force proportional to the product of their moments."""
+    color: Color | None = None
+    """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
+
+    @property
+    def species_name(self) -> str:
+        """The name of its species, as a row has it."""
+        return self.name
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints = [*_wetting(self), *_layout(self), *_figure(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        if not self.count:
+            object.__setattr__(self, "count", len(self.positions) or 1)
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FloatRow:
+    """One float of a table, or of another run's frame."""
+
+    x: Coordinate
+    """The initial position along x (m). Effect: sets the start of this float."""
+    y: Coordinate
+    """The initial position along y (m). Effect: sets the start of this float."""
+    vx: Velocity = 0.0
+    """The initial velocity along x (m/s). Effect: sets the start of this float."""
+    vy: Velocity = 0.0
+    """The initial velocity along y (m/s). Effect: sets the start of this float."""
+    radius: Radius
+    """The radius of this sphere or disc (m); of other shapes that of the circumscribed circle. Effect: as for a
+    species of `particles`."""
+    density: PositiveDensity
+    """The density of this float (kg/m^3). Effect: as for a species of `particles`."""
+    contact_angle: ContactAngle | None = None
+    """The contact angle of this float, measured through the liquid (rad). Effect: as for a species of `particles`."""
+    surface_energies: SurfaceEnergies | None = None
+    """The surface energies of this float, instead of a contact angle. Effect: as for a species of `particles`."""
+    magnetic_moment: MagneticMoment = 0.0
+    """The moment of a vertical magnet in this float (A m^2). Effect: as for a species of `particles`."""
+    disc: DiscSpec | None = None
+    """A flat disc instead of a sphere. Effect: as for a species of `particles`."""
+    shape: ShapeSpec | None = None
+    """An elongated shape or one with corners instead of a sphere. Effect: as for a species of `particles`."""
+    angle: Direction = 0.0
+    """The initial orientation of a float that rotates (rad); takes precedence over that of its disc or shape.
+    Effect: sets the start of this float."""
+    spin: TurningRate = 0.0
+    """The initial angular velocity of a float that rotates (rad/s). Effect: sets the start of this float."""
+    species_name: Name = "float-1"
+    """The name of the species; rows with equal names form one species. Effect: groups floats in numbers, legends and
+    exports."""
+    color: Color | None = None
+    """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
+
+    @property
+    def count(self) -> int:
+        """A row is one float."""
+        return 1
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints = [*_wetting(self), *_figure(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+def _wetting(body: FloatSpec | FloatRow) -> Complaints:
+    """A contact angle comes from exactly one place."""
+    given = [body.contact_angle is not None, body.surface_energies is not None]
+    if body.disc is not None or (body.shape is not None and body.shape.pinned):
+        what = "disc" if body.disc is not None else str(body.shape and body.shape.kind)
+        return (
+            [((), f"a {what} pins the contact line: leave contact_angle and surface_energies out")]
+            if any(given)
+            else []
+        )
+    if sum(given) == 1:
+        return []
+    came = "both" if all(given) else "neither"
+    return [((), f"expected either contact_angle or surface_energies; got {came}")]
+
+
+def _figure(species: FloatSpec | FloatRow) -> Complaints:
+    """A float is a disc or another shape, which fits into its circle."""
+    if species.shape is None:
+        return []
+    twice = [(("shape",), "got shape and disc; expected only one of them")] if species.disc is not None else []
+    return [*twice, *fitting(species.shape, species.radius)]
+
+
+def _layout(species: FloatSpec) -> Complaints:
+    """Positions are as many as the count; lattices and rings have their length, and nothing else has it."""
+    if len(species.velocities) not in (0, len(species.positions)):
+        return [(("velocities",), f"got {len(species.velocities)}; there are {len(species.positions)} positions")]
+    if species.positions:
+        fits = species.count in (0, len(species.positions))
+        return [] if fits else [(("count",), f"got {species.count}; there are {len(species.positions)} positions")]
+    complaints: Complaints = []
+    for placement, key in (("lattice", "spacing"), ("ring", "ring_radius")):
+        given = getattr(species, key) is not None
+        if given and species.placement != placement:
+            complaints.append(((key,), f'means something only with placement = "{placement}"'))
+        if not given and species.placement == placement:
+            complaints.append((("placement",), f'"{placement}" needs {key} as well'))
+    return complaints
+
 
 THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     "nonlinear": {

@@ -36,8 +36,7 @@ from ecume.scenes.soft.protocol import (
     end_of,
     protocol_faults,
 )
-from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
-from ecume.value_texts import with_prefix
+from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity, with_prefix
 
 Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]
 Side = Literal["left", "right", "bottom", "top", "front", "back"]

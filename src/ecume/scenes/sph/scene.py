@@ -27,8 +27,7 @@ from ecume.scenes.quantities import (
     Tension,
     downwards,
 )
-from ecume.scenes.sph.passive_particles import PassiveTracerSpec, passive_tracer_faults
-from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec, extent
+from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec, extent, passive_tracer_faults
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
 from ecume.units import Number, Rate, Speed, Temperature

@@ -17,8 +17,16 @@ from matplotlib.patches import Patch, Polygon
 
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import outline_of, walls_of
-from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
-from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus, with_images
+from ecume.show.floating.surface import (
+    Heights,
+    outlines_in,
+    polygons,
+    shapes_of,
+    sheet,
+    surface,
+    typical_meniscus,
+    with_images,
+)
 from ecume.show.picture import (
     DPI,
     USUAL,

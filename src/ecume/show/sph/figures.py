@@ -10,9 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ecume.analysis.fields import Profile, velocity_profile
-from ecume.analysis.free_surface import free_surface, walls_of
-from ecume.analysis.pressures import with_pressures
+from ecume.analysis.fields import Profile, free_surface, velocity_profile, walls_of, with_pressures
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.laws.states import column_height, column_pressure

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, map_coordinates
 
 from ecume.engine.shapes import Flags
-from ecume.laws import coverage
+from ecume.laws import wall_forces
 from ecume.scenes.sph import SIDES
 from ecume.show.style import RIM
 from ecume.show.tank import Round, Shape
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
 
-SMOOTHING = coverage.SPREAD
+SMOOTHING = wall_forces.SPREAD
 """Of the kernel: its standard deviation in spacings, that by which gauges tell liquid from air."""
 SUPPORT = 4.0
 """Of the kernel, in standard deviations."""
@@ -276,7 +276,7 @@ def room_of(
 def solids_in(scene: SphScene, frame: Frame) -> Inside | None:
     """Which points are inside obstacles and bodies of this frame; None without any."""
     from ecume.show.sph.picture import outline
-    from ecume.show.sph.solids import body_lines
+    from ecume.show.sph.water import body_lines
 
     shapes: list[Shape] = [outline(solid) for solid in scene.obstacles]
     for number, body in enumerate(scene.bodies):

@@ -11,15 +11,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba_array
 
-from ecume.analysis.pressures import with_pressures
+from ecume.analysis.fields import with_pressures
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Eye, Size, Species, Wires, wires_of
 from ecume.show.sph.liquid import Water
-from ecume.show.sph.solids import ball_outline, mover_colors, movers_of
-from ecume.show.sph.water import WaterImage
+from ecume.show.sph.water import WaterImage, ball_outline, mover_colors, movers_of
 from ecume.show.style import INK, PALETTE, RIM
 from ecume.show.tank import BODY, Coloring, Round, Setting, Shape, Tank, colored, seen, stand_apart
 from ecume.trajectories.frame import Frame
@@ -54,7 +53,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
 }
 """By the name that `ecume movie --color` takes; `region` colors by the [[fluid]] table of a particle."""
 DERIVED = ("hydrostatic_pressure", "dynamic_pressure", "absolute_pressure")
-"""Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`."""
+"""Pressures that follow from the gauge pressure, see `ecume.analysis.fields`."""
 
 
 def colorings_of(scene: SphScene) -> dict[str, Coloring | None]:

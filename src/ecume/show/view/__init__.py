@@ -1,7 +1,7 @@
 """The page of a run: one HTML file that plays it in any browser, without a server or a network.
 
-`page.save_page` writes it; start there. `page` also shows frames in a notebook. `chunks` packs frames, `scenery`
-describes what is around the particles, `live` serves the page of a run in progress.
+`page.save_page` writes it; start there. `page` also shows frames in a notebook, and serves a run in progress.
+`chunks` packs frames, `scenery` describes what is around the particles.
 """
 
 from ecume.show.view.page import save_page

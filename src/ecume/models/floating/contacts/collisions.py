@@ -30,9 +30,18 @@ from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.laws import drag, flotation
 from ecume.models.floating.options import Built
-from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.parameters import (
+    COLLISIONS,
+    DEEPEST,
+    SWEEPS,
+    UNCONVERGED,
+    Parameters,
+    State,
+    Workspace,
+    add_rows,
+    copy_rows,
+)
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_frictions
-from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace, add_rows, copy_rows
 from ecume.units import Array
 
 if TYPE_CHECKING:

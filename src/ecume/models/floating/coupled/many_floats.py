@@ -21,13 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume._jit import admit, compiled, compiled_inside, prange, threaded
-from ecume.engine import grid_splines
+from ecume.engine import interpolation
 from ecume.engine.cells import Integers, make_cells, sort_into_cells
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import mobility_contacts
 from ecume.engine.contact.contacts import Contacts
 from ecume.engine.contact.impulse_solvers import Goal
-from ecume.engine.grid_splines import Spread
+from ecume.engine.interpolation import Spread
 from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
@@ -44,8 +44,7 @@ from ecume.models.floating.coupled.mobility import (
     gather_contacts,
     store_velocities,
 )
-from ecume.models.floating.parameters import Parameters, Parts, Scratch
-from ecume.models.floating.state import SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.floating.parameters import SWEEPS, UNCONVERGED, Parameters, Parts, Scratch, State, Workspace
 from ecume.units import Array
 
 admit(pair_mobility, ewald)
@@ -114,7 +113,7 @@ def place_flow_grid(position: Array, radius: Array, viscosity: float, drifting: 
     width, low = WIDTH * spacing, position.min(axis=0) - ORDER * spacing
     shape = shape_around(np.ptp(position, axis=0), spacing)
     near = near_pairs(position, radius, width)
-    spread = grid_splines.spread_out(position, low, spacing, shape[0], ORDER)
+    spread = interpolation.spread_out(position, low, spacing, shape[0], ORDER)
     equal = float(np.ptp(radius)) == 0.0
     weight = np.ones((1, len(radius))) if equal else np.stack([np.ones(len(radius)), radius * radius])
     square = 2.0 * float(radius[0]) ** 2 if equal else 0.0
@@ -342,7 +341,7 @@ def flow_product(grid: FlowGrid, force: Array) -> Array:
             along += part[XX] * x + part[XY] * y
             across += part[XY] * x + part[YY] * y
         fields = fft.irfft2(np.stack([along, across]), s=grid.shape, workers=WORKERS)
-        product += weight[:, None] * grid_splines.fields(grid.spread, fields)
+        product += weight[:, None] * interpolation.fields(grid.spread, fields)
     return grid.unit * product
 
 
@@ -356,7 +355,7 @@ def flow_divergence(grid: FlowGrid, position: Array) -> Array:
     for weight, flow in zip(grid.weight, grid.divergence, strict=True):
         total = sum(1j * part * wave for part, wave in zip(flow, waves, strict=True))
         fields = fft.irfft2(total, s=grid.shape, workers=WORKERS)
-        drift += weight[:, None] * grid_splines.fields(grid.spread, fields)
+        drift += weight[:, None] * interpolation.fields(grid.spread, fields)
     return grid.unit * drift
 
 
@@ -364,7 +363,7 @@ def _waves_of(grid: FlowGrid, charge: Array) -> NDArray[np.complex128]:
     """The transform of charges on the grid."""
     from scipy import fft
 
-    waves: NDArray[np.complex128] = fft.rfft2(grid_splines.density(grid.spread, charge, grid.shape), workers=WORKERS)
+    waves: NDArray[np.complex128] = fft.rfft2(interpolation.density(grid.spread, charge, grid.shape), workers=WORKERS)
     return waves
 
 

@@ -32,7 +32,7 @@ from ecume.engine.contact.mobility_contacts import DenseRows, make_dense_rows
 from ecume.engine.linear_solvers.lanczos import root_product
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import pair_mobility
-from ecume.laws.dish_motion import sway_velocity
+from ecume.laws.flows import sway_velocity
 from ecume.laws.pair_mobility import rotne_prager, spin_by_force, spin_by_torque, surface_divergence
 from ecume.models.floating.contacts.collisions import (
     Friction,
@@ -54,8 +54,7 @@ from ecume.models.floating.forces.films import (
 )
 from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.options import Built
-from ecume.models.floating.parameters import Parameters, Parts, Scratch
-from ecume.models.floating.state import SWEEPS, UNCONVERGED, WORK, State, Workspace
+from ecume.models.floating.parameters import SWEEPS, UNCONVERGED, WORK, Parameters, Parts, Scratch, State, Workspace
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 

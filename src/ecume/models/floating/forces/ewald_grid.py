@@ -20,7 +20,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume._portable import exp, log
-from ecume.engine import grid_splines
+from ecume.engine import interpolation
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.engine.walls import surfaces
@@ -29,11 +29,17 @@ from ecume.laws import ewald
 from ecume.laws.ewald import SplitFit, smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.laws.pair_laws import Short, short_constants
 from ecume.models.floating.options import scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, INVERSE_SQUARE, STRENGTH, Parameters
-from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    CUTOFF,
+    INVERSE_SQUARE,
+    STRENGTH,
+    Parameters,
+    State,
+    Workspace,
+)
 from ecume.models.floating.time_integration.step_size import PACKED
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
@@ -333,9 +339,9 @@ def transformed(split: Split, position: Array, charge: Array, grid: Grid, length
     """Return the spline weights of all floats, the transform of the smooth potential, and the waves."""
     from scipy import fft
 
-    spread = grid_splines.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
+    spread = interpolation.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
     waves = waves_of(grid.shape, split.spacing / length, split.eta, split.order, grid.reach)
-    spectrum = fft.rfft2(grid_splines.density(spread, charge, grid.shape), workers=WORKERS)
+    spectrum = fft.rfft2(interpolation.density(spread, charge, grid.shape), workers=WORKERS)
     spectrum *= waves.potential
     return spread, spectrum, waves
 
@@ -350,7 +356,7 @@ def add_smooth_forces(parameters: Parameters, split: Split, position: Array, gri
         fft.irfft2(1j * wavenumber * spectrum, s=grid.shape, workers=WORKERS)
         for wavenumber in (waves.along, waves.across)
     ])  # fmt: skip
-    force += float(parameters.pair[STRENGTH]) / length * charge[:, None] * grid_splines.fields(spread, slopes)
+    force += float(parameters.pair[STRENGTH]) / length * charge[:, None] * interpolation.fields(spread, slopes)
 
 
 def split_energy(
@@ -365,7 +371,7 @@ def split_energy(
     spread, spectrum, _ = transformed(split, state.position, charge, grid, length)
     potential = fft.irfft2(spectrum, s=grid.shape, workers=WORKERS)[None]
     alone = smooth_self_energy(split.eta) * charge
-    smooth = 0.5 * float(np.sum(charge * (grid_splines.fields(spread, potential)[:, 0] - alone)))
+    smooth = 0.5 * float(np.sum(charge * (interpolation.fields(spread, potential)[:, 0] - alone)))
     listed = rows.first, rows.neighbor, workspace.lists.cells.order
     closest, cutoff = 0.1 * split.short.lower * length, float(pair[CUTOFF])
     table = _short_table((closest, cutoff), float(pair[INVERSE_SQUARE]), split.eta)

@@ -19,8 +19,7 @@ from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws.drag import pair_factor
 from ecume.models.floating.options import Built
-from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.state import State, Workspace, copy_rows
+from ecume.models.floating.parameters import Parameters, State, Workspace, copy_rows
 from ecume.units import Array
 
 if TYPE_CHECKING:

@@ -14,18 +14,8 @@ import numpy as np
 from ecume._jit import composed, each_by_type
 from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.laws import contact_lines, dipoles, ewald, multipole, radiated_waves
+from ecume.laws import contact_lines, ewald, multipole, pair_laws, radiated_waves
 from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
-from ecume.models.floating.forces.activity import (
-    Activity,
-    activity_forces,
-    activity_of,
-    add_work_of_activity,
-    make_activity_scratch,
-    no_activity_energy,
-    renew_activity,
-    with_activity,
-)
 from ecume.models.floating.forces.ewald_grid import (
     Split,
     make_reference,
@@ -35,7 +25,17 @@ from ecume.models.floating.forces.ewald_grid import (
     split_lines,
 )
 from ecume.models.floating.forces.films import Films, apply_films, films_of
-from ecume.models.floating.forces.flow_and_noise import add_flow
+from ecume.models.floating.forces.flow_and_noise import (
+    Activity,
+    activity_forces,
+    activity_of,
+    add_flow,
+    add_work_of_activity,
+    make_activity_scratch,
+    no_activity_energy,
+    renew_activity,
+    with_activity,
+)
 from ecume.models.floating.forces.magnets import (
     DipoleMoments,
     MagneticField,
@@ -82,10 +82,9 @@ from ecume.models.floating.forces.waves import (
     with_headings,
 )
 from ecume.models.floating.options import Built, Option
-from ecume.models.floating.parameters import Parameters, Parts, Scratch
+from ecume.models.floating.parameters import Parameters, Parts, Scratch, State, Workspace, clear
 from ecume.models.floating.shaped.bodies import Shaped, make_shaped_scratch, shaped_energies, shaped_forces
 from ecume.models.floating.shaped.figures import shapes_of
-from ecume.models.floating.state import State, Workspace, clear
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -204,7 +203,7 @@ INTERACTIONS = {
         path="particles", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
         energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
-        gives=ROUND | {"pair sum", "undulations", "grid", "no torques"}, laws=(dipoles.dipole_force,),
+        gives=ROUND | {"pair sum", "undulations", "grid", "no torques"}, laws=(pair_laws.dipole_force,),
         needs={
             "reciprocal": "the energy of the dipoles is kept together with that of the law",
             "round": "a dipole is taken to be at the center, which elongated floats come nearer to than they touch",
@@ -215,7 +214,7 @@ INTERACTIONS = {
         add_forces=magnetic_forces, energy=magnetic_energy, scratch=make_magnetic_scratch, kick_spins=renew_field,
         lines=magnetic_lines, arrays=lambda part: {"magnetic_moment": (part.permanent.copy(), "A*m^2")},
         gives=ROUND | {"pair sum", "undulations", "grid", "no torques"},
-        laws=(dipoles.oblique_dipole_energy, dipoles.induced_moment),
+        laws=(pair_laws.oblique_dipole_energy, pair_laws.induced_moment),
         needs={
             "reciprocal": "the energy of the moments is kept together with that of the law",
             "round": "induced moments are those of spheres",

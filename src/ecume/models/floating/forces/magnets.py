@@ -19,14 +19,21 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.engine.walls.surfaces import farthest
-from ecume.laws import dipoles
-from ecume.laws.dipoles import dipole_energy, dipole_force, dipole_strength, induced_moment
-from ecume.laws.pair_laws import Dipoles
+from ecume.laws import pair_laws
+from ecume.laws.pair_laws import Dipoles, dipole_energy, dipole_force, dipole_strength, induced_moment
 from ecume.models.floating.forces.pair_forces import add_from_slots, pairs_of, sum_pair_forces
 from ecume.models.floating.options import Built, scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, STRENGTH, SURFACE_TENSION, Parameters
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    CUTOFF,
+    STRENGTH,
+    SURFACE_TENSION,
+    WORK,
+    Parameters,
+    State,
+    Workspace,
+)
 from ecume.models.floating.setup.kinds import moments_of
-from ecume.models.floating.state import WORK, State, Workspace
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
 from ecume.units import Array
 
@@ -34,7 +41,7 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
 
-admit(dipoles)
+admit(pair_laws)
 
 
 class DipoleMoments(NamedTuple):

@@ -47,9 +47,8 @@ from ecume.laws.multipole.solving import (
 from ecume.laws.special import bessel_k0, bessel_k1, scaled_bessel_i1
 from ecume.models.floating.dishes import acts, meniscus_of
 from ecume.models.floating.options import Built, scene_error
-from ecume.models.floating.parameters import Parameters, part_of
+from ecume.models.floating.parameters import Parameters, State, Workspace, make_state, part_of
 from ecume.models.floating.setup.kinds import distinct_kinds
-from ecume.models.floating.state import State, Workspace, make_state
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
 from ecume.models.liquids import liquid_of
 from ecume.units import Array

@@ -24,7 +24,7 @@ from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists, Rows,
 from ecume.engine.walls import wall_count
 from ecume.engine.walls.surfaces import farthest
 from ecume.errors import BadInput, SceneError
-from ecume.laws import capillarity, dipoles, ewald, pair_laws, special
+from ecume.laws import capillarity, ewald, pair_laws, special
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw, Setting, described, settable
 from ecume.models.floating.dishes import acts, wall_energy, wall_force
 from ecume.models.floating.options import Built, Option, scene_error
@@ -36,15 +36,16 @@ from ecume.models.floating.parameters import (
     Floats,
     PairParameters,
     Parameters,
+    State,
+    Workspace,
     distinct_rows,
 )
-from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
-ADMITTED = (capillarity, dipoles, pair_laws, special, ewald)
+ADMITTED = (capillarity, pair_laws, special, ewald)
 """The modules whose functions a pair law may call in compiled code."""
 admit(*ADMITTED)
 

@@ -21,13 +21,11 @@ from ecume.laws import radiated_waves
 from ecume.laws.radiated_waves import Ripples, slope_per_force
 from ecume.models.floating.contacts.collisions import float_inertia
 from ecume.models.floating.options import Built, scene_error
-from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.parameters import WORK, Parameters, State, Workspace
 from ecume.models.floating.setup.kinds import distinct_kinds, turning_frictions
-from ecume.models.floating.state import WORK, State, Workspace
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
 from ecume.models.liquids import liquid_of
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene

@@ -24,13 +24,11 @@ from ecume.models.floating.contacts.contact_models import contacts_of, gaps_betw
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
-from ecume.models.floating.state import WORK, State, make_state
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, make_state
 from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
 from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.model import Layout
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

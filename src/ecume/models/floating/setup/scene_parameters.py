@@ -13,7 +13,7 @@ import numpy as np
 from ecume.engine.walls import wall_count
 from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation, meniscus
-from ecume.laws.contact import legacy_restitution
+from ecume.laws.friction import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel

@@ -33,8 +33,20 @@ from ecume.models.floating.contacts.collisions import (
     share_restitution,
 )
 from ecume.models.floating.dishes import acts, wall_energy, wall_force
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, STRENGTH, Parameters, Parts, Scratch
-from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    COLLISIONS,
+    CUTOFF,
+    DEEPEST,
+    STRENGTH,
+    SWEEPS,
+    UNCONVERGED,
+    Parameters,
+    Parts,
+    Scratch,
+    State,
+    Workspace,
+)
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 

@@ -37,8 +37,7 @@ from ecume.models.floating.forces.interactions import (
     kick_spins,
     sort_parts,
 )
-from ecume.models.floating.parameters import Parameters, Parts, Scratch
-from ecume.models.floating.state import State, Workspace, copy_rows
+from ecume.models.floating.parameters import Parameters, Parts, Scratch, State, Workspace, copy_rows
 from ecume.models.floating.time_integration.integrators import (
     INTEGRATORS_BY_CONSTANTS,
     add_heat,

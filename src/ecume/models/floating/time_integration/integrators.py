@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 from ecume._jit import admit, compiled, compiled_inside, composed, selected
 from ecume._tables import by_constants
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import brownian, dish_motion, drag
-from ecume.laws.brownian import diffusivity
-from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
+from ecume.laws import diffusion, drag, flows
+from ecume.laws.diffusion import diffusivity
 from ecume.laws.drag import schiller_naumann_factor
+from ecume.laws.flows import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.coupled.many_floats import (
     GridKicks,
     add_work_on_grid,
@@ -44,7 +44,19 @@ from ecume.models.floating.coupled.mobility import (
 from ecume.models.floating.forces.flow_and_noise import current_at, straight_current
 from ecume.models.floating.forces.interactions import evaluate
 from ecume.models.floating.options import Option
-from ecume.models.floating.parameters import Kick, Parameters, Parts, Scheme, Scratch
+from ecume.models.floating.parameters import (
+    WORK,
+    Kick,
+    Parameters,
+    Parts,
+    Scheme,
+    Scratch,
+    State,
+    Workspace,
+    advance_rows,
+    clear,
+    copy_rows,
+)
 from ecume.models.floating.shaped.bodies import (
     RigidKicks,
     begin_rigid,
@@ -54,11 +66,10 @@ from ecume.models.floating.shaped.bodies import (
     predict_rigid,
     store_rigid,
 )
-from ecume.models.floating.state import WORK, State, Workspace, advance_rows, clear, copy_rows
 from ecume.models.model import DONE
 from ecume.units import Array
 
-admit(brownian, drag, dish_motion)
+admit(diffusion, drag, flows)
 
 
 @compiled

@@ -15,17 +15,16 @@ import math
 from typing import NamedTuple
 
 from ecume._jit import admit, compiled_inside, selection
-from ecume.laws import deflections, friction, interfaces, long_range, soft_pair, surfaces
-from ecume.laws.deflections import TANGENTIAL, TENSION, Bending, Draw, Widening
+from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES, Resistance
 from ecume.laws.long_range import REMOTE
-from ecume.laws.soft_pair import Prefactors
+from ecume.laws.soft_pair import TANGENTIAL, TENSION, Bending, Draw, Prefactors, Widening
 from ecume.laws.surfaces import SURFACES, Body, Surface
 from ecume.models.model import codes
 from ecume.models.soft.parameters import Contacts
 
-admit(soft_pair, long_range, surfaces, interfaces, friction, deflections)
+admit(soft_pair, long_range, surfaces, interfaces, friction)
 
 FAINTEST = 1e-3
 """Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""

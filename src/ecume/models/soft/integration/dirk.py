@@ -29,8 +29,7 @@ from ecume.models.soft.contacts.walls import (
     wall_error,
 )
 from ecume.models.soft.integration.dirk_schemes import Scheme
-from ecume.models.soft.integration.force_assembly import imbalance
-from ecume.models.soft.integration.newton import newton_dense
+from ecume.models.soft.integration.newton import imbalance, newton_dense
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.protocol import Drive
 from ecume.models.soft.report.energy_budget import add_stage

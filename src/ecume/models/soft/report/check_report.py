@@ -21,8 +21,7 @@ from ecume.models.soft.report.observation import widths
 from ecume.models.soft.setup import fillings, prefactors_of
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, sides_of, tension_law_of
-from ecume.units import Array
-from ecume.value_texts import duration_text, size_text, with_prefix
+from ecume.units import Array, duration_text, size_text, with_prefix
 
 JAMMED = {2: 0.84, 3: 0.64}
 """The volume fraction at which random packings of unequal spheres jam, in each dimension."""

@@ -32,7 +32,7 @@ from ecume.models.soft.contacts.rotation import Spins
 from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
-from ecume.models.soft.integration.force_assembly import CHUNK
+from ecume.models.soft.integration.newton import CHUNK
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.state import Bodies, During, Step
 from ecume.units import Array

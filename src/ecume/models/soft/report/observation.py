@@ -16,7 +16,7 @@ import numpy as np
 
 from ecume._portable import exp, log
 from ecume.engine.cells import Integers
-from ecume.laws.deflections import DEFINITE, TANGENTIAL, TENSION
+from ecume.laws.soft_pair import DEFINITE, TANGENTIAL, TENSION
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
@@ -31,8 +31,7 @@ from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, 
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Step, Workspace
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 FAINT = 1e-3
 """Of the radius: in smaller deflections the ratio of both parts means nothing."""

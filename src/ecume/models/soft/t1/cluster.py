@@ -1,15 +1,35 @@
-"""Four spheres that exchange neighbors: the scene and its results."""
+"""Four spheres that exchange neighbors: the scene and its results.
+
+The T1 process with deflections as unknowns, for forces whose deflections are lost in the rounding of positions.
+
+A cluster that is symmetric about two axes has four films: horizontal, vertical, and the diagonals, which are alike. Its
+state is ln(gap) of each, the angle of the diagonals' gap vector G_d, and the closure C = (G_h/2, G_v/2) - G_d, the sum
+of gap vectors around half a diamond: it is the difference between the deflections, as small as they are, and has its
+own equation. The deflection of a diagonal is C plus half the horizontal and half the vertical one, which balance the
+forces. Spheres do not rotate in a symmetric cluster. [rognon2009, eq. 1 to 16].
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from ecume.laws.soft_pair import SoftPair, passage_time
+from ecume._portable import exp
+from ecume.errors import Diverged
+from ecume.laws.soft_pair import (
+    Prefactors,
+    SoftPair,
+    contact_size,
+    passage_time,
+    shear_friction,
+    squeeze_friction,
+    surface_stiffness,
+)
 from ecume.models.soft.setup import prefactors_of
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec
 from ecume.units import Array
@@ -184,3 +204,212 @@ def watch(goals: Sequence[float], seen: Seen, begin: Instant, end: Instant, cros
         if end.gap_vertical < end.gap_horizontal:
             seen.found[k] = min(seen.found[k], seen.since[k])
     return bool(np.isfinite(seen.found).all())
+
+
+REDUCED_RADIUS = 0.5
+"""In radii, of equal spheres."""
+MOST_ITERATIONS = 50
+BALANCED, CLOSE = 1e-15, 1e-9
+"""The last relative change of the deflections; below the second it need not be the last if it no longer decreases."""
+FIRST_STEP = 1e-6
+"""Of the ramp."""
+DIFFERENCE = 1e-6
+"""Step of the Jacobian's differences."""
+RELATIVE = 0.1
+"""The tolerance of ln(gap) and angles, relative: that of a step adds so many times their value."""
+
+
+class Pull(NamedTuple):
+    """The loading of a cluster."""
+
+    horizontal: float
+    vertical: float
+    """inward forces, in units of the largest"""
+    scale: float
+    """the largest, in E R^2: the unit of deflections (R)"""
+    viscosity: float
+    """with which times are in eta R^2 / F_N"""
+    ramp: float
+    prefactors: Prefactors
+
+
+class Contact(NamedTuple):
+    """A contact at a deflection."""
+
+    tension: float
+    stiffness: float
+    """slope of the tension over the normal deflection"""
+    size: float
+    size_slope: float
+    """of the contact size over the normal deflection"""
+
+
+class Balance(NamedTuple):
+    """A cluster in balance: forces and deflections in units of the largest force and deflection."""
+
+    horizontal: float
+    vertical: float
+    """deflections"""
+    contacts: tuple[Contact, Contact, Contact]
+    """of the horizontal, the vertical and a diagonal pair"""
+    sliding: float
+    """the force along the diagonal's surface, from the horizontal to the vertical"""
+    left: float
+    """the largest residual force"""
+
+
+def contact_at(pull: Pull, gap: float, deflection: float) -> Contact:
+    """The normal response of two spheres."""
+    factors = pull.prefactors
+    depth = pull.scale * deflection
+    size = contact_size(REDUCED_RADIUS, gap, depth, factors.gap_weight, factors.deflection_weight)
+    stiffness = surface_stiffness(size, 1.0, factors.normal)
+    slope = math.copysign(REDUCED_RADIUS * factors.deflection_weight * pull.scale / size, deflection)
+    return Contact(stiffness * deflection, stiffness * (1.0 + deflection * slope / size), size, slope)
+
+
+def balanced(pull: Pull, time: float, state: Array, guess: Array) -> Balance:
+    """Newton's method for the horizontal and the vertical deflection, which `guess` holds; at gaps that are held."""
+    load = min(time / pull.ramp, 1.0)
+    gaps = exp(state[:3])
+    cosine, sine = math.cos(state[3]), math.sin(state[3])
+    last = math.inf
+    for _ in range(MOST_ITERATIONS):
+        horizontal, vertical = contact_at(pull, gaps[0], guess[0]), contact_at(pull, gaps[1], guess[1])
+        x, y = state[4] + 0.5 * guess[0], state[5] + 0.5 * guess[1]
+        diagonal, shear = contact_at(pull, gaps[2], x * cosine + y * sine), y * cosine - x * sine
+        tangential = surface_stiffness(diagonal.size, 1.0, pull.prefactors.tangential)
+        sliding = tangential * shear
+        left_x = load * pull.horizontal + horizontal.tension + 2.0 * (diagonal.tension * cosine - sliding * sine)
+        left_y = load * pull.vertical + vertical.tension + 2.0 * (diagonal.tension * sine + sliding * cosine)
+        found = Balance(guess[0], guess[1], (horizontal, vertical, diagonal), sliding, max(abs(left_x), abs(left_y)))
+        by_normal = sliding * diagonal.size_slope / diagonal.size
+        # Slopes of normal and tangential force over half the horizontal and half the vertical deflection.
+        normal_x, normal_y = diagonal.stiffness * cosine, diagonal.stiffness * sine
+        along_x, along_y = by_normal * cosine - tangential * sine, by_normal * sine + tangential * cosine
+        xx = horizontal.stiffness + normal_x * cosine - along_x * sine
+        xy = normal_y * cosine - along_y * sine
+        yx = normal_x * sine + along_x * cosine
+        yy = vertical.stiffness + normal_y * sine + along_y * cosine
+        determinant = xx * yy - xy * yx
+        change = (yy * left_x - xy * left_y) / determinant, (xx * left_y - yx * left_x) / determinant
+        guess -= change
+        size = max(map(abs, change)) / max(1.0, *np.abs(guess))
+        if size <= BALANCED or size >= last < CLOSE:
+            return found
+        last = size
+    raise Diverged(f"at t = {time:g} the deflections of the cluster cannot balance its forces")
+
+
+def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
+    """Of ln(gaps), angle and closure: each film flows under the force of its surfaces."""
+    balance, factors = balanced(pull, time, state, guess), pull.prefactors
+    gaps = exp(state[:3])
+    opening = np.array(
+        [
+            contact.tension / squeeze_friction(contact.size, gap, pull.viscosity, factors.squeeze)
+            for contact, gap in zip(balance.contacts, gaps, strict=True)
+        ]
+    )
+    slide = balance.sliding / shear_friction(balance.contacts[2].size, gaps[2], pull.viscosity, factors.shear)
+    cosine, sine = math.cos(state[3]), math.sin(state[3])
+    closing = (
+        0.5 * opening[0] - opening[2] * cosine + slide * sine,
+        0.5 * opening[1] - opening[2] * sine - slide * cosine,
+    )
+    return np.array([*opening / gaps, slide / (2.0 + gaps[2]), closing[0] / pull.scale, closing[1] / pull.scale])
+
+
+def jacobian(pull: Pull, guess: Array, time: float, state: Array) -> Array:
+    """Of the rates, by differences.
+
+    The closure relaxes within kappa: differences over a part of the tolerance, which are common, are lost in rounding.
+    """
+    here, columns = rates(pull, guess, time, state), []
+    for k in range(len(state)):
+        there = state.copy()
+        there[k] += DIFFERENCE * max(1.0, abs(state[k]))
+        columns.append((rates(pull, guess, time, there) - here) / (there[k] - state[k]))
+    return np.array(columns).T
+
+
+def follow_symmetric(
+    gap: float, forces: tuple[float, float], thresholds: Sequence[float], how: tuple[str, float, float]
+) -> T1:
+    """Integrate a cluster; `how` is the set of prefactors, the ramp and the tolerance."""
+    prefactors, ramp, tolerance = how
+    kappa, scale = abs(forces[0] - forces[1] / SQRT3), max(map(abs, forces))
+    factors = prefactors_of(FilmSpec(prefactors=prefactors))
+    pull = Pull(forces[0] / scale, forces[1] / scale, scale, kappa / scale, ramp, factors)
+    goals = [one * (forces[1] - forces[0] / SQRT3) / kappa for one in thresholds]
+    series, seen = [_instant(pull, 0.0, _start(gap), np.zeros(2))], unseen(goals)
+    steps, left = 0, 0.0
+    for end, between, residual in _steps(pull, gap, horizon(gap, kappa, prefactors, ramp), tolerance):
+        begin, steps, left = series[-1], steps + 1, max(left, residual)
+        series.append(end)
+        if watch(goals, seen, begin, end, partial(_crossing, pull, begin, end, between)) or end.gap_diagonal > APART:
+            break
+    return result_of(series, list(seen.found), thresholds, kappa, Effort(steps, 0, left))
+
+
+def _start(gap: float) -> Array:
+    """The cluster at rest."""
+    far = SQRT3 * (2.0 + gap) - 2.0
+    return np.array([math.log(gap), math.log(far), math.log(gap), math.pi / 3.0, 0.0, 0.0])
+
+
+Between = Callable[[float], Array]
+"""The state at a time within a step."""
+
+
+def _steps(pull: Pull, gap: float, end: float, tolerance: float) -> Iterator[tuple[Instant, Between, float]]:
+    """Steps by the implicit formula of Radau: the instant at the end of each, the states in it, and the residual."""
+    from scipy.integrate import Radau
+
+    guess, state, begin = np.zeros(2), _start(gap), 0.0
+    for stop in (pull.ramp, end):
+        first = FIRST_STEP * min(pull.ramp, stop - begin)
+        functions = partial(rates, pull, guess), partial(jacobian, pull, guess)
+        solver = Radau(
+            functions[0], begin, state, stop,
+            jac=functions[1], rtol=RELATIVE * tolerance, atol=tolerance, first_step=first,
+        )  # fmt: skip
+        while solver.status == "running":
+            if complaint := solver.step():
+                raise Diverged(f"at t = {solver.t:g} no step is short enough; {complaint}")
+            balance = balanced(pull, solver.t, solver.y, guess)
+            yield _instant(pull, solver.t, solver.y, guess), solver.dense_output(), balance.left / pull.viscosity
+        begin, state = solver.t, solver.y
+
+
+def _instant(pull: Pull, time: float, state: Array, guess: Array) -> Instant:
+    """A state as numbers."""
+    balance, gaps = balanced(pull, time, state, guess), exp(state[:3])
+    across = 2.0 + gaps[0] + pull.scale * balance.horizontal
+    along = 2.0 + gaps[1] + pull.scale * balance.vertical
+    horizontal, vertical, diagonal = (contact.tension / pull.viscosity for contact in balance.contacts)
+    return Instant(
+        time=time,
+        angle=math.atan2(along, across),
+        gap_horizontal=float(gaps[0]),
+        gap_vertical=float(gaps[1]),
+        gap_diagonal=float(gaps[2]),
+        tension_horizontal=float(horizontal),
+        tension_vertical=float(vertical),
+        tension_diagonal=float(diagonal),
+        sliding_force=float(-balance.sliding / pull.viscosity),
+    )
+
+
+def _crossing(pull: Pull, begin: Instant, end: Instant, between: Between, goal: float) -> float:
+    """The time within a step at which the vertical pair carries that force."""
+    from scipy.optimize import brentq
+
+    guess = np.zeros(2)
+
+    def missing(time: float) -> float:
+        return goal + _instant(pull, time, between(time), guess).tension_vertical
+
+    if not missing(begin.time) > 0.0 > missing(end.time):
+        return end.time
+    return float(brentq(missing, begin.time, end.time, xtol=CLOSE * (end.time - begin.time)))

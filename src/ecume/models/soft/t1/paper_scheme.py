@@ -20,7 +20,7 @@ from ecume.engine.linear_solvers import block_matrix
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
 from ecume.models.soft.contacts.films import answer
-from ecume.models.soft.integration.force_assembly import imbalance
+from ecume.models.soft.integration.newton import imbalance
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.setup import parameters_of, start
 from ecume.models.soft.state import Step, workspace

@@ -37,6 +37,7 @@ from ecume.models.soft.t1.cluster import (
     Effort,
     Instant,
     Units,
+    follow_symmetric,
     horizon,
     parting,
     result_of,
@@ -45,7 +46,6 @@ from ecume.models.soft.t1.cluster import (
     unseen,
     watch,
 )
-from ecume.models.soft.t1.symmetric import follow_symmetric
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
 

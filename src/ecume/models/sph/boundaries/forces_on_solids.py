@@ -11,14 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled_inside, prange, spread
-from ecume.engine.boundary_images import Images
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Images, Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import between, completed, completion
-from ecume.models.sph.rates.kernels import slope_of
-from ecume.models.sph.rates.sums import damping
+from ecume.models.sph.rates.sums import damping, slope_of
 from ecume.models.sph.state import Workspace
 from ecume.units import Array
 

@@ -14,18 +14,18 @@ import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, prange, spread
 from ecume._portable import product
-from ecume.engine.boundary_images import Sides
+from ecume.engine.cells import Sides
 from ecume.engine.neighbor_rows import cell_at
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import brownian, drag
+from ecume.laws import diffusion, drag
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import CarriedGroup, Parameters
-from ecume.models.sph.rates.kernels import value_of
+from ecume.models.sph.rates.sums import value_of
 from ecume.models.sph.state import CellLists, State, Workspace
 from ecume.units import Array
 
-admit(brownian, drag)
+admit(diffusion, drag)
 
 INSIDE = 0.5
 """The part of a kernel's full surroundings from which on a particle is in the liquid."""
@@ -161,7 +161,7 @@ def fall(
     inertia = own + 0.5 * around
     volume = 4.0 / 3.0 * math.pi * radius * radius * radius
     rate = rate_of(math.sqrt(square), radius, inertia * volume, liquid) if around > 0.0 else 0.0
-    gain, way = brownian.velocity_gain(rate * time), brownian.displacement_gain(rate * time)
+    gain, way = diffusion.velocity_gain(rate * time), diffusion.displacement_gain(rate * time)
     for axis in range(len(gravity)):
         push = (own - around) / inertia * gravity[axis] - rate * (velocity[axis] - flow[axis])
         position[axis] += time * velocity[axis] + 0.5 * time * time * push * way

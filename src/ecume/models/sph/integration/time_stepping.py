@@ -38,13 +38,13 @@ from ecume.models.sph.integration.passive_particles import move_passive_particle
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.projection import failed, project
 from ecume.models.sph.rates.right_hand_side import (
+    shifts_needed,
     take_both,
     take_forces,
     take_other_forces,
     take_shift,
     take_thickening,
 )
-from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,

@@ -19,12 +19,11 @@ import numpy as np
 
 from ecume._jit import admit, prange, summed_inside, summing
 from ecume.engine.neighbor_rows import Lists
-from ecume.laws import diffusion, kernel_correction
+from ecume.laws import diffusion, kernels
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
-from ecume.models.sph.rates.kernels import slope_of
-from ecume.models.sph.rates.sums import damping, pair_divergence
+from ecume.models.sph.rates.sums import damping, pair_divergence, slope_of
 
-admit(diffusion, kernel_correction)
+admit(diffusion, kernels)
 INDEX = np.uint64
 SINGULAR = 1e-3
 """Below this determinant of its matrix a particle has too few neighbors for a gradient."""
@@ -45,7 +44,7 @@ def cofactors(matrix: Symmetric) -> tuple[Symmetric, float]:
 
 @summing
 def fill_corrections(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
-    """Fill the matrices of the liquid: 1 + s (B - 1) with the share s of `kernel_correction.correction_share`."""
+    """Fill the matrices of the liquid: 1 + s (B - 1) with the share s of `kernels.correction_share`."""
     kernel, deep, inverse, scale = (
         constants[0].kernel,
         constants[0].dimension == 3,
@@ -74,13 +73,13 @@ def fill_corrections(fields: Floats, liquid: int, lists: Lists, constants: Const
             xy += share * dx * dy
             xz += share * dx * dz
             yz += share * dy * dz
-        missing = kernel_correction.missing_neighbors(xx + yy + zz, 3.0 if deep else 2.0)
+        missing = kernels.missing_neighbors(xx + yy + zz, 3.0 if deep else 2.0)
         if not deep:
             zz, xz, yz = 1.0, 0.0, 0.0
         (c00, c11, c22, c01, c02, c12), determinant = cofactors((xx, yy, zz, xy, xz, yz))
         share, part = 0.0, 0.0
         if determinant > SINGULAR:
-            share = kernel_correction.correction_share(missing)
+            share = kernels.correction_share(missing)
             part = share / determinant
         fields[FIELD.correction, i] = 1.0 - share + part * c00
         fields[FIELD.correction + 1, i] = 1.0 - share + part * c11

@@ -19,7 +19,7 @@ from ecume.laws import diffusion, viscous
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import SINGULAR, Symmetric, cofactors
-from ecume.models.sph.rates.kernels import slope_of
+from ecume.models.sph.rates.sums import slope_of
 from ecume.models.sph.state import Workspace
 
 admit(diffusion, viscous)

@@ -23,9 +23,9 @@ import numpy as np
 
 from ecume._portable import dot, product
 from ecume.engine.interpolation import added, dry, near, planes
-from ecume.laws.coverage import between_planes, covered_part, smeared
 from ecume.laws.kernels import kernel
 from ecume.laws.states import hydrostatic_pressure, tait_pressure
+from ecume.laws.wall_forces import between_planes, covered_part, smeared
 from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
@@ -261,8 +261,8 @@ def _at_place(place: Array, around: Surroundings) -> list[float]:
 
 
 def _covered(place: Array, gauge: Gauge, around: Surroundings) -> float:
-    """The part of a place that liquid covers, see `ecume.laws.coverage`: its room is that between the sides of the tank
-    and outside of solids.
+    """The part of a place that liquid covers, see `ecume.laws.wall_forces`: its room is that between the sides of the
+    tank and outside of solids.
     """
     spacing, ends = around.spacing, gauge.ends + around.shift - place
     room = math.prod(between_planes(low, high, spacing) for low, high in ends.T.tolist())

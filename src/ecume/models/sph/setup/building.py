@@ -23,6 +23,7 @@ from ecume.laws.time_step_limits import (
     viscous_limit,
 )
 from ecume.laws.viscous import acoustic_damping
+from ecume.models.costs import ending_on_a_step
 from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
@@ -55,7 +56,7 @@ from ecume.models.sph.setup.choices import (
     turbulent,
 )
 from ecume.models.sph.setup.initial_particles import velocity_in
-from ecume.models.sph.setup.lattice_sums import shifting_limit
+from ecume.models.sph.setup.packing import shifting_limit
 from ecume.models.sph.setup.shapes import part_of, shape_of
 from ecume.models.sph.setup.walls_and_bodies import (
     base_excitation_of,
@@ -69,7 +70,6 @@ from ecume.models.sph.setup.walls_and_bodies import (
     mass_of,
     narrowest_channel,
 )
-from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
 from ecume.units import Array
 

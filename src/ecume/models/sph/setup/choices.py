@@ -14,18 +14,7 @@ import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
-from ecume.laws import (
-    coverage,
-    diffusion,
-    incompressible,
-    kernel_correction,
-    kernels,
-    shifting,
-    states,
-    time_step_limits,
-    viscous,
-    wall_forces,
-)
+from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous, wall_forces
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import ICE_POINT, LiquidProperties
 from ecume.laws.states import hydrostatic_fault
@@ -42,7 +31,7 @@ from ecume.models.sph.rates.methods import (
     PressureForce,
     PressureMethod,
 )
-from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.right_hand_side import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of
 from ecume.scenes.faults import suggestion
@@ -322,16 +311,16 @@ def laws_of(scene: Any) -> list[Source]:
     laws: list[Source] = [form.value, *PRESSURE_LAWS[scene.method.pressure]]
     laws += [diffusion.strength, excess] if excess is not None else []
     if pressure_force_of(scene).continuity is not None:
-        laws += [kernel_correction.missing_neighbors, kernel_correction.correction_share]
+        laws += [kernels.missing_neighbors, kernels.correction_share]
     laws += [viscous.artificial_viscosity] if artificial_viscosity_of(scene) else []
     laws += [viscous.acoustic_damping] if acoustic_damping_of(scene) else []
     laws += [wall_forces.impact_braking] if impacts_dissipate(scene) else []
-    laws += [coverage.covered_part] if scene.gauges else []
+    laws += [wall_forces.covered_part] if scene.gauges else []
     if liquid.viscosity or turbulent(scene):
         laws += [friction_of(scene).law]
     laws += TENSIONS[tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if turbulent(scene) else []
     if shifting_of(scene) != "none":
-        laws += [shifting.shifting_coefficient, shifting.tensile_weight]
+        laws += [incompressible.shifting_coefficient, incompressible.tensile_weight]
     limit = time_step_limits.acoustic_limit if pressure_of(scene).compressible else time_step_limits.advective_limit
     return [*laws, limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.meshes import Cloud
+from ecume.engine.outlines import Cloud
 from ecume.engine.shapes import Box, Cells, Flags, Part, Shape, apart, bounds_meet, covered_volume, scaled_to
 from ecume.errors import Fault, SceneError
 from ecume.laws.flows import (

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ecume.engine.meshes import Cloud, Mesh
+from ecume.engine.outlines import Cloud, Mesh
 from ecume.engine.shapes import Ball, Box, Flags, Part, Polygon, Shape, apart, round_up
 from ecume.scenes.sph import RegionSpec, ShapeSpec, SphScene
 from ecume.units import Array

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from ecume._portable import length
-from ecume.engine.boundary_images import Sides
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Integers, Sides
 from ecume.engine.shapes import Ball, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
@@ -19,8 +18,7 @@ from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate
 from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
-from ecume.units import Array
-from ecume.value_texts import with_prefix
+from ecume.units import Array, with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
 LEAST_PERIOD = 1.2
