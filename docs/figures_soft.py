@@ -25,8 +25,7 @@ from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
 from ecume.simulation import simulate
-from ecume.validation.flow_pieces import fitted
-from ecume.validation.rheology import computed
+from ecume.validation.rheology import computed, fitted
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = (

@@ -13,13 +13,13 @@ from ecume import _cache
 PACKAGE = Path(_cache.__file__).parent
 COLLISION = """
 from ecume import _jit
-from ecume.laws import contact
+from ecume.laws import friction
 
-_jit.admit(contact)
+_jit.admit(friction)
 
 @_jit.compiled
 def exchanged(speed):
-    return contact.impulse(speed, 2.0, 2.0, 0.5)
+    return friction.impulse(speed, 2.0, 2.0, 0.5)
 
 print(exchanged(4.0), sum(exchanged.stats.cache_hits.values()))
 """
@@ -42,7 +42,7 @@ def test_an_edited_law_is_compiled_again_and_an_edit_elsewhere_compiles_nothing(
         with (copy / elsewhere).open("a") as file:
             file.write("\n# one line more\n")
     assert run().split() == ["6.0", "1"]
-    law = copy / "laws" / "contact.py"
+    law = copy / "laws" / "friction.py"
     law.write_text(law.read_text().replace("(1.0 + restitution)", "(2.0 + restitution)"))
     assert run().split() == ["10.0", "0"]
 
@@ -71,10 +71,10 @@ def test_no_loop_of_tanks_depends_on_how_a_scene_is_read():
 @pytest.mark.parametrize(
     ("line", "reaches"),
     [
-        ("from ecume.laws import contact", {"laws/friction.py"}),
+        ("from ecume.laws import friction", {"laws/friction.py"}),
         ("def late():\n    import ecume.laws.friction as c", {"laws/friction.py"}),
         ("from ecume.laws.flotation import Liquid", {"laws/flotation/__init__.py", "laws/flotation/balance.py"}),
-        ("if TYPE_CHECKING:\n    from ecume.laws import contact\n\nX = 1", set()),
+        ("if TYPE_CHECKING:\n    from ecume.laws import friction\n\nX = 1", set()),
         ("import ecume.laws.friction", {"laws/friction.py", "show/movies.py"}),
         ("from ecume import simulate", {"laws/friction.py", "show/movies.py"}),
     ],

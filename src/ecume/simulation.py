@@ -12,8 +12,8 @@ import numpy as np
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
-from ecume.models.costs import BEFORE, last_step, sample_clock
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Engine, Model, misfit
+from ecume.models.step_counts import BEFORE, last_step, sample_clock
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:

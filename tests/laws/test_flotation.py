@@ -317,7 +317,7 @@ def test_the_original_closure_has_no_angle_for_most_floaters(bond, ratio):
 def test_a_law_is_imported_without_compiler_or_solver():
     import subprocess
 
-    code = "import sys; from ecume.laws import flotation, meniscus, drag, capillarity, contact; "
+    code = "import sys; from ecume.laws import flotation, meniscus, drag, capillarity, friction; "
     code += "assert not {'numba', 'scipy', 'pint', 'pydantic'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 

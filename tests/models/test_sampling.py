@@ -5,7 +5,7 @@ import os
 import pytest
 
 from ecume.errors import Stopped
-from ecume.models.costs import BEFORE
+from ecume.models.step_counts import BEFORE
 from ecume.run import RunDirectory, RunOptions, resume, run
 from ecume.run.lock import ask_to_stop
 from ecume.scenes.load import load_scene

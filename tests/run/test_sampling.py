@@ -17,7 +17,7 @@ import toy
 
 from ecume.errors import BadInput, SceneError, Stopped, StorageError
 from ecume.models import MODELS
-from ecume.models.costs import sample_clock
+from ecume.models.step_counts import sample_clock
 from ecume.run import RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.run.lock import ask_to_stop
 from ecume.simulation import simulate

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ecume.models.costs import MOST_MORE, ending_on_a_step, last_step
+from ecume.models.step_counts import MOST_MORE, ending_on_a_step, last_step
 from ecume.scenes.common import Common
 
 DECIMALS = st.builds(lambda digits, power: float(f"{digits}e{power}"), st.integers(1, 9999), st.integers(-9, 3))

@@ -9,15 +9,15 @@ import pytest
 
 from ecume.analysis.series import Mean
 from ecume.trajectories.frame import Frame
-from ecume.validation import flow_pieces, rheology, soft_glasses, suspensions
-from ecume.validation.flow_pieces import Piece
+from ecume.validation import rheology, soft_glasses, suspensions
+from ecume.validation.rheology import Piece
 from ecume.validation.runner import DATA
 
 
 def test_the_readme_states_the_fit_of_the_computed_pieces():
     pieces = rheology.computed()
     assert {(one.rate, one.seed) for one in pieces} == {(r, s) for r in rheology.RATES for s in rheology.SEEDS}
-    text, fit = (DATA / "rheology" / "README.md").read_text(encoding="utf-8"), flow_pieces.fitted(pieces)
+    text, fit = (DATA / "rheology" / "README.md").read_text(encoding="utf-8"), rheology.fitted(pieces)
     exponent = f"m = {fit.exponent.value:.3f} ± {fit.exponent.error:.3f}"
     stress = f"σ_y = {1e3 * fit.offset.value:.1f} ± {1e3 * fit.offset.error:.1f} mN/m"
     assert exponent in text
@@ -32,7 +32,7 @@ def test_the_readme_states_the_fit_of_the_computed_pieces():
 def test_the_readme_states_how_the_exponent_depends_on_the_range_and_on_the_pressure():
     pieces, text = rheology.computed(), (DATA / "rheology" / "README.md").read_text(encoding="utf-8")
     for count in range(4, len(rheology.RATES) + 1):
-        fit = flow_pieces.fitted([one for one in pieces if one.rate <= rheology.RATES[count - 1]])
+        fit = rheology.fitted([one for one in pieces if one.rate <= rheology.RATES[count - 1]])
         stress = f"{1e3 * fit.offset.value:.1f} ± {1e3 * fit.offset.error:.1f}"
         exponent = f"{fit.exponent.value:.3f} ± {fit.exponent.error:.3f}"
         assert f"| {stress} | {exponent} | {fit.misfit:.1f} |" in text
@@ -62,7 +62,7 @@ def flowing(calls, count=600):
 
 def test_a_finished_piece_is_kept_and_not_computed_again(monkeypatch, tmp_path):
     calls = []
-    monkeypatch.setattr(flow_pieces, "simulate", lambda scene: flowing(calls))
+    monkeypatch.setattr(rheology, "simulate", lambda scene: flowing(calls))
     first = rheology.piece(0.25, 1, tmp_path)
     assert rheology.piece(0.25, 1, tmp_path) == first
     assert len(calls) == 1
@@ -77,8 +77,8 @@ def test_a_finished_piece_is_kept_and_not_computed_again(monkeypatch, tmp_path):
 
 
 def test_a_slow_decay_of_the_stress_is_not_met():
-    decaying = [flow_pieces.Instant(step / 50, 5.0 - step / 400, 5.0, 0.0, 0.1, 1e-10) for step in range(600)]
-    pieces = [flow_pieces.piece_of(rate, 1, decaying) for rate in (1.0, 2.0, 4.0)]
+    decaying = [rheology.Instant(step / 50, 5.0 - step / 400, 5.0, 0.0, 0.1, 1e-10) for step in range(600)]
+    pieces = [rheology.piece_of(rate, 1, decaying) for rate in (1.0, 2.0, 4.0)]
     assert not any(one.settled for one in pieces)
 
 

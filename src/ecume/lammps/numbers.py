@@ -23,7 +23,6 @@ from scipy.interpolate import CubicSpline
 from ecume.engine.cells import Integers
 from ecume.lammps.expressible import shape_of
 from ecume.laws.special import scaled_bessel_i1
-from ecume.models.costs import last_step
 from ecume.models.floating.contacts import contact_models
 from ecume.models.floating.contacts.collisions import float_inertia
 from ecume.models.floating.contacts.contact_models import Springs
@@ -33,6 +32,7 @@ from ecume.models.floating.parameters import CAPILLARY_LENGTH, PairParameters, P
 from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds, turning_friction_of
 from ecume.models.floating.setup.scene_parameters import parameters_of
+from ecume.models.step_counts import last_step
 from ecume.units import Array
 
 if TYPE_CHECKING:

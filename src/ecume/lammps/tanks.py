@@ -20,7 +20,6 @@ import numpy as np
 
 from ecume.lammps.expressible import Expressible
 from ecume.laws.kernels import kernel
-from ecume.models.costs import last_step
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.record import checked_parameters, start
@@ -35,6 +34,7 @@ from ecume.models.sph.setup.choices import (
     turbulent,
 )
 from ecume.models.sph.state import State
+from ecume.models.step_counts import last_step
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 

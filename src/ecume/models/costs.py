@@ -1,8 +1,4 @@
-"""The cost of a run: what no machine could do, and the cost of frames in time and on the disk.
-
-The step at which a run ends, where its duration is no multiple of the time between frames, and the steps at which
-numbers are sampled between frames.
-"""
+"""The cost of a run: what no machine could do, and the cost of frames in time and on the disk."""
 
 from __future__ import annotations
 
@@ -11,9 +7,8 @@ import os
 import tempfile
 import time
 from collections.abc import Mapping
-from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import psutil
@@ -26,10 +21,6 @@ from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import STATISTICS
 from ecume.trajectories.segments import Recorder
 from ecume.units import duration_text, size_text
-
-if TYPE_CHECKING:
-    from ecume.models.model import Model
-    from ecume.scenes.common import Common
 
 Parameters = TypeVar("Parameters")
 
@@ -181,56 +172,3 @@ def probed(content: Content, *, single: bool = False) -> tuple[float, float]:
 
 def _size(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.iterdir())
-
-
-MOST_MORE = 1.5
-"""Times as many steps that are taken to end exactly at the duration; otherwise a run ends at the nearest step."""
-BEFORE = -1
-"""The position of the last sample before there is any."""
-
-
-def last_step(scene: Common, per_frame: int, least: int = 1) -> int:
-    """The step at which a run ends: the nearest to its duration, and at least so many past the last whole frame."""
-    rest = scene.rest
-    return scene.whole_frames * per_frame + (max(least, round(rest * per_frame)) if rest else 0)
-
-
-def ending_on_a_step(scene: Common, per_frame: int) -> int:
-    """At least so many steps per frame, with which the duration is a whole number of steps, too, if that is not much
-    more. Nothing changes where the duration is a multiple of the time between frames.
-    """
-    multiple = scene.rest.denominator
-    more = -(-per_frame // multiple) * multiple
-    return more if more <= MOST_MORE * per_frame else per_frame
-
-
-class SampleClock(NamedTuple):
-    """Samples are due at the first step at or after each multiple of an interval, on the model's clock.
-
-    >>> clock = SampleClock(Fraction(5, 2))
-    >>> [step for step in range(11) if clock.is_due(step, step - 1)], clock.next_after(3), clock.next_after(5)
-    ([0, 3, 5, 8, 10], 5, 8)
-    """
-
-    interval: Fraction
-
-    def is_due(self, step: int, last: int) -> bool:
-        """Whether a multiple lies after the last sample, up to this step."""
-        return step // self.interval > last // self.interval
-
-    def next_after(self, step: int) -> int:
-        """The first step after this one at which a sample is due."""
-        return math.ceil((step // self.interval + 1) * self.interval)
-
-
-def sample_clock(scene: Common, model: Model, per_frame: int) -> SampleClock | None:
-    """The clock of a scene; None if it has no samples. Raises SceneError for steps that cannot be counted."""
-    asked = scene.output.samples
-    if asked is None:
-        return None
-    if asked.every is not None:
-        return SampleClock(Fraction(repr(asked.every)) / Fraction(repr(scene.frame_every)) * per_frame)
-    if model.adaptive:
-        message = "the time steps of this model adapt, so their number is no measure of time; use output.samples.every"
-        raise SceneError([Fault("output.samples.every_steps", message)])
-    return SampleClock(Fraction(asked.every_steps or 1))

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from ecume._plain_files import append, opened
 from ecume.errors import BadInput, Fault, SceneError, StorageError, nearest
-from ecume.models.costs import BEFORE
+from ecume.models.step_counts import BEFORE
 from ecume.run.directory import RunDirectory, has_checksums, write
 from ecume.run.manifest import changed, circumstances_of_frame, now, record
 from ecume.scenes.common import Kind, colors_of

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
-from ecume.models.costs import BEFORE
 from ecume.models.model import LOCAL, LONGEST_RUN, Engine
+from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write

@@ -2,8 +2,7 @@
 
 `CASES` is the table; start there. Each case is a function that runs it and returns `runner.Row`s: `rows` in the module
 of its name, or a function of a module with the cases of one subject. Its scene, its tables and a README with their
-sources are in `data/CASE`. `runner` reads and runs them, and judges rows; `flow_pieces` is shared by the flow curves of
-packings.
+sources are in `data/CASE`. `runner` reads and runs them, and judges rows.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.models.costs import BEFORE
+from ecume.models.step_counts import BEFORE
 from ecume.simulation import moments
 from ecume.units import Array
 from ecume.validation.runner import Row, above, below, read_table, sph_scene, within

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.models.costs import BEFORE
+from ecume.models.step_counts import BEFORE
 from ecume.simulation import moments
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -1,5 +1,5 @@
 """Flow curve of a packing with elastohydrodynamic films, as in soft particle glasses, over three decades of the shear
-rate, in pieces that are kept: see `flow_pieces`.
+rate, in pieces that are kept: see `rheology`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numpy as np
 
 from ecume.analysis.rheology import FEWEST_POINTS, CurveFit, power_fit
 from ecume.scenes.load import Scene
-from ecume.validation import flow_pieces
-from ecume.validation.flow_pieces import Piece, fitted, friction, kept, sheared
+from ecume.validation import rheology
+from ecume.validation.rheology import Piece, fitted, friction, kept, sheared
 from ecume.validation.runner import Row, above, below, within
 
 RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0), 1.00: (0.8, 4.5, 25.0)}
@@ -103,7 +103,7 @@ def computed(name: str = "computed") -> dict[tuple[float, float], Piece]:
     """The pieces of the table `computed.csv`, which were computed with the scenes of this case, by volume fraction and
     rate. Those of twice as many spheres are in `doubled.csv`.
     """
-    return {(float(row["volume_fraction"]), one.rate): one for row, one in flow_pieces.computed("soft_glasses", name)}
+    return {(float(row["volume_fraction"]), one.rate): one for row, one in rheology.pieces_of("soft_glasses", name)}
 
 
 def piece(fraction: float, rate: float, folder: Path = FOLDER, spheres: int = SPHERES) -> Piece:

@@ -1,5 +1,5 @@
 """Suspensions of nearly rigid spheres: friction over the viscous number without friction between spheres, where the
-viscosity diverges with and without it, and thickening by a critical load; in pieces that are kept (`flow_pieces`).
+viscosity diverges with and without it, and thickening by a critical load; in pieces that are kept (`rheology`).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 from ecume.analysis.rheology import Divergence, viscosity_divergence
 from ecume.analysis.series import Mean
 from ecume.scenes.load import Scene
-from ecume.validation import flow_pieces
-from ecume.validation.flow_pieces import Piece, kept, sheared
+from ecume.validation import rheology
+from ecume.validation.rheology import Piece, kept, sheared
 from ecume.validation.runner import Row, above, below, within
 
 SPHERES, SEED, STRAIN, FRAMES_PER_STRAIN = 50, 1, 3.0, 50
@@ -83,7 +83,7 @@ def rows() -> list[Row]:
 
 def computed() -> dict[Flow, Piece]:
     """The pieces of the table `computed.csv`, which were computed with the scenes of this case."""
-    found = flow_pieces.computed("suspensions")
+    found = rheology.pieces_of("suspensions")
     return {Flow(row["law"], float(row["volume_fraction"]), one.rate): one for row, one in found}
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS, described
-from ecume.models.costs import Content, frame_cost, last_step
+from ecume.models.costs import Content, frame_cost
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of, two_floats
@@ -22,6 +22,7 @@ from ecume.models.floating.setup.scene_parameters import checked_parameters, mem
 from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
 from ecume.models.liquids import liquid_of
+from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene
 from ecume.units import duration_text, range_with_prefix, size_text, with_prefix
 

@@ -19,7 +19,6 @@ from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import PREFACTORS, TANGENTIAL, TENSION, Prefactors
 from ecume.laws.surfaces import SURFACES
-from ecume.models.costs import last_step
 from ecume.models.liquids import material_of
 from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
@@ -31,6 +30,7 @@ from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.protocol import LOAD, SCALE, Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
+from ecume.models.step_counts import last_step
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
 from ecume.units import Array, with_prefix
 

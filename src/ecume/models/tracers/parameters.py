@@ -20,9 +20,9 @@ from ecume.engine.walls import Sheet, Surfaces, clearance, described, sheet
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import diffusion, drag
 from ecume.models.actions import Access
-from ecume.models.costs import ending_on_a_step
 from ecume.models.liquids import named_liquid
 from ecume.models.model import Layout, code_of
+from ecume.models.step_counts import ending_on_a_step
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.laws import diffusion, drag
-from ecume.models.costs import Content, frame_cost, last_step, require_memory, within_steps
+from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
+from ecume.models.step_counts import last_step
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
     CAPPED,

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ecume.engine.walls import surfaces
-from ecume.models.costs import ending_on_a_step
 from ecume.models.floating.dishes import wall_stiffness, walls_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme, distinct_rows
+from ecume.models.step_counts import ending_on_a_step
 from ecume.units import Array
 
 if TYPE_CHECKING:

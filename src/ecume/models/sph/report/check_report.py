@@ -10,7 +10,7 @@ import numpy as np
 from ecume.laws.kernels import KERNELS
 from ecume.laws.states import density_at_enthalpy
 from ecume.laws.viscous import viscosity_of_alpha
-from ecume.models.costs import Content, frame_cost, last_step
+from ecume.models.costs import Content, frame_cost
 from ecume.models.model import LONG, Row
 from ecume.models.sph.parameters import Material, Parameters, Projection
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
@@ -29,6 +29,7 @@ from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import unevenness
 from ecume.models.sph.setup.shapes import solids_of
 from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
+from ecume.models.step_counts import last_step
 from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array, duration_text, size_text, with_prefix
 

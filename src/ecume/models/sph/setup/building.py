@@ -23,7 +23,6 @@ from ecume.laws.time_step_limits import (
     viscous_limit,
 )
 from ecume.laws.viscous import acoustic_damping
-from ecume.models.costs import ending_on_a_step
 from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
@@ -70,6 +69,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
     mass_of,
     narrowest_channel,
 )
+from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
 from ecume.units import Array
 
