@@ -1,5 +1,5 @@
 """Fills the compilation cache with a first step of the templates of some models. Run by scripts/test beside the plain
-pass, so that no two processes of the compiled pass compile the same loops.
+pass, before what tests need is installed, so that no two processes of the compiled pass compile the same loops.
 
     python -m tests.compiling floating tracers     # the templates that most tests need
     python -m tests.compiling --all floating       # all templates
@@ -10,7 +10,6 @@ from importlib.resources import files
 
 import ecume
 from ecume.simulation import moments
-from tests.models.floating.bowls import two_floats
 
 MOST = {
     "floating": ("cereal-bowl",),
@@ -33,6 +32,8 @@ def compile_models(models, everything):
             if scene.model in models:
                 first_step(scene)
     if everything and "floating" in models:
+        from tests.models.floating.bowls import two_floats
+
         first_step(two_floats(6e-3, hydrodynamics="", integration='integrator = "rk4"'))
 
 

@@ -52,7 +52,7 @@ def minus_slope(parameters, state, workspace):
     return found
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @plain_only
 @pytest.mark.parametrize("pair", pairs(), ids=" and ".join)
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(pair):

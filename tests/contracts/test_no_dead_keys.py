@@ -138,7 +138,7 @@ def test_every_key_has_an_entry(model):
     assert unknown == [], f"{where}: no such keys"
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("model", "path"), [(model, path) for model in EFFECTS for path in EFFECTS[model].EFFECTS])
 def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
     if FITS[model] != PLAIN:

@@ -233,6 +233,7 @@ def minus_slope(parameters, state, step=1e-7):
     return found
 
 
+@pytest.mark.sampled(3)
 @combined
 def test_a_step_goes_by_the_law_that_was_asked_for(name, option):
     parameters, state, workspace = begun(name, option)
@@ -270,6 +271,7 @@ NO_SUMS = {"multipole": "sum of the pair law", "shapes": "sum of the pair law", 
 """What takes no laws of a user's own, and why."""
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.uncompiled  # the models' tests of user laws compile some
 @pytest.mark.parametrize(("name", "option"), WITH_MINE)
 def test_a_users_own_law_is_added_to_every_law_and_option(name, option, monkeypatch):

@@ -121,7 +121,7 @@ def long(pair):
     return any("wall" in name for name in pair)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("one", "other"),
     [pytest.param(*pair, id="-".join(pair), marks=[pytest.mark.long] * long(pair)) for pair in PAIRS.names],

@@ -79,6 +79,7 @@ def solved(name, matrix, right, solution, loose):
 WAYS = {name: functools.partial(solved, name) for name in solvers.SOLVERS}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
 @pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
 @pytest.mark.parametrize("held", [True, False])

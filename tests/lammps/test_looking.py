@@ -38,6 +38,7 @@ VERBS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("verb", VERBS)
 def test_each_verb_accepts_the_run(verb: str, home: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [verb, str(home), *(word.format(tmp_path) for word in VERBS[verb])])

@@ -150,6 +150,7 @@ DAMAGES = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", DAMAGES)
 @pytest.mark.parametrize("checked", [True, False], ids=["checked", "of an earlier version"])
 def test_what_is_read_is_validated_or_an_error(killed, name, checked):

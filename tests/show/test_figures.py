@@ -80,6 +80,7 @@ def test_equal_figures_are_equal_files(scene, frames, tmp_path):
     assert one == other
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("what", FIGURES)
 def test_no_word_is_cut_off_or_lies_on_another(what, scene, meeting):
     drawn = FIGURES[what](meeting, scene)

@@ -90,6 +90,7 @@ def _sheared(time):
     return Frame(time, arrays, numbers, UNITS | {"shear_stress": "N/m", "viscosity": "N*s/m"})
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", SOFT_FIGURES)
 def test_every_figure_can_be_drawn_or_says_why_not(name, scene, frames, boxed):
     if name in OF_BOXES:

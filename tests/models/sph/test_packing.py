@@ -100,6 +100,7 @@ def test_check_reports_the_summed_density():
     assert "summed density" not in {name for name, *_ in SPH.summary(tank(BOX, layers=6))}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.compiled  # a thousand steps each
 @pytest.mark.parametrize("obstacle", SHAPES.values(), ids=SHAPES)
 def test_still_water_stays_still_beside_curved_and_slanted_surfaces(obstacle):

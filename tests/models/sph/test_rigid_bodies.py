@@ -87,6 +87,7 @@ def tub(density, viscosity=0.0, time_step=None, **method):
     )
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.compiled
 @pytest.mark.parametrize("density", [0.001, 0.003, 0.01, 0.1])
 def test_a_body_much_lighter_than_the_liquid_rises_calmly(density):

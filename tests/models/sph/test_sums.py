@@ -30,6 +30,7 @@ def test_as_many_neighbors_as_a_full_lattice_has_are_likely_and_not_many_more(di
     assert neighbors <= likely_neighbors(dimension, reach) <= 1.6 * neighbors + 16
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_forces_between_particles_change_no_momentum(force, dimension):

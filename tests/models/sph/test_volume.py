@@ -48,6 +48,7 @@ def drawn_volume(scene):
     return box_volume(scene.fluid[0]) - sum(box_volume(each) for each in scene.obstacles)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("dimension", "tanks"), [(2, 40), (3, 15)])
 def test_boxes_have_the_volume_that_is_drawn_to_rounding(dimension, tanks):
     for seed in range(tanks):
