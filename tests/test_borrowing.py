@@ -10,7 +10,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from ecume._borrowing import borrowed_variables
 from ecume._jit import compiled_once
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 
 class Pair(NamedTuple):

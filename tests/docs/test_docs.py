@@ -29,6 +29,8 @@ from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.load import SCENES, load_scene
 from ecume.units import Unit
 
+pytestmark = pytest.mark.sampled(2)
+
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 PHYSICS = ROOT / "docs" / "physics"

@@ -13,6 +13,8 @@ from tests.contracts.test_laws import MODULES
 from ecume.scenes.load import SCENES
 from ecume.validation import CASES
 
+pytestmark = pytest.mark.sampled(2)
+
 ROOT = Path(__file__).parents[2]
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.sampled(2)
+
 ROOT = Path(__file__).parents[2]
 STYLE = ROOT / "docs" / "style.md"
 SOURCES = ROOT / "src" / "ecume"

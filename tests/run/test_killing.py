@@ -22,7 +22,10 @@ from ecume.models import MODELS
 from ecume.run import Progress, RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.trajectories.reader import open_trajectory
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows knows no SIGKILL and no limit on the size of a file")
+pytestmark = [
+    pytest.mark.skipif(os.name == "nt", reason="Windows knows no SIGKILL and no limit on the size of a file"),
+    pytest.mark.sampled(2),
+]
 
 Scenes = Callable[..., toy.ToyScene]
 Results = Callable[[Path], dict[str, bytes]]

@@ -24,6 +24,8 @@ from ecume.simulation import simulate
 from ecume.trajectories.exports import export
 from ecume.trajectories.reader import open_trajectory
 
+pytestmark = pytest.mark.sampled(2)
+
 Scenes = Callable[..., toy.ToyScene]
 EACH = {"output": {"samples": {"every_steps": 1}}}
 

@@ -15,6 +15,8 @@ from ecume.run import RunDirectory, RunOptions, lock, resume, run, verify
 from ecume.run.directory import manifest_of, write
 from ecume.trajectories.reader import open_trajectory
 
+pytestmark = pytest.mark.sampled(2)
+
 FLIPS = 4
 """Of each file of each run."""
 OFTEN = RunOptions(checkpoint_every=0.0)

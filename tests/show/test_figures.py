@@ -22,6 +22,8 @@ from ecume.show.floating import figures
 from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
 from ecume.show.style import save, scale_for
 
+pytestmark = pytest.mark.sampled(2)
+
 WITH_UNIT = re.compile(r".* \((s|mm|µm|mm²|[pnµm]?J|[pnµm]?N)\)$")
 PURE_NUMBERS = {
     "number of clusters",

@@ -19,7 +19,7 @@ from ecume.show.play import tank as playing
 from ecume.show.play.pages import game_of
 from ecume.show.play.tank import ANEW, CALMED, HURRY, MOST, PUSHED, STEEPEST, Push, Tank, tilting
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 COARSE = ["spacing=8 cm", "obstacles=[{low = [0.72, 0.0], high = [1.04, 1.0]}]", "fluid[1].low=[1.04, 0.0]"]
 
 

@@ -24,6 +24,8 @@ from ecume.sweep.executors import ExecutorOptions, _client, next_word, work
 from ecume.sweep.results import Outcome
 from ecume.sweep.spec import load_sweep
 
+pytestmark = pytest.mark.sampled(2)
+
 
 def table(directory):
     return (directory / "table.csv").read_text()

@@ -19,6 +19,8 @@ from ecume.trajectories.exports import EXPORTS, export
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.segments import Recorder
 
+pytestmark = pytest.mark.sampled(2)
+
 Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]
 

@@ -21,7 +21,7 @@ from tests.oracles.soft_contacts import deflection_under_force
 
 from .clusters import integrated
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 
 def pair(force=(-1e-3, 0.0), gap=0.02, radii=(1.0, 1.0), moduli=(1.0, 1.0), duration=50.0, **more):

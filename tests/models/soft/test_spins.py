@@ -18,6 +18,8 @@ from ecume.simulation import simulate
 
 from .clusters import integrated
 
+pytestmark = pytest.mark.sampled(2)
+
 PLACES = {2: [[0.0, 0.0], [2.13, 0.1], [0.9, 2.1]], 3: [[0.0, 0.0, 0.0], [2.1, 0.1, 0.2], [0.9, 2.1, -0.1]]}
 RADII = (1.0, 1.1, 0.9)
 STERIC = {"law": "steric", "steric_strength": 0.03, "steric_length": 0.3}

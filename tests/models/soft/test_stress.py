@@ -26,7 +26,7 @@ from tests.models import begun
 from .clusters import integrated
 from .test_packings import packing, solved_by
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 SHEAR, NORMAL = 2e-4, 1e-3
 BOTH = [{"time": 0.0, "shear_stress": SHEAR, "normal_stress": NORMAL}]

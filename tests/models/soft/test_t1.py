@@ -14,7 +14,7 @@ from ecume.models.soft.t1.process import follow, t1_process, t1_scene
 
 from .clusters import Referee
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 PULL = (0.0, math.sqrt(3.0) * 1e-3)
 

@@ -21,7 +21,7 @@ from ecume.models.user_laws import bind
 from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 STRENGTH, LENGTH = 0.05, 0.08
 

@@ -18,6 +18,8 @@ from ecume.scenes.load import from_plain, to_plain
 from ecume.validation import random_tanks
 from tests.models.sph.scenes import PERIODIC, free_blob, tank
 
+pytestmark = pytest.mark.sampled(2)
+
 FORCES = ["sum", "monaghan", "corrected"]
 
 

@@ -31,6 +31,8 @@ from tests.models.sph.test_prescribed_motion import PUSH, with_side
 from tests.models.sph.test_rigid_bodies import tub
 from tests.models.sph.test_solids import changed
 
+pytestmark = pytest.mark.sampled(2)
+
 
 def budget(scene, tmp_path):
     """Energy, work in the budget and energy less work of each frame, once all that must hold has held."""

@@ -14,7 +14,7 @@ from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import OPEN, PERIODIC
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 
 def spring(distance: float, parameters: Any) -> float:

@@ -11,6 +11,8 @@ from ecume.show.floating.bowl import Bowl, rises, view_of
 from ecume.show.picture import Size, species
 from ecume.show.style import PALETTE, contrast, height_colormap, liquid_color
 
+pytestmark = pytest.mark.sampled(2)
+
 SIZE = Size(800, 600)
 
 
