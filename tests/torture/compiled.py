@@ -17,13 +17,13 @@ from .trials import SCENES, Outcome, Trial
 PACKAGE = Path(ecume.__file__).parent
 LAW = """
 from ecume import _jit
-from ecume.laws import contact
+from ecume.laws import friction
 
-_jit.admit(contact)
+_jit.admit(friction)
 
 @_jit.compiled
 def exchanged(speed):
-    return contact.impulse(speed, 2.0, 2.0, 0.5)
+    return friction.impulse(speed, 2.0, 2.0, 0.5)
 
 print(exchanged(4.0), sum(exchanged.stats.cache_hits.values()))
 """
@@ -70,7 +70,7 @@ def _edited(folder: Path, place: Path) -> bool:
     """A law that is edited after its code was kept."""
     package = folder / "edited" / "ecume"
     shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
-    law = package / "laws" / "contact.py"
+    law = package / "laws" / "friction.py"
     law.write_text(law.read_text().replace("(1.0 + restitution)", "(2.0 + restitution)"))
     return _answer(folder, place, package) == [EDITED, "0"]
 
