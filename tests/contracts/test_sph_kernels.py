@@ -29,7 +29,7 @@ PACKAGE = Path(ecume.__file__).parent
 EACH = pytest.mark.parametrize("name", KERNELS)
 # Plain Python takes most of a minute for each kernel in 3D.
 DIMENSIONS = pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.compiled)])
-pytestmark = pytest.mark.filterwarnings("ignore:liu-quartic")
+pytestmark = [pytest.mark.filterwarnings("ignore:liu-quartic"), pytest.mark.sampled(2)]
 
 
 @_jit.compiled

@@ -13,6 +13,8 @@ from ecume.fitting.parameters import Free, free_parameters, with_values
 from ecume.fitting.tracks import start_at
 from ecume.scenes.load import from_plain, load_scene, to_plain
 
+pytestmark = pytest.mark.sampled(2)
+
 SETTLING = """
 model = "tracers"
 duration = "{duration}"

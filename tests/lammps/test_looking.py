@@ -12,7 +12,7 @@ from tests.lammps.test_decks import DISH, scene_of
 from tests.lammps.test_engine import in_lammps
 from tests.lammps.test_tanks import tank
 
-pytestmark = [in_lammps, pytest.mark.compiled]
+pytestmark = [in_lammps, pytest.mark.compiled, pytest.mark.sampled(2)]
 SCENES = {
     "floats": lambda: scene_of(DISH).replace({"duration": 0.02, "frame_every": 0.01}),
     "tank": lambda: tank().replace({"duration": 0.01, "frame_every": 0.005}),

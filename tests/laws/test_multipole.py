@@ -11,6 +11,8 @@ from ecume.laws import contact_lines, flotation, multipole
 from ecume.laws.multipole.many import images
 from ecume.laws.multipole.solving import make_rims
 
+pytestmark = pytest.mark.sampled(2)
+
 # Capillary length 1 m, surface tension 1 N/m.
 LIQUID = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
 WATER = flotation.Liquid(1000.0, 0.0728, 1e-3)

@@ -22,6 +22,8 @@ from ecume.run import Progress, RunDirectory, RunOptions, resume, run, user_code
 from ecume.simulation import simulate
 from ecume.trajectories.reader import Trajectory
 
+pytestmark = pytest.mark.sampled(2)
+
 Scenes = Callable[..., toy.ToyScene]
 
 

@@ -9,6 +9,8 @@ import pytest
 from ecume.errors import BadInput, Stopped, StorageError
 from ecume.run import RunDirectory, info, repair, resume, run
 
+pytestmark = pytest.mark.sampled(2)
+
 
 @pytest.fixture
 def half(tmp_path, scene):

@@ -19,7 +19,7 @@ from ecume.show.play.bowl import CALMED, DAMPING, FASTEST, PUT_BACK, SHELF, Bowl
 from ecume.show.play.pages import game_of
 from ecume.show.serving import served
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 
 def scene_of(*changes):

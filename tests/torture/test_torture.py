@@ -15,6 +15,7 @@ pytestmark = [
     pytest.mark.compiled,
     pytest.mark.skipif(os.name == "nt", reason="Windows forks no processes"),
     pytest.mark.filterwarnings("ignore"),
+    pytest.mark.sampled(2),
 ]
 BRIEFLY = {
     "R2 killed while writing": 0.03,

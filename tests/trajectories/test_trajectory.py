@@ -23,6 +23,8 @@ from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 from ecume.trajectories.segments import Recorder
 
+pytestmark = pytest.mark.sampled(2)
+
 Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]
 

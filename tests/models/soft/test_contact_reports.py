@@ -16,6 +16,8 @@ from ecume.simulation import simulate
 from .clusters import contacts
 from .test_packings import packing
 
+pytestmark = pytest.mark.sampled(2)
+
 
 def asymmetry(frame):
     """Of the stress, over its shear component."""

@@ -19,7 +19,7 @@ from tests.models import begun
 
 from .clusters import integrated
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 
 def packing(dimensions=2, count=12, filled=0.7, strain=0.05, duration=10.0, **more):

@@ -12,7 +12,7 @@ from ecume.models.sph.setup.initial_particles import velocity_in
 from ecume.scenes.load import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
-pytestmark = pytest.mark.compiled
+pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
 
 AROUND = dict.fromkeys(("left", "right", "bottom", "top"), PERIODIC)
 VISCOSITY = 0.01

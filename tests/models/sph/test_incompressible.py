@@ -18,6 +18,8 @@ from ecume.models.sph.state import ITERATIONS, RESIDUAL
 from ecume.scenes.load import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
+pytestmark = pytest.mark.sampled(2)
+
 
 def tank(deep=10, walls="mirror", **changes):
     """A jittered square of liquid under unit gravity."""

@@ -14,6 +14,8 @@ from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain, to_plain
 from tests.models.sph.scenes import free_blob
 
+pytestmark = pytest.mark.sampled(2)
+
 GRAVITY = np.array([0.5, -9.0])
 ACCELERATION = np.array([3.0, -1.0])
 

@@ -16,6 +16,8 @@ from ecume.scenes.load import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_runs import copy_of, integrated
 
+pytestmark = pytest.mark.sampled(2)
+
 
 def changed(scene, **tables):
     return from_plain({**to_plain(scene), **tables})

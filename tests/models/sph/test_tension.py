@@ -16,6 +16,8 @@ from ecume.scenes.load import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import OPEN
 
+pytestmark = pytest.mark.sampled(2)
+
 SIDES = ("left", "right", "bottom", "top", "front", "back")
 
 

@@ -16,6 +16,8 @@ from ecume.show.tank import seen
 
 from .conftest import SPACING, carrying, frame_of, scene_of
 
+pytestmark = pytest.mark.sampled(2)
+
 
 def colored(pixels):
     """Where a picture is neither white nor gray."""
