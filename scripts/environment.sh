@@ -82,9 +82,11 @@ up_to_date() {
 
 environment() {
   venv=$root/.venv
-  # Python's own bytecode, even where it is told to write none: without it each process reads all its libraries as text.
-  unset PYTHONDONTWRITEBYTECODE
-  export PYTHONPYCACHEPREFIX="$venv/bytecode"
+  # Without bytecode each process would parse all its libraries again. Where none is wanted beside sources, it is kept here.
+  if [ -n "${PYTHONDONTWRITEBYTECODE:-}" ]; then
+    unset PYTHONDONTWRITEBYTECODE
+    export PYTHONPYCACHEPREFIX="$venv/bytecode"
+  fi
   find_bin
   up_to_date "$1" && return
   find_python

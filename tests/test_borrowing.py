@@ -28,7 +28,7 @@ def sum_of(pair):
 
 
 def swapped(both):
-    """Puts together anew what it got."""
+    """Builds a new pair from what it got."""
     return Pair(both.pair.second, both.pair.first)
 
 
@@ -41,7 +41,7 @@ def one_of(both, large):
 
 
 def rotated(both, times):
-    """A name that is given anew in a loop, at first what it got."""
+    """A name that is assigned again in a loop, and begins with what it got."""
     held = both.pair
     for _ in range(times):
         held = Pair(held.second, held.first + 1.0)
@@ -142,5 +142,5 @@ def test_what_a_function_makes_itself_is_counted(monkeypatch):
     assert "chosen.2" not in names  # either
 
 
-def test_a_name_that_a_loop_gives_anew_is_counted(monkeypatch):
+def test_a_name_that_a_loop_assigns_again_is_counted(monkeypatch):
     assert not {name for name in variables_of(monkeypatch, rotated, asked(), 2) if name.startswith("held.")}
