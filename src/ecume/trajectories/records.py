@@ -1,9 +1,8 @@
 """Small JSON files, written with a checksum and read as validated data or an error; and files that are whole or absent.
 
-Small JSON files: written with a checksum, and read as validated data or an error. The last key of a record, `crc32`,
-is the CRC-32 of the text without it. A record is valid only if its text is the text that `write_record` would write
-for its content, so that a change of any byte is noticed. Runs whose manifest has no `format` were written by earlier
-versions; their records have no checksum.
+The last key of a record, `crc32`, is the CRC-32 of the text without it. A record is valid only if its text is the text
+that `write_record` would write for its content, so that a change of any byte is noticed. Runs whose manifest has no
+`format` were written by earlier versions; their records have no checksum.
 """
 
 from __future__ import annotations
