@@ -22,7 +22,7 @@ from ecume.scenes.load import from_plain, load_scene, to_plain
 from ecume.show.picture import Size
 from ecume.show.sph.liquid import Water
 from ecume.show.sph.picture import liquid_picture
-from ecume.show.sph.water import movers_of
+from ecume.show.sph.solids import movers_of
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -1,12 +1,13 @@
-"""No layer imports a higher one by a string, where import-linter cannot see it."""
+"""No modules import one another, and no layer imports a higher one by a string, where import-linter cannot see it."""
 
 import ast
 import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,57 @@ def upward(path: Path) -> list[str]:
         for name in strings_in(path.read_text(encoding="utf-8"))
         if floor_of(name, floors) <= here and name.split(".")[1] != package
     ]
+
+
+@cache
+def files() -> dict[str, Path]:
+    """The file of each module of the package, by its full name."""
+    names = {path: ("ecume", *path.relative_to(PACKAGE).with_suffix("").parts) for path in PACKAGE.rglob("*.py")}
+    return {".".join(parts).removesuffix(".__init__"): path for path, parts in names.items()}
+
+
+def imports_in(text: str, module: str, known: Collection[str]) -> set[str]:
+    """The modules that a module imports anywhere: at its top, inside functions, and for type checking only."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {each.name for each in node.names}
+        if isinstance(node, ast.ImportFrom) and node.module:
+            below = {each.name: f"{node.module}.{each.name}" for each in node.names}
+            found |= {full if full in known else node.module for full in below.values()}
+    return (found & set(known)) - {module}
+
+
+def circle_in(graph: dict[str, set[str]]) -> list[str]:
+    """Modules of which each imports the next, the last the first; none without such a circle."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_no_modules_import_one_another_not_even_lazily_or_for_type_checking():
+    texts = {name: path.read_text(encoding="utf-8") for name, path in files().items()}
+    assert not [name for name, text in texts.items() if "from ." in text], "relative imports are not followed here"
+    assert circle_in({name: imports_in(text, name, texts.keys()) for name, text in texts.items()}) == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from ecume.b import x",
+        "from ecume import b",
+        "import ecume.b",
+        "def f():\n    from ecume.b import x",
+        "if TYPE_CHECKING:\n    from ecume.b import X",
+    ],
+)
+def test_circles_are_found_wherever_the_import_stands(line):
+    back = imports_in("from ecume.a import y", "ecume.b", ["ecume.a", "ecume.b"])
+    graph = {"ecume.a": imports_in(line, "ecume.a", ["ecume.a", "ecume.b"]), "ecume.b": back}
+    assert set(circle_in(graph)) == {"ecume.a", "ecume.b"}
+    assert circle_in({**graph, "ecume.b": set()}) == []
 
 
 def test_no_module_imports_a_higher_layer_by_a_string():

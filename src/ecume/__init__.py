@@ -14,6 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from ecume import _hooks
+from ecume._version import __version__
 
 if TYPE_CHECKING:
     from ecume.errors import BadInput, Diverged, EcumeError, FloaterSinks, RunExists, SceneError, Stopped, StorageError
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     from ecume.sweep import open_sweep
     from ecume.trajectories.frame import Frame
     from ecume.trajectories.reader import open_trajectory
-
-__version__ = "0.1.0"
 
 __all__ = [
     "BadInput",
@@ -125,6 +124,12 @@ def _scenes_of_models(_: None) -> Any:
     return importlib.import_module("ecume.models").SCENES_OF_MODELS
 
 
+def _changed(changes: tuple[Any, Any]) -> Any:
+    """A scene with other values; the writer of scenes is imported at the first call."""
+    return importlib.import_module("ecume.scenes.writing").changed(*changes)
+
+
+_hooks.changed_scene.register(_changed)
 _hooks.derived_arrays.register(_derived_arrays)
 _hooks.html_of.register(_html_of)
 _hooks.scene_of.register(_scene_of)

@@ -38,6 +38,8 @@ class Hook(Generic[Given, Found]):
 
 html_of: Hook[Any, str | None] = Hook()
 """The picture of a frame, a trajectory or the directory of a run as HTML; None where there is nothing to draw."""
+changed_scene: Hook[tuple[Any, Any], Any] = Hook()
+"""A scene with other values, from the scene and its changes by path."""
 derived_arrays: Hook[Any, Callable[[Any], Any]] = Hook()
 """For a scene, the function that adds to its frames the arrays that follow from the recorded ones."""
 scene_of: Hook[dict[str, Any], Any] = Hook()

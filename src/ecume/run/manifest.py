@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from urllib.parse import quote
 
-import ecume
 from ecume._plain_files import opened
+from ecume._version import __version__
 from ecume.errors import BadInput
 from ecume.run.directory import RunDirectory, existing, manifest_of, write
 from ecume.run.lock import held
@@ -48,7 +48,7 @@ def now() -> str:
 def circumstances() -> dict[str, Any]:
     """The versions and properties of the machine that can change a bit of a result."""
     return {
-        "ecume": ecume.__version__,
+        "ecume": __version__,
         "python": platform.python_version(),
         **{name: _version(name) for name in PROGRAMS},
         "platform": clean(" ".join((platform.system(), platform.machine(), *platform.libc_ver())).strip()),

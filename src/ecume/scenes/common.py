@@ -29,6 +29,7 @@ from typing import (
 import pydantic.dataclasses
 from pydantic import ConfigDict, Field, ValidationError, model_validator
 
+from ecume import _hooks
 from ecume.errors import SceneError
 from ecume.scenes.faults import Complaints, Inconsistent, as_faults, faults_of
 from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
@@ -258,9 +259,8 @@ class Common:
 
         Values that the scene did not state follow from the new ones. Raises SceneError with all faults at once.
         """
-        from ecume.scenes.writing import changed
-
-        return cast(Self, changed(self, {changes: value} if isinstance(changes, str) else changes))
+        given = {changes: value} if isinstance(changes, str) else changes
+        return cast(Self, _hooks.changed_scene((self, given)))
 
     def __repr__(self) -> str:
         """`FloatingScene('A bowl of cereal', 12 s, 151 frames, 40 cereals)`."""

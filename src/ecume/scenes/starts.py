@@ -178,7 +178,7 @@ def _times(values: NDArray[np.float64] | None, unit: float | None) -> NDArray[np
 
 def of_run(folder: Folder, name: str, model: str) -> Start:
     """The particles of a frame of another run, with its species if it is of the same model. Raises ValueError."""
-    from ecume.scenes.floating.sources import frame_of_run
+    from ecume.scenes.runs import frame_of_run
 
     refuse_a_file(name)
     frame, scene = frame_of_run(folder, name)

@@ -28,9 +28,9 @@ from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct, ex
 from ecume.sweep.executors import ExecutorOptions, engine_of, hands
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.spec import process_of
-from ecume.trajectories.frame import library
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import storing, write_whole
+from ecume.trajectories.tables import library
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 from ecume._hooks import derived_arrays, html_of, scene_of
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories import frame
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.records import manifest_at, scene_at, storing
 from ecume.trajectories.segments import Segment, segment_files
+from ecume.trajectories.tables import library, of_particles
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame
@@ -147,11 +147,11 @@ class Samples:
 
     def polars(self) -> PolarsFrame:
         """The table as a DataFrame of Polars."""
-        return frame.library("polars").DataFrame(self.columns())
+        return library("polars").DataFrame(self.columns())
 
     def pandas(self) -> PandasFrame:
         """The table as a DataFrame of Pandas."""
-        return frame.library("pandas").DataFrame(self.columns())
+        return library("pandas").DataFrame(self.columns())
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """All columns by name: `step`, `time`, `kinetic_energy`; of blocks also `samples`, `kinetic_energy_min` ..."""
@@ -303,14 +303,19 @@ class Trajectory(Sequence[Frame]):
 
         Of an array each component is a column (`position_x`); `frame` and `particle` count from 0.
         """
-        return frame.library("polars").DataFrame(self._table(particles))
+        return library("polars").DataFrame(self._table(particles))
 
     def pandas(self, *, particles: bool = False) -> PandasFrame:
         """The same as a DataFrame of Pandas."""
-        return frame.library("pandas").DataFrame(self._table(particles))
+        return library("pandas").DataFrame(self._table(particles))
 
     def _table(self, particles: bool) -> dict[str, NDArray[Any]]:
-        return frame.of_particles(self) if particles else frame.of_numbers(self)
+        if particles:
+            return of_particles(self)
+        names = dict.fromkeys(name for each in self[:1] for name in each.numbers)
+        names |= dict.fromkeys(name for each in self[-1:] for name in each.numbers)
+        numbered = {name: self.numbers(name) for name in names}
+        return {"frame": np.arange(len(self)), "time": self.times, **numbered}
 
     def __repr__(self) -> str:
         """`Trajectory('runs/bowl', 151 frames, 0 s to 12 s)`."""

@@ -12,15 +12,8 @@ from ecume.models.floating import FLOATING
 from ecume.models.floating.frames import touching_shapes
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.floating.shaped.bodies import RigidKicks, shaped_energies, slowed
-from ecume.models.floating.shaped.figures import (
-    MOST_SHAPES,
-    TURN,
-    Skeleton,
-    moments,
-    silhouette,
-    spinning_time,
-    touching_distance,
-)
+from ecume.models.floating.shaped.constants import MOST_SHAPES, TURN, spinning_time, touching_distance
+from ecume.models.floating.shaped.shapes import Skeleton, moments, silhouette
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate

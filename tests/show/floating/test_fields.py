@@ -14,7 +14,7 @@ from ecume.errors import BadInput
 from ecume.laws import meniscus
 from ecume.models.liquids import liquid_of
 from ecume.scenes.load import to_plain
-from ecume.show.floating.surface import export_heights, height_field
+from ecume.show.floating.heights import export_heights, height_field
 from ecume.trajectories.segments import Recorder
 
 

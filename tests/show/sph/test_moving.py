@@ -7,7 +7,7 @@ import ecume
 from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.scenes.load import from_plain
 from ecume.show.sph.picture import liquid_picture
-from ecume.show.sph.water import movers_of, turned
+from ecume.show.sph.solids import movers_of, turned
 
 PLAIN = {
     "model": "sph",

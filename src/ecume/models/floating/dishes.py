@@ -141,6 +141,15 @@ HUGGING = 0.01
 one percent too weak there, where the sums over images are too long."""
 
 
+class MultipoleWalls(NamedTuple):
+    """The walls between which multipoles can be, each a function that returns multipoles with them."""
+
+    round: Callable[[Any, float, float], Any]
+    """round(multipoles, radius, contact_angle)"""
+    facing: Callable[[Any, tuple[float, float], float, flotation.Liquid], Any]
+    """facing(multipoles, size, contact_angle, liquid)"""
+
+
 class Meniscus(NamedTuple):
     """A kind of meniscus at the walls of a dish, and everything that depends on it."""
 
@@ -158,8 +167,8 @@ class Meniscus(NamedTuple):
     """images(dish, liquid, distance): the energy of a charge in its mirror image, over 2 pi gamma A^2"""
     field: Callable[[DishSpec, flotation.Liquid, Array, Array], Array]
     """field(dish, liquid, x, y): the height on a grid (m), shape (y, x), for pictures"""
-    multipoles: Callable[[Any, DishSpec, flotation.Liquid], Any]
-    """multipoles(multipoles, dish, liquid): the multipoles of all floats between these walls"""
+    multipoles: Callable[[MultipoleWalls, Any, DishSpec, flotation.Liquid], Any]
+    """multipoles(walls, multipoles, dish, liquid): the multipoles of all floats between these walls"""
 
 
 # --- the two kinds ----------------------------------------------------------------------------------------------------
@@ -203,10 +212,8 @@ def _round_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -
     return np.asarray(height)
 
 
-def _round_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
-    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
-
-    return multipoles.with_dish(many_floats, _radius(dish), dish.contact_angle, mirrored=True)
+def _round_multipoles(walls: MultipoleWalls, many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
+    return walls.round(many_floats, _radius(dish), dish.contact_angle)
 
 
 ROUND = Meniscus(
@@ -264,10 +271,8 @@ def _between(nodes: Array, side: float, contact_angle: float, liquid: flotation.
     return np.asarray(both[0] + both[1])
 
 
-def _facing_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
-    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
-
-    return multipoles.with_basin(many_floats, _sides(dish), dish.contact_angle, liquid, mirrored=True)
+def _facing_multipoles(walls: MultipoleWalls, many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
+    return walls.facing(many_floats, _sides(dish), dish.contact_angle, liquid)
 
 
 FACING = Meniscus(

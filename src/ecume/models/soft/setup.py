@@ -22,8 +22,8 @@ from ecume.laws.surfaces import SURFACES
 from ecume.models.liquids import material_of
 from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
+from ecume.models.soft.contacts.connected_pieces import UNBALANCED, loose_spheres, pieces
 from ecume.models.soft.contacts.contact_list import neighbors, open_all, wall_gaps
-from ecume.models.soft.contacts.films import UNBALANCED, loose_spheres, pieces
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
@@ -166,10 +166,11 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
 
 def require_hold(parameters: Parameters, state: State) -> None:
     """Raise SceneError for spheres without drag that something pulls at and no film connects to the rest."""
-    _, pulled = loose_spheres(parameters, state)
+    pair = state.pair[: state.contacts[0]]
+    _, pulled = loose_spheres(parameters, pair, state.touching)
     if len(pulled):
         walled = state.touching.shape[1] > 0
-        piece = pieces(state)
+        piece = pieces(pair, state.touching)
         others = [one for one in pulled if walled or piece[one] != piece[0]]
         alone = int((others or pulled)[0])
         message = f"sphere {alone} has no film to {'any wall' if walled else 'sphere 0'}, and nothing else holds it"

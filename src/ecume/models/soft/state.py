@@ -14,8 +14,9 @@ from ecume.engine.linear_solvers.solvers import Kept
 from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
+from ecume.models.soft.contacts.connected_pieces import anchors
 from ecume.models.soft.contacts.contact import ROUNDING
-from ecume.models.soft.contacts.films import Answers, Films, Pairs, anchors, make_answers, make_films
+from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
 from ecume.models.soft.contacts.user_forces import across
 from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
@@ -144,7 +145,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         start=np.zeros((count, dimensions)),
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
-        anchor=anchors(parameters, state),
+        anchor=anchors(parameters, state.pair[:contacts], state.touching),
         force=parameters.force,
         weight=parameters.weight,
         right=shared.right[0],

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from ecume.engine.cells import Integers, Sides
 from ecume.engine.shapes import Shape
@@ -10,9 +11,6 @@ from ecume.engine.walls import Sheet
 from ecume.models.sph.fields import Constants, EquationOfState, Numbers, Precision
 from ecume.models.sph.rates.methods import DensityDiffusion, Friction, PressureForce, PressureMethod
 from ecume.units import Array
-
-if TYPE_CHECKING:
-    from ecume.models.sph.user_laws import UserForces
 
 
 class Guard(NamedTuple):
@@ -297,7 +295,7 @@ class Parameters(NamedTuple):
     """of what the sums over neighbors read and write; the state is always in double precision"""
     origin: Array
     """(d,) m: positions that sums read are relative to this"""
-    user_forces: UserForces | None = None
+    user_forces: Callable[[Parameters, Any, Any], Array] | None = None
     """laws of the user"""
 
     @property

@@ -101,7 +101,7 @@ class UserForces:
     pair_loop: Callable[..., None] | None
     external_loop: Callable[..., None] | None
 
-    def acceleration(self, parameters: Parameters, state: State, workspace: Workspace) -> Array:
+    def __call__(self, parameters: Parameters, state: State, workspace: Workspace) -> Array:
         """The acceleration of each particle of the liquid (m/s^2), (d, N)."""
         found = np.zeros_like(state.position)
         if self.pair_loop is not None:

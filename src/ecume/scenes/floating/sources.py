@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path as Folder
@@ -11,11 +10,11 @@ from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
-from ecume.errors import EcumeError
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Inconsistent, Path, echo, faults_of, written
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
+from ecume.scenes.runs import frame_of_run
 from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, lines_of, require_there, text_of
 from ecume.trajectories.frame import Frame, omitted_from
 
@@ -185,36 +184,6 @@ def _from_file(raw: dict[str, Any], folder: Folder, value: object) -> Rows:
     return Rows(RUN, plain, origins, [])
 
 
-def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
-    """The run and the frame that `RUN@FRAME` means; the last frame, where none is named. Raises ValueError."""
-    whole = beside(folder, name)
-    run, at, frame = name.rpartition("@")
-    if not at or os.path.isdir(whole):  # noqa: PTH112  # a directory may have an @ in its name, or none can have this one
-        require_there(whole, folder)
-        return whole, -1
-    if re.fullmatch(r"-?[0-9]{1,9}", frame) is None:
-        raise ValueError(
-            f"{echo(frame)} is not a frame number; expected RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
-        )
-    whole = beside(folder, run)
-    require_there(whole, folder)
-    return whole, int(frame)
-
-
-def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
-    """The frame that `RUN@FRAME` means, as seen from a folder, and the run's scene. Raises ValueError."""
-    from ecume.trajectories.reader import open_trajectory
-
-    run, index = _run_and_frame(folder, name)
-    try:
-        with open_trajectory(run) as trajectory:
-            if not -len(trajectory) <= index < len(trajectory):
-                raise ValueError(f"has no frame {index}; {_numbered(len(trajectory))}")
-            return trajectory[index], trajectory.scene
-    except EcumeError as error:
-        raise ValueError(f"cannot be opened: {error}") from None
-
-
 def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     """The floats of one frame of a run. Raises ValueError."""
     species, figures = scene.kinds, _figures_of(scene)
@@ -246,11 +215,6 @@ def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
 def _wetted(row: dict[str, Any]) -> dict[str, Any]:
     """Without the contact angle of what is pinned at an edge, which is no number."""
     return row if math.isfinite(row["contact_angle"]) else {k: v for k, v in row.items() if k != "contact_angle"}
-
-
-def _numbered(frames: int) -> str:
-    """The range of frames, in words."""
-    return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"
 
 
 BESIDE = ("magnetic_moment", "angle", "spin")

@@ -129,7 +129,7 @@ def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
 
 def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
     """One region for each of the run's."""
-    from ecume.scenes.floating.sources import frame_of_run
+    from ecume.scenes.runs import frame_of_run
     from ecume.scenes.starts import refuse_a_file
 
     refuse_a_file(name)

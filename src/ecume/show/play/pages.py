@@ -24,7 +24,7 @@ from ecume.show.picture import species
 from ecume.show.play.bowl import SHELF, Bowl
 from ecume.show.play.tank import PUSHED, STEEPEST, Tank, movable
 from ecume.show.serving import HTML, JSON, Answer, Query
-from ecume.show.sph.picture import outline
+from ecume.show.sph.solids import outline
 from ecume.show.style import liquid_color
 from ecume.show.tank import Round
 from ecume.show.view.page import PLAY, TANK, Parts, color_map, data_of, filled, json_of, policy_of

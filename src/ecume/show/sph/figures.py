@@ -26,7 +26,8 @@ from ecume.show.curves import (
     samples_of,
     titled,
 )
-from ecume.show.sph.picture import DERIVED, liquid_picture, rectangle
+from ecume.show.sph.picture import DERIVED, liquid_picture
+from ecume.show.sph.solids import rectangle
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -27,6 +27,7 @@ from scipy.ndimage import gaussian_filter1d, map_coordinates
 from ecume.engine.shapes import Flags
 from ecume.laws import wall_forces
 from ecume.scenes.sph import SIDES
+from ecume.show.sph.solids import body_lines, outline
 from ecume.show.style import RIM
 from ecume.show.tank import Round, Shape
 from ecume.trajectories.frame import Frame
@@ -275,9 +276,6 @@ def room_of(
 
 def solids_in(scene: SphScene, frame: Frame) -> Inside | None:
     """Which points are inside obstacles and bodies of this frame; None without any."""
-    from ecume.show.sph.picture import outline
-    from ecume.show.sph.water import body_lines
-
     shapes: list[Shape] = [outline(solid) for solid in scene.obstacles]
     for number, body in enumerate(scene.bodies):
         shapes += [line[:-1] if body.radius is not None else line for line in body_lines(body, number, frame, None)]

@@ -18,9 +18,10 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Eye, Size, Species, Wires, wires_of
 from ecume.show.sph.liquid import Water
-from ecume.show.sph.water import WaterImage, ball_outline, mover_colors, movers_of
+from ecume.show.sph.solids import ball_outline, mover_colors, movers_of, outline, rectangle
+from ecume.show.sph.water import WaterImage
 from ecume.show.style import INK, PALETTE, RIM
-from ecume.show.tank import BODY, Coloring, Round, Setting, Shape, Tank, colored, seen, stand_apart
+from ecume.show.tank import BODY, Coloring, Setting, Tank, colored, seen, stand_apart
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -243,20 +244,6 @@ def solid_lines(solid: Any, camera: Array) -> list[Array]:
     if solid.radius is not None:
         return [ball_outline(np.array(solid.center), solid.radius, camera)]
     return [edge for part in wires_of(solid.low, solid.high, camera) for edge in part]
-
-
-def rectangle(low: Any, high: Any) -> Array:
-    """The corners of a box in 2D, counterclockwise from the lowest."""
-    return np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
-
-
-def outline(shape: Any) -> Shape:
-    """A shape of the scene as it is drawn."""
-    if shape.vertices:
-        return np.array(shape.vertices)
-    if shape.radius is not None:
-        return Round(shape.center[0], shape.center[1], shape.radius)
-    return rectangle(shape.low, shape.high)
 
 
 def regions(scene: SphScene) -> list[Species]:

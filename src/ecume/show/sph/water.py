@@ -1,7 +1,4 @@
-"""A liquid in 3D as water: its surface seen along parallel rays, shaded, translucent, with the solids in it.
-
-Moving solids as they are drawn: rigid bodies, and moving sides of the tank.
-"""
+"""A liquid in 3D as water: its surface seen along parallel rays, shaded, translucent, with the solids in it."""
 
 from __future__ import annotations
 
@@ -15,120 +12,18 @@ from matplotlib.image import AxesImage
 from scipy.ndimage import map_coordinates
 
 from ecume.engine.rendering import MET, Block, Eye, cast
-from ecume.engine.shapes import Ball, Box, Polygon, Shape
+from ecume.engine.shapes import Shape
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import View
 from ecume.show.sph.liquid import SMOOTHING, SUPPORT, Counts, Grid, Region, grid_in, liquid_in, region_of, room_of
+from ecume.show.sph.solids import shape_of, turned
 from ecume.show.style import LIQUID_COLORS
-from ecume.show.tank import BODY, seen
+from ecume.show.tank import BODY
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
-
-ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
-THICK = 0.4
-"""Of a side that moves, in spacings."""
-
-
-def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame], list[Array]] | None:
-    """The outlines of bodies and moving sides in a frame; None where nothing moves."""
-    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
-    if not scene.bodies and not driven:
-        return None
-
-    def outlines(frame: Frame) -> list[Array]:
-        found = [line for number, body in enumerate(scene.bodies) for line in body_lines(body, number, frame, camera)]
-        return found + [side_line(scene, side, frame) for side in driven if camera is None]
-
-    return outlines
-
-
-def mover_colors(scene: SphScene, usual: str, flat: bool) -> list[str]:
-    """The colors of these lines in their order: each body's own, where it has one."""
-    bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
-    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
-    return bodies + [usual] * (len(driven) * flat)
-
-
-def lines_of(body: Any, flat: bool) -> int:
-    """The number of lines that a body is drawn with: a box in 3D has twelve edges."""
-    return 1 if flat or body.radius is not None else 12
-
-
-def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> list[Array]:
-    """A body at its position: its outline in 2D; in 3D a circle, or the edges of a box."""
-    shape, at = shape_of(body), {key: value for key, value in frame.numbers.items() if key.startswith(f"body{number}_")}
-    name = f"body{number}"
-    middle = np.array([at[f"{name}_{axis}"] for axis in "xyz"[: len(shape.middle())]])
-    if camera is None:
-        turn = rotation(at[f"{name}_angle"])
-        return [middle + corners(shape) @ turn.T]
-    if isinstance(shape, Ball):
-        return [ball_outline(middle, shape.radius, camera)]
-    turn = turned([at[f"{name}_q{part}"] for part in "wxyz"])
-    return [seen(middle + edge @ turn.T, camera) for edge in edges(shape)]
-
-
-def ball_outline(middle: Array, radius: float, camera: Array) -> Array:
-    """A ball as it is seen: round from everywhere."""
-    outline: Array = seen(middle[None], camera) + radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
-    return outline
-
-
-def shape_of(body: Any) -> Shape:
-    """About its middle."""
-    if body.vertices:
-        shape: Shape = Polygon(np.array(body.vertices))
-    elif body.radius is not None:
-        shape = Ball(np.array(body.center), body.radius)
-    else:
-        shape = Box(np.array(body.low), np.array(body.high))
-    return shape.carried(-shape.middle())
-
-
-def corners(shape: Shape) -> Array:
-    """The corners of a shape in 2D; a disc is a polygon with a spoke, so that its rotation shows."""
-    if isinstance(shape, Polygon):
-        return shape.vertices
-    if isinstance(shape, Ball):
-        circle: Array = shape.radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
-        return np.concatenate([circle, np.zeros((1, 2))])
-    low, high = shape.bounds()
-    return np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-
-
-def edges(shape: Shape) -> list[Array]:
-    """The twelve edges of a box, (2, 3) each."""
-    low, high = shape.bounds()
-    points = np.array([[(low, high)[bit >> axis & 1][axis] for axis in range(3)] for bit in range(8)])
-    return [points[[one, one | 1 << axis]] for axis in range(3) for one in range(8) if not one >> axis & 1]
-
-
-def rotation(angle: float) -> Array:
-    """The rotation matrix in 2D."""
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-
-
-def turned(quaternion: list[float]) -> Array:
-    """The rotation in 3D, by a unit quaternion (w, x, y, z)."""
-    w, axis = quaternion[0], np.array(quaternion[1:])
-    cross = np.cross(np.eye(3), axis)
-    matrix: Array = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
-    return matrix
-
-
-def side_line(scene: SphScene, side: str, frame: Frame) -> Array:
-    """A side of the tank where it is, as thick as a wall."""
-    number = SIDES.index(side)
-    axis, first = number // 2, number % 2 == 0
-    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    place = float((low if first else high)[axis]) + frame.numbers[f"{side}_position"]
-    ends = place, place + (-1.0 if first else 1.0) * THICK * scene.spacing
-    low[axis], high[axis] = min(ends), max(ends)
-    return np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-
 
 FINE = 2.0
 """Cells per spacing."""

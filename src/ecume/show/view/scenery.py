@@ -19,8 +19,9 @@ from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.surface import outlines_in, sheet, surface, typical_meniscus
 from ecume.show.picture import Species, edges_of, species
 from ecume.show.soft.packing import WIDE, links_of, reached
-from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
-from ecume.show.sph.water import edges, rotation, shape_of, side_line, turned, water_color
+from ecume.show.sph.picture import EDGES, FULL, regions, usual_color
+from ecume.show.sph.solids import edges, rectangle, rotation, shape_of, side_line, turned
+from ecume.show.sph.water import water_color
 from ecume.show.style import liquid_color, scale_for
 from ecume.show.tank import Round
 from ecume.show.tracers import outline_of

@@ -52,7 +52,7 @@ from ecume.models.floating.shaped.bodies import (
     find_outline_contacts,
     separate_outlines,
 )
-from ecume.models.floating.shaped.figures import overlaps
+from ecume.models.floating.shaped.constants import overlaps
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
 from ecume.models.model import DONE
 from ecume.units import Array

@@ -13,6 +13,7 @@ computes forces and energies.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,7 +24,6 @@ from ecume._portable import exp, log
 from ecume.engine import interpolation
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
-from ecume.engine.walls import surfaces
 from ecume.errors import BadInput
 from ecume.laws import ewald
 from ecume.laws.ewald import SplitFit, smooth_self_energy, smooth_wave, smooth_wave_within
@@ -42,7 +42,7 @@ from ecume.models.floating.time_integration.step_size import PACKED
 from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
-    from ecume.scenes.floating import FloatingScene
+    from ecume.scenes.floating import InteractionSpec
 
 
 DEEPEST_TOUCH = 0.9
@@ -94,20 +94,6 @@ class Split(NamedTuple):
     """constants of the short-range part, which is summed over pairs"""
 
 
-def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
-    """The area (m^2) that the floats cover at the start."""
-    from ecume.models.floating.setup.initial_state import given_places, region_of
-
-    region = region_of(parameters)
-    area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    area = min(area, surfaces.area(parameters.walls))
-    places = given_places(scene).position
-    if np.isnan(places).any():
-        return area
-    spans = np.ptp(places, axis=0) + 2.0 * float(parameters.floats.radius.max())
-    return float(np.prod(spans))
-
-
 @lru_cache(maxsize=32)
 def _coarsest(order: int, error: float) -> float:
     """The largest spacing, over sqrt(eta), with an error below this one."""
@@ -145,10 +131,10 @@ class FloatStatistics(NamedTuple):
         return min(float(self.floats), math.pi * self.density * (reach + self.skin) ** 2)
 
 
-def statistics_of(parameters: Parameters, scene: FloatingScene) -> FloatStatistics:
-    """The statistics of a scene."""
+def statistics_of(parameters: Parameters, area: float) -> FloatStatistics:
+    """The statistics of floats that cover this area (m^2) at the start."""
     length, radius = float(parameters.pair[CAPILLARY_LENGTH]), parameters.floats.radius
-    area, count = initial_area(parameters, scene) / length**2, len(radius)
+    area, count = area / length**2, len(radius)
     packed = PACKED * count / (math.pi * float(np.sum((radius / length) ** 2)))
     return FloatStatistics(
         floats=count,
@@ -204,11 +190,14 @@ def _splits(statistics: FloatStatistics, accuracy: float) -> list[Choice]:
     return choices
 
 
-def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) -> tuple[Split, float] | None:
+def split_of(
+    parameters: Parameters, interaction: InteractionSpec, area: Callable[[], float], *, eligible: bool
+) -> tuple[Split, float] | None:
     """A grid if the scene requests it, or if it is cheaper and `eligible`, and the cutoff (m) of the short-range
-    part; None without a grid. Raises SceneError if a requested grid is impossible.
+    part; None without a grid. `area()` is what the floats cover at the start (m^2). Raises SceneError if a requested
+    grid is impossible.
     """
-    requested, accuracy = scene.interaction.summation, scene.interaction.accuracy
+    requested, accuracy = interaction.summation, interaction.accuracy
     fits = FINEST <= accuracy <= LOOSEST
     if requested == "grid" and not fits:
         raise scene_error(
@@ -217,7 +206,7 @@ def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) ->
         )
     if requested == "cells" or (requested == "auto" and not (eligible and fits)):
         return None
-    statistics = statistics_of(parameters, scene)
+    statistics = statistics_of(parameters, area())
     if requested == "auto" and statistics.floats < WORTH:
         return None
     cells = statistics.floats * PAIR * statistics.neighbors(statistics.cutoff)

@@ -84,7 +84,7 @@ from ecume.models.floating.forces.waves import (
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch, State, Workspace, clear
 from ecume.models.floating.shaped.bodies import Shaped, make_shaped_scratch, shaped_energies, shaped_forces
-from ecume.models.floating.shaped.figures import shapes_of
+from ecume.models.floating.shaped.constants import shapes_of
 from ecume.units import Array
 
 if TYPE_CHECKING:

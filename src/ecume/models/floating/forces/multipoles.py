@@ -45,7 +45,7 @@ from ecume.laws.multipole.solving import (
     torques,
 )
 from ecume.laws.special import bessel_k0, bessel_k1, scaled_bessel_i1
-from ecume.models.floating.dishes import acts, meniscus_of
+from ecume.models.floating.dishes import MultipoleWalls, acts, meniscus_of
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters, State, Workspace, make_state, part_of
 from ecume.models.floating.setup.kinds import distinct_kinds
@@ -137,9 +137,7 @@ def make_multipoles(
     return Multipoles(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension, none, none)
 
 
-def with_basin(
-    multipoles: Multipoles, size: tuple[float, float], contact_angle: float, liquid: Liquid, mirrored: bool
-) -> Multipoles:
+def with_basin(multipoles: Multipoles, size: tuple[float, float], contact_angle: float, liquid: Liquid) -> Multipoles:
     """Return the multipoles between four plane walls."""
     menisci = [
         (
@@ -150,20 +148,21 @@ def with_basin(
         for axis, side in enumerate(size)
         for sign in (-1.0, 1.0)
     ]
-    mirrors = images(Basin(*size, contact_angle), liquid) if mirrored else images(None, liquid)
+    mirrors = images(Basin(*size, contact_angle), liquid)
     near = np.hypot(mirrors[:, 1], mirrors[:, 3]) <= 2.0 * max(size) / multipoles.length + multipoles.rims.range
     return multipoles._replace(menisci=np.array(menisci), echoes=multipoles.echoes._replace(mirrors=mirrors[near]))
 
 
-def with_dish(multipoles: Multipoles, radius: float, contact_angle: float, mirrored: bool) -> Multipoles:
+def with_dish(multipoles: Multipoles, radius: float, contact_angle: float) -> Multipoles:
     """Return the multipoles inside a round wall."""
     brim, orders = radius / multipoles.length, multipoles.rims.response.shape[1]
     waves = min(MOST_WAVES, math.ceil(WAVES_PER_ORDER * orders * brim / multipoles.rims.radius.min()))
     round_echoes = make_round_echoes(brim, waves, orders, multipoles.rims.reference, pinned=False)
     strength = plane_amplitude(contact_angle) / scaled_bessel_i1(brim)
-    return multipoles._replace(
-        dish=strength, echoes=round_echoes if mirrored else multipoles.echoes._replace(brim=brim)
-    )
+    return multipoles._replace(dish=strength, echoes=round_echoes)
+
+
+WALLS = MultipoleWalls(with_dish, with_basin)
 
 
 def make_multipole_scratch(part: Multipoles, parameters: Parameters, state: State, workspace: Any) -> MultipoleScratch:
@@ -414,7 +413,7 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     dish, bodies, liquid = scene.dish, bodies_and_charges(kinds), liquid_of(scene)
     found = _made(lambda: make_multipoles(bodies, liquid, scene.interaction.order, parameters.cutoff, number))
     if dish is not None and acts(parameters):
-        found = meniscus_of(dish).multipoles(found, dish, liquid)
+        found = meniscus_of(dish).multipoles(WALLS, found, dish, liquid)
     if not any(kind.rim[1] > 0.0 for kind in kinds):
         return Built(found, stiffer=_stiffer(bodies))
     moment, friction, quickest = _turning(parameters, scene, [kinds[k] for k in number])

@@ -13,6 +13,7 @@ from ecume.engine.cells import Integers
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import drag, flotation
 from ecume.models.floating.parameters import Floats
+from ecume.models.floating.shaped.shapes import Figure, Given, floating_shape, round_figure
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
@@ -49,7 +50,7 @@ class FloatKind(NamedTuple):
     rim: tuple[int, float] = (2, 0.0)
     """mode of an undulated rim, and its amplitude (m)"""
     figure: Any = None
-    """a `shaped.figures.Figure` in scenes where a float has a shape"""
+    """a `Figure` in scenes where a float has a shape"""
     radius: float = 0.0
     """of the circumscribed circle"""
 
@@ -106,8 +107,6 @@ def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene)
 
 def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> FloatKind:
     """Return a float with a shape. Raises BadInput if it sinks."""
-    from ecume.models.floating.shaped.figures import Given, floating_shape
-
     liquid = liquid_of(scene)
     angle = math.nan if shape.pinned else contact_angle_of(given, liquid)
     asked = Given(shape, given.radius, given.density, angle, str(scene.interaction.charge))
@@ -126,12 +125,10 @@ def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingSce
     )
 
 
-def _round_figure(kind: FloatKind, scene: FloatingScene) -> Any:
+def _round_figure(kind: FloatKind, scene: FloatingScene) -> Figure | None:
     """The figure of a sphere or a disc in a scene with shapes; otherwise None."""
     if not scene.shaped or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
         return None
-    from ecume.models.floating.shaped.figures import round_figure
-
     return round_figure(kind.body, kind.charge, kind.mass, kind.friction)
 
 

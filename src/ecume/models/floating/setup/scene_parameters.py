@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine.walls import wall_count
+from ecume.engine.walls import surfaces, wall_count
 from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.friction import legacy_restitution
@@ -46,7 +46,7 @@ from ecume.models.floating.setup.hydrodynamic_interaction import (
     hydrodynamics_of,
     warn_of_fast_floats,
 )
-from ecume.models.floating.setup.initial_state import boundary_of, periods_in, require_room
+from ecume.models.floating.setup.initial_state import boundary_of, given_places, periods_in, region_of, require_room
 from ecume.models.floating.setup.kinds import floats_of, moments_of
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
@@ -90,7 +90,11 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     plain = _without_parts(scene, chosen, longer)
     require_finite_forces(plain, scene)
     eligible = chosen.grid_allowed and row_of(plain).menisci and scene.cell is None
-    split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
+    split = (
+        split_of(plain, scene.interaction, lambda: initial_area(plain, scene), eligible=eligible)
+        if chosen.sums_menisci
+        else None
+    )
     if split is not None:
         plain = cut_off(plain, split[1])
     _require_memory(len(plain.floats.mass), _memory_of_lists(plain))  # before parts with constants of each float
@@ -118,6 +122,18 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     if scene.shaped:
         integrator = RigidKicks(parts[0].inertia, parts[0].friction)
     return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts, EveryRow()))
+
+
+def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
+    """The area (m^2) that the floats cover at the start."""
+    region = region_of(parameters)
+    area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
+    area = min(area, surfaces.area(parameters.walls))
+    places = given_places(scene).position
+    if np.isnan(places).any():
+        return area
+    spans = np.ptp(places, axis=0) + 2.0 * float(parameters.floats.radius.max())
+    return float(np.prod(spans))
 
 
 def _require_stable_drag(integrator: Integrator, parameters: Parameters) -> None:

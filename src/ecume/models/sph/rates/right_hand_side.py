@@ -365,7 +365,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     if parameters.tension != "none":
         add_surface_tension(parameters, state, workspace)
     if parameters.user_forces is not None:
-        workspace.user_acceleration = parameters.user_forces.acceleration(parameters, state, workspace)
+        workspace.user_acceleration = parameters.user_forces(parameters, state, workspace)
         state.acceleration[...] += workspace.user_acceleration
     if parameters.transports:
         shift(parameters, state, workspace, time)
