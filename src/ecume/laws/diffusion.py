@@ -1,6 +1,6 @@
 """Diffusion: of density between particles, which takes the noise out of the pressure, and of spheres by thermal noise.
 
-    drho_i/dt = ... + sum_j V_j `density_flow`,    with what j has in excess of i by one of these laws.
+    drho_i/dt = ... + sum_j V_j flow_ij,    with what j has in excess of i by one of these laws.
 
 The excess must vanish in a liquid at rest under its weight, or the level creeps: Molteni's does not (the surface
 lifts, and the tank blows up in the end), Fourtakas's linear one nearly does, Fourtakas's with the exact column and

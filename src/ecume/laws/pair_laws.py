@@ -283,12 +283,12 @@ class Dipoles(NamedTuple):
 
 
 def dipoles_force(distance: Length, own: PairParameters, law: Dipoles) -> Force:
-    """The force between two moments: `dipoles.dipole_force`. [jackson1999, par. 5.7]."""
+    """The force between two moments: `dipole_force`. [jackson1999, par. 5.7]."""
     return dipole_force(distance, law.strength * own.charge_i * own.charge_j)
 
 
 def dipoles_energy(distance: Length, own: PairParameters, law: Dipoles) -> Energy:
-    """The energy of two moments: `dipoles.dipole_energy`. [jackson1999, par. 5.7]."""
+    """The energy of two moments: `dipole_energy`. [jackson1999, par. 5.7]."""
     return dipole_energy(distance, law.strength * own.charge_i * own.charge_j)
 
 

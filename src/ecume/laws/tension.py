@@ -15,7 +15,7 @@ SpaceStrength = Annotated[float, Unit("m^4/(kg*s^2)")]
 RELIABLE = 0.2
 """The least steepness of the color, over its smoothing length; at a flat surface it is three times that and more."""
 NEUTRAL = 0.3857275681323895
-"""The color of solids whose surface costs the same under liquid and gas, `surface_share` = 1/2: a right angle."""
+"""The color of solids whose surface costs the same under liquid and gas: a right angle."""
 
 
 def cohesion_kernel(distance: Length, support: Length) -> PerVolume:

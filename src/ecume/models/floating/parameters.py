@@ -120,11 +120,11 @@ class Parameters(NamedTuple):
     """range of the neighbor lists: the cutoff or the widest touching pair, plus the skin"""
     walls: Walls
     wall_law: int
-    """see `walls.menisci`"""
+    """see `dishes.wall_law_of`"""
     wall_strength: Array
     """(walls, N) J"""
     wall_table: Array
-    """see `walls.menisci.wall_table`; empty if there are formulas"""
+    """see `dishes.wall_table`; empty if there are formulas"""
     image_strength: float
     """N: 2 pi gamma, if walls mirror menisci"""
     restitution: float

@@ -382,7 +382,7 @@ class State(NamedTuple):
     tally: Integers
     """(1,) flights with more bounces than a step may have"""
     work: Array = np.zeros(1)
-    """(1,) J of work from outside: see `energy_budget`"""
+    """(1,) J of work from outside: see `time_stepping`"""
 
 
 class Workspace(NamedTuple):

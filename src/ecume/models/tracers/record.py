@@ -179,7 +179,7 @@ RISE = 1e-6
 
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene. The work of liquid and openings is in the energy budget, see `energy_budget`."""
+    """The rows of a scene. The work of liquid and openings is in the energy budget, see `time_stepping`."""
     everyone = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
     return [everyone, energy_never_rises(RISE)]
 

@@ -60,7 +60,7 @@ class Friction(NamedTuple):
     ease: Array
     """(N + walls,) spin per angular impulse during one kick"""
     overlapping: bool = False
-    """see `contact_solver.Impulses`"""
+    """see `impulse_solvers.Impulses`"""
 
 
 class FrictionScratch(NamedTuple):
