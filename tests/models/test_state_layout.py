@@ -13,7 +13,7 @@ from ecume.simulation import moments
 
 TEMPLATES = Path(ecume.__file__).parent / "templates"
 SCENES = {
-    "two-spheres": {"touches": 99, "touching": np.zeros((1, 2), np.int64), "reference": np.zeros((1, 2))},
+    "two-spheres": {"skin": 1.0, "touches": 99, "touching": np.zeros((1, 2), np.int64), "reference": np.zeros((1, 2))},
     "soft-two-spheres": {"contacts": 99, "pair": 2, "order": 1, "log_gap": np.zeros(0)},
     "small-tank": {
         "region": -1,

@@ -128,3 +128,31 @@ def test_momentum_is_conserved_to_1e_12_over_a_run_with_many_collisions():
     assert frames[-1].numbers["collisions"] > 30
     for name in ("momentum_x", "momentum_y"):
         assert frames[-1].numbers[name] == pytest.approx(frames[0].numbers[name], abs=1e-12 * scale)
+
+
+PASSING = {
+    "a dish": ('[dish]\nradius = "1 cm"\ncontact_angle = "45 deg"\n', ""),
+    "a dish without inertia": ('[dish]\nradius = "1 cm"\n', 'integrator = "overdamped"'),
+    "a rectangle": ('[dish]\nsize = ["2 cm", "2 cm"]\n', ""),
+    "a dish and the flow of others": (
+        '[dish]\nradius = "1 cm"\n[hydrodynamics]\ninteraction = "rotne-prager"\n',
+        'integrator = "overdamped"',
+    ),
+}
+
+
+@pytest.mark.filterwarnings("ignore::ecume.models.floating.setup.hydrodynamic_interaction.ReynoldsWarning")
+@pytest.mark.parametrize("name", PASSING)
+@pytest.mark.parametrize("shape", ["", 'shape = { kind = "needle", width = "0.3 mm", angle = 0.0 }\n'])
+def test_floats_that_pass_through_one_another_may_overlap_at_the_start_and_stay_in_the_dish(name, shape):
+    around, integration = PASSING[name]
+    if shape and "rotne" in around:
+        pytest.skip("the flow of needles is not known")
+    floats = (
+        f'[[particles]]\nradius = "0.5 mm"\ndensity = 300.0\ncontact_angle = "60 deg"\n{shape}'
+        f"positions = [[0.009, 0.0], [{-0.005 if shape else 0.0089}, 0.0]]\n"
+    )
+    laws = f'[contacts]\nlaw = "none"\n[integration]\n{integration}\n'
+    frames = list(simulate(scene_of(WATER + floats + around + laws, duration=0.2, frame_every=0.1)))
+    for frame in frames:
+        assert np.abs(frame.arrays["position"]).max() < 9.55e-3

@@ -27,6 +27,8 @@ class Bodies(NamedTuple):
     """(N + walls,) velocity per impulse: the inverse mass, reduced by drag during the step; zero for fixed bodies"""
     periods: Array
     """(2, 2): see `ecume.engine.cells`"""
+    passing: bool = False
+    """whether discs pass through one another; walls stop them all the same"""
 
 
 class Candidates(NamedTuple):
@@ -101,7 +103,7 @@ def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: 
     count, walls_here, found, periods = position.shape[0], wall_count(walls), 0, bodies.periods
     for i in range(count):
         x, y = position[i, 0], position[i, 1]
-        pairs = starts[i + 1] - starts[i]
+        pairs = 0 if bodies.passing else starts[i + 1] - starts[i]
         for place in range(pairs + walls_here):
             if place < pairs:
                 j = partner[starts[i] + place]

@@ -62,6 +62,8 @@ class OutlinedBodies(NamedTuple):
     walls: Walls
     mobility: Array
     """(N, 3) velocity per impulse along the body, across it, and spin per angular impulse"""
+    passing: bool = False
+    """whether bodies pass through one another; walls stop them all the same"""
 
 
 def make_torque_contacts(capacity: int, places: int) -> TorqueContacts:
@@ -118,7 +120,7 @@ def gather(
     count, walls = len(position), wall_count(bodies.walls)
     turn_corners(bodies.outlines, stance)
     for i in range(count):
-        pairs = candidates.first[i + 1] - candidates.first[i]
+        pairs = 0 if bodies.passing else candidates.first[i + 1] - candidates.first[i]
         for place in range(pairs + walls):
             if place < pairs:
                 j = candidates.partner[candidates.first[i] + place]

@@ -116,6 +116,7 @@ class Parameters(NamedTuple):
     """constants of the pair law, packed: see `pack_pair`"""
     cutoff: float
     skin: float
+    """m: of neighbor lists, for floats as fast as the time step expects; see `State.skin`"""
     reach: float
     """range of the neighbor lists: the cutoff or the widest touching pair, plus the skin"""
     walls: Walls
@@ -142,6 +143,8 @@ class Parameters(NamedTuple):
     """whether pair forces are computed in single precision"""
     periods: Array = np.zeros((2, 2))
     """of the cell: see `ecume.engine.cells`; zero without a cell"""
+    passing: bool = False
+    """whether floats pass through one another; the walls of a dish stop them all the same"""
     parts: Any = ()
     """the `Parts` of the model, whose types select compiled code; empty in the parameters that compiled code gets"""
 
@@ -231,6 +234,8 @@ class State(NamedTuple):
     tally: Array
     """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m), and the work
     done from outside (J)"""
+    skin: Array = np.zeros(1)
+    """(1,) m: the skin of the neighbor lists, if wider than that of the parameters"""
     active: Array = np.zeros((0, 3))
     """(N, 3) the random force on each active float along x and y, over its root mean square, and the heading (rad);
     (0, 3) without activity"""
@@ -275,6 +280,7 @@ def make_state(position: Array, velocity: Array) -> State:
         amplitudes=np.zeros((count, 0)),
         turning=np.zeros((count, 0)),
         tally=np.zeros(5),
+        skin=np.zeros(1),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +17,11 @@ from ecume.models.floating.frames import OVERLAP, invariants, observe
 from ecume.models.floating.parameters import DEEPEST, WORK, Parameters, State, Workspace, make_workspace
 from ecume.models.floating.setup.initial_state import layout, position_faults, start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
-from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
+from ecume.models.floating.time_integration.integration import advance, fill_lists, forces_at, make_scratch
 from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import DEEP, Model, Source, first_broken, when
 from ecume.models.user_laws import BoundLaw
-from ecume.units import with_prefix
+from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
@@ -57,27 +58,45 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Which float diverged, when, and what to do."""
+    what, far = _who_and_what(parameters, state)
+    steps = math.ceil(parameters.steps_per_frame * min(max(SHORTER, far / parameters.skin), LONGEST))
+    shorter = parameters.time_step * parameters.steps_per_frame / steps
     return (
-        f"{when(parameters, state)} {_who_and_what(parameters, state)}: too far for one time step of "
-        f"{parameters.time_step:.3g} s. Set integration.time_step = {0.25 * parameters.time_step:.2g}, "
-        "or look for overlapping floats"
+        f"{when(parameters, state)} {what}: too far for one time step of {parameters.time_step:.3g} s. Set "
+        f"integration.time_step = {shorter:.9g}, or look for overlapping floats"
     )
 
 
-def _who_and_what(parameters: Parameters, state: State) -> str:
-    """The float with a position or velocity that is not finite, the separated pair, or the fastest float."""
+SHORTER, LONGEST = 4.0, 1e3
+"""By how much a time step that diverged is to be shortened at least, and at most."""
+
+
+def _who_and_what(parameters: Parameters, state: State) -> tuple[str, float]:
+    """The float with a position or velocity that is not finite, the separated pair, or the fastest float; and how far
+    it would move in a step (m).
+    """
     broken = first_broken({"position": state.position, "velocity": state.velocity})
     if broken is not None:
-        return f"float {broken.particle} has a {broken.term} that is not finite"
+        return f"float {broken.particle} has a {broken.term} that is not finite", 0.0
     if state.tally[DEEPEST] > DEEP * parameters.floats.radius.min():
         # Contacts have separated them by more than any float moves in a step.
         one, other = np.argsort(-np.linalg.norm(state.position - state.reference, axis=1))[:2]
-        return f"floats {one} and {other} were separated from an overlap of {with_prefix(state.tally[DEEPEST], 'm', 3)}"
-    with np.errstate(over="ignore"):
-        speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
+        depth = with_prefix(state.tally[DEEPEST], "m", 3)
+        return f"floats {one} and {other} were separated from an overlap of {depth}", 0.0
+    speed = _speeds(parameters, state)
     fastest = int(np.argmax(speed))
     x, y = (with_prefix(place, "m") for place in state.position[fastest])
-    return f"float {fastest} moves at {with_prefix(speed[fastest], 'm/s', 3)} (at {x}, {y})"
+    found = f"float {fastest} moves at {with_prefix(speed[fastest], 'm/s', 3)} (at {x}, {y})"
+    return found, parameters.time_step * float(speed[fastest]) + parameters.drift.jump
+
+
+def _speeds(parameters: Parameters, state: State) -> Array:
+    """The highest speed of each float in the next step (m/s): its own, if drag does not stop it, and that of a kick."""
+    here = state._replace(reference=state.position.copy(), step=state.step.copy(), skin=np.zeros(1))
+    force, kick = forces_at(parameters, state.position, workspace(parameters, here, 1.0)), parameters.kick
+    with np.errstate(over="ignore"):
+        own = np.where(kick.decay > 0.0, np.hypot(state.velocity[:, 0], state.velocity[:, 1]), 0.0)
+        return np.asarray(own + kick.gain * np.hypot(force[:, 0], force[:, 1]))
 
 
 def faults(scene: FloatingScene, parameters: Parameters, state: State) -> list[str]:
@@ -90,7 +109,7 @@ def faults(scene: FloatingScene, parameters: Parameters, state: State) -> list[s
         return [
             f"{names[i]} overlaps {names[j] if j < len(radius) else walls} by {-gap:.3g} m"
             for i, j, gap in gaps
-            if -gap > OVERLAP * radius[i]
+            if -gap > OVERLAP * radius[i] and (j >= len(radius) or not parameters.passing)
         ]
     which = np.arange(len(radius))
     return [f"{path} {what}" for path, what, *_ in position_faults(parameters, state.position, which, names, OVERLAP)]

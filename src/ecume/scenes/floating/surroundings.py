@@ -406,7 +406,7 @@ class ContactSpec:
     velocity."""
     law: LawName = "impulse"
     """The contact law: `impulse`, `spring-dashpot`, which is soft, or `none`. Effect: without contacts floats pass
-    through each other."""
+    through each other; the wall of a dish holds them all the same."""
     stiffness: Springiness | None = None
     """The stiffness of the springs (N/m); by default the value for an indentation of a thousandth of a radius.
     Effect: stiffer springs need shorter time steps."""

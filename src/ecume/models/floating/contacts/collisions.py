@@ -254,7 +254,9 @@ store_spins = selected(lambda kind: _solver(kind).store_spins)
 @compiled_inside
 def contact_bodies(parameters: Parameters) -> Bodies:
     """Return the data of floats and walls for the contact solver."""
-    return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility, parameters.periods)
+    return Bodies(
+        parameters.floats.radius, parameters.walls, parameters.kick.mobility, parameters.periods, parameters.passing
+    )
 
 
 @compiled_inside

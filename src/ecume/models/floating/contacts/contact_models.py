@@ -265,7 +265,7 @@ def _outline_gaps(
 
 def _outlined(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
     shapes: Shaped = interactions[0]
-    return Built(Outlined(shapes.outlines, shapes.places, scene.contacts.law != "none"))
+    return Built(Outlined(shapes.outlines, shapes.places))
 
 
 def _simple(part: Any) -> Callable[..., Built]:
@@ -326,7 +326,7 @@ CONTACTS = {
 
 CONTACTS["coupled on a grid"] = replace(
     CONTACTS["coupled"], constants=GridImpulses, before_drift=collide_on_grid, state=unchanged_state,
-    make=lambda parameters, scene, interactions: Built(GridImpulses(scene.contacts.law == "none")),
+    make=_simple(GridImpulses()),
     inertia=lambda part: None,
 )  # fmt: skip
 CONTACTS["coupled friction"] = replace(CONTACTS["coupled"], path="contacts.friction", make=rubbing_impulses_of)

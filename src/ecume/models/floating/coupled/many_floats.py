@@ -388,8 +388,8 @@ class GridKicks(NamedTuple):
 class GridImpulses(NamedTuple):
     """Contacts without friction that are solved by products with the mobility."""
 
-    overlapping: bool
-    """whether floats pass through one another"""
+    overlapping: bool = False
+    """see `collisions.Impulses`"""
 
 
 class GridScratch(NamedTuple):
@@ -466,8 +466,6 @@ def collide_on_grid(
     part: GridImpulses, own: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
-    if part.overlapping:
-        return
     contacts, memory = workspace.contacts, memory_of(state)
     wanted = gather_contacts(parameters, state, workspace)
     if wanted.target > 0.0:

@@ -326,8 +326,8 @@ class CoupledImpulses(NamedTuple):
     """coefficients of friction between two floats, and at walls"""
     inertia: Array
     """(N,) kg m^2 of floats that turn; (0,) without friction"""
-    overlapping: bool
-    """whether floats pass through one another; see also `collisions.Impulses`"""
+    overlapping: bool = False
+    """see `collisions.Impulses`"""
 
 
 def rubbing_impulses_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
@@ -337,8 +337,8 @@ def rubbing_impulses_of(parameters: Parameters, scene: FloatingScene, interactio
 
 
 def smooth_impulses_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
-    """Return contacts without friction, or none."""
-    return Built(CoupledImpulses((0.0, 0.0), np.zeros(0), scene.contacts.law == "none"))
+    """Return contacts without friction."""
+    return Built(CoupledImpulses((0.0, 0.0), np.zeros(0)))
 
 
 @compiled
@@ -346,8 +346,6 @@ def collide_coupled(
     part: CoupledImpulses, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
-    if part.overlapping:
-        return
     contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
     goal = gather_contacts(parameters, state, workspace)
     if goal.target > 0.0:

@@ -16,7 +16,7 @@ import numpy as np
 from ecume.engine.cells import Integers, into_box, no_periods, periods_of
 from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
-from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
+from ecume.engine.placement import place_at_random
 from ecume.engine.walls import Walls, surfaces
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
@@ -25,7 +25,8 @@ from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, make_state
-from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
+from ecume.models.floating.setup.places import given_places, region_of
+from ecume.models.floating.time_integration.integration import WIDEST, inertia_of, list_candidates
 from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.model import Layout
 from ecume.units import Array, with_prefix
@@ -33,7 +34,7 @@ from ecume.units import Array, with_prefix
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from ecume.scenes.floating import FloatingScene, FloatSpec
+    from ecume.scenes.floating import FloatingScene
 
 
 CELL = Option(slot="boundary", path="cell", name="a periodic cell")
@@ -116,9 +117,6 @@ def _rounded_up(value: float, digits: int) -> float:
     return float(f"{math.ceil(value / unit * (1.0 - 1e-12)) * unit:.{digits}g}")
 
 
-OPEN_COVERAGE = 0.15
-"""Without a dish, floats are placed at random in a square, of which they cover this fraction."""
-
 TOUCHING = 1e-3
 """Overlaps up to this fraction of a radius are accepted: a scene may start from a raft of another run, whose floats
 overlap slightly.
@@ -127,13 +125,6 @@ overlap slightly.
 MOST_FAULTS = 20
 TURNS = 7
 """Separates the random numbers of angles from those of positions."""
-
-
-class Places(NamedTuple):
-    """The initial position and velocity of each float of the scene; NaN if they are random."""
-
-    position: Array
-    velocity: Array
 
 
 def start(scene: FloatingScene, parameters: Parameters) -> State:
@@ -163,7 +154,8 @@ def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout
     blank = with_angles(with_parts(make_state(zeros, zeros), parameters), scene, parameters)
     if state.tally.size == WORK and not is_driven(parameters):
         blank = blank._replace(tally=blank.tally[:WORK])
-    return Layout(blank, {"touches": (0, len(blank.touching))})
+    ranges = {"touches": (0, len(blank.touching)), "skin": (0.0, WIDEST * parameters.skin)}
+    return Layout(blank, ranges)
 
 
 def with_parts(state: State, parameters: Parameters) -> State:
@@ -195,48 +187,6 @@ def initial_angles(scene: FloatingScene) -> Array:
     return np.where(np.isnan(listed), chance, listed)
 
 
-def given_places(scene: FloatingScene) -> Places:
-    """The positions and velocities in the scene: first the tables of floats, then the rows."""
-    positions = [_places_of(species, middle_of(scene)) for species in scene.particles]
-    velocities = [_velocities_of(species) for species in scene.particles]
-    if scene.rows:
-        positions.append(np.array([(row.x, row.y) for row in scene.rows]))
-        velocities.append(np.array([(row.vx, row.vy) for row in scene.rows]))
-    return Places(np.concatenate(positions), np.concatenate(velocities))
-
-
-def _velocities_of(species: FloatSpec) -> Array:
-    return np.array(species.velocities) if species.velocities else np.tile(species.velocity, (species.count, 1))
-
-
-def middle_of(scene: FloatingScene) -> tuple[float, float]:
-    """The center of the cell (m); without a cell the origin, the center of dishes."""
-    width, height = scene.sides
-    return 0.5 * width, 0.5 * height
-
-
-def _places_of(species: FloatSpec, middle: tuple[float, float]) -> Array:
-    if species.positions:
-        return np.array(species.positions)
-    if species.placement == "lattice" and species.spacing is not None:
-        return place_on_lattice(species.count, species.spacing, species.center or middle)
-    if species.placement == "ring" and species.ring_radius is not None:
-        return place_on_ring(species.count, species.ring_radius, species.center or middle)
-    return np.full((species.count, 2), np.nan)
-
-
-def region_of(parameters: Parameters) -> Region:
-    """The region in which floats can be placed at random."""
-    low, high = surfaces.bounds(parameters.walls)
-    side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
-    if np.all(parameters.periods[0] > 0.0):
-        width, height = parameters.periods[0].tolist()
-        return Region((0.0, 0.0), (width, height), parameters.walls, periodic=True)
-    if math.inf in high:
-        low, high = (-side, -side), (side, side)
-    return Region(low, high, parameters.walls)
-
-
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
     """Raise SceneError for floats with given positions that overlap or are outside the dish."""
     faults = position_faults(parameters, position, which, float_names(scene))
@@ -260,6 +210,8 @@ def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array,
     far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
     there = np.where(np.isnan(position), far[:, None], position)
     for i, j, gap in gaps_between(parameters, there, initial_angles(scene), 0.0):
+        if parameters.passing and j < len(radius):
+            continue
         if i in which and (j in which or j >= len(radius)) and -gap > TOUCHING * radius[i]:
             other = f"{names[j]}" if j < len(radius) else "the dish's wall"
             faults.append(Fault(names[i], f"overlaps {other} by {with_prefix(-gap, 'm', 3)}"))
@@ -295,7 +247,7 @@ def _into_walls(walls: Walls, place: Array, radius: float) -> float:
 def _overlapping(
     parameters: Parameters, position: Array, which: Integers, names: list[str], tolerance: float
 ) -> list[Fault]:
-    if len(which) < 2:
+    if len(which) < 2 or parameters.passing:
         return []
     places, radius = np.ascontiguousarray(position[which]), parameters.floats.radius[which]
     periods = parameters.periods

@@ -46,8 +46,9 @@ from ecume.models.floating.setup.hydrodynamic_interaction import (
     hydrodynamics_of,
     warn_of_fast_floats,
 )
-from ecume.models.floating.setup.initial_state import boundary_of, given_places, periods_in, region_of, require_room
+from ecume.models.floating.setup.initial_state import boundary_of, periods_in, require_room
 from ecume.models.floating.setup.kinds import floats_of, moments_of
+from ecume.models.floating.setup.places import given_places, region_of
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
 from ecume.models.floating.time_integration.integrators import (
@@ -189,6 +190,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         collective=chosen.hydrodynamics.collective(len(floats.mass)),
         single=scene.interaction.precision == "single",
         periods=periods_in(scene),
+        passing=scene.contacts.law == "none",
     )
 
 
@@ -270,12 +272,14 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     hydrodynamics, touching = hydrodynamics_of(scene), _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]
+    # Floats that pass through one another still touch the walls of a dish.
+    solved = "impulse" if touching == "none" and scene.dish is not None else touching
     plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
     return Chosen(
         integrator=integrator,
         interactions=tuple(INTERACTIONS[name] for name in names),
         resistances=tuple(films),
-        contacts=CONTACTS["outlines"] if scene.shaped else hydrodynamics.contact_model(touching),
+        contacts=CONTACTS["outlines"] if scene.shaped else hydrodynamics.contact_model(solved),
         requested_contacts=requested,
         hydrodynamics=hydrodynamics,
         # With forces within a step, four sums per step are still less work in compiled code.

@@ -88,8 +88,6 @@ class Outlined(NamedTuple):
     outlines: Outlines
     places: int
     """the largest number of contact points of two bodies"""
-    solved: bool
-    """whether contacts are solved"""
 
 
 class ShapedScratch(NamedTuple):
@@ -134,7 +132,7 @@ def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, wo
 @compiled
 def solver_bodies(part: Outlined, parameters: Parameters, own: ShapedScratch) -> OutlinedBodies:
     """Return the data of shapes and walls for the contact solver."""
-    return OutlinedBodies(part.outlines, parameters.floats.radius, parameters.walls, own.mobility)
+    return OutlinedBodies(part.outlines, parameters.floats.radius, parameters.walls, own.mobility, parameters.passing)
 
 
 @compiled
@@ -449,8 +447,6 @@ def collide_outlines(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
-    if not part.solved:
-        return
     bounce(own, parameters, state, workspace)
     require_gaps(False, parameters, own.levers)
     solve_contacts(parameters, state, own.levers, own.midstep_velocity)
@@ -461,8 +457,6 @@ def separate_outlines(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
-    if not part.solved:
-        return
     reach = 2.0 * workspace.travel[0] + parameters.slop
     stance = Stance(state.position, own.angle, own.corner)
     bodies, levers = solver_bodies(part, parameters, own), own.levers
@@ -483,8 +477,6 @@ def constrain_outline_velocities(
 
     A faster approach than by the kick alone is a collision of the next step.
     """
-    if not part.solved:
-        return
     levers = own.levers
     touching.normal_velocities(levers, own.before, levers.change)
     touching.normal_velocities(levers, own.midstep_velocity, levers.scratch)
@@ -497,8 +489,6 @@ def find_outline_contacts(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
     """List the contacts that are possible in this step; `CROWDED` if there is no room."""
-    if not part.solved:
-        return DONE
     stance = Stance(state.position, own.angle, own.corner)
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop

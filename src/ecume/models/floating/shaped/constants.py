@@ -17,6 +17,7 @@ from ecume.models.floating.dishes import wall_strengths
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds
+from ecume.models.floating.setup.places import given_places
 from ecume.models.floating.shaped.bodies import Shaped, body_pair_forces
 from ecume.models.floating.shaped.shapes import Figure, Skeleton, charges_of
 from ecume.units import Array
@@ -117,10 +118,13 @@ def shortest_time(shaped: Shaped, parameters: Parameters, number: Integers) -> f
 
 
 def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
-    """The time (s) in which a float turns by `TURN` if the whole initial kinetic energy becomes rotation."""
-    starts = [*(species.velocity for species in scene.particles), *((row.vx, row.vy) for row in scene.rows)]
-    speed = max(math.hypot(*velocity) for velocity in starts)
+    """The time (s) in which a float turns by `TURN` if the whole initial kinetic energy becomes rotation, or at its
+    initial spin.
+    """
+    starts = given_places(scene).velocity
+    speed = float(np.hypot(starts[:, 0], starts[:, 1]).max())
     spin = speed * math.sqrt(float(np.max(parameters.floats.mass / shaped.inertia)))
+    spin += max((abs(row.spin) for row in scene.rows), default=0.0)
     return TURN / spin if spin > 0.0 else math.inf
 
 

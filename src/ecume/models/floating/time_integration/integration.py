@@ -133,24 +133,51 @@ class EveryRow(NamedTuple):
 
 @composed
 def renew_lists(
-    part: EveryRow, parts: Parts, scratch: Scratch, parameters: Parameters, reference: Array, workspace: Workspace
+    part: EveryRow, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> bool:
     """Make neighbor lists and candidates at the reference positions. False when there is no room."""
-    if not build_all(parameters, reference, workspace.lists, workspace.candidates):
+    if not build_all(parameters, state, workspace.lists, workspace.candidates):
         return False
     sort_parts(parts.interactions, scratch.interactions, parameters, workspace.lists)
     return True
 
 
 @compiled
-def build_all(parameters: Parameters, reference: Array, lists: NeighborLists, candidates: Candidates) -> bool:
+def build_all(parameters: Parameters, state: State, lists: NeighborLists, candidates: Candidates) -> bool:
     """Make neighbor lists and candidates. False when there is no room."""
-    if not build(lists, reference, parameters.reach):
+    skin = skin_of(parameters, state)
+    if not build(lists, state.reference, parameters.reach + (skin - parameters.skin)):
         return False
-    if not list_candidates(candidates, lists, parameters.floats.radius, parameters.skin):
+    if not list_candidates(candidates, lists, parameters.floats.radius, skin):
         lists.valid[0] = 0
         return False
     return True
+
+
+WIDEST = 64.0
+"""The widest skin over that of the parameters, a power of two: a float that moves farther has diverged."""
+
+USED = 0.25
+"""The part of the skin that floats use up before new lists are made, without the displacement by contacts."""
+
+
+@compiled
+def skin_of(parameters: Parameters, state: State) -> float:
+    """The skin of the lists (m): that of the parameters, or a wider one that fast floats required."""
+    return max(parameters.skin, float(state.skin[0]))
+
+
+@compiled
+def skin_for(parameters: Parameters, ahead: float) -> float:
+    """The skin of new lists (m) for floats that move by at most `ahead` in the next step: that of the parameters, which
+    is best for floats as fast as the time step expects; otherwise doubled until lists are valid for two steps.
+    """
+    skin = parameters.skin
+    if ahead <= USED * skin:
+        return skin
+    while 2.0 * ahead > USED * skin and skin < WIDEST * parameters.skin:
+        skin *= 2.0
+    return skin
 
 
 LISTS: dict[type, Callable[..., bool]] = {EveryRow: renew_lists}
@@ -161,15 +188,18 @@ renew = selected(lambda kind: LISTS[kind])
 
 @composed
 def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Make new lists before the old ones become invalid; only the reference positions of the state change."""
+    """Make new lists before the old ones become invalid; only reference positions and skin of the state change."""
     speed = highest_speed(parts.integrator, scratch.integrator, parameters, state, workspace)
     status = list_status(parameters, state, workspace, speed)
     if status != CROWDED:
         return status
+    former = state.skin[0]
     copy_rows(workspace.stages[0], state.reference)
     copy_rows(state.reference, state.position)
-    if not renew(parts.lists, parts, scratch, parameters, state.reference, workspace):
+    state.skin[0] = skin_for(parameters, workspace.travel[0])
+    if not renew(parts.lists, parts, scratch, parameters, state, workspace):
         copy_rows(state.reference, workspace.stages[0])
+        state.skin[0] = former
         return CROWDED
     return DONE
 
@@ -177,14 +207,14 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
 @compiled_inside
 def list_status(parameters: Parameters, state: State, workspace: Workspace, speed: float) -> int:
     """Return `DONE` if lists are valid for another step at this highest speed, `CROWDED` if not, `DIVERGED` if no list
-    can be.
+    can be. All that moves floats shares the skin: speeds, among them those by the forces, noise and a moving dish.
     """
     ahead = parameters.time_step * speed + parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
     workspace.travel[0] = ahead
-    if not ahead <= 0.25 * parameters.skin:
+    if not ahead <= USED * WIDEST * parameters.skin:
         return DIVERGED
-    return CROWDED if moved + ahead > 0.25 * parameters.skin else DONE
+    return CROWDED if moved + ahead > USED * skin_of(parameters, state) else DONE
 
 
 @composed
@@ -234,7 +264,7 @@ def integrate(
         if status != DONE:
             return status
         step(parts, scratch, parameters, state, workspace)
-        if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
+        if not farthest_move(state.position, state.reference) <= 0.5 * skin_of(parameters, state):
             return DIVERGED
     return DONE
 
@@ -275,7 +305,7 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
 def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
     """Make the lists of a new workspace at the reference positions. False when there is no room."""
     bare, parts, scratch = parameters._replace(parts=()), parameters.parts, workspace.scratch
-    return bool(renew_lists(EveryRow(), parts, scratch, bare, state.reference, workspace._replace(scratch=())))
+    return bool(renew_lists(EveryRow(), parts, scratch, bare, state, workspace._replace(scratch=())))
 
 
 def inertia_of(parameters: Parameters) -> Array | None:

@@ -10,10 +10,10 @@ import numpy as np
 
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import wall_stiffness, walls_of
-from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme, distinct_rows
+from ecume.models.floating.setup.places import given_places, outermost_places
 from ecume.models.step_counts import ending_on_a_step
 from ecume.units import Array
 
@@ -38,7 +38,10 @@ PLACES = 400
 """Number of distances for the integral of a force over a half-plane."""
 
 SKIN_PER_STEP = 0.1
-"""Largest displacement in one step, over the skin."""
+"""Largest displacement in one step, over the skin, at speeds that floats have for long. At speeds that they reach for a
+moment, in their last approach to a wall or a raft or when a growing flow carries them away, it may be ten times as
+large: the lists then have a wider skin.
+"""
 
 
 def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> float:
@@ -85,7 +88,7 @@ def longest_good_step(parameters: Parameters, speed: float) -> float:
     """
     stiffness, mass = stiffness_over_mass(parameters)
     friction = _least_friction(parameters.floats)
-    slow = not parameters.scheme.inertia
+    slow, skin = not parameters.scheme.inertia, parameters.skin
     scales = [
         max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
         for k, m in zip(stiffness, mass, strict=True)
@@ -93,17 +96,24 @@ def longest_good_step(parameters: Parameters, speed: float) -> float:
     step = min(GOOD * min(*scales, parameters.quickest), diffusion_step(parameters))
     if slow:
         speed += attraction_speed(parameters)
-    return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
+    else:
+        speed += SKIN_PER_STEP * attraction_speed(parameters)
+    return min(step, SKIN_PER_STEP * skin / speed) if speed > 0.0 else step
 
 
 def attraction_speed(parameters: Parameters) -> float:
-    """The highest speed (m/s) of a float without inertia by the attraction of walls and of a raft of all others."""
+    """The highest speed (m/s) of a float by the attraction of walls and of a raft of all others: against its drag, and
+    with inertia not more than the work of the force over a capillary length allows.
+    """
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
-    mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
-    area = math.pi * float(np.sum(floats.radius**2)) / PACKED
+    charge, area = np.abs(floats.charge), math.pi * float(np.sum(floats.radius**2)) / PACKED
     walls = np.abs(parameters.wall_strength).sum(axis=0) / length
-    pulled = mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)
-    return collective_speed(parameters) * float(np.max(pulled))
+    pull = parameters.stiffer * raft_pull(parameters, charge, area) + walls
+    with np.errstate(invalid="ignore"):
+        speed = collective_speed(parameters) * pull * floats.relaxation_time / floats.mass
+    if parameters.scheme.inertia:
+        speed = np.fmin(speed, np.sqrt(2.0 * pull * length / floats.mass))
+    return float(np.max(speed))
 
 
 def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
@@ -134,6 +144,8 @@ def _least_friction(floats: Floats) -> float:
     return float(np.min(floats.mass / floats.relaxation_time))
 
 
+LARGEST_EXPONENT = 300.0
+
 NOISE_DEVIATIONS = 6.5
 """Displacement by noise that neighbor lists allow for, in standard deviations."""
 
@@ -159,7 +171,7 @@ def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kic
 
 def good_step(parameters: Parameters, scene: FloatingScene) -> float:
     """The longest good time step of a scene (s)."""
-    return longest_good_step(parameters, _speeds(scene))
+    return longest_good_step(parameters, _speeds(parameters, scene))
 
 
 class Step(NamedTuple):
@@ -217,14 +229,27 @@ def _judge(given: float, good: float) -> None:
         warnings.warn(message, StepWarning, stacklevel=2)
 
 
-def _speeds(scene: FloatingScene) -> float:
-    """The largest initial speed, or the largest speed of the flow in the dish (m/s)."""
-    reach = max((math.hypot(*place) for species in scene.particles for place in species.positions), default=0.0)
-    if scene.dish is not None:
-        reach = surfaces.farthest(walls_of(scene.dish))
-    drift = drift_of(scene)
-    flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
-    flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))
-    speeds = [math.hypot(*each) for species in scene.particles for each in (species.velocities or [species.velocity])]
-    flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
-    return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
+def _speeds(parameters: Parameters, scene: FloatingScene) -> float:
+    """The largest initial speed, or the largest speed of the flow where floats are (m/s)."""
+    drift, starts = parameters.drift, given_places(scene).velocity
+    nodes = np.hypot(drift.nodes[0], drift.nodes[1])
+    carried = _flow_speed(parameters, scene) + float(nodes.max(initial=0.0))
+    carried += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
+    return max(carried, float(np.hypot(starts[:, 0], starts[:, 1]).max()))
+
+
+def _flow_speed(parameters: Parameters, scene: FloatingScene) -> float:
+    """The largest speed of a float that the linear flow carries (m/s). On an endless surface a float's velocity is
+    u(t) = exp(G t) u(0) with the gradient G, whose square is -det G: a hyperbolic flow makes it grow.
+    """
+    flow, places = parameters.drift.flow, outermost_places(parameters, scene)
+    open_water = scene.dish is None
+    reach = float(np.hypot(*places.T).max()) if open_water else surfaces.farthest(walls_of(scene.dish))
+    now = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum())
+    gradient = flow[2:].reshape(2, 2)
+    square = -float(np.linalg.det(gradient))
+    if not open_water or square <= 0.0:
+        return now
+    rate = math.sqrt(square)
+    turned = float(np.linalg.norm(gradient, 2)) * now / rate
+    return max(now, SKIN_PER_STEP * math.exp(min(rate * scene.duration, LARGEST_EXPONENT)) * (now + turned))

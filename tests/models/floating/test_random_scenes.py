@@ -1,0 +1,91 @@
+"""Random scenes whose time step is the default one run to their end: see `tests.models.floating.random_scenes`."""
+
+import numpy as np
+import pytest
+
+from ecume.models.floating.parameters import make_state
+from ecume.models.floating.record import FLOATING
+from ecume.models.floating.time_integration.integration import WIDEST, skin_for
+from ecume.models.model import DIVERGED
+from ecume.simulation import simulate
+from tests.models.floating.bowls import WATER, scene_of
+from tests.models.floating.random_scenes import outcome
+
+BEAD = 'radius = "100 um"\ndensity = 2500.0\ncontact_angle = "60 deg"\n'
+SMALL = 'radius = "5 um"\ndensity = 1050.0\ncontact_angle = "90 deg"\n'
+OVERDAMPED = '[integration]\nintegrator = "overdamped"\n'
+NOISE = f"[hydrodynamics]\nbrownian = true\n{OVERDAMPED}"
+pytestmark = pytest.mark.filterwarnings("ignore:overflow encountered")  # philox, by design
+
+
+@pytest.mark.parametrize("seed", [1, 34, 61, 63, 78, 91, 95, 140, 186, 222])
+def test_a_random_scene_runs_to_its_end(seed):
+    """Two thousand seeds did; these are some that needed lists with a wider skin."""
+    assert outcome(seed, 60) == "done"
+
+
+def rows(text, *places):
+    return "".join(f"[[rows]]\n{text}x = {x}\ny = {y}\n" for x, y in places)
+
+
+DRIFTING = {
+    "inertia at a wall": (f'[[particles]]\n{BEAD}count = 6\n[dish]\nradius = "5 mm"\n', 0.05),
+    "rows in shear": (rows(BEAD, (0.0, 0.02), (0.001, 0.02)) + f"[flow]\nshear_rate = 1.0\n{OVERDAMPED}", 0.5),
+    "noise in a current": (f'[[particles]]\n{SMALL}count = 4\n[flow]\nvelocity = ["3 um/s", "0 um/s"]\n{NOISE}', 20.0),
+    "noise and propulsion": (f'[[particles]]\n{SMALL}count = 4\n[activity]\npropulsion = "1 pN"\n{NOISE}', 20.0),
+    "a flow that carries away": (f"[[particles]]\n{BEAD}count = 2\n[flow]\nextension_rate = 2.0\n{OVERDAMPED}", 1.0),
+}
+
+
+@pytest.mark.parametrize("name", DRIFTING)
+def test_floats_that_something_carries_reach_the_end(name):
+    body, duration = DRIFTING[name]
+    frames = list(simulate(scene_of(WATER + body, duration=duration, frame_every=duration / 2)))
+    assert len(frames) == 3
+
+
+def test_lists_of_fast_floats_have_a_wider_skin_and_a_resumed_run_has_the_same():
+    body, duration = DRIFTING["inertia at a wall"]
+    scene = scene_of(WATER + body, duration=duration, frame_every=duration / 2)
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    scratch, widest = FLOATING.workspace(parameters, state, 1.0), 0.0
+    for _ in range(10):
+        FLOATING.advance(parameters, state, scratch, 1)
+        widest = max(widest, float(state.skin[0]) / parameters.skin)
+    assert 1.0 < widest <= WIDEST
+    again = FLOATING.workspace(parameters, state, 1.0)
+    other = state._replace(**{name: array.copy() for name, array in state._asdict().items()})
+    FLOATING.advance(parameters, other, again, 5)
+    FLOATING.advance(parameters, state, scratch, 5)
+    assert all(np.array_equal(one, two) for one, two in zip(state, other, strict=True))
+
+
+def test_the_skin_holds_two_steps_of_fast_floats():
+    scene = scene_of(f"{WATER}[[particles]]\n{BEAD}")
+    parameters = FLOATING.parameters(scene)
+    for travel in (0.1, 0.25, 0.26, 1.0, 7.0):
+        skin = skin_for(parameters, travel * parameters.skin)
+        assert skin == parameters.skin if travel <= 0.25 else 2.0 * travel * parameters.skin <= 0.25 * skin
+
+
+def test_the_step_that_a_diverged_run_suggests_is_accepted():
+    floats = f"[[particles]]\n{BEAD}positions = [[0.0, 0.0], [0.0004, 0.0]]\n"
+    body = f'{WATER}{floats}[hydrodynamics]\ndrag = "none"\n[integration]\n'
+    scene = scene_of(body, duration=0.21, frame_every=0.07)
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    state.velocity[0] = WIDEST * parameters.skin / parameters.time_step
+    assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 1) == DIVERGED
+    suggested = FLOATING.diagnosis(parameters, state).split("time_step = ")[1].split(",")[0]
+    better = scene_of(f"{body}time_step = {suggested}\n", duration=0.21, frame_every=0.07)
+    assert FLOATING.parameters(better).time_step < parameters.time_step / WIDEST
+
+
+def test_the_speed_that_a_diverged_run_names_is_that_of_the_force():
+    scene = scene_of(
+        f"{WATER}[[particles]]\n{BEAD}positions = [[0.0, 0.0]]\n[flow]\nvelocity = [0.1, 0.0]\n{OVERDAMPED}"
+    )
+    parameters = FLOATING.parameters(scene)
+    state = make_state(np.zeros((1, 2)), np.zeros((1, 2)))
+    assert "float 0 moves at 100 mm/s" in FLOATING.diagnosis(parameters, state)
