@@ -156,7 +156,7 @@ class Projection(NamedTuple):
     missing: Array
     """what their density lacks, over the density"""
     free_surface: bool
-    """whether pressures are not negative; otherwise the liquid fills the tank, and pressures have the mean zero"""
+    """whether pressures are not negative; otherwise the liquid fills the tank, and pressures are known up to a constant"""
 
 
 class Liquid(NamedTuple):

@@ -9,7 +9,9 @@ that at rest, and the compression c_i(v) by the flow, liquid with a free surface
 it resists compression, and not separation [gerszewski2013]. s_i counts what lacks above a flat surface as liquid, see
 `missing_density`; a single drop may approach others until its density is that at rest. The last term, with the
 gradient G of the velocity, is the compression of second order by motion on straight lines within the step. Liquid that
-fills its tank has an equation without bounds, with a tenth of s_i, and the mean pressure zero.
+fills its tank has an equation without bounds, with a tenth of s_i. Its pressure is known up to a constant: the least is
+zero. With a mean of zero the upper half of still water would be in tension, in which particles clump; a pressure that
+is positive everywhere pushes them apart, since a sum over a disordered neighborhood does not quite ignore a constant.
 
 **The matrix** (`System`), A p = b, is never stored: two sums over neighbors multiply with it. Signs are those of
 `rates.sums`: displacements are from i to j, F = (1/r) dW/dr is negative, and g_ij = F x_ij is the gradient of the
@@ -486,7 +488,10 @@ def pressures(system: System, right: Array, guess: Array, settings: Projection) 
 
     problem = Problem(scaled, weight * right, settings.free_surface, settings.step, error)
     found = solve(problem, guess / scale, settings.tolerance, settings.iterations)
-    return found._replace(x=scale * found.x, gradient=found.gradient / weight)
+    pressure = scale * found.x
+    if not settings.free_surface:
+        pressure -= pressure.min()
+    return found._replace(x=pressure, gradient=found.gradient / weight)
 
 
 def record(state: State, found: Solution) -> None:

@@ -133,10 +133,18 @@ def repel(position: Array, kind: Integers, number: Array, reach: float, speed: f
                     acceleration[axis, i] += push * normal[axis]
 
 
+RESOLVED = 0.5
+"""Largest product of the time step and the angular frequency of the repulsion: from 2 on its energy grows."""
+
+
 def speed_of(parameters: Parameters) -> float:
-    """The approach velocity that the repulsion just stops (m/s)."""
-    sound = parameters.material.sound_speed
-    return FASTEST * sound if math.isfinite(sound) else parameters.material.fastest
+    """The approach velocity that the repulsion just stops (m/s). The steps of incompressible liquids resolve a softer
+    one than the flow's speed would need: the guard stops what is faster.
+    """
+    sound, reach = parameters.material.sound_speed, parameters.boundary.guard.reach
+    if math.isfinite(sound):
+        return FASTEST * sound
+    return min(parameters.material.fastest, RESOLVED * reach / parameters.time_step)
 
 
 def repel_from_walls(parameters: Parameters, state: State) -> None:

@@ -56,6 +56,8 @@ class PressureForce(NamedTuple):
     """whether particles move with a transport velocity, driven by a background pressure"""
     loop: Loop | None
     """the sum; None: `sums.sum_momentum`"""
+    most_damping: float
+    """largest coefficient of the acoustic damping with which the usual time step is stable; zero: takes none"""
     continuity: Loop | None = None
     """the equation of continuity to which it is adjoint; None: `sums.sum_continuity`"""
 
@@ -94,14 +96,17 @@ class DensityDiffusion(NamedTuple):
 
 
 PRESSURE_FORCES: Mapping[str, PressureForce] = {
-    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, loop=None),
-    "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, loop=None),
-    "transport": PressureForce(by_mass=False, per_volume=False, transported=True, loop=sum_transported_pressure),
+    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, loop=None, most_damping=2.0),
+    "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, loop=None, most_damping=2.0),
+    "transport": PressureForce(
+        by_mass=False, per_volume=False, transported=True, loop=sum_transported_pressure, most_damping=0.0
+    ),
     "corrected": PressureForce(
         by_mass=False,
         per_volume=True,
         transported=False,
         loop=sum_corrected_pressure,
+        most_damping=0.5,
         continuity=sum_corrected_continuity,
     ),
 }

@@ -223,7 +223,9 @@ def sound_rows(scene: SphScene, material: Material) -> list[Row]:
 
 def solver_rows(settings: Projection) -> list[Row]:
     """What replaces sound in an incompressible liquid."""
-    bounds = "zero at the free surface, not negative" if settings.free_surface else "the tank is full: a mean of zero"
+    bounds = (
+        "zero at the free surface, not negative" if settings.free_surface else "the tank is full: the least is zero"
+    )
     remark = f"r.m.s. error of a step, within {settings.iterations} iterations"
     return [
         ("pressure", "incompressible", f"no sound; {bounds}"),

@@ -225,8 +225,11 @@ def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
     faults = []
     if not pressure_of(scene).compressible:
         faults.append("an incompressible liquid has no sound waves; remove the key")
-    if pressure_force_of(scene).transported:
-        faults.append("is added to the sum of pressures, which 'transport' does not take; use pressure_force = 'sum'")
+    force, most = scene.method.pressure_force, pressure_force_of(scene).most_damping
+    if most == 0.0:
+        faults.append(f"is added to the sum of pressures, which {force!r} does not take; use pressure_force = 'sum'")
+    elif alpha > most:
+        faults.append(f"pressure_force = {force!r} diverges with more than {most:g}; use that, or 'sum'")
     if faults:
         raise SceneError([Fault("method.acoustic_damping", f"got {alpha:g}; {fault}") for fault in faults])
     full = acoustic_damping(alpha, material.density, smoothing_of(scene), material.sound_speed)

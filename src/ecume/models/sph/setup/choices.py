@@ -7,12 +7,14 @@ sums read.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from typing import Any, cast
 
 import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
+from ecume.engine.shapes import Box, covered_volume
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous, wall_forces
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
@@ -33,9 +35,10 @@ from ecume.models.sph.rates.methods import (
 )
 from ecume.models.sph.rates.right_hand_side import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
-from ecume.models.sph.setup.shapes import part_of
+from ecume.models.sph.setup.shapes import part_of, shape_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import FluidSpec, SphScene
+from ecume.scenes.sph.sources import ParticlesSpec
 from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
@@ -166,7 +169,7 @@ def acoustic_damping_of(scene: SphScene) -> float:
     """Its alpha."""
     given = scene.method.acoustic_damping
     if given is None:
-        return USUAL_DAMPING * (impacts_dissipate(scene) and not pressure_force_of(scene).transported)
+        return min(USUAL_DAMPING, pressure_force_of(scene).most_damping) * impacts_dissipate(scene)
     return given
 
 
@@ -200,11 +203,49 @@ def acting_friction(scene: SphScene) -> Friction | None:
 
 
 def free_surface(scene: SphScene) -> bool:
-    """Whether a part of the liquid's surface may move: a side is open, or the tank is not full."""
-    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
-    low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
-    room = np.maximum(low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
-    return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
+    """Whether a part of the liquid's surface may move: a side is open, liquid may leave and none enters, the room
+    changes, or the tank is not full.
+    """
+    kinds = {side.kind for side in sides_of(scene)}
+    drains = "open" in kinds or ("outflow" in kinds and "inflow" not in kinds)
+    return drains or room_changes(scene) or not full(scene)
+
+
+def room_changes(scene: SphScene) -> bool:
+    """Whether sides move, other than two opposite ones together."""
+    sides = sides_of(scene)
+    return any(one.motion != other.motion for one, other in zip(sides[::2], sides[1::2], strict=True))
+
+
+SLIGHT = 2e-3
+"""Of the volume of a tank that is full, or the volume of a particle: what may lack by rounding and sampling."""
+
+
+@functools.lru_cache(maxsize=8)
+def _lacking(room: tuple[Any, ...], spacing: float) -> float:
+    """The volume that neither liquid nor solids fill, over that of the tank (see `full`)."""
+    tank, fluid, solids, single = room
+    box = Box(np.array(tank.low), np.array(tank.high))
+    parts = [*(part_of(region, spacing) for region in fluid), *(shape_of(spec) for spec in solids)]
+    return 1.0 - (covered_volume(box, parts) + single) / box.volume()
+
+
+def full(scene: SphScene) -> bool:
+    """Whether liquid and solids fill the tank: by their volume, since liquid may touch all sides of a tank with air."""
+    tables = [region.particles for region in scene.fluid if region.particles is not None]
+    single = sum(_volume_of(table, scene) for table in tables)
+    shapes = tuple(region for region in scene.fluid if region.particles is None)
+    lacking = _lacking((scene.tank, shapes, (*scene.obstacles, *scene.bodies), single), scene.spacing)
+    volume = math.prod(high - low for low, high in zip(scene.tank.low, scene.tank.high, strict=True))
+    return lacking <= max(SLIGHT, scene.spacing ** len(scene.tank.low) / volume)
+
+
+def _volume_of(table: ParticlesSpec, scene: SphScene) -> float:
+    """The volume of single particles: that of lattice cells, where they have no masses."""
+    if not table.masses:
+        return float(len(table.positions) * scene.spacing ** len(scene.tank.low))
+    density = np.array(table.densities) if table.densities else filled(scene.liquid).density
+    return float(np.sum(np.array(table.masses) / density))
 
 
 def fixed_volume(scene: SphScene) -> bool:
