@@ -19,7 +19,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, compiled_inside
-from ecume._portable import product
+from ecume._portable import length, product
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import Cells, Flags, fitted_cells, scaled_to, whole_within
 from ecume.engine.walls import Walls, is_circle, wall_distance
@@ -378,6 +378,10 @@ class Mesh(NamedTuple):
         """The bounding box."""
         return self.triangles.min(axis=(0, 1)), self.triangles.max(axis=(0, 1))
 
+    def extent_along(self, direction: Array) -> float:
+        """Of a corner."""
+        return float(product(self.triangles.reshape(-1, 3), direction).max())
+
     def inside(self, points: Array) -> Flags:
         """A ray crosses an odd number of triangles."""
         found = np.zeros(len(points), bool)
@@ -442,6 +446,10 @@ class Cloud(NamedTuple):
         """The bounding box."""
         half = 0.5 * self.spacing
         return self.points.min(axis=0) - half, self.points.max(axis=0) + half
+
+    def extent_along(self, direction: Array) -> float:
+        """Of a point, and half a spacing more."""
+        return float(product(self.points, direction).max()) + 0.5 * self.spacing * length(direction)
 
     def inside(self, points: Array) -> Flags:
         """Closer to one of them than half a spacing, along each axis."""

@@ -12,6 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._portable import dot, length, product
 from ecume.units import Array
 
 Flags = NDArray[np.bool_]
@@ -37,6 +38,9 @@ class Part(Protocol):
 
     def bounds(self) -> tuple[Array, Array]:
         """Its lowest and highest corner, each (d,)."""
+
+    def extent_along(self, direction: Array) -> float:
+        """The largest coordinate of any of its points along a direction of length one."""
 
     def inside(self, points: Array) -> Flags:
         """(N,) whether each point is inside."""
@@ -107,6 +111,10 @@ class Ball(NamedTuple):
     def bounds(self) -> tuple[Array, Array]:
         """The bounding box."""
         return self.center - self.radius, self.center + self.radius
+
+    def extent_along(self, direction: Array) -> float:
+        """Of the center, and the radius more."""
+        return dot(self.center, direction) + self.radius * length(direction)
 
     def inside(self, points: Array) -> Flags:
         """Closer than the radius to the center."""
@@ -199,6 +207,10 @@ class Box(NamedTuple):
         """Its corners."""
         return self.low, self.high
 
+    def extent_along(self, direction: Array) -> float:
+        """Of a corner."""
+        return float(np.sum(np.maximum(self.low * direction, self.high * direction)))
+
     def inside(self, points: Array) -> Flags:
         """Between the corners."""
         return np.asarray(((points > self.low) & (points < self.high)).all(axis=1))
@@ -278,6 +290,10 @@ class Polygon(NamedTuple):
     def bounds(self) -> tuple[Array, Array]:
         """The bounding box."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
+
+    def extent_along(self, direction: Array) -> float:
+        """Of a corner."""
+        return float(product(self.vertices, direction).max())
 
     def inside(self, points: Array) -> Flags:
         """A ray to the right crosses an odd number of edges."""

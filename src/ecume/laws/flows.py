@@ -228,6 +228,22 @@ def wave_frequency(
     return math.sqrt(restoring * math.tanh(wavenumber * depth))
 
 
+def group_velocity(wavenumber: Wavenumber, depth: Length, gravity: Acceleration) -> Speed:
+    """Velocity c_g = (omega/2k) (1 + 2 k H/sinh(2 k H)) at which small waves carry their energy.
+
+    k, H, omega: wavenumber, depth, and `wave_frequency` without tension. Half of the phase velocity in deep water,
+    all of it in shallow water. [lamb1932, art. 236].
+
+    >>> round(group_velocity(1.0, 100.0, 9.81), 6) == round(0.5 * math.sqrt(9.81), 6)
+    True
+    >>> round(group_velocity(1e-4, 1.0, 9.81), 4) == round(math.sqrt(9.81), 4)
+    True
+    """
+    twice = 2.0 * wavenumber * depth
+    share = twice / math.sinh(twice) if twice < 100.0 else 0.0
+    return 0.5 * wave_frequency(wavenumber, depth, gravity) / wavenumber * (1.0 + share)
+
+
 def viscous_decay(
     wavenumber: Wavenumber,
     depth: Length,

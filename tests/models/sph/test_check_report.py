@@ -195,3 +195,49 @@ def regime(name, size, model):
             piece[corner] = [size * value for value in piece[corner]]
     method = {**plain["method"], "surface_tension_model": model}
     return said(from_plain({**plain, "liquid": WARM, "method": method}))[name]
+
+
+def test_the_effective_reynolds_number_counts_the_artificial_viscosity():
+    """Alpha h c/(4 (d + 2)), as a standing wave loses height: pairs are damped while they approach."""
+    report, [speed, sound] = said(tank(artificial_viscosity=0.08)), (1.0, 10.0)
+    added = 0.08 * 0.25 * sound / 16.0
+    assert float(report["effective Reynolds number"][0]) == pytest.approx(speed / added, rel=5e-3)
+    assert "effective Reynolds number" not in said(tank(artificial_viscosity=0.0))
+
+
+def wave_tank(alpha):
+    """A piston at the end of a tank of half a wavelength and more."""
+    plain = to_plain(tank(artificial_viscosity=alpha))
+    plain["tank"] |= {"left": {"motion": {"amplitude": 0.01, "frequency": 0.25}}}
+    return from_plain(plain)
+
+
+def test_the_decay_of_waves_is_reported_per_period_and_per_wavelength():
+    rows = [row for row in SPH.summary(wave_tank(0.02)) if row[0] == "wave damping"]
+    (standing, traveling), nu = [float(row[1].rstrip(" %")) / 100.0 for row in rows], 0.02 * 0.25 * 10.0 / 16.0
+    period = 2.0 * np.pi / np.sqrt(np.pi * np.tanh(np.pi))
+    assert standing == pytest.approx(1.0 - np.exp(-2.0 * nu * np.pi**2 * period), rel=0.1)
+    wavenumber = (2.0 * np.pi * 0.25) ** 2  # in deep water, where energy travels half as fast as waves
+    assert traveling == pytest.approx(1.0 - np.exp(-2.0 * nu * wavenumber**2 * 2.0 / 0.25), rel=0.1)
+    assert "0.25 Hz" in rows[1][2]
+    assert not [row for row in SPH.summary(wave_tank(0.0)) if row[0] == "wave damping"]
+
+
+def test_the_contact_angle_is_reported_where_there_is_surface_tension():
+    report = said(scene_with({"density": 1.0, "maximum_speed": 1.0, "surface_tension": 0.1}))
+    assert report["contact angle"][0] == "90 degrees"
+    assert "contact angle" not in said(tank())
+
+
+def test_the_maximum_speed_is_that_of_a_fall_through_the_tank():
+    """Of liquid and bodies that start above the floor; a pool at rest has the speed of its depth."""
+    plain = to_plain(tank())
+    plain["liquid"] = {"density": 1.0}
+    plain["tank"] |= {"high": [1.0, 4.0]}
+    fastest = material_of(from_plain(plain)).fastest
+    drop = {"low": [0.4, 2.0], "high": [0.6, 2.5], "velocity": [0.0, -1.0]}
+    block = {"low": [0.4, 3.0], "high": [0.6, 3.5], "density": 2.0}
+    assert fastest == pytest.approx(np.sqrt(2.0))
+    falling = from_plain({**plain, "fluid": [*plain["fluid"], drop]})
+    assert material_of(falling).fastest == pytest.approx(np.sqrt(1.0 + 2.0 * 2.5))
+    assert material_of(from_plain({**plain, "bodies": [block]})).fastest == pytest.approx(np.sqrt(2.0 * 3.0))

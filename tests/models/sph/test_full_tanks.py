@@ -4,12 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import ecume
+from ecume.engine.shapes import Ball
 from ecume.models.sph import SPH
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.setup.choices import free_surface, full
-from ecume.scenes.load import from_plain
+from ecume.models.sph.setup.shapes import dummies_of
+from ecume.scenes.load import from_plain, to_plain
 from tests.models.sph.scenes import OPEN
 
 SIZE = [1.0, 0.5]
@@ -124,3 +127,69 @@ def test_the_tip_of_a_dam_break_without_sound_stays_on_the_floor_and_gains_no_en
     for frame in frames:
         front = frame.arrays["position"][:, 0] > 1.2
         assert (frame.arrays["velocity"][front, 1] < 0.3).all()
+
+
+def test_stacked_regions_start_with_the_weight_above_them():
+    """Two or three on one another, one of them a disc in the middle, have the pressures of one region."""
+    one = closed([box(0.0, 0.0, 1.0, 0.4)])
+    lower, upper = box(0.0, 0.0, 1.0, 0.2), box(0.0, 0.2, 1.0, 0.4)
+    disc = {"center": [0.5, 0.2], "radius": 0.1}
+    for regions in ([lower, upper], [upper, lower], [disc, lower, upper]):
+        scene = closed(regions)
+        parameters = SPH.parameters(scene)
+        start = SPH.observe(parameters, state := SPH.start(scene, parameters), SPH.workspace(parameters, state, 1.0))
+        depth = 0.4 - start.arrays["position"][:, 1]
+        assert np.abs(start.arrays["pressure"] - depth).max() < 0.005 * 0.4  # of compression
+        assert parameters.pressure_reference.level == SPH.parameters(one).pressure_reference.level == 0.4
+
+
+def test_a_drop_above_a_pool_does_not_raise_its_level():
+    pool, drop = box(0.0, 0.0, 1.0, 0.2), {"center": [0.5, 0.4], "radius": 0.05}
+    assert SPH.parameters(closed([drop, pool])).pressure_reference.level == 0.2
+
+
+def test_the_level_of_a_polygon_under_oblique_gravity_is_that_of_its_highest_corner():
+    triangle = {"vertices": [[0.0, 0.0], [0.4, 0.0], [0.0, 0.3]]}
+    plain = to_plain(closed([triangle]))
+    reference = SPH.parameters(from_plain({**plain, "gravity": [-0.6, -0.8]})).pressure_reference
+    assert reference.level == pytest.approx(0.24)  # of the two corners on the slope, not of the box around them
+
+
+def test_level_gauges_follow_a_side_that_moves():
+    """A column at rest between a wall and a piston has the depth of its volume, up to the piston."""
+    push = {"motion": {"times": [0.0, 1.0], "positions": [0.0, -0.4]}}
+    tank = {"high": [1.0, 0.5], "right": push, "top": OPEN}
+    gauges = [{"name": name, "position": [x, 0.0], "quantities": ["level"]} for name, x in (("a", 0.05), ("b", 0.575))]
+    scene = closed([box(0.0, 0.0, 1.0, 0.2)], tank=tank, gauges=gauges)
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.position[0] *= 0.6
+    state.clock[0] = 1.0
+    frame = SPH.observe(parameters, state, SPH.workspace(parameters, state, 1.0))
+    assert frame.numbers["a_level"] == pytest.approx(0.2 / 0.6, rel=0.03)
+    assert frame.numbers["b_level"] == pytest.approx(0.2 / 0.6, rel=0.03)
+
+
+@pytest.mark.parametrize("radius", [0.1, 0.13, 0.17])
+def test_dummies_of_a_disc_are_symmetric_about_its_axes_and_diagonals(radius):
+    points, volume = dummies_of(Ball(np.zeros(2), radius), 0.03, 0.12)
+    for turn in ([[-1, 0], [0, 1]], [[1, 0], [0, -1]], [[0, 1], [1, 0]]):
+        distance, other = cKDTree(points).query(points @ np.array(turn))
+        assert distance.max() < 1e-12
+        assert (volume == volume[other]).all()
+
+
+@pytest.mark.compiled
+def test_a_neutral_disc_in_the_middle_neither_turns_nor_leaves_it():
+    body = {"center": [0.5, 0.2], "radius": 0.1, "density": 1.0}
+    *_, end = ecume.simulate(closed([box(0.0, 0.0, 1.0, 0.4)], bodies=[body]))
+    assert abs(end.numbers["body0_angle"]) < 1e-9
+    assert abs(end.numbers["body0_x"] - 0.5) < 1e-9
+
+
+def test_liquid_that_leaves_through_an_open_side_breaks_no_invariant():
+    walls, draining = (
+        closed([box(0.0, 0.0, 1.0, 0.4)], tank={"high": SIZE, **sides}) for sides in ({}, {"left": OPEN})
+    )
+    names = [[each.name for each in SPH.invariants(scene, SPH.parameters(scene))] for scene in (walls, draining)]
+    assert ["mass" in each for each in names] == [True, False]

@@ -156,7 +156,7 @@ class Projection(NamedTuple):
     missing: Array
     """what their density lacks, over the density"""
     free_surface: bool
-    """whether pressures are not negative; otherwise the liquid fills the tank, and pressures are known up to a constant"""
+    """whether pressures are not negative; otherwise the liquid fills the tank: they are known up to a constant"""
 
 
 class Liquid(NamedTuple):
@@ -183,7 +183,9 @@ class Gauge(NamedTuple):
     """(n, d) m, the points over which pressures and velocities are averaged"""
     measures: tuple[str, ...]
     ground: float
-    """how much of its surroundings, as seen from above, is in the tank: less than 1 near a wall"""
+    """how much of its surroundings, as seen from above, is in the tank at the start: less than 1 near a wall"""
+    floor: Array
+    """(2, d) m, the corners of the tank at the start"""
     ends: Array
     """(2, d) m, the sides beyond which there is no liquid, at the start; infinite where the tank is open or periodic"""
     periods: Array
@@ -198,7 +200,7 @@ class PressureReference(NamedTuple):
     gravity: Array
     """(d,) m/s^2: what pressure balances at rest"""
     level: float
-    """m: the largest height of the liquid at the start, against gravity"""
+    """m: the height of the liquid at the start, against gravity, without drops above it"""
     atmospheric: float
     """Pa"""
 

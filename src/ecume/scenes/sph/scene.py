@@ -66,9 +66,9 @@ class FluidSpec:
     """The numerical speed of sound (m/s); by default ten times the maximum speed. Effect: larger values compress the
     liquid less and shorten the time step."""
     maximum_speed: PositiveSpeed | None = None
-    """The largest expected speed of the flow (m/s); by default that of a free fall through the depth of the liquid.
-    Effect: the speed of sound follows from it: too small values make the liquid compressible, too large ones cost
-    time."""
+    """The largest expected speed of the flow (m/s); by default that of a free fall of liquid and bodies to the end of
+    the tank. Effect: the speed of sound follows from it: too small values make the liquid compressible, too large ones
+    cost time."""
     tait_exponent: Exponent = 7.0
     """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
     compression."""
@@ -146,8 +146,8 @@ class MethodSpec:
     `liquid.viscosity` is given. Effect: larger values damp noise and motion."""
     acoustic_damping: Annotated[Number, Field(ge=0.0, le=2.0)] | None = None
     """The coefficient alpha of the acoustic damping, a bulk viscosity; by default 2 where the liquid has a free surface
-    and artificial viscosity is not set to 0, less with very light bodies, otherwise 0. Effect: damps sound waves, such
-    as those of impacts."""
+    and artificial viscosity is not set to 0, less with very light bodies, 0.5 with `corrected` pressure forces,
+    otherwise 0. Effect: damps sound waves, such as those of impacts."""
     viscosity_model: LawName = "automatic"
     """The viscous force: `monaghan` along the lines of centers, right at a free surface; `corrected`, the same with
     the part completed that has no neighbors there; `morris` along velocities, right in full tanks; by default the one

@@ -6,18 +6,23 @@ import itertools
 import math
 
 import numpy as np
+from scipy.optimize import brentq
 
+from ecume.errors import BadInput
+from ecume.laws.flows import group_velocity, viscous_decay, wave_frequency
 from ecume.laws.kernels import KERNELS
 from ecume.laws.states import density_at_enthalpy
 from ecume.laws.viscous import viscosity_of_alpha
 from ecume.models.costs import Content, frame_cost
 from ecume.models.model import LONG, Row
+from ecume.models.sph.fields import number
 from ecume.models.sph.parameters import Material, Parameters, Projection
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import (
     artificial_viscosity_of,
     filled,
+    free_surface,
     gravity_of,
     material_rows,
     sides_of,
@@ -27,7 +32,7 @@ from ecume.models.sph.setup.choices import (
 )
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import unevenness
-from ecume.models.sph.setup.shapes import solids_of
+from ecume.models.sph.setup.shapes import part_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
 from ecume.models.step_counts import last_step
 from ecume.scenes.sph import SIDES, SphScene
@@ -43,7 +48,65 @@ VISCOUS = 1e4
 
 def regime_rows(scene: SphScene, parameters: Parameters) -> list[Row]:
     """The Bond number (without gravity, the Weber number) and the Reynolds number, and what follows from them."""
-    return [*_tension_regime(scene, parameters), *_viscosity(scene, parameters)]
+    return [
+        *_tension_regime(scene, parameters),
+        *_viscosity(scene, parameters),
+        *_effective_viscosity(scene, parameters),
+        *_waves(scene, parameters),
+    ]
+
+
+APPROACHING = 0.5
+"""The part of a pair's motion on which artificial viscosity acts: not while the two part."""
+
+
+def numerical_viscosity(scene: SphScene, parameters: Parameters) -> float:
+    """m^2/s, the kinematic viscosity that the artificial viscosity amounts to."""
+    speed = float(number(parameters.constants, "sound_speed"))
+    alpha, length = artificial_viscosity_of(scene), smoothing_of(scene)
+    return APPROACHING * viscosity_of_alpha(alpha, length, speed, parameters.dimension)
+
+
+def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
+    """The Reynolds number with the artificial viscosity."""
+    added, material = numerical_viscosity(scene, parameters), parameters.material
+    if added == 0.0:
+        return []
+    number = material.fastest * smallest_extent(scene) / (added + material.viscosity / material.density)
+    remark = f"at most: artificial viscosity acts like {added:.2g} m^2/s; method.artificial_viscosity sets it"
+    return [("effective Reynolds number", f"{number:.3g}", remark)]
+
+
+def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
+    """How fast viscosity, artificial or not, damps the longest standing wave along x, and waves of moving sides."""
+    pull, material = gravity_of(scene), parameters.material
+    nu = numerical_viscosity(scene, parameters) + material.viscosity / material.density
+    if nu == 0.0 or not pull[1] < 0.0 or np.delete(pull, 1).any() or not free_surface(scene):
+        return []
+    length = scene.tank.high[0] - scene.tank.low[0]
+    depth = max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid) - scene.tank.low[1]
+    found: list[Row] = []
+    try:
+        wave = viscous_decay(math.pi / length, depth, -float(pull[1]), nu)
+        lost = -math.expm1(-wave.rate * 2.0 * math.pi / wave.frequency)
+        remark = "of the height per period, of the longest standing wave in the tank, by viscosity"
+        found.append(("wave damping", f"{100.0 * lost:.2g} %", remark))
+        for frequency in sorted({side.motion.frequency for side in sides_of(scene) if side.motion} - {None}):
+            lost = lost_per_wavelength(2.0 * math.pi * frequency, depth, -float(pull[1]), nu)
+            remark = f"of the height per wavelength, of waves of {frequency:.3g} Hz, by viscosity"
+            found.append(("wave damping", f"{100.0 * lost:.2g} %", remark))
+    except BadInput:
+        found.append(("wave damping", "overdamped", "viscosity lets no wave swing; choose a finer spacing"))
+    return found
+
+
+def lost_per_wavelength(turning: float, depth: float, gravity: float, viscosity: float) -> float:
+    """The part of its height that a small wave of an angular frequency loses on the way of one wavelength."""
+    low = turning / math.sqrt(gravity * depth)
+    high = low + turning**2 / gravity + 1.0 / depth
+    wavenumber = brentq(lambda k: wave_frequency(k, depth, gravity) - turning, 0.5 * low, 2.0 * high)
+    time = 2.0 * math.pi / wavenumber / group_velocity(wavenumber, depth, gravity)
+    return -math.expm1(-viscous_decay(wavenumber, depth, gravity, viscosity).rate * time)
 
 
 def _tension_regime(scene: SphScene, parameters: Parameters) -> list[Row]:
@@ -80,8 +143,8 @@ def _viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _viscosity_remark(scene: SphScene, parameters: Parameters, number: float, extent: float) -> str:
     """Whether the flow has the liquid's viscosity, and whether boundary layers are resolved."""
-    material, alpha, length = parameters.material, artificial_viscosity_of(scene), smoothing_of(scene)
-    added = material.density * viscosity_of_alpha(alpha, length, material.sound_speed, parameters.dimension)
+    material = parameters.material
+    added = material.density * numerical_viscosity(scene, parameters)
     if number < VISCOUS and added > DOMINANT * material.viscosity:
         ratio = f"{added / material.viscosity:.2g} times the liquid's viscosity"
         return f"artificial viscosity acts like {ratio}; method.artificial_viscosity = 0 leaves the liquid's own"
@@ -223,9 +286,8 @@ def sound_rows(scene: SphScene, material: Material) -> list[Row]:
 
 def solver_rows(settings: Projection) -> list[Row]:
     """What replaces sound in an incompressible liquid."""
-    bounds = (
-        "zero at the free surface, not negative" if settings.free_surface else "the tank is full: the least is zero"
-    )
+    free = "zero at the free surface, not negative"
+    bounds = free if settings.free_surface else "the tank is full: the least is zero"
     remark = f"r.m.s. error of a step, within {settings.iterations} iterations"
     return [
         ("pressure", "incompressible", f"no sound; {bounds}"),
@@ -248,9 +310,12 @@ def compression_row(weight: float, material: Material) -> Row:
 
 def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
     model = tension_of(scene)
-    return (
-        [] if model == "none" else [("surface", f"tension by {model}", TENSIONS[model].accuracy[parameters.dimension])]
-    )
+    if model == "none":
+        return []
+    return [
+        ("surface", f"tension by {model}", TENSIONS[model].accuracy[parameters.dimension]),
+        ("contact angle", "90 degrees", "at mirror walls and solids; no other angle is part of the model"),
+    ]
 
 
 def uniform_inflows(scene: SphScene) -> list[Row]:

@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from ecume._portable import dot, product
 from ecume.engine.interpolation import added, dry, near, planes
@@ -59,12 +60,20 @@ from ecume.units import Array
 def reference_of(scene: SphScene) -> PressureReference:
     """The reference of a scene's pressures."""
     liquid, gravity = filled(scene.liquid), held_pull(scene)
-    up = upward(gravity)
-    levels = []
-    for region in scene.fluid:
-        low, high = part_of_space(region, scene.spacing).bounds()
-        levels.append(float(np.sum(np.maximum(low * up, high * up))))
-    return PressureReference(liquid.density or 0.0, gravity, max(levels), liquid.atmospheric_pressure)
+    return PressureReference(
+        liquid.density or 0.0, gravity, level_of(scene, upward(gravity)), liquid.atmospheric_pressure
+    )
+
+
+def level_of(scene: SphScene, up: Array) -> float:
+    """m: the height to which the largest connected part of the liquid reaches at the start. Drops above it fall."""
+    regions = [part_of_space(region, scene.spacing) for region in scene.fluid]
+    low, high = (np.array(corners) for corners in zip(*(region.bounds() for region in regions), strict=True))
+    meet = (np.maximum(low, low[:, None]) < np.minimum(high, high[:, None]) + scene.spacing).all(axis=2)
+    _, part = connected_components(meet)
+    volume = np.bincount(part, weights=[region.volume() for region in regions])
+    largest = np.flatnonzero(part == int(np.argmax(volume)))
+    return max(regions[k].extent_along(up) for k in largest)
 
 
 def upward(gravity: Array) -> Array:
@@ -113,7 +122,8 @@ def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
         for number, place in enumerate(places, 1):
             name = spec.name if spec.end is None else f"{spec.name}_{number}"
             area = sensing_area(scene.tank, place, spec.diameter or 0.0)
-            found.append(Gauge(name, place, area, spec.quantities, _ground(scene, place, reach), ends, periods))
+            floor = np.array([scene.tank.low, scene.tank.high], np.float64)
+            found.append(Gauge(name, place, area, spec.quantities, _ground(floor, place, reach), floor, ends, periods))
     return tuple(found)
 
 
@@ -149,16 +159,15 @@ def _ends(tank: TankSpec) -> tuple[Array, Array]:
     return ends, np.where(periodic, bounds[1] - bounds[0], math.inf)
 
 
-def _ground(scene: SphScene, place: Array, reach: float) -> float:
-    """The kernel's integral over the tank's floor around a gauge."""
+def _ground(tank: Array, place: Array, reach: float) -> float:
+    """The kernel's integral over the floor of a tank, (2, d) corners, around a gauge."""
     level = [axis for axis in range(len(place)) if axis != 1]
     shape = kernel(KERNEL, dim=len(level))
     axes = [reach * ((np.arange(QUADRATURE) + 0.5) / (0.5 * QUADRATURE) - 1.0)] * len(level)
     away = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
     weight = np.asarray(shape.value(np.linalg.norm(away, axis=1), reach / shape.support))
     there = place[level] + away
-    low, high = np.array(scene.tank.low)[level], np.array(scene.tank.high)[level]
-    inside = ((there > low) & (there < high)).all(axis=1)
+    inside = ((there > tank[0, level]) & (there < tank[1, level])).all(axis=1)
     return float(weight[inside].sum() / weight.sum())
 
 
@@ -206,7 +215,6 @@ def surroundings_of(parameters: Parameters, state: State, pressure: Array) -> Su
 
 def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> Iterator[tuple[str, float, str]]:
     """Name, value and unit of each number."""
-    dimension = around.position.shape[1]
     kinds = [name for name in PRESSURES if name in gauge.measures]
     if kinds or "velocity" in gauge.measures:
         close = _close(gauge, around)
@@ -220,12 +228,7 @@ def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> I
         if "velocity" in gauge.measures:
             yield from ((f"velocity_{axis}", value, "m/s") for axis, value in zip("xyz", velocity, strict=False))
     if "level" in gauge.measures:
-        level = np.array([axis for axis in range(dimension) if axis != 1])
-        yield (
-            "level",
-            _depth(gauge, around.position[:, level], gauge.place[level], around.table[:, -1], around.reach),
-            "m",
-        )
+        yield "level", _depth(gauge, around), "m"
 
 
 def _close(gauge: Gauge, around: Surroundings) -> Surroundings:
@@ -277,13 +280,17 @@ def _smeared(away: Array, volume: Array, spacing: float) -> float:
     return dot(volume, np.array([smeared(each, dimension) for each in q.tolist()])) / math.pow(spacing, dimension)
 
 
-def _depth(gauge: Gauge, level: Array, place: Array, volume: Array, reach: float) -> float:
-    """The volume of liquid around a place of the floor, per area of the floor."""
+def _depth(gauge: Gauge, around: Surroundings) -> float:
+    """The volume of liquid around a place of the floor, per area of the floor between the sides where they are."""
+    axes, reach = np.array([axis for axis in range(len(gauge.place)) if axis != 1]), around.reach
+    level, place = around.position[:, axes], gauge.place[axes]
     close = (np.abs(level - place) < reach).all(axis=1)
     pairs = near(place[None], level[close], reach)
     shape = kernel(KERNEL, dim=len(place))
-    weight = volume[close][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
-    return float(added(pairs, weight)[0]) / gauge.ground
+    weight = around.table[close, -1][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
+    moved = around.shift[:, axes].any()
+    ground = _ground(gauge.floor + around.shift, gauge.place, reach) if moved else gauge.ground
+    return part_of(float(added(pairs, weight)[0]), ground)
 
 
 ARRAY_UNITS = {
@@ -516,7 +523,8 @@ def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
 
 def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
     volume = scene.spacing ** len(scene.tank.low)
-    yield at_most("mass", "particles that are lost", "lost", 0.0)
+    if "open" not in _kinds(scene):
+        yield at_most("mass", "particles that are lost", "lost", 0.0)
     yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
 
     def turned_back(seen: Seen) -> float:

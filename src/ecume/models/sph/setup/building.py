@@ -93,16 +93,19 @@ def material_of(scene: SphScene) -> Material:
 
 
 def fastest_of(scene: SphScene) -> float:
-    """The fastest speed to be expected: of what moves at the start, and of a free fall through the liquid's depth."""
+    """The fastest speed to be expected: of what moves at the start, and of its free fall to the end of the tank."""
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
     speeds = [math.sqrt(2.0 * weight_enthalpy(scene))]
-    for region in scene.fluid:
-        points = np.stack(part_of(region, scene.spacing).bounds())
-        speeds.append(float(np.linalg.norm(velocity_in(region, scene, points), axis=1).max()))
+    for region, ends in zip(scene.fluid, bounds, strict=True):
+        initial = float(np.linalg.norm(velocity_in(region, scene, np.stack(ends)), axis=1).max())
+        speeds.append(math.sqrt(initial**2 + 2.0 * fall_enthalpy(scene, ends[1], ends[0])))
         speeds.append(region.flow_speed if region.flow else 0.0)
     speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
-    speeds += [math.hypot(*body.velocity) for body in scene.bodies if body.velocity]
+    for body in scene.bodies:
+        ends = shape_of(body).bounds()
+        fall = fall_enthalpy(scene, *ends)
+        speeds.append(math.sqrt(math.hypot(*(body.velocity or ())) ** 2 + 2.0 * fall))
     speeds += [1.5 * side.speed for side in sides_of(scene) if side.speed]
     speeds.append(fastest_drive(scene))
     if scene.central_force is not None:
@@ -116,6 +119,15 @@ def fastest_of(scene: SphScene) -> float:
             [Fault("liquid.maximum_speed", "no motion, gravity or force sets a speed; give the expected maximum speed")]
         )
     return fastest
+
+
+def fall_enthalpy(scene: SphScene, low: Array, high: Array) -> float:
+    """J/kg of a fall to the sides of the tank: from the corner `low` toward lower and from `high` toward higher
+    coordinates; none along periodic sides.
+    """
+    pull = held_pull(scene)
+    way = np.where(pull < 0.0, low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
+    return float(np.abs(pull) @ np.maximum(way, 0.0))
 
 
 def weight_enthalpy(scene: SphScene) -> float:

@@ -227,7 +227,7 @@ def _lacking(room: tuple[Any, ...], spacing: float) -> float:
     tank, fluid, solids, single = room
     box = Box(np.array(tank.low), np.array(tank.high))
     parts = [*(part_of(region, spacing) for region in fluid), *(shape_of(spec) for spec in solids)]
-    return 1.0 - (covered_volume(box, parts) + single) / box.volume()
+    return 1.0 - (covered_volume(box, parts) + float(single)) / float(box.volume())
 
 
 def full(scene: SphScene) -> bool:
@@ -244,7 +244,7 @@ def _volume_of(table: ParticlesSpec, scene: SphScene) -> float:
     """The volume of single particles: that of lattice cells, where they have no masses."""
     if not table.masses:
         return float(len(table.positions) * scene.spacing ** len(scene.tank.low))
-    density = np.array(table.densities) if table.densities else filled(scene.liquid).density
+    density = np.array(table.densities or (filled(scene.liquid).density,))
     return float(np.sum(np.array(table.masses) / density))
 
 

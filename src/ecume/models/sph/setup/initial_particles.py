@@ -161,18 +161,38 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     pieces: list[tuple[Array, Array, Array, Array]] = []
     given: list[GivenValues] = []
     found = cells_of(scene)
+    parts = [part_of(region, scene.spacing) for region in scene.fluid]
     regions = packed(scene, [cells for cells, _ in found], unaligned_solids(scene))
     for region, cells, (_, kept) in zip(scene.fluid, regions, found, strict=True):
         points, shape = cells.centers, part_of(region, scene.spacing)
         head = np.zeros(len(points))
         if pull.any() and scene.method.initial_pressure == "hydrostatic":
-            head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
+            head = np.linalg.norm(pull) * way_up(points, -pull / np.linalg.norm(pull), shape, parts)
         if region.particles is None:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
         head += pressure_in(region, scene, points, material.density) / material.density
         pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
         given.append(given_values(region, kept))
     return with_given_values(_particles(scene, material, pieces), given)
+
+
+SEAM = 1e-6
+"""Relative: how far beyond the end of a region the next one is looked for."""
+
+
+def way_up(points: Array, up: Array, own: Part, parts: Sequence[Part]) -> Array:
+    """(N,) how much liquid is above points of a part of it (m): in that part, and in those on top of it."""
+    way = own.way_out(points, up)
+    ended, rest = np.zeros(len(points), bool), parts
+    while rest and not ended.all():
+        top = points + ((1.0 + SEAM) * way)[:, None] * up
+        more = np.zeros(len(points))
+        for part in rest:
+            inside = ~ended & (more == 0.0) & part.inside(top)
+            more[inside] = part.way_out(top[inside], up)
+        ended |= more == 0.0
+        way += more
+    return way
 
 
 def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:

@@ -100,8 +100,9 @@ def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
     points, volume = [], []
     for ring in range(rings):
         radius = (ring + 0.5) * width
-        count = max(3, round(2.0 * np.pi * radius / spacing))
-        angle = 2.0 * np.pi * np.arange(count) / count
+        # Four times a number, from the middle between two: symmetric about both axes and both diagonals.
+        count = 4 * max(1, round(0.5 * np.pi * radius / spacing))
+        angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
         points.append(shape.center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
         volume.append(np.full(count, 2.0 * np.pi * radius * width / count))
     return np.concatenate(points), np.concatenate(volume)
