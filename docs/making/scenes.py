@@ -19,6 +19,7 @@ import writing
 from writing import cell, docstrings, toctree
 
 from ecume.scenes.load import SCENES
+from ecume.scenes.quantities import ByDimension
 from ecume.scenes.starts import StartSpec
 from ecume.scenes.templates import templates
 from ecume.units import example
@@ -216,7 +217,7 @@ def made_up(field: Field) -> str:
     if words:
         return f'"{words[0]}"'
     if unit:
-        return listed(field.hint, f'"{example(unit)}"')
+        return listed(field.hint, f'"{example(unit.partition(";")[0])}"')
     if named and not isinstance(field.default, (int, float)):
         return f'"{named[0]}"'
     if isinstance(field.default, (int, float)) and field.default:
@@ -257,8 +258,18 @@ def row(field: Field, sample: str) -> str:
     return f"| {' | '.join(map(cell, cells))} |"
 
 
+def parts_below(hint: Any) -> Iterator[Any]:
+    """An annotation and all inside of it."""
+    yield hint
+    for part in typing.get_args(hint):
+        yield from parts_below(part)
+
+
 def unit_of(hint: Any) -> str:
-    """The SI unit of a key, or of the numbers in it."""
+    """The SI unit of a key, or of the numbers in it; both where it depends on the dimension."""
+    marks = [mark for part in parts_below(hint) for mark in typing.get_args(part) if isinstance(mark, ByDimension)]
+    if marks:
+        return f"{marks[0].space}; {marks[0].plane} in 2D"
     found = writing.unit_of(hint)
     return "" if found == "1" else found
 

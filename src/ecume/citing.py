@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import inspect
 import re
+import unicodedata
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
+from ecume._version import __version__
 from ecume.models import MODELS
 
 if TYPE_CHECKING:
@@ -46,9 +48,22 @@ def cited(text: str) -> list[str]:
     return [key for group in re.findall(r"\[([^\]]*)\]", text) for key in KEY.findall(group)]
 
 
+def software() -> str:
+    """The entry of ecume itself, in the version that runs."""
+    fields = {
+        "author": "{The ecume developers}",
+        "title": "ecume: particles on, in and between liquids",
+        "version": __version__,
+        "note": "Python package",
+        "license": "BSD-3-Clause",
+    }
+    lines = ",\n".join(f"  {name} = {{{value}}}" for name, value in fields.items())
+    return f"@software{{ecume,\n{lines}\n}}"
+
+
 def bibtex(keys: Iterable[str]) -> str:
-    """These entries of the bibliography."""
-    return "\n\n".join(bibliography()[key] for key in keys) + "\n"
+    """The entry of ecume, and these of the bibliography."""
+    return "\n\n".join([software(), *(bibliography()[key] for key in keys)]) + "\n"
 
 
 def in_words(key: str) -> str:
@@ -63,7 +78,26 @@ def in_words(key: str) -> str:
 
 def _field(entry: str, name: str) -> str:
     match = re.search(rf"\b{name}\s*=\s*[{{\"](.*?)[}}\"],?\s*$", entry, re.MULTILINE | re.DOTALL)
-    return " ".join(re.sub(r"[{}\\]", "", match[1]).split()) if match else ""
+    return without_latex(match[1]) if match else ""
+
+
+ACCENTS = {'"': "\u0308", "'": "\u0301", "`": "\u0300", "^": "\u0302", "~": "\u0303", "c": "\u0327", "v": "\u030c"}
+LETTERS = {r"\ss": "ß", r"\o": "ø", r"\O": "Ø", r"\l": "ł", r"\L": "Ł", r"\ae": "æ", r"\aa": "å", r"\i": "i"}
+
+
+def without_latex(text: str) -> str:
+    r"""Text of a bibliography as it is read: letters with accents, quotation marks, dashes.
+
+    >>> without_latex(r"The ``{C}heerios effect'' of fluid--fluid films by M{\"o}bius")
+    'The “Cheerios effect” of fluid–fluid films by Möbius'
+    """
+    for command, letter in LETTERS.items():
+        text = re.sub(re.escape(command) + r"(?![A-Za-z])\s?", letter, text)
+    accent = r"""\\(["'`^~]|[cv](?![A-Za-z]))\s*\{?([A-Za-z])\}?"""
+    text = re.sub(accent, lambda found: unicodedata.normalize("NFC", found[2] + ACCENTS[found[1]]), text)
+    for marks, sign in (("``", "“"), ("''", "”"), ("---", "—"), ("--", "–"), ("~", " ")):
+        text = text.replace(marks, sign)
+    return " ".join(re.sub(r"[{}$\\]", "", text).split())
 
 
 @cache

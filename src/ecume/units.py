@@ -343,7 +343,7 @@ EXAMPLES = {
 
 def example(symbol: str) -> str:
     """A value as a user might write it."""
-    return EXAMPLES.get(symbol, f"1 {symbol}")
+    return EXAMPLES.get(symbol, f"1 {symbol.replace('1/m^', 'm^-')}")
 
 
 @cache

@@ -1,5 +1,6 @@
 """Soft spheres as pictures."""
 
+import contextlib
 import dataclasses
 import math
 
@@ -241,3 +242,42 @@ def test_a_contact_across_a_sheared_border_goes_to_the_nearest_copy():
 def test_a_movie_can_be_made(scene, frames, tmp_path):
     made = film(frames, scene, tmp_path / "soft.gif")
     assert made.stat().st_size > 1000
+
+
+class CountedFrames(list):
+    """Frames that count how often one is read."""
+
+    reads = 0
+
+    def __getitem__(self, place):
+        found = super().__getitem__(place)
+        CountedFrames.reads += len(found) if isinstance(place, slice) else 1
+        return CountedFrames(found) if isinstance(place, slice) else found
+
+    def __iter__(self):
+        for frame in super().__iter__():
+            CountedFrames.reads += 1
+            yield frame
+
+
+MOST_READS = 9
+"""Of each frame, of which several are for numbers that each figure reads separately."""
+
+
+@pytest.mark.parametrize("name", sorted(SOFT_FIGURES))
+def test_a_figure_reads_each_frame_a_few_times_whatever_the_number_of_frames(name, boxed):
+    scene, (first, *_) = boxed
+    rates = RateStepsSpec(rates=tuple(0.02 * 1.5**k for k in range(8)), strain=1.0)
+    moments = dataclasses.replace(scene, duration=200.0, protocol=(StageSpec(time=0.0, rate_steps=rates),))
+    reads = {}
+    for count in (100, 200):
+        frames = CountedFrames(
+            first._replace(time=time, numbers=first.numbers | {"strain": 0.01 * time})
+            for time in np.linspace(0, 200, count)
+        )
+        CountedFrames.reads = 0
+        with contextlib.suppress(BadInput):
+            SOFT_FIGURES[name](frames, moments)
+        reads[count] = CountedFrames.reads
+    assert reads[200] <= MOST_READS * 200
+    assert reads[200] <= 2.2 * reads[100] + 50

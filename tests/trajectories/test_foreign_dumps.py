@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from ecume.trajectories.foreign import dcd, dumps
+from ecume.trajectories.foreign import dcd, dumps, xyz
 from ecume.trajectories.foreign.particles import MOST_PARTICLES
 
 PLACES = np.array(
@@ -157,3 +157,39 @@ def test_no_damage_of_a_file_is_a_traceback(tmp_path, seed):
             except ValueError:
                 refused += 1
     assert refused > 50
+
+
+class Counted(str):
+    """Text that counts how often it is divided."""
+
+    divided = 0
+
+    def splitlines(self, keepends=False):
+        Counted.divided += 1
+        return super().splitlines(keepends)
+
+
+@pytest.mark.parametrize("text", [CUSTOM, ATOM, YAML])
+def test_a_dump_is_divided_into_lines_once_and_each_frame_is_its_own(text):
+    Counted.divided = 0
+    count, frame = dumps.series(Counted(text))
+    assert count == len(PLACES)
+    for number in range(count):
+        assert np.array_equal(frame(number).position, dumps.read(text, number).position)
+    assert Counted.divided == 1
+
+
+def test_a_frame_that_lacks_an_item_is_not_completed_by_the_next():
+    broken = CUSTOM.replace("ITEM: BOX BOUNDS pp pp pp", "ITEM: SOMETHING", 1)
+    count, frame = dumps.series(broken)
+    with pytest.raises(ValueError, match="without ITEM: BOX BOUNDS"):
+        frame(0)
+    assert len(frame(count - 1).position) == 3
+
+
+def test_momenta_are_velocities_times_masses():
+    head = '1\nProperties=species:S:1:pos:R:3:momenta:R:3{} Lattice="9 0 0 0 9 0 0 0 9"\nAr 1 2 3 4 6 -8 '
+    moving = xyz.series(head.format(":masses:R:1") + "2\n")[1](0)
+    assert moving.velocity.tolist() == [[2.0, 3.0, -4.0]]
+    with pytest.raises(ValueError, match="momenta without masses"):
+        xyz.series(head.format("") + "\n")[1](0)

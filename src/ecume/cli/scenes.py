@@ -201,10 +201,21 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     if own or listed:
         remark = "added to those of the scene" if own else "not checked: give their file with --laws"
         rows.append(("user laws", ", ".join(map(named, own)) or ", ".join(listed), remark))
+    rows += odd_values(scene, changes)
     if json:
         print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
         return
     print_table(CHECK_COLUMNS, rows)
+
+
+def odd_values(file: Path, changes: Sequence[str]) -> list[tuple[str, str, str]]:
+    """A row for each value of a scene file that matter does not have."""
+    from ecume.scenes.load import overridden, parsed, source_of
+    from ecume.scenes.plausible import remarks
+
+    raw = parsed(source_of(file))
+    overridden(raw, changes)
+    return remarks(raw)
 
 
 def examine(scene: Scene) -> None:

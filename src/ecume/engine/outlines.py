@@ -13,6 +13,7 @@ Parts of space that no formula describes: inside a closed surface of triangles, 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -367,10 +368,75 @@ OBLIQUE = np.array([0.53779, 0.61803, 0.57309])
 """A direction along which no edge of a drawn thing lies: a ray through an edge would count two crossings."""
 MOST_CROSSINGS = 4_000_000
 """Pairs of ray and triangle that are looked at together."""
+MOST_BUCKETS = 1024
+"""Along each side of the table of triangles."""
+COLUMNS = 300
+"""Along each side of the box around shells that overlap: rays that measure the volume of what they enclose together,
+within about 1e-4.
+"""
+OVERLAP, SAME = 1e-4, 1e-9
+"""The part of a volume from which on shells overlap, and of the height below which two crossings are one."""
+
+
+class Crossings(NamedTuple):
+    """Where rays cross triangles."""
+
+    ray: Integers
+    """the number of the ray's point"""
+    distance: Array
+    """from the point, positive ahead"""
+    way: Integers
+    """1 where the ray leaves, -1 where it enters, as the triangle's corners turn"""
+
+
+class Buckets(NamedTuple):
+    """Triangles as seen along a direction, in the buckets of a table that each of them covers a part of."""
+
+    axes: Array
+    """(2, 3) across the direction"""
+    low: Array
+    """(2,)"""
+    size: Array
+    """(2,) of a bucket"""
+    shape: Integers
+    """(2,) buckets along each axis"""
+    first: Integers
+    """of each bucket in `triangle`, and the end of the last"""
+    triangle: Integers
+
+    def of(self, points: Array) -> tuple[Integers, Flags]:
+        """The bucket of each point, and whether it is in the table at all."""
+        place = np.floor((product(points, self.axes.T) - self.low) / self.size).astype(np.int64)
+        within: Flags = np.asarray(((place >= 0) & (place < self.shape)).all(axis=1))
+        bucket: Integers = np.where(within, place[:, 0] * self.shape[1] + place[:, 1], 0)
+        return bucket, within
+
+
+def sorted_in(triangles: Array, direction: Array) -> Buckets:
+    """About as many buckets as there are triangles, so that few are in each."""
+    least = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    one = np.cross(direction, least)
+    axes = np.stack([one / np.linalg.norm(one), np.cross(direction, one) / np.linalg.norm(np.cross(direction, one))])
+    flat = product(triangles.reshape(-1, 3), axes.T).reshape(-1, 3, 2)
+    low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
+    count = int(np.clip(math.ceil(math.sqrt(len(triangles))), 1, MOST_BUCKETS))
+    size, shape = np.maximum((high - low) / count, 1e-300) * (1.0 + 1e-9), np.array([count, count])
+    start = np.clip(((flat.min(axis=1) - low) / size).astype(np.int64), 0, count - 1)
+    end = np.clip(((flat.max(axis=1) - low) / size).astype(np.int64), 0, count - 1)
+    spans = end - start + 1
+    each = spans.prod(axis=1)
+    triangle = np.repeat(np.arange(len(triangles)), each)
+    number = np.arange(len(triangle)) - np.repeat(np.cumsum(each) - each, each)
+    bucket = (
+        (start[triangle, 0] + number // spans[triangle, 1]) * count + start[triangle, 1] + number % spans[triangle, 1]
+    )
+    order = np.argsort(bucket, kind="stable")
+    first = np.searchsorted(bucket[order], np.arange(count * count + 1))
+    return Buckets(axes, low, size, shape, first, triangle[order])
 
 
 class Mesh(NamedTuple):
-    """Inside a closed surface of triangles, (T, 3, 3): corners in meters."""
+    """Inside a closed surface of triangles, (T, 3, 3): corners in meters. Of shells that overlap, inside of any."""
 
     triangles: Array
 
@@ -383,17 +449,17 @@ class Mesh(NamedTuple):
         return float(product(self.triangles.reshape(-1, 3), direction).max())
 
     def inside(self, points: Array) -> Flags:
-        """A ray crosses an odd number of triangles."""
-        found = np.zeros(len(points), bool)
-        for part in self._parts(len(points)):
-            found[part] = np.isfinite(self._distances(points[part], OBLIQUE)).sum(axis=1) % 2 == 1
-        return found
+        """A ray leaves another number of times than it enters: the winding number is not zero."""
+        winding = np.zeros(len(points))
+        for found in self._crossings(points, OBLIQUE):
+            winding += np.bincount(found.ray, found.way, len(points))
+        return np.asarray(winding != 0.0)
 
     def way_out(self, points: Array, direction: Array) -> Array:
         """To the nearest triangle ahead; nothing where none is."""
-        way = np.zeros(len(points))
-        for part in self._parts(len(points)):
-            way[part] = self._distances(points[part], direction).min(axis=1)
+        way = np.full(len(points), np.inf)
+        for found in self._crossings(points, direction):
+            np.minimum.at(way, found.ray, found.distance)
         return np.where(np.isfinite(way), way, 0.0)
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
@@ -406,34 +472,72 @@ class Mesh(NamedTuple):
         return np.zeros((0, 3))
 
     def volume(self) -> float:
-        """Of the tetrahedra between the first corner and each triangle (divergence theorem)."""
+        """Of the tetrahedra between the first corner and each triangle (divergence theorem). Of shells that overlap, of
+        the parts of many parallel rays that are inside.
+        """
+        length, several, cell = self._lengths()
+        if several > OVERLAP * length:
+            return length * cell
         corners = self.triangles - self.triangles[0, 0]
         return abs(float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum())) / 6.0
+
+    def _lengths(self) -> tuple[float, float, float]:
+        """Of parallel rays along z, a grid of them: the length inside, that inside of more than one shell, and the area
+        that each stands for. Rays through an edge meet both of its triangles, of which one counts.
+        """
+        low, high = self.bounds()
+        cell = (high - low)[:2] / COLUMNS
+        # Between the nodes of a lattice, where drawn things seldom have edges.
+        x, y = (low[axis] + (np.arange(COLUMNS) + 0.4877) * cell[axis] for axis in (0, 1))
+        below = np.full(COLUMNS**2, 2.0 * low[2] - high[2])
+        starts = np.column_stack([np.repeat(x, COLUMNS), np.tile(y, COLUMNS), below])
+        parts = list(self._crossings(starts, np.array([0.0, 0.0, 1.0])))
+        ray, distance, way = (np.concatenate(each) for each in zip(*parts, strict=True))
+        order = np.lexsort((distance, way, ray))
+        ray, distance, way = ray[order], distance[order], way[order]
+        again = (np.diff(ray) == 0) & (np.diff(way) == 0) & (np.diff(distance) < SAME * (high[2] - low[2]))
+        kept = np.append(np.ones(1, bool), ~again)
+        ray, distance, way = ray[kept], distance[kept], way[kept]
+        whole = np.bincount(ray, way, len(starts)) == 0.0
+        order = np.lexsort((distance, ray))
+        order = order[whole[ray[order]]]
+        winding = np.cumsum(way[order])[:-1]
+        along = np.diff(distance[order])
+        share = len(starts) / max(int(whole.sum()), 1)
+        lengths = (float(along[np.abs(winding) >= least].sum()) * share for least in (1, 2))
+        return (*lengths, float(cell.prod()))  # type: ignore[return-value]  # two lengths
 
     def volume_within(self, low: Array, high: Array) -> float | None:
         """All of it, or no formula."""
         return whole_within(self, low, high)
 
-    def _parts(self, count: int) -> list[slice]:
-        """So many points that the table of distances stays small."""
-        step = max(1, MOST_CROSSINGS // len(self.triangles))
-        return [slice(first, first + step) for first in range(0, count, step)]
+    def _crossings(self, points: Array, direction: Array) -> Iterator[Crossings]:
+        """Where the rays from points cross triangles, some points at a time; of a ray, those in the bucket it is in.
 
-    def _distances(self, points: Array, direction: Array) -> Array:
-        """(N, T) from each point along a ray to each triangle; infinite where it misses."""
+        By Moller and Trumbore's algorithm; a ray along a triangle's own plane misses it.
+        """
         corner = self.triangles[:, 0]
         one, other = self.triangles[:, 1] - corner, self.triangles[:, 2] - corner
-        across = np.cross(direction, other)
-        beside, normal = np.cross(one, direction), np.cross(one, other)
-        volume = (one * across).sum(axis=1)
-        # A ray along a triangle's own plane misses it.
+        across, normal = np.cross(direction, other), np.cross(one, other)
+        beside, volume = np.cross(one, direction), (one * np.cross(direction, other)).sum(axis=1)
         volume = np.where(volume == 0.0, np.nan, volume)
-        u = (product(points, across.T) - (corner * across).sum(axis=1)) / volume
-        v = (product(points, beside.T) - (corner * beside).sum(axis=1)) / volume
-        way = (product(points, normal.T) - (corner * normal).sum(axis=1)) / volume
-        hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (way > 0.0)
-        found: Array = np.where(hit, way, np.inf)
-        return found
+        buckets = sorted_in(self.triangles, direction)
+        bucket, within = buckets.of(points)
+        count = np.where(within, buckets.first[bucket + 1] - buckets.first[bucket], 0)
+        ends = np.cumsum(count)
+        first = 0
+        while first < len(points):
+            before = ends[first - 1] if first else 0
+            last = max(int(np.searchsorted(ends, before + MOST_CROSSINGS, side="right")), first + 1)
+            ray = np.repeat(np.arange(first, last), count[first:last])
+            number = np.arange(len(ray)) - (ends - count)[ray] + before
+            k = buckets.triangle[buckets.first[bucket[ray]] + number]
+            away = points[ray] - corner[k]
+            u, v = (away * across[k]).sum(axis=1) / volume[k], (away * beside[k]).sum(axis=1) / volume[k]
+            distance = (away * normal[k]).sum(axis=1) / volume[k]
+            hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > 0.0)
+            yield Crossings(ray[hit], distance[hit], np.where(volume[k[hit]] > 0.0, -1, 1))
+            first = last
 
 
 class Cloud(NamedTuple):

@@ -159,6 +159,57 @@ Motion = Annotated[tuple[float, ...], PlainValidator(vector("m/s", 1e3)), Measur
 Pull = Annotated[tuple[float, ...], PlainValidator(vector("m/s^2", 1e6)), Measured("m/s^2")]
 
 
+class InPlane(float):
+    """A number from text in the unit of two dimensions, such as kg/m."""
+
+
+class InSpace(float):
+    """A number from text in the unit of three dimensions, such as kg."""
+
+
+@dataclass(frozen=True)
+class ByDimension:
+    """The units of numbers whose unit depends on the dimension of the scene: in 2D, and in 3D."""
+
+    plane: str
+    space: str
+
+    def number(self, value: object) -> float:
+        """A number in SI units; that of text remembers its unit, for `fault`. A plain number has none."""
+        if not isinstance(value, str) and quantity_of(value) is None:
+            return value if isinstance(value, (InPlane, InSpace)) else Unit(self.space).number(value)
+        try:
+            return InSpace(Unit(self.space).number(value))
+        except ValueError:
+            try:
+                return InPlane(Unit(self.plane).number(value))
+            except ValueError as error:
+                raise ValueError(f"{error}; {self.plane} in 2D") from None
+
+    def fault(self, value: float | None, dimensions: int) -> str:
+        """The fault of a number whose text has the unit of another dimension; empty for a fitting one."""
+        wrong, unit = (InSpace, self.plane) if dimensions == 2 else (InPlane, self.space)
+        return (
+            f"has the unit of another dimension; expected {unit} in {dimensions}D" if isinstance(value, wrong) else ""
+        )
+
+    def reader(self, least: float, most: float) -> Callable[[object], float]:
+        """Reads numbers above `least` and up to `most`."""
+
+        def read(value: object) -> float:
+            number = self.number(value)
+            if not least < number <= most:
+                raise ValueError(f"expected more than {least:g} and at most {most:g}")
+            return number
+
+        return read
+
+
+BODY_MASS, CONCENTRATION = ByDimension("kg/m", "kg"), ByDimension("1/m^2", "1/m^3")
+BodyMass = Annotated[float, PlainValidator(BODY_MASS.reader(0.0, 1e15)), BODY_MASS]
+Concentration = Annotated[float, PlainValidator(CONCENTRATION.reader(0.0, 1e30)), CONCENTRATION]
+
+
 def gravity(value: object) -> tuple[float, ...]:
     """A magnitude, which is one number, or a vector."""
     if isinstance(value, (list, tuple)) and len(value) != 1 and quantity_of(value) is None:

@@ -10,10 +10,12 @@ from pydantic import Field, model_validator
 from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
+    CONCENTRATION,
     MOST_PARTICLES,
     STRICT,
     AbsoluteTemperature,
     Color,
+    Concentration,
     Coordinate,
     Count,
     Duration,
@@ -33,7 +35,6 @@ Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
 Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
 ComingRate = Annotated[float, Unit("1/s"), Field(gt=0.0, le=1e12)]
-Concentration = Annotated[float, Field(gt=0.0, le=1e30)]
 WallNumber = Annotated[int, Field(strict=True, ge=0, le=10_000)]
 ShearRate = Annotated[float, Unit("1/s"), Field(ge=-1e6, le=1e6)]
 Complaints = list[tuple[Path, str]]
@@ -211,7 +212,7 @@ class OpeningSpec:
     """The number of particles that enter per second (1/s), at random positions in the opening. Effect: the number of
     particles grows in proportion to it."""
     concentration: Concentration | None = None
-    """The number of particles per cubic meter of the liquid that flows in; in 2D per square meter. Effect: the
+    """The number of particles per volume of the liquid that flows in (1/m^3; 1/m^2 in 2D). Effect: the
     number of particles grows in proportion to it and to the inflow."""
     species: Name = ""
     """The name of the species that enters; by default the first one. Effect: selects radius and density of entering
@@ -333,6 +334,8 @@ def _newcomers(scene: TracersScene) -> Complaints:
         if hole.species and hole.species not in names:
             message = f"got {hole.species!r}; the species are {', '.join(map(repr, names))}"
             complaints.append((("openings", index, "species"), message))
+        if wrong := CONCENTRATION.fault(hole.concentration, scene.dimensions):
+            complaints.append((("openings", index, "concentration"), wrong))
     if expected > MOST_PARTICLES:
         complaints.append((("openings",), f"{expected:.3g} particles to come are more than {MOST_PARTICLES:.0e}"))
     return complaints

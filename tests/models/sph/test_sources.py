@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.engine.outlines import Cloud, Mesh
+from ecume.engine.outlines import OBLIQUE, Cloud, Mesh, sorted_in
 from ecume.errors import SceneError
 from ecume.models.sph.record import SPH, start
 from ecume.run import run
@@ -135,6 +135,42 @@ def test_a_surface_of_triangles_is_filled_and_knows_the_depth():
     assert mesh.inside(points).tolist() == [True, True, False, False]
     assert mesh.way_out(points[:2], np.array([0.0, 1.0, 0.0])) == pytest.approx([0.9, 0.5])
     assert [corner.tolist() for corner in mesh.bounds()] == [[0.25] * 3, [1.25] * 3]
+
+
+def ball(radius, middle, lines=24):
+    """The triangles of a sphere by latitude and longitude."""
+    theta, phi = np.linspace(0.0, np.pi, lines + 1), np.linspace(0.0, 2.0 * np.pi, 2 * lines + 1)
+    x, y = np.outer(np.sin(theta), np.cos(phi)), np.outer(np.sin(theta), np.sin(phi))
+    nodes = np.stack([x, y, np.outer(np.cos(theta), np.ones_like(phi))], axis=-1) * radius + middle
+    a, b, c, d = nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]
+    triangles = np.concatenate([np.stack([a, b, c], 2).reshape(-1, 3, 3), np.stack([a, c, d], 2).reshape(-1, 3, 3)])
+    return triangles[
+        np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1) > 0
+    ]
+
+
+def test_shells_that_overlap_are_united_and_one_inside_out_is_a_hole():
+    apart, radius = 0.3, 0.3
+    both = Mesh(np.concatenate([ball(radius, [-0.5 * apart, 0.0, 0.0]), ball(radius, [0.5 * apart, 0.0, 0.0])]))
+    lens = np.pi * (4.0 * radius + apart) * (2.0 * radius - apart) ** 2 / 12.0
+    united = 8.0 / 3.0 * np.pi * radius**3 - lens
+    assert both.volume() == pytest.approx(united, rel=0.01)
+    cells = both.cells(0.05)
+    assert cells.volumes.sum() == pytest.approx(both.volume())
+    assert cells.volumes.max() == pytest.approx(0.05**3, rel=0.03)
+    assert both.inside(np.zeros((1, 3))).all()
+    hollow = Mesh(np.concatenate([ball(0.5, 0.0), ball(0.25, 0.0)[:, ::-1]]))
+    assert hollow.volume() == pytest.approx(4.0 / 3.0 * np.pi * (0.5**3 - 0.25**3), rel=0.01)
+    assert hollow.inside(np.array([[0.0, 0.01, 0.02], [0.37, 0.01, 0.02]])).tolist() == [False, True]
+
+
+def test_a_point_meets_only_the_triangles_near_its_ray():
+    fine = Mesh(ball(0.5, 0.0, lines=60))
+    points = np.random.default_rng(1).uniform(-0.5, 0.5, (4000, 3))
+    assert (fine.inside(points) == (np.linalg.norm(points, axis=1) < 0.4995)).mean() > 0.99
+    buckets = sorted_in(fine.triangles, OBLIQUE)
+    assert np.diff(buckets.first).mean() < 20
+    assert len(fine.triangles) > 10000
 
 
 def test_a_cloud_is_as_deep_as_the_points_above():

@@ -11,8 +11,8 @@ from pydantic import Field, PlainValidator, model_validator
 
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
-from ecume.scenes.quantities import STRICT
-from ecume.units import Number, Rate, Time, Unit, quantity_of
+from ecume.scenes.quantities import STRICT, ByDimension
+from ecume.units import Number, Rate, Time
 
 Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
 Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
@@ -22,35 +22,23 @@ HeldStrain = Annotated[Number, Field(gt=0.0, le=1e6)]
 StrainRate = Annotated[Rate, Field(ge=-1e9, le=1e9)]
 
 MOST_STRESS = 1e15
-STRESS_UNITS = {2: "N/m", 3: "Pa"}
-"""The unit of stress, in each dimension: in a layer a force pulls at a line."""
 WHOLE = 1e-9
 """Of a cycle: how far a number of cycles may be from a whole one."""
 
 
-class StressOfLayer(float):
-    """A stress from text in N/m."""
-
-
-class StressInSpace(float):
-    """A stress from text in Pa."""
+STRESS = ByDimension("N/m", "Pa")
+"""In a layer a force pulls at a line."""
 
 
 def stress(value: object) -> float:
     """A stress in Pa, or in N/m for a layer. The dimension of the scene decides which; a plain number has no unit."""
-    if not isinstance(value, str) and quantity_of(value) is None:
-        number = Unit("Pa").number(value) if not isinstance(value, (StressOfLayer, StressInSpace)) else value
-    else:
-        try:
-            number = StressInSpace(Unit("Pa").number(value))
-        except ValueError:
-            number = StressOfLayer(Unit("N/m").number(value))
+    number = STRESS.number(value)
     if not abs(number) <= MOST_STRESS:
         raise ValueError(f"expected a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
     return number
 
 
-Stress = Annotated[float, PlainValidator(stress)]
+Stress = Annotated[float, PlainValidator(stress), STRESS]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -217,13 +205,10 @@ def _short_steps(stages: Sequence[StageSpec]) -> Complaints:
 
 
 def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
-    wrong = StressInSpace if dimensions == 2 else StressOfLayer
     given: list[tuple[Path, float | None]] = [((name,), getattr(stage, name)) for name in STRESSES]
     if stage.oscillation is not None:
         given.append((("oscillation", "stress"), stage.oscillation.stress))
-    where = "a layer" if dimensions == 2 else "space"
-    cause = f"stresses of {where} are in {STRESS_UNITS[dimensions]}"
-    return [(path, cause) for path, value in given if isinstance(value, wrong)]
+    return [(path, fault) for path, value in given if (fault := STRESS.fault(value, dimensions))]
 
 
 def _unreachable(stages: Sequence[StageSpec]) -> Complaints:

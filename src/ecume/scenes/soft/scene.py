@@ -28,11 +28,9 @@ from ecume.scenes.quantities import (
     downwards,
 )
 from ecume.scenes.soft.protocol import (
-    STRESS_UNITS,
+    STRESS,
     StageSpec,
     Stress,
-    StressInSpace,
-    StressOfLayer,
     end_of,
     protocol_faults,
 )
@@ -100,13 +98,12 @@ def _driven(wall: WallSpec, dimensions: int, sides: Sequence[float] | None) -> C
         found.append((("shear_stress",), "pulls along x, which this wall stands across; expected pressure"))
     elif wall.shear_stress is not None and velocity[0] != 0.0:
         found.append((("shear_stress",), "the wall's velocity along x is given; expected one of both"))
-    wrong = StressInSpace if dimensions == 2 else StressOfLayer
     for name in ("pressure", "shear_stress"):
         value = getattr(wall, name)
         if value is not None and sides is None:
             found.append(((name,), "acts on the wall's area, that of the [cell]; add that table"))
-        if isinstance(value, wrong):
-            found.append(((name,), f"stresses here are in {STRESS_UNITS[dimensions]}"))
+        if fault := STRESS.fault(value, dimensions):
+            found.append(((name,), fault))
     return found
 
 

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from ecume.scenes.common import Common, dataclass
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
+    BODY_MASS,
     MOST_STEPS,
     STRICT,
     Color,
@@ -30,7 +31,7 @@ from ecume.scenes.quantities import (
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec, extent, passive_tracer_faults
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
-from ecume.units import Number, Rate, Speed, Temperature
+from ecume.units import Number, Pressure, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 PositiveNumber = Annotated[Number, Field(gt=0.0, le=1e6)]
@@ -72,8 +73,8 @@ class FluidSpec:
     tait_exponent: Exponent = 7.0
     """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
     compression."""
-    atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
-    """The pressure above the liquid, which is part of absolute pressures (Pa). Example: `101325`. Effect: shifts
+    atmospheric_pressure: Annotated[Pressure, Field(ge=0.0, le=1e9)] = 0.0
+    """The pressure above the liquid, which is part of absolute pressures (Pa). Example: `"1 atm"`. Effect: shifts
     absolute pressures in gauges, figures, pages and exports; none on the motion."""
 
 
@@ -178,7 +179,7 @@ class MethodSpec:
     shifting: LawName = "automatic"
     """The particle shifting: `delta-plus` toward even spacing, the default in full tanks, or `none`. Effect:
     prevents voids and clumps."""
-    background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
+    background_pressure: Annotated[Pressure, Field(ge=0.0)] | None = None
     """The background pressure of the transport velocity (Pa); by default rho c^2. Effect: larger values even out the
     spacing faster."""
     precision: Literal["double", "single"] = "double"
@@ -326,6 +327,8 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
         found.append((("triangles",), "a surface is for tanks in three dimensions"))
     if spec.vertices and dimension == 3:
         found.append((("vertices",), "a polygon is for tanks in two dimensions"))
+    if isinstance(spec, BodySpec) and (wrong := BODY_MASS.fault(spec.mass, dimension)):
+        found.append((("mass",), wrong))
     if isinstance(spec, BodySpec) and isinstance(spec.spin, tuple) and dimension == 2:
         found.append((("spin",), "got 3 numbers; in two dimensions a body turns about z alone: one number"))
     return found

@@ -14,6 +14,7 @@ from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     STRICT,
+    BodyMass,
     Color,
     Coordinate,
     Count,
@@ -124,7 +125,7 @@ class BodySpec(ShapeSpec):
 
     density: PositiveDensity | None = None
     """The density of the body (kg/m^3), instead of its mass. Effect: bodies denser than the liquid sink."""
-    mass: Annotated[Number, Field(gt=0.0, le=1e15)] | None = None
+    mass: BodyMass | None = None
     """The mass of the body (kg; kg/m in 2D), instead of its density. Effect: heavier bodies sink deeper."""
     velocity: Motion | None = None
     """The initial velocity of the body (m/s). Effect: sets the start of the body."""

@@ -11,16 +11,15 @@ import math
 import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from ecume.errors import install
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, echo
-from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
+from ecume.scenes.quantities import BODY_MASS, FARTHEST, STRICT, BodyMass, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of
-from ecume.units import Mass
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -33,7 +32,7 @@ class ParticlesSpec:
     """The velocity of each particle (m/s); by default zero. Effect: sets the initial flow."""
     densities: tuple[PositiveDensity, ...] = ()
     """The density of each particle (kg/m^3); by default that at rest. Effect: sets the initial pressure."""
-    masses: tuple[Annotated[Mass, Field(gt=0.0, le=1e15)], ...] = ()
+    masses: tuple[BodyMass, ...] = ()
     """The mass of each particle (kg; kg/m in 2D); by default that of a lattice cell. Effect: sets the inertia of
     each particle."""
 
@@ -61,7 +60,8 @@ def particle_faults(particles: ParticlesSpec, dimension: int) -> Complaints:
         if wrong:
             came = f"got {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
             found.append((("particles", key, wrong[0]), came))
-    return found
+    faults = ((index, BODY_MASS.fault(mass, dimension)) for index, mass in enumerate(particles.masses))
+    return found + [(("particles", "masses", index), fault) for index, fault in faults if fault][:1]
 
 
 TABLE, OUTLINE, UNIT, RUN = "particles_from", "outline_from", "outline_unit", "start_from"
@@ -209,7 +209,10 @@ def _triangles(content: bytes, unit: object) -> list[Any]:
     trimesh = _library("trimesh")
     try:
         mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl")
-        closed, triangles = bool(mesh.is_watertight), mesh.triangles
+        closed = bool(mesh.is_watertight)
+        if closed and not mesh.is_winding_consistent:
+            trimesh.repair.fix_winding(mesh)
+        triangles = mesh.triangles
     except Exception as fault:  # whatever the library says, the file is no surface
         raise ValueError(f"cannot be read as STL: {fault}") from None
     if not len(triangles) or not closed:

@@ -133,6 +133,7 @@ def steady_states(frames: Frames, scene: SoftScene) -> Figure:
     flows = _required_flows(frames, scene)
     shear, pressure = series(frames, number("shear_stress"), number("pressure"))
     scale, strain = scale_for(float(np.abs([shear, pressure]).max()), frames[0].units["shear_stress"]), sheared(frames)
+    now = times(frames)
     with style():
         drawn = figure(7.0, 4.8)
         panels = drawn.subplots(2, 1, sharex=True)
@@ -140,7 +141,7 @@ def steady_states(frames: Frames, scene: SoftScene) -> Figure:
             axes.plot(strain, scale.factor * values, color=MUTED, linewidth=0.8)
             for flow, color in zip(flows, itertools.cycle(PALETTE)):
                 (own,) = series(flow.steady, number(name))
-                ends = [strain[place_of(frames, flow.steady[end])] for end in (0, -1)]
+                ends = [strain[place_of(now, flow.steady[end])] for end in (0, -1)]
                 label = f"{flow.point.rate.value:.3g} /s" + ("" if flow.settled else ", not stationary")
                 axes.plot(ends, [scale.factor * own.mean()] * 2, color=color, linewidth=2.5, label=label)
             axes.set_ylabel(f"{name.replace('_', ' ')} ({scale.unit})")
@@ -156,9 +157,9 @@ def sheared(frames: Frames) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(strain)))])
 
 
-def place_of(frames: Frames, frame: Frame) -> int:
-    """The place of a frame."""
-    return int(np.argmin(np.abs(times(frames) - frame.time)))
+def place_of(now: Array, frame: Frame) -> int:
+    """The place of a frame among the times of all."""
+    return int(np.argmin(np.abs(now - frame.time)))
 
 
 def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,16 +40,21 @@ class Table(NamedTuple):
 def read(text: str, index: int = -1) -> Particles:
     """The particles of a frame, in the order of their ids. Raises FileFault, or ValueError without a line."""
     lines = text.splitlines()
+    return _frame(lines, _starts(lines), index)
+
+
+def series(text: str) -> tuple[int, Callable[[int], Particles]]:
+    """The number of frames, and the reader of each: the text is divided once. Raises ValueError."""
+    lines = text.splitlines()
     starts = _starts(lines)
+    return len(starts), lambda index: _frame(lines, starts, index)
+
+
+def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles:
     chosen = frame_number(index, len(starts))
-    end = [*starts, len(lines)][chosen + 1]
+    end = starts[chosen + 1] if chosen + 1 < len(starts) else len(lines)
     table_at = _yaml_table if lines[0] == YAML else _table
-    return _particles(table_at(lines[:end], starts[chosen]))
-
-
-def frames(text: str) -> int:
-    """The number of frames. Raises ValueError."""
-    return len(_starts(text.splitlines()))
+    return _particles(table_at(lines, starts[chosen], end))
 
 
 def _starts(lines: Sequence[str]) -> list[int]:
@@ -61,10 +66,10 @@ def _starts(lines: Sequence[str]) -> list[int]:
     return found
 
 
-def _table(lines: Sequence[str], place: int) -> Table:
-    """The frame that begins at a line."""
+def _table(lines: Sequence[str], place: int, end: int) -> Table:
+    """The frame that begins at a line and ends before another."""
     items: dict[str, tuple[list[str], int]] = {}
-    while place < len(lines):
+    while place < end:
         words = lines[place].split()
         place += 1
         if words[:1] != ["ITEM:"]:
@@ -72,29 +77,31 @@ def _table(lines: Sequence[str], place: int) -> Table:
         name = "BOX BOUNDS" if words[1:3] == ["BOX", "BOUNDS"] else words[1] if len(words) > 1 else ""
         items[name] = words, place
     for name, called in (("NUMBER", "NUMBER OF ATOMS"), ("BOX BOUNDS", "BOX BOUNDS"), ("ATOMS", "ATOMS")):
-        if name not in items or (name != "ATOMS" and items[name][1] >= len(lines)):
+        if name not in items or (name != "ATOMS" and items[name][1] >= end):
             raise ValueError(f"has a frame without ITEM: {called}")
     at = items["NUMBER"][1]
     count = whole(lines[at].strip(), at + 1, least=1)
     bounds, (head, first) = items["BOX BOUNDS"][1], items["ATOMS"]
-    require_count(count, len(lines) - first, at + 1)
-    box = [_numbers(line.split(), bounds + axis + 1) for axis, line in enumerate(lines[bounds : bounds + AXES])]
+    require_count(count, end - first, at + 1)
+    box = [
+        _numbers(line.split(), bounds + axis + 1) for axis, line in enumerate(lines[bounds : min(bounds + AXES, end)])
+    ]
     return Table(box, head[2:], [line.split() for line in lines[first : first + count]], first + 1)
 
 
-def _yaml_table(lines: Sequence[str], place: int) -> Table:
-    """The frame of the style yaml that begins at a line."""
+def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
+    """The frame of the style yaml that begins at a line and ends before another."""
     keys = {
-        line.split(":")[0]: at for at, line in enumerate(lines[place:], place) if line[:1].isalpha() and ":" in line
+        line.split(":")[0]: at for at, line in enumerate(lines[place:end], place) if line[:1].isalpha() and ":" in line
     }
     for name in ("natoms", "box", "keywords", "data"):
         if name not in keys:
             raise ValueError(f"has a frame without {name}")
     count = whole(lines[keys["natoms"]].split(":")[1].strip(), keys["natoms"] + 1, least=1)
     first = keys["data"] + 1
-    require_count(count, len(lines) - first, keys["natoms"] + 1)
+    require_count(count, end - first, keys["natoms"] + 1)
     at = keys["box"] + 1
-    box = [_numbers(_items(line), at + axis + 1) for axis, line in enumerate(lines[at : at + AXES])]
+    box = [_numbers(_items(line), at + axis + 1) for axis, line in enumerate(lines[at : min(at + AXES, end)])]
     rows = [_items(line) for line in lines[first : first + count]]
     return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1)
 

@@ -19,13 +19,11 @@ class Series(NamedTuple):
 
 
 def _of_dump(path: Path, text_of: Callable[[Path], str]) -> Series:
-    text = text_of(path)
-    return Series(dumps.frames(text), lambda frame: dumps.read(text, frame))
+    return Series(*dumps.series(text_of(path)))
 
 
 def _of_xyz(path: Path, text_of: Callable[[Path], str]) -> Series:
-    text = text_of(path)
-    return Series(xyz.frames(text), lambda frame: xyz.read(text, frame))
+    return Series(*xyz.series(text_of(path)))
 
 
 def _of_data(path: Path, text_of: Callable[[Path], str]) -> Series:

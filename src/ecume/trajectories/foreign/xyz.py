@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +30,7 @@ MOST_COLUMNS = 200
 MEANINGS = {
     "position": ("pos", "position", "positions"),
     "velocity": ("velo", "vel", "velocity", "velocities"),
+    "momentum": ("momenta", "momentum"),
     "radius": ("radius", "radii"),
     "diameter": ("diameter", "diameters"),
     "mass": ("mass", "masses"),
@@ -37,7 +38,7 @@ MEANINGS = {
     "species": ("species", "type", "element"),
 }
 """The names of columns that are read, in lower case."""
-VECTORS = {"position", "velocity"}
+VECTORS = {"position", "velocity", "momentum"}
 
 
 class Column(NamedTuple):
@@ -50,7 +51,17 @@ class Column(NamedTuple):
 def read(text: str, index: int = -1) -> Particles:
     """The particles of a frame. Raises FileFault, or ValueError without a line."""
     lines = text.splitlines()
+    return _frame(lines, _starts(lines), index)
+
+
+def series(text: str) -> tuple[int, Callable[[int], Particles]]:
+    """The number of frames, and the reader of each: the text is divided once. Raises FileFault or ValueError."""
+    lines = text.splitlines()
     starts = _starts(lines)
+    return len(starts), lambda index: _frame(lines, starts, index)
+
+
+def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles:
     start = starts[frame_number(index, len(starts))]
     comment = {key.lower(): quoted or bare for key, quoted, bare in PAIR.findall(lines[start + 1])}
     columns, width = _columns(comment.get("properties", PLAIN), start + 2)
@@ -67,12 +78,19 @@ def read(text: str, index: int = -1) -> Particles:
     names, kind = numbered(words)
     sides, tilt = _box(comment, start + 2)
     mass, density = single.get("mass"), single.get("density")
-    return Particles(names, kind, values["position"], values.get("velocity"), diameter, mass, density, sides, tilt)
+    velocity = _velocities(values, start + 2)
+    return Particles(names, kind, values["position"], velocity, diameter, mass, density, sides, tilt)
 
 
-def frames(text: str) -> int:
-    """The number of frames. Raises FileFault, or ValueError without a line."""
-    return len(_starts(text.splitlines()))
+def _velocities(values: Mapping[str, NDArray[np.float64]], line: int) -> NDArray[np.float64] | None:
+    """Velocities, or momenta over masses, as ASE writes them."""
+    if "velocity" in values or "momentum" not in values:
+        return values.get("velocity")
+    if "mass" in values:
+        return values["momentum"] / values["mass"]
+    if not values["momentum"].any():
+        return values["momentum"]
+    raise FileFault("got momenta without masses; expected a column masses:R:1, or velocities as velo:R:3", line)
 
 
 def _starts(lines: Sequence[str]) -> list[int]:

@@ -184,6 +184,7 @@ def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each:
     count = position.shape[1]
     return [
         *_resolution(scene, parameters, position),
+        gravity_row(scene),
         *_liquid(scene, parameters),
         *_tension(scene, parameters),
         *uniform_inflows(scene),
@@ -209,6 +210,27 @@ def _resolution(scene: SphScene, parameters: Parameters, position: Array) -> lis
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
+
+
+def gravity_row(scene: SphScene) -> Row:
+    """Gravity with its direction, and whether it points away from an open top."""
+    pull = gravity_of(scene)
+    size, axis = math.hypot(*pull), int(np.argmax(np.abs(pull)))
+    if size == 0.0:
+        return ("gravity", "none", "")
+    ahead = "-" if pull[axis] < 0.0 else "+"
+    straight = abs(pull[axis]) == size
+    value = f"{with_prefix(size, 'm/s^2')} {'along' if straight else 'mainly along'} {ahead}{'xyz'[axis]}"
+    upper = 2 * axis + (1 if pull[axis] < 0.0 else 0)
+    sides = sides_of(scene)
+    named = f"up is {'+' if ahead == '-' else '-'}{'xyz'[axis]}, the side {SIDES[upper]}"
+    if scene.tank.top.kind == "open" and SIDES[upper] != "top" and sides[upper].kind != "open":
+        return (
+            "gravity",
+            value,
+            f"{named}, but the open side is top, at high y: gravity does not point from it to bottom",
+        )
+    return ("gravity", value, named if len(sides) == 6 else "")
 
 
 def fitted_row(scene: SphScene) -> Row:

@@ -1,0 +1,195 @@
+"""Remarks on the values of a scene that matter does not have: most are slips of a unit, such as 45 for 45 mN/m.
+
+A plain number is in SI units, and slips are usual: its range is that of everyday matter. A unit that is written is
+meant: that range is as wide as nature's. One table has the ranges of all models.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from ecume.scenes.faults import Path, written
+from ecume.scenes.load import SCENES, below, item_unit, name_liquid
+from ecume.units import Unit, factor, with_prefix
+
+Remark = tuple[str, str, str]
+"""The key, its value with unit, and what is odd about it."""
+
+
+class Range(NamedTuple):
+    """The values that some keys usually have, in SI units."""
+
+    keys: str
+    """a pattern for model and path, `floating liquid.density`"""
+    usual: tuple[float, float]
+    """of plain numbers"""
+    possible: tuple[float, float]
+    """of numbers with a unit"""
+    units: tuple[str, ...]
+    """those that a plain number may be meant in, the likeliest first"""
+    reference: tuple[float, str] = (0.0, "")
+    """a well-known value, and whose it is"""
+
+
+LENGTHS = ("mm", "um", "cm", "nm")
+WATER_DENSITY, AIR_DENSITY = (998.0, "that of water"), (1.2, "that of air")
+TENSION = (0.0728, "that of water")
+THIN = 1e-4
+"""Viscosity (Pa s) below which a carrier is a gas."""
+GAS = Range("", (0.02, 200.0), (1e-4, 1e3), ("g/cm^3", "g/m^3"), AIR_DENSITY)
+
+RANGES = (
+    Range(r"\w+ liquid\.surface_tension", (5e-4, 0.6), (1e-8, 3.0), ("mN/m",), TENSION),
+    Range(r"\w+ .*surface_energies\.\w+", (1e-5, 5.0), (1e-8, 20.0), ("mN/m",), TENSION),
+    Range(r"\w+ liquid\.density", (500.0, 2e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
+    Range(r"\w+ liquid\.gas_density", GAS.usual, GAS.possible, GAS.units, AIR_DENSITY),
+    Range(r"\w+ .*(density|densities)", (20.0, 2.5e4), (0.05, 2.5e4), ("g/cm^3", "g/m^3"), WATER_DENSITY),
+    Range(r"tracers liquid\.viscosity", (3e-6, 1.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
+    Range(r"\w+ liquid\.viscosity", (1e-5, 1.0), (1e-7, 1e12), ("mPa*s", "uPa*s"), (1e-3, "that of water")),
+    Range(r"\w+ liquid\.temperature", (150.0, 3000.0), (1.0, 1e4), ("degC",)),
+    Range(r"\w+ liquid\.sound_speed", (1e-3, 5e3), (1e-6, 2e4), ("cm/s", "mm/s"), (1482.0, "that of water")),
+    Range(r"\w+ gravity", (0.1, 50.0), (1e-6, 1e5), ("cm/s^2", "mm/s^2"), (9.81, "that of the Earth")),
+    Range(
+        r"\w+ liquid\.atmospheric_pressure", (2e4, 1e7), (1.0, 1e9), ("kPa", "bar", "hPa"), (101325.0, "that of air"),
+    ),
+    Range(r"soft films\.cavitation_pressure", (500.0, 1e8), (1e-3, 1e10), ("kPa", "bar", "MPa")),
+    Range(r"soft .*modulus", (100.0, 2e12), (1e-3, 2e12), ("kPa", "MPa", "GPa")),
+    Range(r"soft .*(debye_length|steric_length)", (1e-10, 1e-4), (1e-11, 1.0), ("nm", "um")),
+    Range(r"soft .*hamaker_constant", (1e-22, 1e-17), (1e-24, 1e-10), ("zJ",)),
+    Range(r"soft .*(strength|critical_load|force)", (1e-15, 1.0), (1e-18, 1e6), ("uN", "mN", "nN")),
+    Range(r"soft .*(pressure|stress|amplitude)", (1e-9, 1e8), (1e-12, 1e11), ("kPa", "Pa")),
+    Range(r"floating (waves|activity)\..*(force|propulsion)", (1e-15, 1e-2), (1e-18, 10.0), ("uN", "mN", "nN")),
+    Range(r"floating activity\.torque", (1e-20, 1e-5), (1e-24, 1.0), ("nN*m", "uN*m")),
+    Range(r"floating magnetic_field\.(constant|amplitude)", (1e-9, 10.0), (1e-12, 100.0), ("mT", "uT")),
+    Range(r"floating .*magnetic_moment", (1e-15, 1.0), (1e-20, 1e3), ("mA*m^2", "uA*m^2")),
+    Range(r"\w+ .*(roughness|undulation|minimum_gap)", (1e-10, 0.01), (1e-11, 1.0), ("um", "nm", "mm")),
+    Range(r"(floating|tracers|soft) (particles|rows)\.radius", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
+    Range(r"sph passive_tracers\.radius", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
+    Range(r"floating .*\.(thickness|width)", (1e-8, 0.1), (1e-9, 10.0), LENGTHS),
+    Range(
+        r"floating (dish|particles|rows)\..*(radius|size|spacing|positions|center|[xy])", (1e-9, 1.0), (1e-9, 50.0),
+        ("cm", "mm", "um"),
+    ),
+    Range(r"(soft|tracers) (particles|films)\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
+    Range(
+        r"(sph|tracers|soft) (tank|fluid|obstacles|bodies|gauges|spacing|cell|openings|walls|passive_tracers)\b.*",
+        (1e-9, 30.0), (1e-9, 1e3), ("mm", "cm", "um"),
+    ),
+    Range(r"\w+ .*", (1e-12, 1e3), (1e-12, 1e4), LENGTHS),
+)  # fmt: skip
+"""A key has the first range whose pattern fits it and that is of its dimension."""
+
+SPEEDS = Range("", (1e-12, 100.0), (1e-12, 3e3), ("mm/s", "cm/s", "um/s"))
+ANGLES = Range("", (0.0, 2.0 * math.pi), (0.0, 1e3), ("deg",))
+TIMES = Range("", (1e-12, 1e6), (1e-15, 1e10), ("ms", "us"))
+ACCELERATIONS = Range("", (1e-12, 500.0), (1e-12, 1e5), ("cm/s^2", "mm/s^2"), (9.81, "the gravity of the Earth"))
+OF_UNITS = {"m/s": SPEEDS, "rad": ANGLES, "s": TIMES, "m/s^2": ACCELERATIONS}
+"""What keys of a unit have that have no row of their own."""
+
+
+def range_of(model: str, path: Path, unit: str) -> Range | None:
+    """The usual values of a key."""
+    name = f"{model} {'.'.join(key for key in path if isinstance(key, str))}"
+    for row in RANGES:
+        if re.fullmatch(row.keys, name) and _same_dimension(row.units[0], unit):
+            return row
+    return OF_UNITS.get(unit)
+
+
+def _same_dimension(one: str, unit: str) -> bool:
+    if one == "degC" or unit == "K":
+        return (one, unit) == ("degC", "K")
+    try:
+        return factor(one, unit) > 0.0
+    except ValueError:
+        return False
+
+
+def remarks(raw: Mapping[str, Any]) -> list[Remark]:
+    """The odd values of a scene file's plain data, in its order; of a list the largest number counts."""
+    plain = dict(raw)
+    name_liquid(plain)
+    model = str(plain.get("model"))
+    return list(_below(model, plain, SCENES[model], ())) if model in SCENES else []
+
+
+def _below(model: str, value: Any, kind: Any, path: Path, unit: str = "") -> Iterator[Remark]:
+    unit = item_unit(kind) or unit
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            if not _is_proportion(value, key):
+                gas = model == "tracers" and path == ("liquid",) and key == "density" and _is_gas(value)
+                yield from _below("gas" if gas else model, item, below(kind, key), (*path, key))
+    elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+        for index, item in enumerate(value):
+            yield from _below(model, item, below(kind, index), (*path, index))
+    elif unit not in ("", "1") and (found := _largest(value, unit)) is not None:
+        row = GAS if model == "gas" else range_of(model, path, unit)
+        message = "" if row is None else _oddity(row, found, unit)
+        if message:
+            yield written(path), f"{found.value:.6g} {unit}", message
+
+
+def _is_proportion(table: Mapping[str, Any], key: str) -> bool:
+    """Whether a length is one of proportions only, which a coverage or volume fraction scales."""
+    return key == "size" and ("volume_fraction" in table or "coverage" in table)
+
+
+def _is_gas(liquid: Mapping[str, Any]) -> bool:
+    """Whether a carrier of tracers is as thin as gases are."""
+    found = _largest(liquid.get("viscosity"), "Pa*s")
+    return found is not None and found.value < THIN
+
+
+class Given(NamedTuple):
+    """A number in SI units, and whether its unit was written."""
+
+    value: float
+    stated: bool
+
+
+def _largest(value: Any, unit: str) -> Given | None:
+    """The number of a key, of a list the largest one; plain ones come before those with units. None without any."""
+    if isinstance(value, (list, tuple)):
+        found = [one for item in value if (one := _largest(item, unit)) is not None]
+        return max(found, key=lambda one: (not one.stated, abs(one.value)), default=None)
+    try:
+        return Given(Unit(unit).number(value), isinstance(value, str))
+    except ValueError:  # a name in place of a number, such as a closure's
+        return None
+
+
+def _oddity(row: Range, found: Given, unit: str) -> str:
+    """What is odd about a number, and the unit that it may be meant in; empty for a usual one."""
+    low, high = row.possible if found.stated else row.usual
+    size = abs(found.value)
+    if low <= size <= high or (size == 0.0 and unit != "K"):
+        return ""
+    known, whose = row.reference
+    if known:
+        text = f"{_round(size / known)} times {whose}"
+    elif unit == "K":
+        text = f"{found.value - 273.15:.4g} degrees Celsius"
+    else:
+        text = f"more than {with_prefix(high, unit)}" if size > high else f"less than {with_prefix(low, unit)}"
+    meant = next((one for one in row.units if low <= abs(_in_si(size, one, unit)) <= high), "")
+    plain = "plain numbers are in SI units" if not found.stated else "unusual for matter"
+    question = f"{found.value:g} {meant}?" if meant and not found.stated else "is the unit right?"
+    return f"{text}; {plain}: {question}"
+
+
+def _in_si(number: float, one: str, unit: str) -> float:
+    return Unit(unit).number(f"{number!r} {one}")
+
+
+def _round(ratio: float) -> str:
+    """One or two digits: 600, 0.0003.
+
+    >>> _round(618.1), _round(2.63), _round(0.00030060)
+    ('600', '2.6', '0.0003')
+    """
+    digits = 1 if ratio >= 10.0 or ratio < 0.1 else 2
+    return f"{float(f'{ratio:.{digits}g}'):.12g}"
