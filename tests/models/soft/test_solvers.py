@@ -64,11 +64,17 @@ def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_afte
     assert choices(parameters, scratch.kept, state.effort) == ("iterative",)
 
 
-def test_few_spheres_are_eliminated_and_a_solver_that_is_named_is_the_only_one():
-    for scene, wanted in ((packing(count=12), "dense"), (solved_by(packing(count=40), "iterative"), "iterative")):
+def test_few_spheres_are_eliminated_and_a_solver_that_is_named_is_the_first_one():
+    named = solved_by(packing(count=40), "iterative")
+    for scene, failed, wanted in (
+        (packing(count=12), 9, ("dense",)),
+        (named, 0, ("iterative",)),
+        (named, linear_solvers.PATIENCE, ("iterative", "direct")),
+        (solved_by(packing(count=40), "direct"), 9, ("direct",)),
+    ):
         parameters, state, scratch = begun(scene)
-        state.effort[:] = 2000, 0, 9
-        assert choices(parameters, scratch.kept, state.effort) == (wanted,)
+        state.effort[:] = 2000, 0, failed
+        assert choices(parameters, scratch.kept, state.effort) == wanted
 
 
 def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):

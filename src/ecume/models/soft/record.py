@@ -19,6 +19,8 @@ from ecume.models.soft.integration import dirk_schemes
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import interval_at, rules_at
+from ecume.models.soft.report.balance_report import remedies, unborne
 from ecume.models.soft.report.check_report import advice, bytes_of
 from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, deflections, observe, remedy, worst_contact
 from ecume.models.soft.setup import parameters_of, start
@@ -55,11 +57,16 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
     report = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
     found = deflections(parameters, state)
+    rules = rules_at(parameters.protocol, interval_at(parameters.protocol, float(state.pace[CLOCK])))
+    if not broken and (cause := unborne(parameters, state, rules)):
+        return f"{when} no step is short enough; {cause}"
     if broken or not np.isfinite(found.magnitude).all():
         cure = "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
     else:
         report = "; ".join(filter(None, (report, worst_contact(found))))
         cure = remedy(found, parameters.contacts)
+    if any(rules) and not parameters.drag.any():
+        cure += f"; a packing too loose for its stress: {remedies(parameters)}"
     return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {report}: {cure}"
 
 

@@ -26,9 +26,10 @@ from ecume.models.soft.contacts.connected_pieces import UNBALANCED, loose_sphere
 from ecume.models.soft.contacts.contact_list import neighbors, open_all, wall_gaps
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
+from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
-from ecume.models.soft.protocol import LOAD, SCALE, Protocol, drive_at, protocol_of, rules_at
+from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, drive_at, protocol_of, rules_at
+from ecume.models.soft.report.balance_report import floppy, unbalanced, unborne, unmet_wall
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
@@ -293,6 +294,8 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     if not parameters.drag.any():
         require_hold(parameters, state)
         require_no_torque(parameters, state)
+    if cause := unmet_wall(parameters, state):
+        raise SceneError([Fault("walls", cause)])
     if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)) or len(parameters.walls.free):
         _balance(parameters, state)
     return state
@@ -314,14 +317,28 @@ def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> flo
 
 
 def _balance(parameters: Parameters, state: State) -> None:
+    """Balance the first state. Raises SceneError with the reason where there is no balance."""
     drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
-    scratch = workspace(parameters, state, 1.0)
-    span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
-    if not balance(parameters, scratch, (drive, drive, rules), state.effort, span):
-        message = "the surfaces cannot balance these forces or stresses; reduce them"
-        raise SceneError([Fault("protocol" if any(rules) else "particles", message)])
+    at, scratch = (drive, drive, rules), workspace(parameters, state, 1.0)
+    path = "protocol" if any(rules) else "particles"
+    if cause := unborne(parameters, state, rules) or floppy(parameters, state, scratch, at[1:]):
+        raise SceneError([Fault(path, cause)])
+    if not balance(parameters, scratch, at, state.effort):
+        raise SceneError([Fault(*_without_balance(parameters, state, at, path))])
     accept(scratch.step)
     store(parameters, state, scratch.step)
+
+
+def _without_balance(
+    parameters: Parameters, state: State, at: tuple[Drive, Drive, Rules], path: str
+) -> tuple[str, str]:
+    """The key to change, and why: its solver where another one finds a balance, or the physical reason."""
+    if parameters.solver != "auto":
+        usual = parameters._replace(solver="auto")
+        if balance(usual, workspace(usual, state, 1.0), at, state.effort.copy()):
+            cause = f"{parameters.solver} found no balance of forces where auto finds one"
+            return "integration.solver", f'{cause}; expected "auto"'
+    return path, unbalanced(parameters, at[2])
 
 
 def _planes(scene: SoftScene) -> Planes:

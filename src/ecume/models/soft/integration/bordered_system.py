@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import dots, solve
-from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal, unknowns
+from ecume.models.soft.cell import Cell, Goal, flow, gradient_of, stress_goal, unknowns
 from ecume.models.soft.contacts.contact import ROUNDING, Vector
 from ecume.models.soft.contacts.films import Answers, Pairs, center_distance
 from ecume.models.soft.contacts.rotation import cross
@@ -45,6 +45,17 @@ class Web(NamedTuple):
     pairs: Pairs
     answers: Answers
     position: Array
+
+
+class Dragged(NamedTuple):
+    """The spheres on which the liquid drags, while the box carries it along."""
+
+    position: Array
+    drag: Array
+    """(N,) N s/m"""
+    spin_drag: Array
+    """(N,) N s/m at the equator"""
+    radius: Array
 
 
 def make_borders(count: int, width: int, most: int) -> Borders:
@@ -129,6 +140,27 @@ def fill_border(cell: Cell, web: Web, goal: Goal, borders: Borders, unknown: int
             add_spins(web, c, (across, along), (column, rows))
 
 
+@compiled
+def add_drag(cell: Cell, dragged: Dragged, goal: Goal, column: Array, unknown: int) -> None:
+    """Add the drag that an unknown changes: spheres go with its gradient K, and the liquid with the flow A that it
+    changes by dA, so that a force zeta (dA x + A K x - K x)/span is added, and on spins half of the vorticity's torque.
+    """
+    by, along = gradient_of(cell, unknown, goal, False), flow(cell)
+    change = by.copy()
+    change[0, 1] -= along[0, 1] * (by[1, 1] - by[0, 0])
+    position, d = dragged.position, dragged.position.shape[1]
+    for i in range(len(dragged.drag)):
+        if dragged.drag[i] > 0.0:
+            x = (position[i, 0], position[i, 1], position[i, 2] if d == 3 else 0.0)
+            moves = moved(by, x)
+            carried, further = moved(change, x), moved(along, moves)
+            for k in range(d):
+                column[i, k] += dragged.drag[i] / goal.span * (carried[k] + further[k] - moves[k])
+            if column.shape[1] > d:
+                swirl = -0.5 * change[0, 1] * dragged.radius[i]
+                column[i, column.shape[1] - 1] += dragged.spin_drag[i] / goal.span * swirl
+
+
 @compiled_inside
 def add_spins(web: Web, c: int, displaced: tuple[Vector, Vector], to: tuple[Array, Array]) -> None:
     """The torques that an unknown changes, and the work in it of the forces that a spin changes, of one contact."""
@@ -172,10 +204,12 @@ def fill_corner(cell: Cell, web: Web, goal: Goal, corner: Array) -> None:
 
 
 @compiled
-def border(cell: Cell, web: Web, goal: Goal, borders: Borders) -> None:
+def border(cell: Cell, web: Web, dragged: Dragged, goal: Goal, borders: Borders) -> None:
     """All borders of a system whose box answers to stresses."""
     for unknown in range(unknowns(cell)):
         fill_border(cell, web, goal, borders, unknown)
+        if goal.span > 0.0:
+            add_drag(cell, dragged, goal, borders.right[1 + unknown], unknown)
     fill_corner(cell, web, goal, borders.corner)
 
 

@@ -22,8 +22,6 @@ FINE_SPUN = 1e-10
 """The same with spinning spheres: in 3D only loads resist a spin about the line of a contact, so that its rounding
 error is larger.
 """
-AT_ONCE = 1e-9
-"""Of a step: the time in which the liquid is to hold spheres where they are."""
 FEW = 72
 """Unknowns up to which elimination is the fastest."""
 AGAIN = 10
@@ -44,11 +42,12 @@ def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, 
     Gradients break down where the matrix is not positive: mostly since the step is too long. Where shorter ones break
     down, too, a factorization stands in until they go through again.
     """
-    if parameters.solver != "auto":
+    if parameters.solver not in ("auto", "iterative"):
         return (parameters.solver,)
-    if parameters.force.size <= FEW:
+    if parameters.solver == "auto" and parameters.force.size <= FEW:
         return ("dense",)
-    if effort[WITHOUT] < AGAIN and solvers.does_less(kept, int(effort[ITERATIONS])):
+    fewer = effort[WITHOUT] < AGAIN and solvers.does_less(kept, int(effort[ITERATIONS]))
+    if parameters.solver == "auto" and fewer:
         return ("direct", "iterative")
     return ("iterative", "direct") if effort[BROKEN] >= PATIENCE and solvers.pays(kept) else ("iterative",)
 
@@ -80,22 +79,22 @@ def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: R
     return error
 
 
-def balance(
-    parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, Rules], effort: Integers, span: float = 0.0
-) -> bool:
+def balance(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, Rules], effort: Integers) -> bool:
     """Move spheres and box to where forces and stresses balance while the gaps stay as they are; whether there is such
     a place. `at` is what was imposed, what is, and what answers to a stress.
 
-    Spheres on which the liquid drags are held by it: a `span` of time that is next to none.
+    Spheres on which the liquid drags are held by it, and go with the box.
     """
     (origin, drive, rules), step, kept = at, scratch.step, scratch.kept
     step.cell.rules[:] = rules
     fine = FINE_SPUN if parameters.torque.shape[1] else FINE
-    during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme].tableau
+    during, scheme = During(0.0, np.array([origin, drive]), fine), SCHEMES[parameters.scheme].tableau
     names = choices(parameters, kept, effort)
-    if names == ("iterative",) and parameters.solver == "auto" and solvers.pays(kept):
+    if names == ("iterative",) and solvers.pays(kept):
         names = ("iterative", "direct")
-    ways = (way(parameters, kept, rules, name) for name in names)
+    ways = [way(parameters, kept, rules, name) for name in names]
+    if parameters.drag.any():
+        ways = [partial(dirk.many, newton.newton_held)]
     return any(one(parameters.contacts, step, scheme, during, dirk.BALANCE) != dirk.FAILED for one in ways)
 
 

@@ -14,7 +14,17 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly, prange, shared
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern
-from ecume.models.soft.cell import Goal, carry_along, deform, flow, impose, largest_strain, place_images, unknowns
+from ecume.models.soft.cell import (
+    Goal,
+    carry_along,
+    deform,
+    flow,
+    gradient_of,
+    impose,
+    largest_strain,
+    place_images,
+    unknowns,
+)
 from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import Answers, Films, Pairs, answer, center_distance
 from ecume.models.soft.contacts.rotation import (
@@ -37,6 +47,7 @@ from ecume.models.soft.contacts.walls import (
     shift_at_walls,
 )
 from ecume.models.soft.integration.bordered_system import (
+    Dragged,
     Web,
     border,
     border_walls,
@@ -255,20 +266,31 @@ def plain(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
 
 def bordered(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step with what all spheres share."""
-    boxed, walls = unknowns(step.cell), all_walls(step.walls)
-    if boxed:
-        border(step.cell, web_of(step), goal, step.borders)
-    else:
-        border_walls(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, step.bodies.position.shape[1])
-    count = boxed or len(walls.places.free)
+    count = fill_borders(step, goal)
     found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], loose)
-    answer = close(step.borders, count) if found else None
+    return found and closed(step, goal, count)
+
+
+def fill_borders(step: Step, goal: Goal) -> int:
+    """The borders of the system, by the box or by walls; how many there are."""
+    walls, bodies, spins = all_walls(step.walls), step.bodies, step.spins
+    if count := unknowns(step.cell):
+        dragged = Dragged(bodies.position, bodies.drag, spins.drag, spins.radius)
+        border(step.cell, web_of(step), dragged, goal, step.borders)
+        return int(count)
+    border_walls(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, bodies.position.shape[1])
+    return len(walls.places.free)
+
+
+def closed(step: Step, goal: Goal, count: int) -> bool:
+    """Change what all spheres share, and the spheres with it; whether there is such a change."""
+    answer = close(step.borders, count)
     if answer is None:
         return False
-    if boxed:
+    if unknowns(step.cell):
         change_box(step.cell, goal, answer)
     else:
-        change_walls(walls, answer)
+        change_walls(all_walls(step.walls), answer)
     return True
 
 
@@ -348,6 +370,30 @@ def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: Goal) -> boo
 def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: Goal) -> bool:
     """A stage whose box answers to stresses, or whose walls yield to forces."""
     return plainly(newton_with)(partial(bordered, solve), unmet, contacts, step, goal)
+
+
+def newton_held(contacts: Contacts, step: Step, goal: Goal) -> bool:
+    """Balance at once what all spheres share, while the liquid holds each sphere where it carries it: in no time none
+    goes through it, and its spin is half of the vorticity. What is left on a sphere drives it from then on.
+    """
+    enter(step, goal)
+    bodies, spins, change, last = step.bodies, step.spins, step.borders.change, math.inf
+    spins.turn[:, -1:] -= 0.5 * flow(step.cell)[0, 1] * spins.radius[:, None]
+    turn_pairs(step.pairs, spins)
+    for _ in range(MOST_ITERATIONS):
+        answer(contacts, step.pairs, step.films, bodies.position, 0.0, step.answers)
+        answer_walls(step.walls, contacts, bodies.position, spins.turn, 0.0)
+        count, change[:] = fill_borders(step, goal), 0.0
+        if count == 0 or (last <= goal.fine and unmet(step, goal) <= BALANCE):
+            bodies.right[:] = 0.0
+            return True
+        for unknown in range(unknowns(step.cell) * (spins.turn.shape[1] > 0)):
+            swirl = -0.5 * gradient_of(step.cell, unknown, goal, False)[0, 1]
+            change[1 + unknown, :, -1] = swirl * spins.radius
+        if not closed(step, goal, count):
+            return False
+        last = move(step, goal)
+    return False
 
 
 # --- One of Newton's changes, put in: box, spheres, walls and contacts move by as much of it as can be believed

@@ -14,7 +14,7 @@ from ecume.models.soft.contacts.walls import Walls, all_walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
-from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balance, begin
+from ecume.models.soft.integration.linear_solvers import attempt, balance, begin
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, next_stop, rules_at
 from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, released
@@ -42,8 +42,10 @@ AFTER_FAILURE = 0.25
 LEAST_ERROR = 1e-8
 MOST_TRIES = 60
 """A step that is not good after so many, each shorter than the last, is given up, and with it the run."""
-LEAST_PER_CYCLE = 20
-"""Steps in a cycle of what oscillates."""
+LEAST_PER_CYCLE, COARSE = 20, 1e-3
+"""Steps in a cycle of what oscillates, at this tolerance or a larger one: a sine is to be as accurate as gaps are."""
+AFTER_JUMP = 1e-6
+"""Of the time between frames: the first step after a jump, whose relaxation the steps before say nothing of."""
 NARROW = 0.5
 """Of the reach of films: a gap below it that had no film before was come upon in too long a step."""
 NEARLY = 1e-9
@@ -93,10 +95,9 @@ def settle(parameters: Parameters, state: State) -> None:
     scratch, now = workspace(parameters, state, 1.0), float(state.pace[CLOCK])
     interval = interval_at(parameters.protocol, now)
     drive = drive_at(parameters.protocol, now, interval)
-    span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
     begin(parameters, scratch.step, drive)
     before = elastic_energy(parameters.contacts, scratch.step)
-    if not balance(parameters, scratch, (drive, drive, rules_at(parameters.protocol, interval)), state.effort, span):
+    if not balance(parameters, scratch, (drive, drive, rules_at(parameters.protocol, interval)), state.effort):
         return
     accept(scratch.step)
     store(parameters, state, scratch.step)
@@ -184,16 +185,16 @@ def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     protocol, now = parameters.protocol, float(state.pace[CLOCK])
     interval = interval_at(protocol, now)
     origin, drive = drive_at(protocol, now, interval - 1), drive_at(protocol, now, interval)
-    dragged = bool(parameters.drag.any())
-    span = AT_ONCE * float(state.pace[LENGTH]) if dragged else 0.0
     at = (origin, drive, rules_at(protocol, interval))
     before = elastic_energy(parameters.contacts, scratch.step)
-    if not balance(parameters, scratch, at, state.effort, span):
+    if not balance(parameters, scratch, at, state.effort):
         return False
     accept(scratch.step)
     store(parameters, state, scratch.step)
     if len(state.budget):
         state.budget[INJECTED] += elastic_energy(parameters.contacts, scratch.step) - before
+    first = AFTER_JUMP * parameters.time_step * parameters.steps_per_frame
+    state.pace[LENGTH], state.pace[PAST_ERROR] = min(first, float(state.pace[LENGTH])), 0.0
     return True
 
 
@@ -243,7 +244,13 @@ def _tick(parameters: Parameters, before: int, time: float) -> int:
 def _longest(parameters: Parameters, now: float) -> float:
     """A part of a cycle, where something oscillates: films say nothing of what is to come."""
     pace = float(parameters.protocol.waves[interval_at(parameters.protocol, now), 2])
-    return math.tau / pace / LEAST_PER_CYCLE if pace > 0.0 else math.inf
+    return math.tau / pace / steps_per_cycle(parameters) if pace > 0.0 else math.inf
+
+
+def steps_per_cycle(parameters: Parameters) -> float:
+    """The least steps in a cycle: as the tolerance to the power -1/(p + 1), for an error of order p + 1 in a step."""
+    order = SCHEMES[parameters.scheme].tableau.order
+    return float(LEAST_PER_CYCLE * max(COARSE / parameters.tolerance, 1.0) ** (1.0 / (order + 1.0)))
 
 
 def _next(parameters: Parameters, state: State) -> tuple[float, float]:

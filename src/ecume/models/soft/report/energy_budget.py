@@ -17,7 +17,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
 from ecume.laws.surfaces import Body
-from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, unknowns
+from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, flow, unknowns
 from ecume.models.soft.contacts.contact import (
     Elastic,
     Vector,
@@ -92,7 +92,8 @@ def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, st
     for k in range(4):
         line[k] += walls[k]
     line[ANSWERED] += walls[4]
-    add_bodies((step.bodies, step.spins), step.cell.slope[stage], stage, line)
+    span = scheme.diagonal * during.length
+    add_bodies((step.bodies, step.spins), carried(step.cell, stage, span), stage, line)
     if stage == len(scheme.times) - 1:
         add_up(budget.lines, scheme, during.length, during.drives)
 
@@ -186,8 +187,22 @@ def box_rates(cell: Cell, stage: int) -> Array:
 
 
 @compiled
-def add_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Array) -> None:
-    """The rest of a stage's line: drag, and the way of what pulls and turns; `slope` is the box's."""
+def carried(cell: Cell, stage: int, span: float) -> Array:
+    """The velocity gradient of the liquid that a stage's drag goes by (1/s): the flow since its start, over its span.
+    That of a strain that is imposed as a sine differs from its rate at the stage.
+    """
+    if stage > 0:
+        return flow(cell) / span
+    gradient = np.zeros((3, 3))
+    for k in range(3):
+        gradient[k, k] = cell.slope[0, WIDTH + k]
+    gradient[0, 1] = cell.slope[0, STRAIN]
+    return gradient
+
+
+@compiled
+def add_bodies(crowd: tuple[Bodies, Spins], along: Array, stage: int, line: Array) -> None:
+    """The rest of a stage's line: drag, and the way of what pulls and turns; the liquid goes by a gradient."""
     bodies, spins = crowd
     position, moved, force, weight, drag = bodies.position, bodies.moved, bodies.force, bodies.weight, bodies.drag
     for i in range(len(drag)):
@@ -195,12 +210,12 @@ def add_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Arra
             line[BY_LOAD] += force[i, k] * moved[i, k]
             line[BY_WEIGHT] += weight[i, k] * moved[i, k]
             if drag[i] > 0.0:
-                along = slope[WIDTH + k] * position[i, k] + (slope[STRAIN] * position[i, 1] if k == 0 else 0.0)
-                add_drag(line, drag[i], bodies.slope[stage, i, k], along)
+                liquid = along[k, k] * position[i, k] + (along[0, 1] * position[i, 1] if k == 0 else 0.0)
+                add_drag(line, drag[i], bodies.slope[stage, i, k], liquid)
         for k in range(spins.turn.shape[1]):
             line[BY_LOAD] += spins.torque[i, k] * spins.turn[i, k]
             if spins.drag[i] > 0.0:
-                swirl = -0.5 * slope[STRAIN] * spins.radius[i] if k == spins.turn.shape[1] - 1 else 0.0
+                swirl = -0.5 * along[0, 1] * spins.radius[i] if k == spins.turn.shape[1] - 1 else 0.0
                 add_drag(line, spins.drag[i], spins.slope[stage, i, k], swirl)
 
 

@@ -1,0 +1,141 @@
+"""Why forces or stresses find no balance: films that do not reach across the cell, a network that yields without
+resistance, or too large a force.
+
+Films that lead from a sphere to its own periodic image wind around the cell. Only what winds around it along y resists
+a normal stress or a shear stress there; a network that winds may still be floppy, if its spheres can move or roll with
+no film deflected. Both are tested at the first state, where deflections are zero and only the network counts.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.models.soft.cell import WIDTH, Goal
+from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.integration.newton import fill_borders, resist
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import Drive, Rules
+from ecume.models.soft.report.observation import SIDE_NAMES
+from ecume.models.soft.state import State, Workspace
+from ecume.units import Array, with_prefix
+
+HELD = 1e-9
+"""Of the mean stiffness: what is added to each unknown, so that a floppy network has a small resistance, not none."""
+FLOPPY = 1e-6
+"""Of the resistance to an affine deformation: below it, only what was added resists."""
+MOST = 6000
+"""Unknowns of a network that is tested."""
+
+
+def windings(state: State) -> Integers:
+    """How many boxes along each axis the closed loops of films lead, (L, d): a row for each loop that is not closed in
+    the box itself.
+    """
+    count, contacts = len(state.position), int(state.contacts[0])
+    ties: list[list[tuple[int, Integers]]] = [[] for _ in range(count)]
+    for (i, j), image in zip(state.pair[:contacts].tolist(), state.image[:contacts], strict=True):
+        ties[i].append((j, image))
+        ties[j].append((i, -image))
+    box: list[Integers | None] = [None] * count
+    found: list[Integers] = []
+    for first in range(count):
+        if box[first] is not None:
+            continue
+        box[first], waiting = np.zeros(state.image.shape[1], np.int64), deque([first])
+        while waiting:
+            i = waiting.popleft()
+            for j, image in ties[i]:
+                there = box[i] + image  # type: ignore[operator]
+                if (known := box[j]) is None:
+                    box[j] = there
+                    waiting.append(j)
+                elif (there != known).any():
+                    found.append(there - known)
+    rows: Integers = np.unique(np.array(found, np.int64).reshape(-1, state.image.shape[1]), axis=0)
+    return rows
+
+
+def unjoined(parameters: Parameters, state: State, rules: Rules) -> str:
+    """The stress across the cell that no films bear, since none wind around it there; empty where all are borne.
+
+    With drag, the liquid carries what films do not.
+    """
+    if parameters.drag.any() or not any(rules):
+        return ""
+    around = windings(state)
+    along = [bool(around[:, axis].any()) for axis in range(around.shape[1])]
+    if rules.strain and not along[1]:
+        return "shear stress"
+    pressed = [along[axis] for axis in range(len(along)) if rules[WIDTH + axis]]
+    return ("pressure" if rules.width else "normal stress") if pressed and not any(pressed) else ""
+
+
+def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
+    """A sentence on a network whose spheres can move without a deflection where the box answers to its stresses; empty
+    where it resists them: what resists after the spheres have moved, over the resistance to an affine deformation. Too
+    many spheres are not tested.
+    """
+    step, (drive, rules) = scratch.step, at
+    if parameters.drag.any() or not any(rules) or step.bodies.right.size > MOST:
+        return ""
+    drive = drive._replace(shear_stress=0.0, normal_stress=0.0)
+    begin(parameters, step, drive)
+    step.cell.rules[:] = rules
+    resist(step, 0.0)
+    count = fill_borders(step, Goal(drive, drive, 0.0, 0.0))
+    columns = step.borders.right[1 : 1 + count].reshape(count, -1)
+    rows, corner = step.borders.rows[:count].reshape(count, -1), step.borders.corner[:count, :count]
+    left = np.array(corner + rows @ _softened(scratch, columns).T)
+    if np.abs(np.linalg.eigvals(np.linalg.solve(corner, left))).min() >= FLOPPY:
+        return ""
+    how = "move past each other or roll" if parameters.torque.shape[1] else "move past each other"
+    return f"the films bear no stress, however small: spheres {how} with no film deflected; {remedies(parameters)}"
+
+
+def _softened(scratch: Workspace, columns: Array) -> Array:
+    """What the spheres answer to the columns, a little held each."""
+    from scipy.sparse import bsr_array, eye_array
+    from scipy.sparse.linalg import spsolve
+
+    matrix = scratch.step.matrix
+    pattern, blocks = matrix.pattern, matrix.blocks
+    whole = bsr_array((blocks, pattern.column, pattern.start)).tocsc()
+    held = whole + HELD * float(np.abs(whole.diagonal()).mean()) * eye_array(whole.shape[0])
+    width, bodies = blocks.shape[1], (-1, len(pattern.order), blocks.shape[1])
+    ordered = columns.reshape(bodies)[:, pattern.order].reshape(len(columns), -1)
+    found = np.array([spsolve(held.tocsc(), column) for column in ordered])
+    return np.asarray(found.reshape(bodies)[:, pattern.rank].reshape(len(columns), width * len(pattern.order)))
+
+
+def remedies(parameters: Parameters) -> str:
+    """What lets a loose packing bear a stress."""
+    reach = with_prefix(parameters.contacts.fade_from, "m", 3)
+    return f"set hydrodynamics.drag = 'stokes', a larger films.cutoff (now {reach}) or a larger cell.volume_fraction"
+
+
+def unborne(parameters: Parameters, state: State, rules: Rules) -> str:
+    """A sentence on a stress that no films bear, with what helps; empty where films wind around the cell."""
+    stress = unjoined(parameters, state, rules)
+    where = "around the cell" if stress == "pressure" else "around the cell from bottom to top"
+    return f"no films lead {where}, so that nothing bears any {stress}; {remedies(parameters)}" if stress else ""
+
+
+def unbalanced(parameters: Parameters, rules: Rules) -> str:
+    """Why there is no balance where the network resists: a sentence with what helps."""
+    if not any(rules):
+        return "the surfaces cannot balance forces as large as these; reduce them"
+    cause = "the films bear a stress across the cell, but not as large a one; reduce it, have it grow from zero"
+    return cause if parameters.drag.any() else f"{cause}, or {remedies(parameters)}"
+
+
+def unmet_wall(parameters: Parameters, state: State) -> str:
+    """A sentence on a wall that a stress pushes or pulls, and that no film holds; empty where all are held."""
+    for wall, axis in parameters.walls.free:
+        if not state.touching[:, wall].any() and parameters.walls.force[wall, axis] != 0.0:
+            inward = parameters.walls.surfaces.place[wall]
+            name = SIDE_NAMES[int(np.flatnonzero(inward)[0]), -float(inward.sum())]
+            return f"no film holds the {name} wall against its stress; move it to the spheres with walls.position"
+    return ""
