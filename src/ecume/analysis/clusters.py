@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ecume.analysis.boxes import box_of
-from ecume.analysis.series import BLOCKS, Mean
+from ecume.analysis.series import BLOCKS, Mean, inside
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Lengths, Number
@@ -29,7 +29,7 @@ class Clusters(NamedTuple):
     """The assignment of floats to clusters; a float that touches no other is a cluster of one."""
 
     labels: Integers
-    """The cluster of each float, numbered from 0."""
+    """The cluster of each float, numbered from 0; -1 for a particle that has left."""
     sizes: Integers
     """The number of floats in each cluster."""
 
@@ -77,8 +77,12 @@ def touching_clusters(frame: Frame, *, tolerance: float = TOLERANCE, period: Seq
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     if period is None and (box := box_of(frame)) is not None and box.strain == 0.0:
         period = box.sides.tolist()
-    pairs = touching_pairs(position, radius, tolerance=tolerance, period=period)
-    return components(pairs, len(position))
+    there = inside(frame)
+    pairs = touching_pairs(position[there], radius[there], tolerance=tolerance, period=period)
+    found = components(pairs, int(there.sum()))
+    labels = np.full(len(position), -1, np.int64)
+    labels[there] = found.labels
+    return found._replace(labels=labels)
 
 
 def components(pairs: Integers, count: int) -> Clusters:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import warnings
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ecume.analysis.boxes import box_of, nearest
 from ecume.errors import BadInput
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Array
+
+Flags = NDArray[np.bool_]
 
 
 def times(frames: Iterable[Frame]) -> Array:
@@ -40,19 +44,76 @@ def number(name: str) -> Callable[[Frame], float]:
     return measure
 
 
-def tracks(frames: Iterable[Frame]) -> Array:
-    """The positions of floats over time: shape (frames, floats, 2), in m.
+FAR = 0.4
+"""Of a side: a particle that seems to move farther between two frames may have gone the other way around."""
 
-    In a periodic box each path continues at the image nearest to the previous position, so that paths do not
-    jump at borders. Frames must be so close in time that no float moves by half a side between them.
+
+class PathWarning(UserWarning):
+    """Paths across periodic borders may be wrong."""
+
+
+def inside(frame: Frame) -> Flags:
+    """(N,) whether each particle is there; those that left through an opening stay in the arrays of a frame."""
+    if "left" in (*frame.arrays, *omitted_from(frame)) and "position" in frame.arrays:
+        return np.asarray(frame.arrays["left"] < 0)
+    return np.ones(len(frame.arrays["position"]), bool)
+
+
+def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None = None) -> Array:
+    """The positions of particles over time: shape (frames, particles, d), in m; NaN before a particle enters and after
+    it leaves. `kept`: the numbers of the frames that are wanted, in ascending order; by default all.
+
+    In a periodic box paths do not jump at borders: frames contain image numbers. In frames of former versions, which
+    have none, each path continues at the image nearest to the previous position; a PathWarning says where particles
+    may move by half a side between frames.
     """
+    frames = frames if isinstance(frames, Sequence) else list(frames)
+    kept = range(len(frames)) if kept is None else kept
+    if not len(frames):
+        return np.zeros((0, 0, 0))
+    named = box_of(frames[0]) is None or "image" in frames[0].arrays
+    unwrapped = [_unwrapped(frames[k]) for k in kept] if named else _followed(frames, set(kept))
+    there = [inside(frames[k]) for k in kept]
+    found = np.full((len(there), max(map(len, unwrapped)), unwrapped[0].shape[1]), np.nan)
+    for row, position, present, k in zip(found, unwrapped, there, kept, strict=True):
+        if len(position) != len(row) and "left" not in frames[k].arrays:
+            counts = f"got {len(position)} particles at {frames[k].time:g} s and {len(row)} at another time"
+            raise BadInput(f"{counts}; expected frames that say which particle is which")
+        row[: len(position)][present] = position[present]
+    return found
+
+
+def _unwrapped(frame: Frame) -> Array:
+    """Positions as if there were no borders (m)."""
+    position, box = frame.arrays["position"], box_of(frame)
+    if box is None or "image" not in frame.arrays:
+        return position
+    return np.asarray(position + frame.arrays["image"] @ box.tilt.T)
+
+
+def _followed(frames: Sequence[Frame], kept: set[int]) -> list[Array]:
+    """The unwrapped positions in the frames that are kept, followed from frame to frame by nearest images."""
     found: list[Array] = []
-    for frame in frames:
-        position, box = frame.arrays["position"], box_of(frame)
-        if found and box is not None:
-            position = found[-1] + nearest(position - found[-1], box)
-        found.append(position)
-    return np.stack(found)
+    last, reached, when = frames[0].arrays["position"], 0.0, 0.0
+    for number, frame in enumerate(frames):
+        box, position = box_of(frame), frame.arrays["position"]
+        if box is not None and number:
+            moved = nearest(position - last, box)
+            far = float(np.max(np.abs(moved) / np.where(box.sides > 0.0, box.sides, np.inf), initial=0.0))
+            last = last + moved
+            reached, when = max((reached, when), (far, frame.time))
+        if number in kept:
+            found.append(last)
+    warn_of_far_moves(reached, when)
+    return found
+
+
+def warn_of_far_moves(reached: float, when: float) -> None:
+    """Warn if paths without image numbers may be wrong; `reached`: the farthest move between frames, over the side."""
+    if reached > FAR:
+        message = f"a particle moves by {reached:.2g} of a side of the periodic box up to {when:.4g} s; paths without "
+        message += "image numbers are right up to half a side from frame to frame: write frames more often"
+        warnings.warn(message, PathWarning, stacklevel=3)
 
 
 class Mean(NamedTuple):

@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from ecume.analysis.boxes import Box, Integers, box_of, copies, nearest
 from ecume.analysis.clusters import Clusters
+from ecume.analysis.series import inside
 from ecume.engine.walls import Walls
 from ecume.engine.walls.surfaces import outline
 from ecume.errors import BadInput
@@ -41,6 +42,7 @@ def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
     pairs = np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0)
     i, j = pairs.T
     near = np.linalg.norm(nearest(position[j] - position[i], box), axis=1) < reach * (radius[i] + radius[j])
+    near &= inside(frame)[pairs].all(axis=1)
     return np.asarray(pairs[near], dtype=np.int64)
 
 
@@ -171,7 +173,8 @@ class Shapes(NamedTuple):
 
 def shapes_of(frame: Frame, clusters: Clusters) -> Shapes:
     """The shapes of a frame's clusters; in a periodic box each one in a piece."""
-    position, labels, sizes = whole(frame, clusters), clusters.labels, np.maximum(clusters.sizes, 1)
+    there = clusters.labels >= 0
+    position, labels, sizes = whole(frame, clusters)[there], clusters.labels[there], np.maximum(clusters.sizes, 1)
     center = np.stack([np.bincount(labels, axis, len(sizes)) for axis in position.T], axis=1) / sizes[:, None]
     x, y = (position - center[labels]).T
     xx, xy, yy = (np.bincount(labels, product, len(sizes)) / sizes for product in (x * x, x * y, y * y))
@@ -226,14 +229,16 @@ def whole(frame: Frame, clusters: Clusters) -> Array:
 
 
 def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
-    """(lags,) m^2: the mean over floats and over all starts of how far they go in so many frames, squared.
+    """(lags,) m^2: the mean over particles and over all starts of how far they go in so many frames, squared; of
+    particles that enter and leave while they are inside, and NaN where none is inside for so long.
 
-    `tracks`: (frames, floats, 2), as `ecume.analysis.series.tracks` makes them.
+    `tracks`: (frames, particles, d), as `ecume.analysis.series.tracks` makes them.
     """
     if any(not 0 <= lag < len(tracks) for lag in lags):
         raise BadInput(f"lags: got {list(lags)}; expected numbers of frames from 0 to {len(tracks) - 1}")
     gone = [tracks[lag:] - tracks[: len(tracks) - lag] for lag in lags]
-    return np.array([np.mean(np.sum(each**2, axis=-1)) for each in gone])
+    square = (np.sum(each**2, axis=-1) for each in gone)
+    return np.array([each[there].mean() if (there := ~np.isnan(each)).any() else np.nan for each in square])
 
 
 def approach(tracks: Array, radius: Array, pair: tuple[int, int], box: Box | None = None) -> Array:
@@ -283,7 +288,7 @@ def near_pairs(frame: Frame, reach: Length, box: Box | None = None) -> Near:
     length = np.linalg.norm(around.position[found[:, 1]] - around.position[found[:, 0]], axis=1)
     pairs = np.sort(around.owner[found], axis=1)
     gap = length - radius[pairs].sum(axis=1)
-    near = (gap < reach) & (pairs[:, 0] != pairs[:, 1])
+    near = (gap < reach) & (pairs[:, 0] != pairs[:, 1]) & inside(frame)[pairs].all(axis=1)
     return _once(pairs[near], gap[near])
 
 
@@ -381,7 +386,7 @@ def volume_fraction(frame: Frame, box: Box | None = None) -> float:
     box = box or box_of(frame)
     if box is None:
         raise BadInput("a volume fraction needs a box; these frames have no box")
-    radius = frame.arrays["radius"]
+    radius = frame.arrays["radius"][inside(frame)]
     flat = frame.arrays["position"].shape[1] == 2
     each = np.pi * radius**2 if flat else 4.0 / 3.0 * np.pi * radius**3
     return float(each.sum()) / box.volume

@@ -56,6 +56,16 @@ def into_box(position: Array, periods: Array) -> Array:
     return np.where((periods[0] > 0.0) & (home >= periods[0]), 0.0, home)
 
 
+def images_in(position: Array, periods: Array) -> Integers:
+    """The image numbers (N, d) of these positions: by how many sides each is away from its image inside the box.
+
+    >>> images_in(np.array([[-0.5, 9.0]]), periods_of([4.0, 0.0])).tolist()
+    [[-1, 0]]
+    """
+    away: Integers = np.rint((position - into_box(position, periods)) * periods[1]).astype(np.int64)
+    return away
+
+
 Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 
 

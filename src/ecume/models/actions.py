@@ -41,6 +41,8 @@ class Access:
     """changed(state, moved): invalidate what follows from velocities, and from positions if particles moved"""
     work: Callable[[Any], Array] = lambda state: np.zeros(0)
     """work(state): a view of the injected work (J), (1,)"""
+    sides: Callable[[Any], Array] = lambda parameters: np.zeros(3)
+    """sides(parameters): (d,) the sides of the periodic box (m), from the origin on; zero along other axes"""
     refusal: str = ""
     """why nothing can be changed"""
 

@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ecume.analysis.boxes import Box, nearest
+from ecume.analysis.series import warn_of_far_moves
+from ecume.engine.cells import into_box, periods_of
 from ecume.errors import BadInput, Stopped
 from ecume.models import MODELS
 from ecume.models.model import DONE, EXCHANGE, Engine, Model
@@ -79,32 +82,65 @@ def _remove(home: RunDirectory) -> None:
 
 
 def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:
-    """An engine that reads each frame instead of integrating up to it."""
+    """An engine that reads each frame, the first included, instead of integrating up to it."""
+    model, paths, before = MODELS[scene.model], Paths(name), _read(name, series, 0)
     order: list[NDArray[np.int64]] = []
-    before = _read(name, series, 0)
+
+    def start(scene: Any, parameters: Any) -> Any:
+        state = model.start(scene, parameters)
+        order.append(_matched(state, before.position, model.access.sides(parameters), name))
+        _write(state, before, parameters, 0)
+        return state
 
     def advance(parameters: Any, state: Any, workspace: Any, steps: int) -> int:
-        if not order:
-            order.append(_matched(state, before.position, name))
         state.step[0] += steps
         frame, rest = divmod(int(state.step[0]), parameters.steps_per_frame)
         if rest:
             return DONE
-        _write(state, _read(name, series, frame), order[0], parameters, frame)
+        _write(state, _read(name, series, frame), parameters, frame)
+        if frame == series.frames - 1:
+            warn_of_far_moves(*paths.farthest)
         return EXCHANGE
 
-    def _write(state: Any, found: Particles, place: NDArray[np.int64], parameters: Any, frame: int) -> None:
-        arrays = MODELS[scene.model].access.arrays(state)
+    def _write(state: Any, found: Particles, parameters: Any, frame: int) -> None:
+        arrays, place = model.access.arrays(state), order[0]
         if len(found.position) != len(place):
             raise BadInput(f"{name}: frame {frame} has {len(found.position)} particles; expected {len(place)}")
         dimensions = state.position.shape[1]
-        arrays["position"][...] = found.position[place, :dimensions]
+        position = paths.continued(found, model.access.sides(parameters)[:dimensions], frame * scene.frame_every)
+        arrays["position"][...] = position[place]
         arrays["velocity"][...] = 0.0 if found.velocity is None else found.velocity[place, :dimensions]
-        if faults := MODELS[scene.model].access.faults(scene, parameters, state):
+        if faults := model.access.faults(scene, parameters, state):
             raise BadInput(f"{name}: frame {frame}: {faults[0]}")
-        MODELS[scene.model].access.changed(state, True)
+        model.access.changed(state, True)
 
-    return lambda model: dataclasses.replace(model, advance=advance, exchange=lambda parameters, state: state)
+    return lambda model: dataclasses.replace(
+        model, start=start, advance=advance, exchange=lambda parameters, state: state
+    )
+
+
+class Paths:
+    """The paths of particles in a file, without jumps at the borders of a periodic box."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.last: Array | None = None
+        self.farthest = (0.0, 0.0)
+        """the farthest move between two frames without image numbers, over the side, and its time (s)"""
+
+    def continued(self, found: Particles, sides: Array, time: float) -> Array:
+        """The unwrapped positions (N, d) of a frame: by its image numbers, or else by nearest images."""
+        position = found.position[:, : len(sides)]
+        if sides.any() and found.image is not None:
+            position = position + found.image[:, : len(sides)] * sides
+        elif sides.any() and self.last is not None and len(self.last) == len(position):
+            box = Box(sides)
+            moved = nearest(position - self.last, box)
+            far = float(np.max(np.abs(moved) / np.where(sides > 0.0, sides, np.inf)))
+            self.farthest = max(self.farthest, (far, time))
+            position = self.last + moved
+        self.last = position
+        return position
 
 
 def _read(name: str, series: Series, frame: int) -> Particles:
@@ -114,10 +150,12 @@ def _read(name: str, series: Series, frame: int) -> Particles:
         raise BadInput(f"{name}: {fault}") from None
 
 
-def _matched(state: Any, position: Array, name: str) -> NDArray[np.int64]:
-    """The number in the file of each particle of the state, which stands where the file says."""
+def _matched(state: Any, position: Array, sides: Array, name: str) -> NDArray[np.int64]:
+    """The number in the file of each particle of the state, which is where the file says, or at a periodic image."""
     dimensions = state.position.shape[1]
-    found = cKDTree(position[:, :dimensions]).query(state.position)
+    periods = periods_of(sides[:dimensions].tolist())
+    home = into_box(position[:, :dimensions], periods)
+    found = cKDTree(home, boxsize=periods[0] if periods.any() else None).query(into_box(state.position, periods))
     distance, place = np.asarray(found[0], np.float64), np.asarray(found[1], np.int64)
     extent = float(np.ptp(position, axis=0).max())
     if len(np.unique(place)) != len(position) or distance.max() > SAME * extent:

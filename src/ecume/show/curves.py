@@ -16,7 +16,8 @@ from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
 from ecume.analysis.fields import ENERGIES
-from ecume.analysis.series import number, series, times
+from ecume.analysis.series import number, series, times, tracks
+from ecume.analysis.structure import mean_square_displacement
 from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.invariants import INJECTED
@@ -161,6 +162,34 @@ def number_over_time(frames: Frames, scene: Scene, name: str) -> Figure:
     return drawn
 
 
+def displacement(frames: Frames, scene: Scene) -> Figure:
+    """The mean square displacement over time, beside ballistic and diffusive motion;
+    of particles that enter and leave while they are inside.
+    """
+    # Every so many frames, so that all lags are exact.
+    kept = range(0, len(frames), max(1, len(frames) // MOST_INSTANTS))
+    if len(kept) < 3:
+        raise BadInput("displacements need three frames or more")
+    every = (frames[kept[-1]].time - frames[0].time) / (len(kept) - 1)
+    lags = np.unique(np.geomspace(1, len(kept) - 1, 40).round().astype(int))
+    found = mean_square_displacement(tracks(frames, kept), [int(lag) for lag in lags])
+    lags, found = lags[~np.isnan(found)], found[~np.isnan(found)]
+    if not np.all(found > 0.0) or not len(found):
+        raise BadInput("no particle moves; no displacement to draw")
+    scale = scale_for(float(np.sqrt(found.max())), "m")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel="lag (s)", title=titled("Mean square displacement", scene))
+        time, far = every * lags, scale.factor**2 * found
+        axes.plot(time, far, "o-", color=PALETTE[1], markersize=3)
+        for power, name in ((1, "~ t: diffusive"), (2, "~ t²: ballistic")):
+            axes.plot(time, far[0] * (time / time[0]) ** power, "--", color=MUTED, linewidth=0.9)
+            axes.annotate(name, (time[-1], far[0] * (time[-1] / time[0]) ** power), fontsize=8, ha="right", va="bottom")
+        axes.set(xscale=scaling(time), yscale=scaling(far))
+        axes.set_ylabel(f"mean square displacement ({scale.unit}²)")
+    return drawn
+
+
 def clusters(frames: Frames, scene: Scene) -> Figure:
     """The number of clusters and their sizes: single floats count as clusters of one."""
     shown = evolution(frames)
@@ -186,8 +215,13 @@ def steps(axes: Axes, instants: Array, counts: Sequence[float], label: str, colo
 
 def thinned(frames: Frames) -> list[Frame]:
     """Frames from the first to the last, evenly, not too many."""
+    return [frames[index] for index in instants(frames)]
+
+
+def instants(frames: Frames) -> list[int]:
+    """The numbers of the frames that `thinned` chooses."""
     chosen = np.linspace(0, len(frames) - 1, min(len(frames), MOST_INSTANTS)).round()
-    return [frames[int(index)] for index in chosen]
+    return [int(index) for index in chosen]
 
 
 def evolution(frames: Frames) -> list[Frame]:

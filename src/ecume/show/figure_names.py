@@ -36,7 +36,7 @@ FIGURE_NAMES = {
         "gauges",
         "samples",
     ),
-    "tracers": ("energies", "heights", "profile", "hits", "samples"),
+    "tracers": ("energies", "displacement", "heights", "profile", "hits", "samples"),
     "soft": (
         "gaps",
         "forces",

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.analysis.series import number, series, times
+from ecume.analysis.series import inside, number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
 from ecume.models.tracers.parameters import body_of, inside_of
-from ecume.show.curves import Frames, energies, evolution, over_time, titled
+from ecume.show.curves import Frames, displacement, energies, evolution, over_time, titled
 from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Round, Setting, Shape, Tank, seen
@@ -80,7 +80,8 @@ def _box_around(shape: Any) -> tuple[Array, Array]:
 
 
 def _mean_height(frame: Frame, index: int) -> float:
-    return float(frame.arrays["position"][frame.arrays["species"] == index, -1].mean())
+    heights = frame.arrays["position"][inside(frame) & (frame.arrays["species"] == index), -1]
+    return float(heights.mean()) if len(heights) else np.nan
 
 
 def heights(frames: Frames, scene: TracersScene) -> Figure:
@@ -88,7 +89,7 @@ def heights(frames: Frames, scene: TracersScene) -> Figure:
     shown = evolution(frames)
     kinds = species(scene)
     curves = [[_mean_height(frame, index) for frame in shown] for index in range(len(kinds))]
-    scale = scale_for(float(np.abs(curves).max()), "m")
+    scale = scale_for(float(np.nanmax(np.abs(curves), initial=0.0)), "m")
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Mean height of each species")
@@ -103,7 +104,7 @@ def heights(frames: Frames, scene: TracersScene) -> Figure:
 def profile(frames: Frames, scene: TracersScene) -> Figure:
     """The number of particles at each height at the beginning, in the middle and at the end."""
     instants = [frames[0], frames[len(frames) // 2], frames[-1]]
-    places = [frame.arrays["position"][frame.arrays["left"] < 0, -1] for frame in instants]
+    places = [frame.arrays["position"][inside(frame), -1] for frame in instants]
     values = np.concatenate(places)
     if not len(values):
         raise BadInput("all particles have left the tank; no profile to draw")
@@ -173,6 +174,7 @@ def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
 
 TRACER_FIGURES: Mapping[str, Any] = {
     "energies": energies,
+    "displacement": displacement,
     "heights": heights,
     "profile": profile,
     "hits": wall_hits,

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from ecume._plain_files import content_of
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd import SIDES
 from ecume.trajectories.reader import LARGEST, ExportedFrames, open_trajectory
 from ecume.trajectories.records import replacing, storing
 
@@ -329,7 +330,9 @@ def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
     for frame in trajectory:
         properties, columns = _xyz_columns(frame)
         numbers = "".join(f"{name}={value!r} " for name, value in frame.numbers.items())
-        comment = f'Properties={properties} Time={frame.time!r} {numbers}{legend}pbc="F F F"'
+        comment = (
+            f"{_xyz_box(frame)}Properties={properties} Time={frame.time!r} {numbers}{legend}{_xyz_periodic(frame)}"
+        )
         head = f"{len(frame.arrays['position'])}\n{comment}\n"
         rows = "".join(" ".join(map(_plain, row)) + "\n" for row in zip(*columns, strict=True))
         file.write((head + rows).encode())
@@ -396,6 +399,30 @@ def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
         properties.append(f"{shown}:{'I' if array.dtype.kind == 'i' else 'R'}:{len(parts)}")
         columns += [part.tolist() for part in parts]
     return ":".join(properties), columns
+
+
+def _xyz_sides(frame: Frame) -> list[float]:
+    """The three sides of the periodic box (m); zero along axes that are not periodic."""
+    return [frame.numbers.get(name, 0.0) for name in SIDES]
+
+
+def _xyz_periodic(frame: Frame) -> str:
+    """Along which axes the box is periodic."""
+    return f'pbc="{" ".join("T" if side > 0.0 else "F" for side in _xyz_sides(frame))}"'
+
+
+def _xyz_box(frame: Frame) -> str:
+    """The lattice vectors of a periodic box, nothing without one. Along other axes the box holds all particles."""
+    sides = _xyz_sides(frame)
+    if not any(sides):
+        return ""
+    position = frame.arrays["position"]
+    widest = 2.0 * float(frame.arrays["radius"].max(initial=0.0)) if "radius" in frame.arrays else 0.0
+    span = np.zeros(3)
+    span[: position.shape[1]] = np.ptp(position, axis=0) if len(position) else 0.0
+    lengths = [side or float(far) + widest or max(sides) for side, far in zip(sides, span, strict=True)]
+    tilt = frame.numbers.get("box_tilt", 0.0)
+    return f'Lattice="{lengths[0]!r} 0 0 {tilt or 0!r} {lengths[1]!r} 0 0 0 {lengths[2]!r}" '
 
 
 def _legend(species: Sequence[str]) -> str:

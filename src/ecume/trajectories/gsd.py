@@ -350,6 +350,8 @@ def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
         "particles/N": _column(np.array([len(position)], np.uint32)),
         "particles/position": _in_space(position),
     }
+    if "image" in frame.arrays:
+        shown["particles/image"] = _hoomd_images(frame)
     if "velocity" in frame.arrays:
         shown["particles/velocity"] = _in_space(frame.arrays["velocity"])
     if "radius" in frame.arrays:
@@ -415,6 +417,23 @@ def _tilt(frame: Frame, sides: NDArray[np.float64]) -> float:
     width, height = (float(side) for side in sides[:2])
     shift = frame.numbers.get("box_tilt", frame.numbers.get("strain", 0.0) * height)
     return (shift - width * round(shift / width)) / height
+
+
+def _hoomd_images(frame: Frame) -> NDArray[np.int32]:
+    """HOOMD's image numbers (N, 3) of the positions that `_boxed` makes. A box that is sheared by whole widths is drawn
+    with the smallest tilt.
+    """
+    position, image = frame.arrays["position"], frame.arrays["image"].copy()
+    sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: position.shape[1]]])
+    place = position.copy()
+    if tilt := _tilt(frame, sides):
+        place[:, 0] -= tilt * position[:, 1]
+    if sides[:2].all() and len(sides) > 1:
+        shift = frame.numbers.get("box_tilt", frame.numbers.get("strain", 0.0) * float(sides[1]))
+        image[:, 0] += round(shift / float(sides[0])) * image[:, 1]
+    for axis in np.flatnonzero(sides):
+        image[:, axis] += np.floor(place[:, axis] / sides[axis]).astype(np.int64)
+    return np.pad(image, ((0, 0), (0, 3 - image.shape[1]))).astype(np.int32)
 
 
 def _in_space(vectors: NDArray[Any]) -> NDArray[np.float32]:

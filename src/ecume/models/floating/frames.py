@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.cells import Integers, into_box
+from ecume.engine.cells import Integers, images_in, into_box
 from ecume.engine.contact.contacts import Candidates, apart
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.flows import sway_place
@@ -164,6 +164,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
             del numbers[name], units[name]
         numbers |= dict(zip(SIDES, parameters.periods[0].tolist(), strict=True))
         units |= dict.fromkeys(SIDES, "m")
+        arrays["image"], units["image"] = images_in(state.position, parameters.periods), "1"
     time = int(state.step[0]) * parameters.time_step
     if is_driven(parameters) and len(state.tally) > WORK:
         numbers[INJECTED], units[INJECTED] = float(state.tally[WORK]), "J"

@@ -127,6 +127,7 @@ FLOATS = Access(
     faults=faults,
     changed=changed,
     work=lambda state: state.tally[WORK : WORK + 1],
+    sides=lambda parameters: parameters.periods[0],
 )
 
 

@@ -91,8 +91,11 @@ def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
     """What a state with as many particles looks like: openings change their number."""
     vectors, rows = np.zeros((parameters.dimension, state.mass.size)), np.zeros(state.mass.size)
     liquid = Liquid(vectors, vectors, rows, rows, rows, np.zeros(state.mass.size, np.int64))
+    blank = make_state(parameters, liquid)
+    if not state.image.size:  # of a former version
+        blank = blank._replace(image=state.image, passive_image=state.passive_image)
     return Layout(
-        make_state(parameters, liquid),
+        blank,
         {
             "identity": (0, math.inf),
             "region": (0, len(scene.fluid) - 1),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -92,6 +92,12 @@ class State(NamedTuple):
     """numbers of particles that entered, left and were lost; the number of the next particle"""
     budget: Array = np.zeros(2)
     """work from outside (J), and its rate by forces (W) at the end of the last step: see `report.energy_budget`"""
+    image: Integers = np.zeros((0, 0), np.int64)
+    """(d, N) by how many sides of a periodic tank each particle has gone further than its position says; (0, 0) without
+    periodic sides, and in runs of former versions
+    """
+    passive_image: Integers = np.zeros((0, 0), np.int64)
+    """(d, C) the same of passive particles"""
 
 
 class CellLists(NamedTuple):
@@ -129,6 +135,8 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
     none = np.zeros_like(liquid.position)
     count = liquid.position.shape[1]
     pose, motion = parameters.bodies.pose, parameters.bodies.motion
+    shape = (parameters.dimension,) if (parameters.boundary.sides.mirrors == 0).any() else (0, 0)
+    passive = parameters.passive_tracers.position.shape[1]
     return State(
         position=liquid.position.copy(),
         velocity=liquid.velocity.copy(),
@@ -158,6 +166,8 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         hits=np.zeros(len(parameters.boundary.names), np.int64),
         population=np.array([0, 0, 0, count]),
         budget=np.zeros(2),
+        image=np.zeros((*shape, count)[:2], np.int64),
+        passive_image=np.zeros((*shape, passive)[:2], np.int64),
     )
 
 
@@ -173,14 +183,20 @@ PER_PARTICLE = (
     "identity",
     "region",
     "zone",
+    "image",
 )
+
+
+def particle_arrays(state: State) -> dict[str, Any]:
+    """The arrays of a state with a value for each particle of the liquid."""
+    count = state.position.shape[1]
+    return {name: array for name in PER_PARTICLE if (array := getattr(state, name)).shape[-1] == count}
 
 
 def sort_state(parameters: Parameters, state: State) -> None:
     """Sort particles by cell, so that neighbors are close in memory."""
     order = sort_by_cell(state.position, grid_around(state.position, parameters.support)).order
-    for name in PER_PARTICLE:
-        array = getattr(state, name)
+    for array in particle_arrays(state).values():
         array[...] = np.take(array, order, axis=-1)
 
 

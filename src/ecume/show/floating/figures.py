@@ -37,7 +37,6 @@ from ecume.analysis.structure import (
     approach,
     fractal_dimension,
     hexatic_order,
-    mean_square_displacement,
     pair_distribution,
     region_in,
     shapes_of,
@@ -52,8 +51,10 @@ from ecume.models.liquids import liquid_of
 from ecume.show.curves import (
     Frames,
     clusters,
+    displacement,
     energies,
     evolution,
+    instants,
     kinetic_energy,
     over_time,
     scaling,
@@ -133,40 +134,16 @@ def region_of(frame: Frame, scene: Any) -> Region:
     return Region(size=(float(across), float(along)))
 
 
-def displacement(frames: Frames, scene: Any) -> Figure:
-    """The mean square displacement over time, beside ballistic and diffusive motion."""
-    shown = thinned(frames)
-    if len(shown) < 3:
-        raise BadInput("displacements need three frames or more")
-    every = (shown[-1].time - shown[0].time) / (len(shown) - 1)
-    lags = np.unique(np.geomspace(1, len(shown) - 1, 40).round().astype(int))
-    found = mean_square_displacement(tracks(shown), [int(lag) for lag in lags])
-    if not np.all(found > 0.0):
-        raise BadInput("no float moves; no displacement to draw")
-    scale = scale_for(float(np.sqrt(found.max())), "m")
-    with style():
-        drawn = figure()
-        axes = drawn.add_subplot(xlabel="lag (s)", title=titled("Mean square displacement", scene))
-        time, far = every * lags, scale.factor**2 * found
-        axes.plot(time, far, "o-", color=PALETTE[1], markersize=3)
-        for power, name in ((1, "~ t: diffusive"), (2, "~ t²: ballistic")):
-            axes.plot(time, far[0] * (time / time[0]) ** power, "--", color=MUTED, linewidth=0.9)
-            axes.annotate(name, (time[-1], far[0] * (time[-1] / time[0]) ** power), fontsize=8, ha="right", va="bottom")
-        axes.set(xscale=scaling(time), yscale=scaling(far))
-        axes.set_ylabel(f"mean square displacement ({scale.unit}²)")
-    return drawn
-
-
 def approaches(frames: Frames, scene: Any) -> Figure:
     """The gaps of pairs that touch in the end, over time, down to where they meet."""
-    shown = evolution(frames)
+    shown, kept = evolution(frames), instants(frames)
     last = shown[-1].arrays
     box = box_of(shown[-1])
     period = None if box is None else box.sides.tolist()
     pairs = touching_pairs(last["position"], last["radius"], period=period)[:MOST_PAIRS]
     if not len(pairs):
         raise BadInput("no floats are in contact in the last frame; no approach to draw")
-    length, paths = liquid_of(scene).capillary_length, tracks(shown)
+    length, paths = liquid_of(scene).capillary_length, tracks(frames, kept)
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Gaps of floats that touch in the end")
@@ -396,7 +373,7 @@ def paths(frames: Frames, scene: Any) -> Figure:
     view, kinds = view_of(scene, shown), species(scene)
     scale = scale_for(view.width / 2, "m")
     colors = [kinds[kind].color for kind in shown[-1].arrays["species"]]
-    where = scale.factor * tracks(shown).swapaxes(0, 1)
+    where = scale.factor * tracks(frames, instants(frames)).swapaxes(0, 1)
     with style():
         drawn = figure(5.4, 5.4 * min(max(view.height / view.width, 0.4), 1.6))
         axes = drawn.add_subplot(aspect="equal")

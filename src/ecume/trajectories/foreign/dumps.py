@@ -21,6 +21,7 @@ from ecume.trajectories.foreign.particles import (
 START, YAML = "ITEM: TIMESTEP", "---"
 POSITIONS = (("x", "y", "z"), ("xu", "yu", "zu"), ("xs", "ys", "zs"), ("xsu", "ysu", "zsu"))
 """The names of the columns of positions: wrapped, unwrapped, and both of them in units of the box."""
+IMAGES = ("ix", "iy", "iz")
 KINDS = ("type", "element")
 DENSITIES = ("density", "rho")
 AXES = 3
@@ -133,7 +134,10 @@ def _particles(table: Table) -> Particles:
     diameter = given["diameter"] if radius is None else 2.0 * radius
     velocity = _vectors(table, place_of, ("vx", "vy", "vz"), order)
     position = _positions(table, place_of, order)
-    return Particles(names, kind[len(names) :], position, velocity, diameter, given["mass"], density, sides, tilt)
+    return Particles(
+        names, kind[len(names) :], position, velocity, diameter, given["mass"], density, sides, tilt,
+        _images(table, place_of, order),
+    )  # fmt: skip
 
 
 def _order(table: Table, place_of: Mapping[str, int]) -> NDArray[np.int64]:
@@ -158,6 +162,15 @@ def _positions(table: Table, place_of: Mapping[str, int], order: NDArray[np.int6
             sides = np.array([ends[1] - ends[0] for ends in table.box])
             return low + sides * found if "s" in names[0] else found
     raise FileFault(f"got the columns {' '.join(table.columns)[:60]}; expected x y z or xs ys zs", table.line - 1)
+
+
+def _images(table: Table, place_of: Mapping[str, int], order: NDArray[np.int64]) -> NDArray[np.int64] | None:
+    """The image numbers of wrapped positions; zero for positions that are not wrapped, None where they are unknown."""
+    wrapped = next((names for names in POSITIONS if names[0] in place_of and names[1] in place_of), POSITIONS[0])
+    if "u" in wrapped[0]:
+        return np.zeros((len(order), AXES), np.int64)
+    found = _vectors(table, place_of, IMAGES, order)
+    return None if found is None else np.rint(found).astype(np.int64)
 
 
 def _vectors(

@@ -58,6 +58,7 @@ def _particles(file: FileIO, index: Index, frame: int) -> Particles:
     box = _chunk(file, index, frame, "configuration/box")
     sides = None if box is None or box.size != 6 else [float(value) for value in box.astype(np.float64).flat]
     density = _of_particles(file, index, frame, "density", count, 1, "log/particles")
+    image = _of_particles(file, index, frame, "image", count, 3)
     diameter, mass = (_of_particles(file, index, frame, name, count, 1) for name in ("diameter", "mass"))
     return Particles(
         names,
@@ -69,6 +70,7 @@ def _particles(file: FileIO, index: Index, frame: int) -> Particles:
         None if density is None else density[:, 0],
         None if sides is None else (sides[0], sides[1], sides[2]),
         0.0 if sides is None else max(map(abs, sides[3:])),
+        None if image is None else image.astype(np.int64),
     )
 
 

@@ -31,6 +31,10 @@ class Particles(NamedTuple):
     """The periodic box."""
     tilt: float = 0.0
     """The largest of the tilts of the box; 0 for a rectangular one."""
+    image: NDArray[np.int64] | None = None
+    """(N, 3) by how many sides of the box each particle has gone further than its position says; zero for unwrapped
+    positions
+    """
 
 
 class FileFault(ValueError):

@@ -242,6 +242,7 @@ UNITS = {
     "radius": "m",
     "angle": "rad",
     "spin": "rad/s",
+    "image": "1",
     "elastic_energy": "J",
     "remote_energy": "J",
     "total_energy": "J",
@@ -272,6 +273,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "species": parameters.species.copy(),
         **contacts,
         **_spinning(state),
+        **({"image": wraps(state.position, box)} if parameters.box.any() else {}),
     }
     numbers = {
         "elastic_energy": (held := elastic_energy(parameters.contacts, step)),

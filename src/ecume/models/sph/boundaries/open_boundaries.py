@@ -26,11 +26,11 @@ from ecume.models.sph.state import (
     LEFT,
     LOST,
     NEXT,
-    PER_PARTICLE,
     RENEWALS,
     SORT_EVERY,
     WORK,
     State,
+    particle_arrays,
     skin_for,
     sort_state,
 )
@@ -98,8 +98,7 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
         "zone": np.full(count, zone),
     }
     grown = {}
-    for name in PER_PARTICLE:
-        array = getattr(state, name)
+    for name, array in particle_arrays(state).items():
         more = born.get(name, np.zeros((*array.shape[:-1], count), array.dtype))
         grown[name] = np.ascontiguousarray(np.concatenate([array, more.astype(array.dtype)], axis=-1))
     return state._replace(**grown, reference=grown["position"].copy())
@@ -204,7 +203,7 @@ def exchange(parameters: Parameters, state: State) -> State:
         if len(mine):
             state = _with(state, born, gate.zone)
             gone = np.concatenate([gone, np.zeros(len(mine), bool)])
-    kept = {name: np.ascontiguousarray(getattr(state, name)[..., ~gone]) for name in PER_PARTICLE}
+    kept = {name: np.ascontiguousarray(array[..., ~gone]) for name, array in particle_arrays(state).items()}
     state = state._replace(**kept, reference=kept["position"].copy())
     if int(state.tally[RENEWALS]) % SORT_EVERY == 0:
         sort_state(parameters, state)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, prange, spread
 from ecume._portable import product
-from ecume.engine.cells import Sides
+from ecume.engine.cells import Integers, Sides
 from ecume.engine.neighbor_rows import cell_at
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import diffusion, drag
@@ -57,7 +57,8 @@ def move_passive_particles(parameters: Parameters, state: State, workspace: Work
         move(position, velocity, around, group, parameters.gravity, liquid, chance, time)
         reflect_particles(guard._replace(radius=max(guard.radius, group.radius)), position, velocity,
                   (position - state.passive_position[:, here]) / time - velocity, time)  # fmt: skip
-        wrap(parameters.boundary.sides, position)
+        image = state.passive_image[:, here] if state.passive_image.size else np.zeros(position.shape, np.int64)
+        wrap(parameters.boundary.sides, position, image)
         state.passive_position[:, here], state.passive_velocity[:, here] = position, velocity
     state.passive_clock[0] += 1
 
@@ -76,11 +77,12 @@ def surroundings(parameters: Parameters, workspace: Workspace, position: Array) 
     return around
 
 
-def wrap(sides: Sides, position: Array) -> None:
-    """Move particles beyond a periodic side to the opposite one."""
+def wrap(sides: Sides, position: Array, image: Integers) -> None:
+    """Move particles beyond a periodic side to the opposite one, and count it in their image numbers."""
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], position - sides.point[side][:, None]) < 0.0
         position[:, out] += sides.shift[side][:, None]
+        image[:, out] -= np.sign(sides.shift[side]).astype(np.int64)[:, None]
 
 
 @spread

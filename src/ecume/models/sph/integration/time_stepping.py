@@ -232,12 +232,14 @@ def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 
 def wrap(parameters: Parameters, state: State) -> None:
-    """Move particles beyond a periodic side to the opposite one."""
+    """Move particles beyond a periodic side to the opposite one, and count it in their image numbers."""
     sides = parameters.boundary.sides
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0
         state.budget[WORK] += periodic_work(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]
+        if state.image.size:
+            state.image[:, out] -= np.sign(sides.shift[side]).astype(np.int64)[:, None]
 
 
 INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step, "projection": projection_step}

@@ -39,7 +39,7 @@ from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.fill_fields import fill_images
 from ecume.models.sph.rates.sums import slope_of
-from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace, put_dummies
+from ecume.models.sph.state import RATE, WORK, State, Workspace, particle_arrays, put_dummies
 from ecume.units import Array
 
 admit(states)
@@ -96,7 +96,7 @@ def liquid_alone(parameters: Parameters, state: State) -> State:
 
 def subset(state: State, who: Any) -> State:
     """The state of some of the particles."""
-    return state._replace(**{name: getattr(state, name)[..., who] for name in PER_PARTICLE})
+    return state._replace(**{name: array[..., who] for name, array in particle_arrays(state).items()})
 
 
 def has_external_work(parameters: Parameters) -> bool:

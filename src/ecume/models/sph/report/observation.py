@@ -54,6 +54,7 @@ from ecume.models.sph.state import (
 from ecume.scenes.sph import SphScene
 from ecume.scenes.sph.tank import SIDES, TankSpec
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd import SIDES as BOX_SIDES
 from ecume.units import Array
 
 
@@ -362,6 +363,9 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "mass": state.mass[order],
         "species": state.region[order],
     }
+    periods = np.abs(parameters.boundary.sides.shift).max(axis=0, initial=0.0)
+    if periods.any() and state.image.size:
+        arrays["image"] = np.ascontiguousarray(state.image[:, order].T)
     if parameters.passive_tracers.start[-1]:
         arrays = {
             name: np.concatenate([arrays[name], more])
@@ -383,6 +387,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     if has_external_work(parameters):
         listed[INJECTED] = float(state.budget[WORK])
     units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
+    box = {name: side for name, side in zip(BOX_SIDES, periods.tolist(), strict=False) if side > 0.0}
+    listed, units = listed | box, units | dict.fromkeys(box, "m") | {name: "1" for name in arrays if name == "image"}
     units = in_dimension({**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units}, parameters.dimension)
     return Frame(time, arrays, {**listed, **solid, **read}, units)
 
@@ -402,6 +408,7 @@ def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -
         - material.density * parameters.hydrostatic[1] * (parameters.surface - state.passive_position[1]),
         "mass": np.zeros(count),
         "species": tracers.regions + group,
+        **({"image": state.passive_image.T} if state.passive_image.size else {}),
     }
 
 
