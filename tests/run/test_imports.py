@@ -1,8 +1,10 @@
 """Trajectories of other programs as runs: positions and velocities are read, all else is computed."""
 
+import gsd.hoomd
 import numpy as np
 import pytest
 
+from ecume.analysis.series import PathWarning, tracks
 from ecume.errors import BadInput
 from ecume.run import resume, verify
 from ecume.run.imports import import_run
@@ -135,3 +137,69 @@ def test_what_cannot_be_imported_is_refused(bowl, tmp_path):
     with pytest.raises(BadInput, match="does not exist"):
         import_run(path, tmp_path / "run", overrides=["start_from.file=nothing.dump"])
     assert not (tmp_path / "run").exists()
+
+
+CELL = """\
+model = "floating"
+duration = "0.1 s"
+frame_every = "0.1 s"
+[start_from]
+file = "{file}"
+length_unit = "1 mm"
+[[particles]]
+density = 1250.0
+contact_angle = "90 deg"
+[cell]
+size = ["10 cm", "8 cm"]
+"""
+HOPS = {"flags": [(5, 0), (45, -1), (85, -2)], "unwrapped": [(5, 0), (-55, 0), (-115, 0)], "none": [(5, 0), (65, 0)]}
+"""Places of a float along x (mm) in a cell 100 mm wide, and image numbers."""
+
+
+def hopping(kind):
+    """A dump of a float that moves by -60 mm from frame to frame, and of one at rest."""
+    columns = {"flags": "x y ix iy", "unwrapped": "xu yu", "none": "x y"}[kind]
+    text = ""
+    for step, (x, image) in enumerate(HOPS[kind]):
+        head = f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp ff\n0 100\n0 80\n-1 1\n"
+        more = (f" {image} 0", " 0 0") if kind == "flags" else ("", "")
+        text += f"{head}ITEM: ATOMS id type radius {columns}\n1 1 1 {x} 40{more[0]}\n2 1 1 50 70{more[1]}\n"
+    return text
+
+
+def imported(folder, file, text=""):
+    """The paths in a run that a file became (mm)."""
+    if text:
+        (folder / file).write_text(text)
+    (folder / "cell.toml").write_text(CELL.format(file=file))
+    import_run(folder / "cell.toml", folder / "run", overrides=["duration=0.2"])
+    with open_trajectory(folder / "run") as found:
+        return 1e3 * tracks(found)
+
+
+@pytest.mark.parametrize("kind", ["flags", "unwrapped"])
+def test_displacements_over_more_than_half_a_cell_are_those_of_the_file(kind, tmp_path):
+    assert imported(tmp_path, "hops.dump", hopping(kind))[:, 0] == pytest.approx(
+        np.array([[5, 40], [-55, 40], [-115, 40]])
+    )
+
+
+def test_paths_of_a_file_without_image_numbers_are_a_warning_where_they_may_be_wrong(tmp_path):
+    text = hopping("none").replace("65 40", "48 40")
+    with pytest.warns(PathWarning, match=r"0\.43 of a side"):
+        assert imported(tmp_path, "hops.dump", text)[-1, 0] == pytest.approx([48, 40])
+
+
+@pytest.mark.parametrize("depth", [0.0, 1.0])
+def test_boxes_around_the_origin_and_their_image_numbers_are_read(depth, tmp_path):
+    with gsd.hoomd.open(tmp_path / "box.gsd", "w") as file:
+        for place, image in ((-49.0, 0), (31.0, -1)):
+            frame = gsd.hoomd.Frame()
+            frame.particles.N = 2
+            frame.configuration.box, frame.configuration.dimensions = [100, 80, depth, 0, 0, 0], 2
+            frame.particles.position = np.array([[place, 10, 0], [30, -30, 0]], np.float32)
+            frame.particles.image = np.array([[image, 0, 0], [0, 0, 0]], np.int32)
+            frame.particles.diameter = np.full(2, 2.0, np.float32)
+            frame.particles.types, frame.particles.typeid = ["A"], np.zeros(2, np.uint32)
+            file.append(frame)
+    assert imported(tmp_path, "box.gsd")[:, :, 0] == pytest.approx(np.array([[-49.0, 30.0], [-69.0, 30.0]]))

@@ -215,3 +215,13 @@ def test_a_link_stays_a_link_to_the_new_content(recorded: Recorded, tmp_path: Pa
     export(recorded(2).parent, "csv", tmp_path / "link.csv")
     assert (tmp_path / "link.csv").is_symlink()
     assert (tmp_path / "there.csv").read_text().startswith("frame,time")
+
+
+def test_xyz_states_the_periodic_box(frames: Frames, tmp_path: Path) -> None:
+    (frame,) = frames(1)
+    box = {"box_width": 0.1, "box_height": 0.08, "box_tilt": 0.02}
+    with Recorder(tmp_path / "traj") as recorder:
+        recorder.write(frame._replace(numbers=frame.numbers | box), 0)
+    head = export(tmp_path, "xyz", tmp_path / "bowl.xyz").read_text().splitlines()[1]
+    assert head.startswith('Lattice="0.1 0 0 0.02 0.08 0 0 0 ')
+    assert head.endswith(' pbc="T T F"')

@@ -49,6 +49,16 @@ def normals(counter: Words, seed: int) -> tuple[float, float]:
     return away * math.cos(angle), away * math.sin(angle)
 
 
+PAIRS = 1 << 16
+"""The first of the purposes of pairs, above those of single particles."""
+
+
+@compiled_inside
+def counter_of_pair(first: int, second: int, when: int) -> Words:
+    """The counter of a pair of particles, or of a particle and a wall, and a step."""
+    return first & WORD, when & WORD, second & WORD, PAIRS + ((when >> 32) & 0xFFFF)
+
+
 @compiled_inside
 def counter_of(who: int, when: int, what: int) -> Words:
     """The counter of a particle, a step, and a purpose."""

@@ -18,7 +18,7 @@ import math
 from collections.abc import Callable
 from typing import Annotated
 
-from ecume.units import Density, Force, Friction, Length, Number, Speed, Unit
+from ecume.units import Area, Density, Force, Friction, Length, Number, Speed, Unit
 
 Potential = Annotated[float, Unit("m^2/s^2")]
 Diffusivity = Annotated[float, Unit("m^2/s")]
@@ -223,3 +223,19 @@ def displacement_gain(ratio: Number) -> Number:
     if ratio < SMALL:
         return 1.0 - ratio * (1.0 / 3.0 - ratio * (1.0 / 12.0 - ratio * (1.0 / 60.0 - ratio * (1.0 / 360.0))))
     return 2.0 * (ratio + math.expm1(-ratio)) / (ratio * ratio)
+
+
+def reflected_gain(change: Length, variance: Area, exponential: Number) -> Length:
+    """How far a reflected Brownian motion is at least from its wall at the end of a step (m), and where it is if it met
+    the wall: [d + sqrt(d^2 + 2 s^2 E)]/2. [lepingle1995; gobet2001].
+
+    The distance from the wall would change by `change` d, drift and noise together, with the variance s^2; E is a
+    random number from the exponential distribution of mean 1. Then d less the result is distributed as the lowest
+    distance less the initial one on a path with this end, so that the larger of the free and this distance is exactly
+    that of the reflected motion with a constant drift, for a flat wall and any length of the step. At curved walls and
+    contacts of discs the error of mean values is of first order in the step.
+
+    >>> reflected_gain(-2.0, 0.0, 1.0), reflected_gain(0.0, 2.0, 1.0)
+    (0.0, 1.0)
+    """
+    return 0.5 * (change + math.sqrt(change * change + 2.0 * variance * exponential))

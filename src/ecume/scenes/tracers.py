@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Inconsistent, Path
@@ -45,8 +45,8 @@ class FluidSpec:
     """The liquid that carries the particles."""
 
     name: Name = ""
-    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`. Effect: provides the
-    density and viscosity that are not given."""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`; or `air`, at one
+    atmosphere. Effect: provides the density and viscosity that are not given, and the mean free path of air."""
     temperature: AbsoluteTemperature = ROOM
     """The temperature of the named liquid and of Brownian motion (K); text such as `20 degC` is allowed. Effect: a
     warmer liquid is less viscous; thermal noise grows with it."""
@@ -56,6 +56,9 @@ class FluidSpec:
     viscosity: LiquidViscosity | None = None
     """The dynamic viscosity of the liquid (Pa s); by default that of the named liquid, or 0.001. Effect: drag is
     proportional to it for slow particles; 0 disables drag."""
+    mean_free_path: Size | None = None
+    """The mean free path of the molecules of a gas (m), 65 nm in air at room temperature; by default that of a named
+    gas, or none. Effect: gases slip along small particles, which settle and diffuse faster."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -212,14 +215,20 @@ class OpeningSpec:
     """The number of particles that enter per second (1/s), at random positions in the opening. Effect: the number of
     particles grows in proportion to it."""
     concentration: Concentration | None = None
-    """The number of particles per volume of the liquid that flows in (1/m^3; 1/m^2 in 2D). Effect: the
-    number of particles grows in proportion to it and to the inflow."""
+    """The number of particles per cubic meter of the liquid that flows in (1/m^3), such as `100 1/mL`; in 2D per square
+    meter (1/m^2). Effect: the number of particles grows in proportion to it and to the inflow."""
     species: Name = ""
     """The name of the species that enters; by default the first one. Effect: selects radius and density of entering
     particles."""
     velocity: Speeds | None = None
     """The velocity of entering particles (m/s); by default that of the liquid plus the settling velocity. Effect:
     drag changes it within the relaxation time."""
+
+    @field_validator("concentration", mode="before")
+    @classmethod
+    def _per_volume(cls, value: object, info: ValidationInfo) -> object:
+        """The unit depends on the dimension, which the corners before it have."""
+        return None if value is None else Unit(f"1/m^{len(info.data.get('low') or (0.0, 0.0))}").number(value)
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

@@ -18,14 +18,14 @@ from ecume.engine import walls
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet, Surfaces, clearance, described, sheet
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import diffusion, drag
+from ecume.laws import diffusion, drag, gases
 from ecume.models.actions import Access
 from ecume.models.liquids import named_liquid
 from ecume.models.model import Layout, code_of
 from ecume.models.step_counts import ending_on_a_step
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.scenes.faults import suggestion
-from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
+from ecume.scenes.tracers import FluidSpec, ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
 from ecume.units import Array, with_prefix
 
 
@@ -96,6 +96,17 @@ def body_of(body: ObstacleSpec) -> Surfaces:
     if body.center is not None and body.radius is not None:
         return walls.disc(body.center, body.radius)
     return walls.polygon(body.vertices) if len(body.vertices[0]) == 2 else walls.polyhedron(body.vertices)
+
+
+def around(body: ObstacleSpec) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The lower and the upper corner of the box around an obstacle."""
+    if body.low is not None and body.high is not None:
+        return body.low, body.high
+    if body.center is not None and body.radius is not None:
+        reach = body.radius
+        return tuple(each - reach for each in body.center), tuple(each + reach for each in body.center)
+    corner = np.array(body.vertices)
+    return tuple(corner.min(axis=0).tolist()), tuple(corner.max(axis=0).tolist())
 
 
 def nothing(dimensions: int) -> Surfaces:
@@ -173,6 +184,8 @@ class Fluid(NamedTuple):
     """kT (J); 0 without Brownian motion"""
     flow: tuple[float, float, float]
     shear_rate: float
+    mean_free_path: float
+    """m, of a gas; 0 of a liquid"""
 
 
 class Bodies(NamedTuple):
@@ -184,7 +197,7 @@ class Bodies(NamedTuple):
     push: Array
     """m/s^2, downwards: weight less buoyancy, over that mass"""
     friction: Array
-    """N s/m, Stokes's"""
+    """N s/m, Stokes's with the slip of gases"""
     settling: Array
     """m/s, downwards: the terminal speed"""
     overdamped: Integers
@@ -251,8 +264,7 @@ def parameters_of(scene: TracersScene) -> Parameters:
 def fluid_of(scene: TracersScene) -> Fluid:
     """The liquid's numbers: given, or those of the liquid named at its temperature."""
     given = scene.liquid
-    named = named_liquid(given)
-    density, viscosity = (1000.0, 1e-3) if named is None else (named.density, named.viscosity)
+    density, viscosity, path = medium_of(given)
     flow = (*(scene.flow.velocity or ()), 0.0, 0.0, 0.0)
     return Fluid(
         density if given.density is None else given.density,
@@ -261,7 +273,20 @@ def fluid_of(scene: TracersScene) -> Fluid:
         diffusion.thermal_energy(given.temperature) if scene.hydrodynamics.brownian else 0.0,
         (flow[0], flow[1], flow[2]),
         scene.flow.shear_rate,
+        path if given.mean_free_path is None else given.mean_free_path,
     )
+
+
+def medium_of(given: FluidSpec) -> tuple[float, float, float]:
+    """Density, viscosity and mean free path of the liquid or gas that a scene names; without a name about water."""
+    if given.name == AIR:
+        density, viscosity = gases.air_density(given.temperature), gases.air_viscosity(given.temperature)
+        return density, viscosity, gases.mean_free_path(density, viscosity, gases.ATMOSPHERE)
+    named = named_liquid(given)
+    return (1000.0, 1e-3, 0.0) if named is None else (named.density, named.viscosity, 0.0)
+
+
+AIR = "air"
 
 
 def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
@@ -273,7 +298,8 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
     along = ADDED_MASS * fluid.density if scene.hydrodynamics.added_mass else 0.0
     settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])
     dragged = float(DRAGS[scene.hydrodynamics.drag].resists)
-    friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius])
+    slip = [drag.cunningham_factor(fluid.mean_free_path, a) for a in radius]
+    friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius]) / slip
     # By species first: there may be millions of particles.
     return Bodies(
         radius=radius[kind],
@@ -294,6 +320,7 @@ def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
     if not law.resists or fluid.viscosity == 0.0:
         return math.copysign(math.inf, excess) if excess and fluid.gravity else 0.0
     slow = drag.stokes_settling_speed(radius, excess, fluid.viscosity, fluid.gravity)
+    slow *= drag.cunningham_factor(fluid.mean_free_path, radius)
     if law.linear or slow == 0.0:
         return slow
     reynolds = drag.particle_reynolds(abs(slow), radius, fluid.density, fluid.viscosity)

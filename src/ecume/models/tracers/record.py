@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import diffusion, drag
+from ecume.laws import diffusion, drag, gases
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.liquids import correlations_of
@@ -15,12 +17,16 @@ from ecume.models.model import Model, Source, first_broken, when
 from ecume.models.step_counts import last_step
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
+    AIR,
     CAPPED,
     DRAGS,
+    Fluid,
     Parameters,
     State,
     Workspace,
+    around,
     came,
+    fluid_of,
     layout,
     parameters_of,
     start,
@@ -55,7 +61,14 @@ def checked_parameters(scene: TracersScene) -> Parameters:
     """The parameters of a scene that fits into the machine, and comes to an end."""
     count = sum(species.count for species in scene.particles)
     require_memory("particles", f"{count} particles", BYTES_PER_PARTICLE * count)
-    return within_steps(scene, parameters_of(scene))
+    parameters = within_steps(scene, parameters_of(scene))
+    for _, speed, remark in through_solids(scene, parameters):
+        warnings.warn(f"obstacles: {remark} ({speed})", FlowWarning, stacklevel=2)
+    return parameters
+
+
+class FlowWarning(UserWarning):
+    """The flow of a scene is not one that a liquid can have."""
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
@@ -126,6 +139,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
+        *through_solids(scene, parameters),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
         ("time step", with_prefix(parameters.time_step, "s"), "exact between walls for linear drag"),
@@ -160,6 +174,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             (f"{name}: terminal speed", with_prefix(abs(speed), "m/s"), f"{way}; Reynolds number {reynolds:.3g}"),
             (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
         ]
+        rows += slip_of(scene, fluid, index)
     if fluid.thermal > 0.0 and friction > 0.0:
         spread, weight = diffusion.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
         rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
@@ -168,6 +183,44 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             rows.append(
                 (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
             )
+    return rows
+
+
+SLIPS = 0.01
+"""The Knudsen number from which a remark states the slip: 1.3 % in the speed."""
+
+
+def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, str, str]]:
+    """The slip of a gas along one species, estimated at one atmosphere where the scene states no mean free path."""
+    known, path, species = fluid.mean_free_path > 0.0, fluid.mean_free_path, scene.particles[index]
+    if not known and 0.0 < fluid.density < gases.DENSEST:
+        path = gases.mean_free_path(fluid.density, fluid.viscosity, gases.ATMOSPHERE)
+    if path < SLIPS * species.radius:
+        return []
+    factor = drag.cunningham_factor(path, species.radius)
+    remark = f"the gas slips: {factor:.3g} times as fast as by Stokes's law"
+    if not known:
+        remark = f"Stokes's law is {factor:.3g} times too slow in a gas at 1 atm: set liquid.mean_free_path"
+        remark += f' = "{with_prefix(path, "m", 3)}"'
+    return [(f"{species.name}: Knudsen number", f"{path / species.radius:.3g}", remark)]
+
+
+def through_solids(scene: TracersScene, parameters: Parameters) -> list[tuple[str, str, str]]:
+    """The flow through obstacles, with its size: the liquid does not go around them."""
+    fluid, rows = parameters.fluid, []
+    for index, body in enumerate(scene.obstacles):
+        low, high = (np.array(corner) for corner in around(body))
+        speed = max(
+            math.hypot(fluid.flow[0] + fluid.shear_rate * height, *fluid.flow[1:])
+            for height in (float(low[-1]), float(high[-1]))
+        )
+        if speed > 0.0:
+            size, bodies = 0.5 * float((high - low).max()), parameters.bodies
+            slowest = float((bodies.mass / np.where(bodies.friction > 0.0, bodies.friction, np.inf)).max())
+            remark = "the flow does not go around obstacles: particles in their way are held against the front; Stokes "
+            remark += f"number {slowest * speed / size:.2g}"
+            remark += ": in a real flow they would pass by" if slowest * speed < 0.1 * size else ""
+            rows.append((f"flow through obstacle {index}", with_prefix(speed, "m/s"), remark))
     return rows
 
 
@@ -203,7 +256,14 @@ def laws_of(scene: Any) -> list[Source]:
     heat: list[Source] = (
         [diffusion.diffusivity, diffusion.displacement_variance] if scene.hydrodynamics.brownian else []
     )
-    return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *correlations_of(scene.liquid.name)]
+    medium: list[Source] = (
+        [gases.air_density, gases.air_viscosity, gases.mean_free_path]
+        if scene.liquid.name == AIR
+        else correlations_of(scene.liquid.name)
+    )
+    slip: list[Source] = [drag.cunningham_factor] if fluid_of(scene).mean_free_path > 0.0 else []
+    walls: list[Source] = [diffusion.reflected_gain] if scene.hydrodynamics.brownian else []
+    return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip]
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:

@@ -1,8 +1,9 @@
 """Time integration of tracers.
 
-With inertia, the flight of a step is exact without walls, and a parabola between collisions. Without inertia, a step is
-half a drift, diffusion, and half a drift; walls act on each part in the way that is exact for it alone (a drift stops
-at the wall, a diffusing particle is reflected).
+With inertia, the flight of a step is exact without walls, and a parabola between collisions. Without inertia and noise,
+a step is two halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls
+by Lepingle's scheme, which is exact for flat walls and a constant drift, however long the step: the layer of settling
+particles is right from contact on [lepingle1995].
 
 The work of the liquid and of openings on tracers. Their energy minus this work never increases.
 
@@ -23,8 +24,9 @@ import numpy as np
 from ecume._jit import admit, compiled, compiled_inside, selection
 from ecume._portable import dot
 from ecume.engine.cells import Integers
-from ecume.engine.philox import counter_of, normals
+from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import Sheet, reflect_all
+from ecume.engine.walls.sheets import hole_at, inward_normal, piece_gap, plus, put, row, scaled
 from ecume.laws import diffusion, drag
 from ecume.models.model import DIVERGED, DONE, EXCHANGE, codes
 from ecume.models.tracers import parameters
@@ -129,13 +131,17 @@ def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, tim
 
 
 @compiled
-def work_of_steps(parameters: Parameters, state: State, scratch: Workspace) -> float:
-    """Work of thermal noise on tracers without inertia: their gain of potential energy (J)."""
+def work_of_noise(parameters: Parameters, state: State, scratch: Workspace) -> float:
+    """Work on tracers without inertia during a step with thermal noise (J): their gain of potential energy, and what
+    the liquid dissipates while they settle.
+    """
     total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
     for i in range(len(scratch.fate)):
-        if scratch.fate[i] < NOT_NOW:
-            end = state.position[i, last] if scratch.fate[i] <= 0 else 0.0
-            total += bodies.mass[i] * bodies.push[i] * (end - scratch.origin[i, last])
+        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
+        if scratch.fate[i] <= 0:
+            total += weight * (state.position[i, last] - start + parameters.time_step * bodies.settling[i])
+        elif scratch.fate[i] < NOT_NOW:
+            total -= weight * start
     return total
 
 
@@ -265,28 +271,85 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     """One step of those without inertia."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
+    if fluid.thermal > 0.0:
+        return diffuse(parameters, state, scratch, flow)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
     add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
     well, budget = passed(parameters, state, scratch, 0.5 * h, parameters.stopping), has_budget(parameters)
     if budget:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
-    if fluid.thermal > 0.0:
-        choose(scratch.fate, state.left, bodies.overdamped, 1)
-        chance = (parameters.seed, state.step[0], fluid.thermal)
-        plan_steps(bodies.friction, scratch.fate, chance, h, scratch.travel)
-        well = passed(parameters, state, scratch, h, parameters.mirroring) and well
-        state.work[0] += work_of_steps(parameters, state, scratch)
     choose(scratch.fate, state.left, bodies.overdamped, 1)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
     add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
     well = passed(parameters, state, scratch, 0.5 * h, parameters.stopping) and well
     if budget:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
+    keep_drifts(state, scratch)
+    return well
+
+
+@compiled
+def keep_drifts(state: State, scratch: Workspace) -> None:
+    """The velocity of particles without inertia is that of their drift."""
     for i in range(len(scratch.fate)):
         if scratch.fate[i] == 0:
             for axis in range(state.velocity.shape[1]):
                 state.velocity[i, axis] = scratch.travel[i, axis]
+
+
+@compiled
+def diffuse(parameters: Parameters, state: State, scratch: Workspace, flow: tuple[float, float, float, float]) -> bool:
+    """One step of those without inertia, with thermal noise."""
+    bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
+    chance, last = (parameters.seed, state.step[0], fluid.thermal), state.position.shape[1] - 1
+    plan_drifts(state.position, bodies.settling, scratch.fate, h, flow, scratch.travel)
+    add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
+    plan_steps(bodies.friction, scratch.fate, chance, h, scratch.noise)
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] == 0:
+            # The shear at the middle of the step, noise included.
+            scratch.travel[i, 0] += flow[3] * 0.5 * h * scratch.noise[i, last]
+            for axis in range(last + 1):
+                scratch.travel[i, axis] += scratch.noise[i, axis]
+    reflect_noise(parameters, state, scratch)
+    well = passed(parameters, state, scratch, h, parameters.mirroring)
+    state.work[0] += work_of_noise(parameters, state, scratch)
+    choose(scratch.fate, state.left, bodies.overdamped, 1)
+    plan_drifts(state.position, bodies.settling, scratch.fate, 0.0, flow, scratch.travel)
+    add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
+    keep_drifts(state, scratch)
     return well
+
+
+@compiled
+def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> None:
+    """Add to the velocities what turns them back at walls and obstacles: see `diffusion.reflected_gain`."""
+    sheet, h, thermal = parameters.mirroring, parameters.time_step, parameters.fluid.thermal
+    kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] != 0:
+            continue
+        variance, radius = 2.0 * diffusion.diffusivity(thermal, parameters.bodies.friction[i]) * h, scratch.radius[i]
+        x, way = row(state.position, i), scaled(h, row(scratch.travel, i))
+        k, piece = 0, 0
+        while k < kind.shape[0]:
+            before, nearest, following = piece_gap(kind, number, k, x, 0.0)
+            after = piece_gap(kind, number, k, plus(x, 1.0, way), 0.0)[0] - radius
+            gap, k, piece = max(before - radius, 0.0), following, piece + 1
+            # Beyond this, paths meet with a probability below exp(-40).
+            if after > 0.0 and gap * after > 20.0 * variance:
+                continue
+            normal = inward_normal(kind, number, nearest, x, 0.0)
+            share = min(gap / (gap - after), 1.0) if after < 0.0 else 0.5
+            foot = plus(plus(x, share, way), -radius if after < 0.0 else -0.5 * (gap + after) - radius, normal)
+            if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
+                continue
+            draw = uniforms(counter_of_pair(i, piece, int(state.step[0])), parameters.seed)[0]
+            end = diffusion.reflected_gain(after - gap, variance, -math.log(draw))
+            if end > after:
+                way = plus(way, end - after, normal)
+                state.hits[nearest] += 1
+        put(scratch.travel, i, scaled(1.0 / h, way))
 
 
 @compiled

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, composed, selected
+from ecume._jit import admit, compiled, compiled_inside, composed, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact import impulse_solvers
@@ -28,7 +28,10 @@ from ecume.engine.contact.contacts import Bodies, Contacts, Memory
 from ecume.engine.contact.friction import FrictionRows, Motion
 from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.contact.torque_contacts import TorqueContacts
-from ecume.laws import drag, flotation
+from ecume.engine.philox import counter_of_pair, uniforms
+from ecume.engine.walls import wall_distance
+from ecume.laws import diffusion, drag, flotation
+from ecume.laws.diffusion import reflected_gain
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import (
     COLLISIONS,
@@ -46,6 +49,8 @@ from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
+
+admit(diffusion)
 
 
 class Friction(NamedTuple):
@@ -450,6 +455,9 @@ def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State,
     split_velocities(parameters, state, workspace)
     bounce(part, own, parameters, state, workspace)
     require_gaps(part.overlapping, parameters, contacts)
+    if parameters.drift.thermal > 0.0:
+        mobilities = free_mobilities(parameters, contacts)
+        reflect_noise(parameters, state, contacts, workspace.midstep_velocity, mobilities)
     solve_contacts(part, own, parameters, state, workspace, workspace.midstep_velocity)
     add_rows(state.velocity, workspace.midstep_velocity)
     store_spins(part, own, parameters, state, False)
@@ -479,6 +487,63 @@ def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts |
     for row in range(contacts.total[0]):
         free = overlapping and contacts.second[row] < len(parameters.floats.radius)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
+
+
+@compiled
+def reflect_noise(
+    parameters: Parameters, state: State, contacts: Contacts, velocity: Array, mobility_of: Array
+) -> None:
+    """Require that pairs which thermal noise brings together end their step apart, as reflected Brownian motions do.
+
+    Noise carries floats into one another in almost each step near contact. To stop them at contact would leave them
+    there: the gap at the end of the step is that of `reflected_gain` [lepingle1995]. `mobility_of`: the relative
+    velocity of each pair by opposite unit forces (m/(N s)).
+    """
+    drift, time = parameters.drift, parameters.time_step
+    touching.normal_velocities(contacts, velocity, contacts.scratch)
+    for row in range(contacts.total[0]):
+        variance, gap = 2.0 * drift.thermal * mobility_of[row] * time, max(contacts.gap[row], 0.0)
+        after, ahead, across = free_gap(parameters, state, contacts, row, velocity)
+        # Beyond this, paths meet with a probability below exp(-40).
+        if contacts.bound[row] > -np.inf and (after <= 0.0 or gap * after < 20.0 * variance):
+            i, j = contacts.first[row], contacts.second[row]
+            draw = uniforms(counter_of_pair(i, j, int(state.step[0])), drift.seed)[0]
+            end = reflected_gain(after - gap, variance, -math.log(draw))
+            moved = time * contacts.scratch[row]
+            if ahead > 0.0:
+                # As far along the normal as leads to this gap, beside the motion across it.
+                target = end + ahead - moved - contacts.gap[row]
+                contacts.bound[row] = (math.sqrt(max(target**2 - across**2, 0.0)) - ahead + moved) / time
+            else:
+                contacts.bound[row] = (moved + end - after) / time
+
+
+@compiled
+def free_gap(
+    parameters: Parameters, state: State, contacts: Contacts, row: int, velocity: Array
+) -> tuple[float, float, float]:
+    """The gap of a contact at the end of the step without contacts, and for two floats the vector between their centers
+    then: its parts along and across the normal (m). At walls these are zero.
+    """
+    i, j, time, radius = contacts.first[row], contacts.second[row], parameters.time_step, parameters.floats.radius
+    if j >= len(radius):
+        x, y = state.position[i, 0] + time * velocity[i, 0], state.position[i, 1] + time * velocity[i, 1]
+        return wall_distance(parameters.walls, j - len(radius), x, y)[0] - radius[i], 0.0, 0.0
+    x, y = contacts.normal[row, 0], contacts.normal[row, 1]
+    across = time * (x * (velocity[j, 1] - velocity[i, 1]) - y * (velocity[j, 0] - velocity[i, 0]))
+    touch = radius[i] + radius[j]
+    ahead = touch + contacts.gap[row] + time * contacts.scratch[row]
+    return math.sqrt(ahead**2 + across**2) - touch, ahead, across
+
+
+@compiled
+def free_mobilities(parameters: Parameters, contacts: Contacts) -> Array:
+    """The relative mobility of each pair of floats that do not interact through the liquid."""
+    gain, found = parameters.kick.gain, np.empty(contacts.total[0])
+    for row in range(len(found)):
+        i, j = contacts.first[row], contacts.second[row]
+        found[row] = gain[i] + (gain[j] if j < len(gain) else 0.0)
+    return found
 
 
 @compiled

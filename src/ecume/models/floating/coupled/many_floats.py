@@ -32,12 +32,13 @@ from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
 from ecume.laws.pair_mobility import rotne_prager
-from ecume.models.floating.contacts.collisions import clear_impulses, memory_of
+from ecume.models.floating.contacts.collisions import clear_impulses, memory_of, reflect_noise
 from ecume.models.floating.coupled.mobility import (
     CoupledKicks,
     CoupledScratch,
     add_coupled_work,
     add_current,
+    begin_contacts,
     fastest_motion,
     fill_current,
     fill_normals,
@@ -467,7 +468,12 @@ def collide_on_grid(
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
     contacts, memory = workspace.contacts, memory_of(state)
-    wanted = gather_contacts(parameters, state, workspace)
+    gather_contacts(parameters, state, workspace)
+    set_pair_weights(contacts, state.position, own.grid[0].radius, own.grid[0].unit)
+    if parameters.drift.thermal > 0.0:
+        mobilities = 1.0 / contacts.weight[: int(contacts.total[0])]
+        reflect_noise(parameters, state, contacts, workspace.midstep_velocity, mobilities)
+    wanted = begin_contacts(parameters, state, workspace)
     if wanted.target > 0.0:
         push_on_grid(own, parameters, state, workspace, wanted)
     else:
@@ -480,7 +486,6 @@ def push_on_grid(own: GridScratch, parameters: Parameters, state: State, workspa
     """Solve for the forces of all contacts and change the motion by them."""
     contacts, grid, count = workspace.contacts, own.grid[0], len(own.motion.current)
     total = int(contacts.total[0])
-    set_pair_weights(contacts, state.position, grid.radius, grid.unit)
     contacts.impulse[:total] /= parameters.time_step
     velocity = workspace.midstep_velocity.copy()
 

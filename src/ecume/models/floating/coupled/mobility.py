@@ -41,6 +41,7 @@ from ecume.models.floating.contacts.collisions import (
     friction_of,
     goal_of,
     memory_of,
+    reflect_noise,
     require_gaps,
 )
 from ecume.models.floating.forces.films import (
@@ -347,7 +348,11 @@ def collide_coupled(
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
     contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
-    goal = gather_contacts(parameters, state, workspace)
+    gather_contacts(parameters, state, workspace)
+    if parameters.drift.thermal > 0.0:
+        mobilities = closing_mobilities(own.mobility, len(own.current), contacts)
+        reflect_noise(parameters, state, contacts, workspace.midstep_velocity, mobilities)
+    goal = begin_contacts(parameters, state, workspace)
     if goal.target > 0.0:
         rows = dense_rows_of(part, contacts, parameters, len(own.motion))
         if turning:
@@ -370,13 +375,36 @@ def collide_coupled(
 
 
 @compiled
-def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Goal:
-    """Find the contacts of this step, with the impulses of the last one; return the tolerance of their solution."""
+def closing_mobilities(mobility: Array, count: int, contacts: Contacts) -> Array:
+    """The relative velocity of each pair by opposite unit forces along its normal; walls are at rest."""
+    found = np.empty(contacts.total[0])
+    for row in range(len(found)):
+        i, j, total = contacts.first[row], contacts.second[row], 0.0
+        for one in range(2):
+            for other in range(2):
+                both = mobility[2 * i + one, 2 * i + other]
+                if j < count:
+                    both += mobility[2 * j + one, 2 * j + other]
+                    both -= mobility[2 * i + one, 2 * j + other] + mobility[2 * j + one, 2 * i + other]
+                total += contacts.normal[row, one] * both * contacts.normal[row, other]
+        found[row] = total
+    return found
+
+
+@compiled
+def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Find the contacts of this step."""
     contacts = workspace.contacts
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     require_gaps(False, parameters, contacts)
+
+
+@compiled
+def begin_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Goal:
+    """Start from the impulses of the last step; return the tolerance of their solution."""
+    contacts = workspace.contacts
     touching.recall(touching.contact_keys(contacts), memory_of(state))
     touching.normal_velocities(contacts, workspace.midstep_velocity, contacts.scratch)
     return goal_of(parameters, contacts)

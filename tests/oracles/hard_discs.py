@@ -1,0 +1,47 @@
+"""Metropolis Monte Carlo of hard discs, which knows neither time nor forces: independent of any integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def monte_carlo(count: int, side: float, sweeps: int, seed: int, every: int = 5) -> NDArray[np.float64]:
+    """Configurations (K, N, 2) of hard discs of radius 1 in a periodic square, after a tenth of the sweeps."""
+    dice = np.random.default_rng(seed)
+    place = lattice(count, side)
+    step, kept = 0.5, []
+    for sweep in range(sweeps):
+        accepted = 0
+        for i, move in zip(dice.integers(count, size=count), dice.uniform(-step, step, (count, 2)), strict=True):
+            trial = (place[i] + move) % side
+            away = place - trial
+            away -= side * np.round(away / side)
+            square = (away**2).sum(axis=1)
+            square[i] = np.inf
+            if square.min() >= 4.0:
+                place[i] = trial
+                accepted += 1
+        if sweep < sweeps // 10:
+            step *= 1.05 if accepted > 0.5 * count else 0.95
+        elif sweep % every == 0:
+            kept.append(place.copy())
+    return np.array(kept)
+
+
+def lattice(count: int, side: float) -> NDArray[np.float64]:
+    """A square lattice of discs."""
+    across = int(np.ceil(np.sqrt(count)))
+    spots = (np.arange(across) + 0.5) * side / across
+    return np.array([(x, y) for x in spots for y in spots])[:count]
+
+
+def gap_counts(place: NDArray[np.float64], side: float, edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The mean number of pairs in each interval of gaps, in radii, of configurations (K, N, 2)."""
+    i, j = np.triu_indices(place.shape[1], 1)
+    counts = np.zeros(len(edges) - 1)
+    for each in place:
+        away = each[i] - each[j]
+        away -= side * np.round(away / side)
+        counts += np.histogram(np.sqrt((away**2).sum(axis=1)) - 2.0, edges)[0]
+    return np.asarray(counts / len(place))
