@@ -37,7 +37,7 @@ QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1
 # Pint's own parser would work out `m**9**9**9`; it is given only what this grammar lets through, one digit to a power.
 FACTOR = r"[A-Za-zµμ°%Ω_]+(?:(?:\^|\*\*)?-?[0-9])?"
 PRODUCT = rf"{FACTOR}(?:\s*[* ]\s*{FACTOR})*"
-UNIT = re.compile(rf"{PRODUCT}(?:\s*/\s*(?:{FACTOR}|\({PRODUCT}\)))*")
+UNIT = re.compile(rf"(?:{PRODUCT}|1(?=\s*/))(?:\s*/\s*(?:{FACTOR}|\({PRODUCT}\)))*")
 POWER = re.compile(r"(?<=[A-Za-zµμ°%Ω_])(?:\^|\*\*)?(-?[0-9])")
 TYPOGRAPHY = str.maketrans({"·": "*", "⋅": "*", "²": "^2", "³": "^3"})
 
@@ -388,6 +388,8 @@ Friction = Annotated[float, Unit("N*s/m")]
 Angle = Annotated[float, Unit("rad")]
 Number = Annotated[float, Unit("1")]
 Rate = Annotated[float, Unit("1/s")]
+NumberPerArea = Annotated[float, Unit("1/m^2")]
+NumberPerVolume = Annotated[float, Unit("1/m^3")]
 Temperature = Annotated[float, Unit("K")]
 
 # The same for functions that welcome arrays where a float is.

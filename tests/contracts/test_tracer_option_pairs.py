@@ -78,6 +78,8 @@ def plain_of(one, other):
     return merged(base, asked)
 
 
+pytestmark = pytest.mark.filterwarnings("ignore::ecume.models.tracers.record.FlowWarning")
+
 PAIRS = Pairs("tracers.md", OPTIONS, plain_of)
 
 

@@ -33,7 +33,7 @@ def air_viscosity(temperature: Temperature) -> Viscosity:
     >>> round(air_viscosity(293.15) * 1e6, 2)
     18.13
     """
-    return 1.458e-6 * temperature**1.5 / (temperature + 110.4)
+    return 1.458e-6 * temperature * math.sqrt(temperature) / (temperature + 110.4)
 
 
 def mean_free_path(density: Density, viscosity: Viscosity, pressure: Pressure) -> Length:

