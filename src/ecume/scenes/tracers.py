@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Annotated, Any, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from ecume.scenes.common import Common, Kind, dataclass
 from ecume.scenes.faults import Inconsistent, Path
@@ -215,20 +215,14 @@ class OpeningSpec:
     """The number of particles that enter per second (1/s), at random positions in the opening. Effect: the number of
     particles grows in proportion to it."""
     concentration: Concentration | None = None
-    """The number of particles per cubic meter of the liquid that flows in (1/m^3), such as `100 1/mL`; in 2D per square
-    meter (1/m^2). Effect: the number of particles grows in proportion to it and to the inflow."""
+    """The number of particles per volume of the liquid that flows in (1/m^3; 1/m^2 in 2D), such as `100 1/mL`. Effect:
+    the number of particles grows in proportion to it and to the inflow."""
     species: Name = ""
     """The name of the species that enters; by default the first one. Effect: selects radius and density of entering
     particles."""
     velocity: Speeds | None = None
     """The velocity of entering particles (m/s); by default that of the liquid plus the settling velocity. Effect:
     drag changes it within the relaxation time."""
-
-    @field_validator("concentration", mode="before")
-    @classmethod
-    def _per_volume(cls, value: object, info: ValidationInfo) -> object:
-        """The unit depends on the dimension, which the corners before it have."""
-        return None if value is None else Unit(f"1/m^{len(info.data.get('low') or (0.0, 0.0))}").number(value)
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
