@@ -118,7 +118,7 @@ def play(
     game = game_of(asked)
     typer.echo("starting; the first start compiles, which can take minutes ...")
     game.toy.moving.play(0.0)
-    with served(game) as address, offered(address):
+    with served(game) as address, offered(address, "play"):
         try:
             game.run()
         except KeyboardInterrupt:

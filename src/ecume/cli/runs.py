@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -32,6 +33,7 @@ from ecume.errors import StorageError
 
 if TYPE_CHECKING:
     from ecume.run import Comparison, Info, RunResult, RunSummary
+    from ecume.run.reports import QuantityDifference
 
 
 DIFFERENT = 1
@@ -93,12 +95,22 @@ def _print(found: Comparison) -> None:
     typer.echo(f"frames: {one} and {other}, {found.common} of them at equal times")
     if found.quantities:
         rows = [
-            (row.name, f"{row.from_time:.6g} s", f"{row.largest:.2e} {row.unit}".rstrip(), f"{row.relative:.1e}")
+            (
+                row.name,
+                f"{row.from_time:.6g} s",
+                _largest(row),
+                "" if math.isinf(row.largest) else f"{row.relative:.1e}",
+            )
             for row in found.quantities
         ]
         print_table(("quantity", "differs from", "by at most", "relative"), rows)
     elif found.common:
         typer.echo("all quantities are equal, bit for bit")
+
+
+def _largest(row: QuantityDifference) -> str:
+    """The largest difference; of arrays that cannot be subtracted, that they cannot."""
+    return "other shape" if math.isinf(row.largest) else f"{row.largest:.2e} {row.unit}".rstrip()
 
 
 def _text(value: object) -> str:
@@ -379,13 +391,13 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def offered(address: str) -> Iterator[None]:
-    """Print an address, and open it in the browser, in a block that lasts as long as the address is served."""
+def offered(address: str, what: str = "follow the run") -> Iterator[None]:
+    """Print an address and what it is for, and open it in the browser, in a block that lasts as long as it serves."""
     import webbrowser
 
     from ecume.show.serving import redirect_file
 
-    typer.echo(f"open {address} to follow the run")
+    typer.echo(f"open {address} to {what}")
     with redirect_file(address) as file:
         webbrowser.open(file)
         yield

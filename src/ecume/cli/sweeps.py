@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +12,7 @@ import typer
 
 from ecume.cli.output import Json, counted, lasting, print_json, print_table, say
 from ecume.cli.runs import Quiet, use_at_most
+from ecume.cli.scenes import Laws
 from ecume.errors import BadInput, Stopped
 
 if TYPE_CHECKING:
@@ -63,6 +65,7 @@ def sweep(
     array: Annotated[bool, typer.Option("--array", help="Write a job array for sbatch, and run nothing.")] = False,
     task: Annotated[Any, typer.Option("--task", parser=task_of, hidden=True)] = None,
     status: Annotated[bool, typer.Option("--status", help="Print the progress, and run nothing.")] = False,
+    laws: Laws = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -83,19 +86,27 @@ def sweep(
     if status:
         _print_status(directory, json=json)
     elif task is not None:
-        _work(directory, *task)
+        _work(directory, task, laws or [])
     elif array:
-        _write_array(source, directory)
+        _write_array(source, directory, absolute(laws or []))
     else:
-        hands = {"workers": workers, "scheduler": scheduler, "slurm": slurm, "retries": retries}
+        hands: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "slurm": slurm, "retries": retries}
+        hands["laws"] = tuple(absolute(laws or []))
         _run_all(source, directory, hands, quiet=quiet)
 
 
-def _write_array(source: Path, directory: Path) -> None:
+def absolute(laws: Sequence[str]) -> list[str]:
+    """Files of laws by paths that workers find, wherever they are started."""
+    return [str(Path(law).absolute()) for law in laws]
+
+
+def _write_array(source: Path, directory: Path, laws: Sequence[str]) -> None:
+    from ecume.run.user_code import entries, laws_from
     from ecume.sweep.directory import begun_or_laid_out
     from ecume.sweep.executors import write_array
 
-    typer.echo(f"wrote {write_array(begun_or_laid_out(source, directory))}; submit it with sbatch")
+    sweeping = begun_or_laid_out(source, directory, entries(laws_from(laws)))
+    typer.echo(f"wrote {write_array(sweeping, laws)}; submit it with sbatch")
 
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
@@ -141,12 +152,12 @@ def _print_status(directory: Path, *, json: bool) -> None:
         say(f"{folder}: {why}")
 
 
-def _work(directory: Path, number: int, of: int) -> None:
+def _work(directory: Path, task: tuple[int, int], laws: Sequence[str]) -> None:
     """A task of a job array."""
     from ecume.sweep.directory import existing_sweep
     from ecume.sweep.executors import work_task
 
-    words = work_task(existing_sweep(directory), number, of)
+    words = work_task(existing_sweep(directory), *task, laws)
     if "failed" in words:
         raise BadInput(f"{words.count('failed')} of {len(words)} points failed; see ecume sweep {directory} --status")
 
@@ -168,11 +179,12 @@ def in_unit(text: str, unit: str, option: str) -> float:
     return value
 
 
-TrackFile = Annotated[
-    Path,
+TrackFiles = Annotated[
+    list[Path],
     typer.Argument(
         metavar="TRACKS",
-        help="Table of tracks: columns x, y, t, id, or the format of trackpy or TrackMate.",
+        help="Tables of tracks: columns x, y, t, id, or the format of trackpy, TrackMate, MTrackJ or Tracker; "
+        "Tracker writes a file for each object: give them all.",
         show_default=False,
     ),
 ]
@@ -215,7 +227,7 @@ FitFolder = Annotated[
 
 
 def fit(
-    tracks: TrackFile,
+    tracks: TrackFiles,
     scene: SceneFile,
     free: FreeKeys,
     pixel: Pixel = None,
@@ -224,6 +236,7 @@ def fit(
     only: Only = None,
     start: StartOf = "positions",
     until: Until = None,
+    laws: Laws = None,
     out: FitFolder = None,
     quiet: Quiet = False,
 ) -> None:
@@ -234,17 +247,20 @@ def fit(
 
     Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
     · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`
+    · `ecume fit bead-a.txt bead-b.txt --scene two-spheres.toml --free viscosity`
     """
     from ecume.fitting import Camera, picked, read_tracks
     from ecume.fitting import fit as fitted
+    from ecume.run.user_code import laws_from
     from ecume.units import with_prefix
 
     camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
     measured = read_tracks(tracks, camera)
     if only is not None:
         measured = picked(measured, _words(only))
-    found = fitted(measured, scene, _words(free), start=start, until=math.inf if until is None else until)
-    directory = out or FITS / tracks.stem
+    own, latest = laws_from(laws or []), math.inf if until is None else until
+    found = fitted(measured, scene, _words(free), start=start, until=latest, extra_laws=own)
+    directory = out or FITS / tracks[0].stem
     keep(found, directory)
     if not quiet:
         print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))

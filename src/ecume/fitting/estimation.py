@@ -49,6 +49,9 @@ FAR = 1e3
 """The residual, in units of the reach, where a simulation is impossible: such parameters are never taken."""
 
 
+Law = Callable[..., float]
+
+
 class Problem(NamedTuple):
     """The problem of a fit: tracks in the order of the scene's particles, and the parts of the scene that vary."""
 
@@ -63,6 +66,8 @@ class Problem(NamedTuple):
     """(N, 2) m: where the start's coordinates are zero"""
     speed: Array
     """(N, 2) m/s: the same for velocities"""
+    laws: tuple[Law, ...] = ()
+    """the user's"""
 
     @property
     def seen(self) -> Any:
@@ -112,11 +117,11 @@ def scene_at(problem: Problem, coordinates: Array) -> Scene:
     return from_plain(plain)
 
 
-def simulated(scene: Scene, times: Array) -> Array:
+def simulated(scene: Scene, times: Array, laws: Sequence[Law] = ()) -> Array:
     """(T, N, 2) m: the positions at these times."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what is said of the steps of a trial is no news: they were chosen here
-        frames = list(simulate(scene))
+        frames = list(simulate(scene, extra_laws=laws))
     return positions_at(frames, times)
 
 
@@ -134,7 +139,7 @@ def positions_at(frames: Sequence[Frame], times: Array) -> Array:
 def residuals(problem: Problem, coordinates: Array) -> Array:
     """Simulated less measured positions, over the reach, where there are measurements."""
     try:
-        there = simulated(scene_at(problem, coordinates), problem.tracks.times)
+        there = simulated(scene_at(problem, coordinates), problem.tracks.times, problem.laws)
     except (BadInput, Diverged):  # floats that sink, overlap or fly away: not here
         return np.full(2 * int(problem.seen.sum()), FAR)
     return np.asarray((there - problem.tracks.position)[problem.seen].ravel() / problem.reach)
@@ -270,18 +275,22 @@ def fit(
     start: str = "positions",
     until: float = math.inf,
     camera: Camera = Camera(),  # noqa: B008  # it cannot change
+    extra_laws: Sequence[Law] = (),
 ) -> Fit:
     """The parameters of a scene with which its simulation is nearest to tracks, by least squares.
 
     `free` are keys such as `contact_angle`, or paths such as `particles[0].radius`; the scene has their initial values
     and everything else. `start` selects what is fitted together with them: `positions` of all particles at the first
     instant, `moving` for velocities as well, `scene` for nothing. Observations later than `until` (s) are ignored, for
-    example contacts. Noise is assumed to be the same for all measured numbers, and independent.
+    example contacts. `extra_laws` are user-defined laws. Noise is assumed to be the same for all measured numbers, and
+    independent.
     """
     measured = tracks if isinstance(tracks, Tracks) else read_tracks(tracks, camera)
     asked = load_scene(scene) if isinstance(scene, (str, Path)) else scene
-    problem = posed(cut(measured, until), to_plain(asked), free, start)
-    simulated(scene_at(problem, origin(problem)), measured.times)  # faults of the initial state are reported unchanged
+    problem = posed(cut(measured, until), to_plain(asked), free, start)._replace(laws=tuple(extra_laws))
+    simulated(
+        scene_at(problem, origin(problem)), measured.times, problem.laws
+    )  # faults of the initial state are reported unchanged
     solution = solved(lambda at: residuals(problem, at), origin(problem))
     return concluded(problem, solution)
 
@@ -295,7 +304,7 @@ def posed(measured: Tracks, plain: dict[str, Any], names: Sequence[str], start: 
     if start != "scene":
         require_starts(plain, moving=start == "moving")
     plain = timed(plain, measured)
-    frame = first_frame(from_plain(plain))
+    frame = first_frame(from_plain(plain | {"user_laws": []}))
     found = start != "scene"
     if not (found and keeps_kinds(plain) and len(measured.names) == len(frame.arrays["position"])):
         measured = matched(measured, frame, centered=found)
@@ -312,7 +321,7 @@ def concluded(problem: Problem, solution: Solution) -> Fit:
     """The result of a solved problem."""
     scene, at = scene_at(problem, solution.coordinates), solution.coordinates
     sure = certainty(solution, len(problem.free))
-    there = simulated(scene, problem.tracks.times)
+    there = simulated(scene, problem.tracks.times, problem.laws)
     estimates = [_estimate(problem.free[n], float(at[n]), sure, n) for n in range(len(problem.free))]
     derived = derived_estimates(problem, at, sure)
     noise = solution.noise * problem.reach

@@ -2,7 +2,8 @@
 
 Columns are known by their heads: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's `POSITION_X,
 POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more lines of heads, and those of `ecume export --to csv`. Other
-columns are left alone.
+columns are left alone. MTrackJ's tables have TID; those of the video program Tracker have x and y of each object in
+columns of their own, or one object in each file.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ NAMES = {
     "y": ("y", "position_y"),
     "time": ("t", "time", "position_t"),
     "frame": ("frame",),
-    "object": ("track_id", "particle", "track", "object", "id"),
+    "object": ("track_id", "tid", "particle", "track", "object", "id"),
 }
 """What a column may be called, in small letters; the first that is there is taken."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
@@ -83,15 +84,86 @@ class Column(NamedTuple):
     scale: float
 
 
-def read_tracks(path: str | os.PathLike[str], camera: Camera = Camera()) -> Tracks:  # noqa: B008  # it cannot change
-    """The tracks of a table. Raises BadInput with what is wrong with it."""
-    file = Path(path)
+def read_tracks(
+    path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    camera: Camera = Camera(),  # noqa: B008  # it cannot change
+) -> Tracks:
+    """The tracks of a table, or of several tables with other objects in each. Raises BadInput with what is wrong."""
+    files = [Path(path)] if isinstance(path, (str, os.PathLike)) else [Path(one) for one in path]
+    spots: list[Spot] = []
+    scale = 1.0
+    for file in files:
+        try:
+            rows = in_rows_of_objects(_rows(text_of(file, MOST_BYTES)), file.stem)
+            columns, body = _columns(rows, camera)
+            spots += _apart(_spots(body, columns), {who for who, *_ in spots}, file.stem)
+            scale = columns["x"].scale
+        except ValueError as fault:
+            raise BadInput(f"{file}: {fault}") from None
     try:
-        rows = _rows(text_of(file, MOST_BYTES))
-        columns, body = _columns(rows, camera)
-        return _gathered(_spots(body, columns), camera.origin, columns["x"].scale)
+        return _gathered(spots, camera.origin, scale)
     except ValueError as fault:
-        raise BadInput(f"{file}: {fault}") from None
+        raise BadInput(f"{', '.join(map(str, files))}: {fault}") from None
+
+
+def _apart(spots: Sequence[Spot], taken: set[str], name: str) -> list[Spot]:
+    """Spots of a further file, whose objects get other names where another file has these."""
+    return [(f"{name}: {who}" if who in taken else who, *rest) for who, *rest in spots]  # type: ignore[misc]
+
+
+Rows = list[tuple[int, list[str]]]
+"""The number and the cells of each line."""
+NUMERIC = re.compile(r"[+-]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][+-]?[0-9]+)?")
+OF_OBJECT = re.compile(r"\s*([xy])(?:[_ ]([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*[\])])?)\s*")
+
+
+def in_rows_of_objects(rows: Rows, name: str) -> Rows:
+    """A table with one object in a line. The program Tracker writes t, x, y of one object without a head, or with names
+    of objects above it, or x and y of each object beside one another; other tables stay what they are. `name` is that
+    of an object without one.
+    """
+    first = [cell.strip() for cell in rows[0][1]]
+    if len(first) >= 3 and all(NUMERIC.fullmatch(cell) for cell in first[:3]):
+        return [(0, ["t", "x", "y", "object"]), *((line, [*row[:3], name]) for line, row in rows)]
+    heads, above, body = first, [name] * len(first), rows[1:]
+    if not {"x", "t"} & {cell.lower() for cell in first} and len(rows) > 1 and _is_head(rows[1][1]):
+        heads, body = [cell.strip() for cell in rows[1][1]], rows[2:]
+        above = _named_above(first, len(heads), name)
+    words = [match[1].lower() if (match := HEAD.fullmatch(cell[:200])) else "" for cell in heads]
+    time = next((place for place, word in enumerate(words) if word in (*NAMES["time"], *NAMES["frame"])), None)
+    if time is None or any(word in NAMES["object"] for word in words) or words.count("position_x"):
+        return rows
+    places = [OF_OBJECT.fullmatch(cell[:200]) for cell in heads]
+    pairs: dict[str, dict[str, int]] = {}
+    for place, match in enumerate(places):
+        if match:
+            pairs.setdefault(match[2] or above[place], {}).setdefault(match[1], place)
+    whole = {who: pair for who, pair in pairs.items() if len(pair) == 2}
+    if not whole:
+        return rows
+    x, y = (next(iter(whole.values()))[axis] for axis in "xy")
+    units = (match[3] if (match := places[place]) else "" for place in (x, y))
+    head = [heads[time], *(axis + unit for axis, unit in zip("xy", units, strict=True))]
+    lines = [
+        (line, [*(row[place] if place < len(row) else "" for place in (time, pair["x"], pair["y"])), who])
+        for line, row in body
+        for who, pair in whole.items()
+    ]
+    return [(rows[0][0], [*head, "object"]), *lines]
+
+
+def _is_head(cells: Sequence[str]) -> bool:
+    words = [cell.strip().lower().partition(" ")[0] for cell in cells]
+    return "t" in words and "x" in words and "y" in words
+
+
+def _named_above(cells: Sequence[str], count: int, name: str) -> list[str]:
+    """The name above each column: that of the last cell with one."""
+    found = []
+    for place in range(count):
+        name = cells[place] if place < len(cells) and cells[place] else name
+        found.append(name)
+    return found
 
 
 def cut(tracks: Tracks, until: float) -> Tracks:
@@ -141,7 +213,8 @@ def _columns(
     missing += ["t or frame"] if places["time"] is None and places["frame"] is None else []
     if missing:
         raise ValueError(
-            f"missing column {', '.join(missing)}; expected x, y, t and id, or a table of trackpy or TrackMate"
+            f"missing column {', '.join(missing)}; expected x, y, t and id, or a table of trackpy, TrackMate, MTrackJ "
+            "or Tracker"
         )
     body = rows[1:]
     units = [(match[2] or "") if match else "" for match in heads]

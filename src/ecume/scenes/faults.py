@@ -260,6 +260,8 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
 def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
     """How to write a table whose kind was given as text: `left = { kind = "outflow" }`."""
     word = detail["input"]
+    if detail["type"] == "tuple_type" and isinstance(word, dict):
+        return f"; write [[{'.'.join(str(key) for key in path if isinstance(key, str))}]] with two brackets"
     if detail["type"] != "dataclass_type" or not isinstance(word, str):
         return ""
     hints = typing.get_type_hints(_kind_at(kind, path))

@@ -573,7 +573,10 @@ def _syntax_fault(given: str, text: str) -> Fault:
     ending = text.rstrip("\n").split("\n")
     line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
     bare = BARE.match(ending[min(line, len(ending)) - 1])
-    hint = f'; text and numbers with units need quotes: "{bare[1]}"' if bare else ""
+    word = bare[1].strip() if bare else ""
+    switch = word.lower() if word.lower() in ("true", "false") else {"yes": "true", "no": "false"}.get(word.lower())
+    hint = f'; text and numbers with units need quotes: "{word}"' if bare else ""
+    hint = f"; write {switch}, in small letters" if switch else hint
     return Fault("", f"is not TOML: {message or given}{hint}", line, column)
 
 

@@ -113,12 +113,27 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
     return Sweeping(directory, spec, jobs)
 
 
-def begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
-    """The sweep of a file. One named by its own directory has all its points there, but not its scene's file."""
-    asked = load_sweep(file)
+def begun_or_laid_out(file: Path, directory: Path, laws: Sequence[dict[str, Any]] = ()) -> Sweeping:
+    """The sweep of a file. One named by its own directory has all its points there, but not its scene's file. `laws`
+    are the entries of user-defined laws. Raises BadInput where the sweep was begun with others.
+    """
+    asked = load_sweep(file)._replace(laws=tuple(laws))
     if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
-        return existing_sweep(directory)
+        found = existing_sweep(directory)
+        require_laws(found, laws)
+        return found
     return laid_out(asked, directory)
+
+
+def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:
+    """Raise BadInput unless these are the user-defined laws that the sweep was begun with."""
+    begun = json_at(sweeping.jobs[0].asked, dict).get("extra_laws", [])
+    if begun != list(laws):
+        wanted = " ".join(f"--laws FILE.py:{law['name']}" for law in begun)
+        same = [law["name"] for law in begun] == [law["name"] for law in laws]
+        changed = "the text of its laws has changed; restore it, or sweep into another directory"
+        way = changed if same else f"expected {wanted}" if begun else "expected no --laws, as when it was begun"
+        raise BadInput(f"{sweeping.path}: {way}")
 
 
 def existing_sweep(directory: Path) -> Sweeping:
@@ -192,7 +207,9 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     source = _source(asked)
     seed = [f"seed={load_scene(source, changes).seed + point.repeat}"] if point.repeat else []
     scene = load_scene(source, [*changes, *seed])
-    plan = {"scene": to_plain(scene), "hash": scene_hash(scene)}
+    plan: dict[str, Any] = {"scene": to_plain(scene), "hash": scene_hash(scene)}
+    if asked.laws:
+        plan["extra_laws"] = list(asked.laws)
     return plan if spec.engine == LOCAL else plan | _in_lammps(scene, spec)
 
 
@@ -246,9 +263,11 @@ def _toml(value: Any) -> str:
 
 def _digest(plan: dict[str, Any]) -> str:
     """Names what is simulated. Another number of ranks changes last digits only, and no name."""
-    if "hash" in plan and "engine" not in plan:
+    further = [plan[key] for key in ("engine", "extra_laws") if key in plan]
+    if "hash" in plan and not further:
         return str(plan["hash"])[:KEY_LENGTH]
-    text = f"{plan['hash']} {plan['engine']}" if "hash" in plan else _json(plan)
+    words = (one if isinstance(one, str) else _json(one) for one in further)
+    text = " ".join([plan["hash"], *words]) if "hash" in plan else _json(plan)
     return hashlib.sha256(text.encode()).hexdigest()[:KEY_LENGTH]
 
 

@@ -34,8 +34,10 @@ THREADS = 1
 """Of each run: many runs share the machine."""
 
 
-def work(folder: str) -> str:
-    """Simulate a point from where it stands; `done`, `failed`, or `busy` where another process has it."""
+def work(folder: str, laws: Sequence[str] = ()) -> str:
+    """Simulate a point from where it stands; `done`, `failed`, or `busy` where another process has it. `laws` are
+    files of user-defined laws.
+    """
     job = Job(Point({}, 0), Path(folder), {})
     if job.state == "done":
         return "done"
@@ -46,7 +48,7 @@ def work(folder: str) -> str:
         if "process" in plan:
             _process(job, plan)
         else:
-            _scene(job, plan)
+            _scene(job, plan, laws)
     except RunExists:
         return "busy"
     except Stopped:
@@ -72,16 +74,19 @@ def _process(job: Job, plan: dict[str, object]) -> None:
         write_whole(job.result, json.dumps(result), job.folder)
 
 
-def _scene(job: Job, plan: dict[str, object]) -> None:
+def _scene(job: Job, plan: dict[str, object], laws: Sequence[str]) -> None:
     from ecume.run import RunOptions, resume, run
+    from ecume.run.user_code import laws_from
     from ecume.scenes.load import from_plain
 
+    own = laws_from(laws)
     with engine_of(plan) as engine:
         options = RunOptions(threads=THREADS, engine=engine)
         if (job.run / "manifest.json").exists():
-            resume(job.run, options=options)
+            resume(job.run, extra_laws=own, options=options)
         else:
-            run(from_plain(plan["scene"]), job.run, force=job.run.exists(), options=options)  # type: ignore[arg-type]
+            scene = from_plain(plan["scene"])  # type: ignore[arg-type]
+            run(scene, job.run, extra_laws=own, force=job.run.exists(), options=options)
 
 
 @contextlib.contextmanager
@@ -123,6 +128,8 @@ class ExecutorOptions:
     """receives the number of finished points and their total"""
     failed: Callable[[Path, str], None] | None = None
     """receives each failed point and its cause, while the others continue"""
+    laws: tuple[str, ...] = ()
+    """files of user-defined laws, as absolute paths: `FILE.py` or `FILE.py:NAME`"""
 
 
 Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
@@ -137,19 +144,20 @@ def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterato
     if not missing:
         yield lambda jobs: iter(())
     elif options.scheduler is None and not options.slurm and workers == 1:
-        yield lambda jobs: ((job, work(str(job.folder))) for job in jobs)
+        yield lambda jobs: ((job, work(str(job.folder), options.laws)) for job in jobs)
     else:
         with _client(options, sweeping, workers) as client:
-            yield lambda jobs: _spread(client, jobs, options.retries)
+            yield lambda jobs: _spread(client, jobs, options)
 
 
-def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[tuple[Job, str]]:
+def _spread(client: Any, jobs: Sequence[Job], options: ExecutorOptions) -> Iterator[tuple[Job, str]]:
     """The jobs on the workers of a Dask client: each receives the name of a folder and returns a short answer."""
     import distributed
 
     library: Any = distributed  # leaves its functions without types
     folders = {str(job.folder.resolve()): job for job in jobs}
-    futures = {client.submit(work, folder, retries=retries, pure=False): job for folder, job in folders.items()}
+    kept = {"retries": options.retries, "pure": False}
+    futures = {client.submit(work, folder, options.laws, **kept): job for folder, job in folders.items()}
     ended = library.as_completed(list(futures))
     while (next_one := next_word(ended)) is not None:
         future, word = next_one
@@ -270,7 +278,7 @@ MOST_TASKS = 1000
 """Of an array; a task takes each so many-th point."""
 
 
-def write_array(sweeping: Sweeping) -> Path:
+def write_array(sweeping: Sweeping, laws: Sequence[str] = ()) -> Path:
     """Write `array.sh`, for `sbatch`; a task that reaches its time limit writes a checkpoint and is queued again."""
     cluster, path = sweeping.spec.cluster, sweeping.path / "array.sh"
     tasks = min(len(sweeping.jobs), MOST_TASKS)
@@ -285,7 +293,8 @@ def write_array(sweeping: Sweeping) -> Path:
         *([f"--partition={cluster.partition}"] if cluster.partition else []),
         *cluster.lines,
     ]
-    command = [sys.executable, "-m", "ecume", "sweep", str(sweeping.path.resolve()), "--task"]
+    command = [sys.executable, "-m", "ecume", "sweep", str(sweeping.path.resolve())]
+    command += [*(word for law in laws for word in ("--laws", law)), "--task"]
     lines = [
         "#!/bin/sh",
         *(f"#SBATCH {option}" for option in options),
@@ -304,6 +313,6 @@ def write_array(sweeping: Sweeping) -> Path:
     return path
 
 
-def work_task(sweeping: Sweeping, task: int, of: int) -> list[str]:
+def work_task(sweeping: Sweeping, task: int, of: int, laws: Sequence[str] = ()) -> list[str]:
     """The points of one task: each so many-th; the words they end with."""
-    return [work(str(job.folder)) for job in sweeping.jobs[task::of]]
+    return [work(str(job.folder), laws) for job in sweeping.jobs[task::of]]

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, Stopped, StorageError
 from ecume.run.lock import handled
-from ecume.run.user_code import entries
+from ecume.run.user_code import entries, laws_from
 from ecume.scenes.faults import read_path, suggestion
 from ecume.scenes.load import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct, existing_sweep, json_at
@@ -162,7 +162,7 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
     return found
 
 
-def require_numbers(sweeping: Sweeping) -> None:
+def require_numbers(sweeping: Sweeping, laws: Sequence[Callable[..., float]] = ()) -> None:
     """Raise BadInput where a measure is of a number that runs do not have; the first run begins for that, and no more.
     Raise it also where the engine is missing.
 
@@ -173,9 +173,9 @@ def require_numbers(sweeping: Sweeping) -> None:
     wanted = {text: read_measure(text).number for text in sweeping.spec.measures}
     plan = json_at(sweeping.jobs[0].asked, dict)
     with engine_of(plan) as engine:
-        if not wanted:
+        if not wanted and not laws:
             return
-        begun = moments(from_plain(plan["scene"]), engine=engine)
+        begun = moments(from_plain(plan["scene"]), extra_laws=laws, engine=engine)
         numbers = next(moment.frame.numbers for moment in begun if moment.frame is not None)
     for text, name in wanted.items():
         if name not in numbers:
@@ -261,11 +261,12 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], optio
 
     Raises Stopped after a signal: the same call continues.
     """
-    sweeping = begun_or_laid_out(Path(file), Path(directory))
+    own = laws_from(options.laws)
+    sweeping = begun_or_laid_out(Path(file), Path(directory), entries(own))
     jobs = distinct(sweeping.jobs)
     missing = [job for job in jobs if job.state != "done"]
     if missing:
-        require_numbers(sweeping)
+        require_numbers(sweeping, own)
     try:
         with handled(_stop):
             words = _worked(options, sweeping, missing)

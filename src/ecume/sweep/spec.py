@@ -369,6 +369,8 @@ class Asked(NamedTuple):
     """in which it looks for its scene"""
     name: str = "sweep"
     """what messages call it"""
+    laws: tuple[dict[str, Any], ...] = ()
+    """names and digests of user-defined laws that act in all points"""
 
 
 def load_sweep(path: Path) -> Asked:

@@ -132,6 +132,8 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     places = given_places(scene)
     places.position[:] = into_box(places.position, parameters.periods)
     free = np.isnan(places.position[:, 0])
+    if contacts_of(parameters).gaps is None:
+        places.position[~free] = separated(places.position[~free], parameters.floats.radius[~free], parameters.periods)
     if contacts_of(parameters).gaps is not None:
         _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
     else:
@@ -144,6 +146,64 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
         except BadInput as error:
             raise SceneError([Fault("particles", str(error))]) from None
     return with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
+
+
+SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 1e-6, 1000
+"""Of a radius: the overlaps that are removed before a run, from the smaller to the larger one. Soft contacts of other
+programs leave such. And the sweeps that this may take.
+"""
+
+
+def separated(position: Array, radius: Array, periods: Array) -> Array:
+    """Floats that overlap slightly, moved apart along their lines of centers until they touch; others stay where they
+    are. The overlaps have no energy then, which would appear from nowhere.
+    """
+    if len(radius) < 2:
+        return position
+    pairs = _touching(position, radius, periods)
+    if not len(pairs):
+        return position
+    found, (i, j) = position.copy(), pairs.T
+    for _ in range(MOST_SWEEPS):
+        away = found[j] - found[i]
+        box = np.where(periods[0] > 0.0, periods[0], np.inf)
+        away -= np.where(np.isfinite(box), np.round(away / box) * np.where(np.isfinite(box), box, 0.0), 0.0)
+        distance = np.hypot(away[:, 0], away[:, 1])
+        least = np.minimum(radius[i], radius[j])
+        depth = radius[i] + radius[j] - distance
+        if (depth > SLIGHT * least).any() or not (depth > ENOUGH * least).any():
+            break
+        # Half of what one pair alone needs: a float of several pairs is pushed by all of them.
+        push = 0.25 * (np.maximum(depth, 0.0) / distance)[:, None] * away
+        np.add.at(found, i, -push)
+        np.add.at(found, j, push)
+    return found
+
+
+ENOUGH = 1e-10
+"""Of a radius: overlaps that are left."""
+
+
+def _touching(position: Array, radius: Array, periods: Array) -> Integers:
+    """(P, 2) pairs of which one overlaps the other by more than a bit but slightly, and those next to them."""
+    box = [side if side > 0.0 else None for side in periods[0].tolist()]
+    wrapped = None if None in box else np.array(box)
+    from scipy.spatial import cKDTree
+
+    reach = 2.0 * float(radius.max()) * (1.0 + SLIGHT)
+    pairs = cKDTree(position if wrapped is None else np.mod(position, wrapped), boxsize=wrapped).query_pairs(
+        reach, output_type="ndarray"
+    )
+    if not len(pairs):
+        return np.zeros((0, 2), np.int64)
+    away = position[pairs[:, 1]] - position[pairs[:, 0]]
+    if wrapped is not None:
+        away -= np.round(away / wrapped) * wrapped
+    least = np.minimum(*radius[pairs.T])
+    depth = radius[pairs].sum(axis=1) - np.hypot(away[:, 0], away[:, 1])
+    if not (depth > SEPARATE * least).any() or (depth > SLIGHT * least).any():
+        return np.zeros((0, 2), np.int64)
+    return np.asarray(pairs[depth > -SLIGHT * least])
 
 
 def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:
