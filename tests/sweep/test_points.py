@@ -11,7 +11,6 @@ from ecume.sweep.directory import begun_or_laid_out, require_laws
 from ecume.sweep.executors import write_array
 from ecume.sweep.spec import READER, load_sweep, points_of, varied
 
-
 LAWS = [{"name": "yukawa", "sha256": "1" * 64}]
 
 
