@@ -18,6 +18,7 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 
+from ecume._columns import RECORD, fill_columns
 from ecume._fused import LANES, fused, lane_sum
 from ecume._parts import PART, UNKEPT, AloneCache, Dispatcher, Part, TogetherCache
 
@@ -406,6 +407,67 @@ def _lane_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any
         half = len(each) // 2
         each = [builder.fadd(each[k], each[k + half]) for k in range(half)]
     return each[0]
+
+
+@numba.extending.type_callable(fill_columns)  # type: ignore[untyped-decorator]
+def _type_fill_columns(context: Any) -> Callable[..., Any]:
+    def typer(columns: Any, records: Any, neighbor: Any, place: Any, count: Any) -> Any:
+        return types.none if isinstance(columns, types.Array) and columns.dtype == records.dtype else None
+
+    return typer
+
+
+@lower_builtin(fill_columns, types.Array, types.Array, types.Array, types.Integer, types.Integer)  # type: ignore[untyped-decorator]
+def _fill_columns(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Blocks of neighbors, as many as numbers fit into a vector of this processor: whole records are loaded, and
+    transposed in log2(block) rounds of exchanges between pairs of vectors.
+    """
+    kind = context.get_data_type(signature.args[0].dtype)
+    columns, records, neighbor = (
+        context.make_array(signature.args[k])(context, builder, arguments[k]) for k in range(3)
+    )
+    block = max(2, min(RECORD, _vector_bytes(context) * 8 // signature.args[0].dtype.bitwidth))
+    wide, alignment, index = ir.VectorType(kind, block), signature.args[0].dtype.bitwidth // 8, ir.IntType(64)
+
+    def number(value: int) -> Any:
+        return ir.Constant(index, value)
+
+    room = cgutils.unpack_tuple(builder, columns.shape)[1]
+    length = cgutils.unpack_tuple(builder, neighbor.shape)[1]
+    row = builder.gep(neighbor.data, [builder.mul(arguments[3], length)])
+    with cgutils.for_range(builder, builder.udiv(arguments[4], number(block))) as loop:
+        first = builder.mul(loop.index, number(block))
+        slots = [builder.load(builder.gep(row, [builder.add(first, number(k))])) for k in range(block)]
+        starts = [builder.mul(builder.zext(slot, index), number(RECORD)) for slot in slots]
+        for part in range(0, RECORD, block):
+            places = [builder.gep(records.data, [builder.add(start, number(part))]) for start in starts]
+            vectors = [builder.load(place, typ=wide, align=alignment) for place in places]
+            for column, vector in enumerate(_transposed(builder, vectors)):
+                place = builder.gep(columns.data, [builder.add(builder.mul(number(part + column), room), first)])
+                store = builder.store(vector, builder.bitcast(place, wide.as_pointer()))
+                store.align = alignment
+    return context.get_dummy_value()
+
+
+def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:
+    """The transpose of so many vectors of as many elements, by exchanges at distances 1, 2, 4."""
+    count, distance = len(vectors), 1
+    while distance < count:
+        upper = [k if not k & distance else count + k - distance for k in range(count)]
+        lower = [k + distance if not k & distance else count + k for k in range(count)]
+        masks = [ir.Constant(ir.VectorType(ir.IntType(32), count), mask) for mask in (upper, lower)]
+        found = list(vectors)
+        for k in range(count):
+            if not k & distance:
+                pair = vectors[k], vectors[k + distance]
+                found[k], found[k + distance] = (builder.shuffle_vector(*pair, mask) for mask in masks)
+        vectors, distance = found, 2 * distance
+    return vectors
+
+
+def _vector_bytes(context: Any) -> int:
+    """The width of the vectors that are transposed: with AVX-512, too, blocks of 32 bytes are a little faster."""
+    return 32 if context.codegen().magic_tuple()[1] in {"x86-64-v3", "x86-64-v4"} else 16
 
 
 def use_threads(count: int | None) -> int:

@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume._columns import RECORD
 from ecume.engine.cells import Images, Integers, images_of, positions_of_images
 from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sort_by_cell
-from ecume.models.sph.fields import Fields, Rates, zero_fields, zero_rates
+from ecume.models.sph.fields import Fields, Floats, Rates, zero_fields, zero_rates
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
@@ -117,6 +118,8 @@ class Workspace:
     lists: Lists
     fields: Fields
     rates: Rates
+    records: Floats
+    """(entries, 8) what a sum reads of each particle: see `sums.Column`"""
     before: Array
     """(d + 1, N) rates of velocity and density at the last positions"""
     cells: CellLists | None
@@ -127,7 +130,8 @@ class Workspace:
     def take(self, other: Workspace) -> None:
         """Become the other."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
-        self.rates, self.before, self.cells = other.rates, other.before, other.cells
+        self.rates, self.records = other.rates, other.records
+        self.before, self.cells = other.before, other.cells
 
 
 def make_state(parameters: Parameters, liquid: Liquid) -> State:
@@ -232,12 +236,13 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     )
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
-        return Workspace(images, lists, before.fields, before.rates, before.before, cells)
+        return Workspace(images, lists, before.fields, before.rates, before.records, before.before, cells)
     fields = zero_fields(columns, parameters.precision, parameters.corrects)
     fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
     rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))
-    return Workspace(images, lists, fields, rates, rates_before, cells)
+    records = np.zeros((columns, RECORD), parameters.precision)
+    return Workspace(images, lists, fields, rates, records, rates_before, cells)
 
 
 def cells_of(everyone: Array, support: float, skin: float) -> CellLists | None:

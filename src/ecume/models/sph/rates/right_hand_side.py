@@ -30,6 +30,8 @@ from ecume.models.sph.rates.corrections import fill_corrections
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_damping, read_liquid
 from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, set_eddy_viscosity
 from ecume.models.sph.rates.sums import (
+    KernelType,
+    fill_records,
     kernel_type,
     require_kernel,
     slope_of,
@@ -235,7 +237,7 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
     workspace.fields.force_term[...] = 0.0
     workspace.rates.acceleration[...] = 0.0
     if number(parameters.constants, "alpha") > 0.0:
-        sum_momentum(*_summed(parameters, workspace), kernel_type(parameters.constants), workspace.rates.table)
+        sum_momentum(*_recorded(parameters, workspace, workspace.fields.force_term))
     _store_acceleration(parameters, state, workspace, time)
 
 
@@ -250,12 +252,11 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
-    lists, rates = workspace.lists, workspace.rates
+    lists = workspace.lists
     diffuses = parameters.density_diffusion.excess is not None
     single = not diffuses and parameters.pressure_force.loop is None and parameters.bulk_viscosity == 0.0
     if single and len(lists.counts) == state.position.shape[1]:
-        kernel = kernel_type(parameters.constants)
-        sum_both(*_summed(parameters, workspace), kernel, rates.table)
+        sum_both(*_recorded(parameters, workspace, workspace.fields.force_term))
     else:
         _sum_stretch(parameters, workspace)
         _sum_push(parameters, workspace, summed=True)
@@ -264,11 +265,11 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    diffusion, rates, kernel = parameters.density_diffusion, workspace.rates, kernel_type(parameters.constants)
+    diffusion, rates = parameters.density_diffusion, workspace.rates
     summed = _summed(parameters, workspace)
     loop, diffusing = parameters.pressure_force.continuity, diffusion.diffusing(workspace.fields)
     if loop is None:
-        sum_continuity(*summed, kernel, diffusing, rates.table)
+        sum_continuity(*_recorded(parameters, workspace, diffusing))
     else:
         loop(*summed, diffusing, rates.table)
     if diffusion.gradients:
@@ -279,6 +280,15 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
 def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
     """The arguments of every sum over neighbors."""
     return workspace.fields.table, workspace.lists, parameters.constants
+
+
+def _recorded(
+    parameters: Parameters, workspace: Workspace, value: Floats
+) -> tuple[Floats, Floats, Lists, Constants, KernelType]:
+    """The arguments of the sums that read records, whose last number is this field's."""
+    fill_records(workspace.fields.table, workspace.records, value)
+    constants = parameters.constants
+    return workspace.rates.table, workspace.records, workspace.lists, constants, kernel_type(constants)
 
 
 def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
@@ -319,7 +329,7 @@ def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False
     damp_sound(parameters, workspace, summed)
     arguments, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
     if loop is None:
-        sum_momentum(*arguments, kernel_type(parameters.constants), rates.table)
+        sum_momentum(*_recorded(parameters, workspace, workspace.fields.force_term))
     else:
         loop(*arguments, rates.table)
 

@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume._columns import RECORD, fill_columns
 from ecume._jit import admit, by_type, compiled_inside, inlined, prange, selection, spread, summed_inside, summing
 from ecume.engine.neighbor_rows import STRIDE, Lists
 from ecume.laws import diffusion, kernels, viscous
@@ -115,38 +116,73 @@ def whole(count: int) -> np.uint64:
     return (INDEX(count) + BEFORE) & DOWN
 
 
+CHUNK = 128
+"""Particles that one thread takes at a time, with one set of columns."""
+SPARE = 8
+"""Entries between two columns, so that they do not all fall into the same lines of the cache."""
+
+
+class Column(NamedTuple):
+    """The numbers of a particle's record that continuity and pressure read."""
+
+    position: int = 0
+    velocity: int = 3
+    weight: int = 6
+    """what a neighbor counts, negative for dummies"""
+    value: int = 7
+    """what diffuses, or what the pressure force adds up of two particles"""
+
+
+COLUMN = Column()
+
+
+@spread
+def fill_records(fields: Floats, records: Floats, value: Floats) -> None:
+    """Fill the records (N, 8) of all particles, as `Column` names them, with this field as their last number."""
+    for i in prange(fields.shape[1]):
+        for axis in range(3):
+            records[i, COLUMN.position + axis] = fields[FIELD.position + axis, i]
+            records[i, COLUMN.velocity + axis] = fields[FIELD.velocity + axis, i]
+        weight = fields[FIELD.weight, i]
+        records[i, COLUMN.weight] = weight if fields[FIELD.liquid, i] > 0.0 else -weight
+        records[i, COLUMN.value] = value[i]
+
+
 @inlined
 def _continuity(
-    deep: bool, fields: Floats, lists: Lists, constants: Constants,
-    kernel: KernelType, diffusing: Floats, rates: Floats,
-) -> None:  # fmt: skip
+    deep: bool, rates: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType
+) -> None:
     """Continuity, and the diffusion of s, which is density or enthalpy, beyond g.x_ij by which s changes along x when
     the liquid is at rest (Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.diffusion`). Dummies do not take
     part in that.
     """
     counts, neighbor = lists
-    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
-        i, numbers = INDEX(particle), constants[0]
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
-        own = diffusing[i]
+    begin, end = constants[0].first, min(constants[0].last, rates.shape[1])
+    for chunk in prange((end - begin + CHUNK - 1) // CHUNK):
+        columns, numbers = np.empty((RECORD, neighbor.shape[1] + SPARE), records.dtype), constants[0]
         inverse, zero = numbers.inverse_length, numbers.zero
         gx, gy, gz = numbers.rise_x, numbers.rise_y, numbers.rise_z
-        stretching, flow = zero, zero
-        for k in range(whole(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y
-            du, dv = fields[FIELD.velocity, j] - u, fields[FIELD.velocity + 1, j] - v
-            weight, liquid, other = fields[FIELD.weight, j], fields[FIELD.liquid, j], diffusing[j]
-            square, radial, rise = dx * dx + dy * dy, du * dx + dv * dy, gx * dx + gy * dy
-            if deep:
-                dz, dw = fields[FIELD.position + 2, j] - z, fields[FIELD.velocity + 2, j] - w
-                square, radial, rise = square + dz * dz, radial + dw * dz, rise + gz * dz
-            pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
-            stretching += pair_divergence(pull, radial)
-            flow += diffusion.flow(diffusion.beyond_rest(own, other, rise), pull) * liquid
-        rates[RATE.continuity, i] = numbers.slope_factor * stretching
-        rates[RATE.diffusion, i] = numbers.slope_factor * numbers.delta * flow
+        for particle in range(begin + chunk * CHUNK, min(end, begin + (chunk + 1) * CHUNK)):
+            i = INDEX(particle)
+            count = whole(counts[i])
+            fill_columns(columns, records, neighbor, i, count)
+            x, y, z = records[i, COLUMN.position], records[i, COLUMN.position + 1], records[i, COLUMN.position + 2]
+            u, v, w = records[i, COLUMN.velocity], records[i, COLUMN.velocity + 1], records[i, COLUMN.velocity + 2]
+            own = records[i, COLUMN.value]
+            stretching, flow = zero, zero
+            for k in range(count):
+                dx, dy = columns[COLUMN.position, k] - x, columns[COLUMN.position + 1, k] - y
+                du, dv = columns[COLUMN.velocity, k] - u, columns[COLUMN.velocity + 1, k] - v
+                signed, other = columns[COLUMN.weight, k], columns[COLUMN.value, k]
+                square, radial, rise = dx * dx + dy * dy, du * dx + dv * dy, gx * dx + gy * dy
+                if deep:
+                    dz, dw = columns[COLUMN.position + 2, k] - z, columns[COLUMN.velocity + 2, k] - w
+                    square, radial, rise = square + dz * dz, radial + dw * dz, rise + gz * dz
+                slope = written_slope(math.sqrt(square) * inverse, kernel)
+                stretching += pair_divergence(slope * math.fabs(signed), radial)
+                flow += diffusion.flow(diffusion.beyond_rest(own, other, rise), slope * max(signed, zero))
+            rates[RATE.continuity, i] = numbers.slope_factor * stretching
+            rates[RATE.diffusion, i] = numbers.slope_factor * numbers.delta * flow
 
 
 @summed_inside
@@ -173,83 +209,78 @@ def pair_force(pull: float, own: float, push: float, damp: float) -> float:
 
 @inlined
 def _momentum(
-    deep: bool, both: bool, fields: Floats, lists: Lists, constants: Constants,
-    kernel: KernelType, rates: Floats,
-) -> None:  # fmt: skip
+    deep: bool, both: bool, rates: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType
+) -> None:
     """Pressure and artificial viscosity, in which dummies take no part; with `both`, also continuity, in one pass, for
     tanks without diffusion and dummies. `deep` and `both` are literals: the compiler drops the other branches.
     """
     counts, neighbor = lists
-    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
-        i, numbers = INDEX(particle), constants[0]
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
-        own = fields[FIELD.force_term, i]
+    begin, end = constants[0].first, min(constants[0].last, rates.shape[1])
+    for chunk in prange((end - begin + CHUNK - 1) // CHUNK):
+        columns, numbers = np.empty((RECORD, neighbor.shape[1] + SPARE), records.dtype), constants[0]
         inverse, zero = numbers.inverse_length, numbers.zero
         damper = numbers.smoothing_length, numbers.damping_divisor, numbers.sound_speed, numbers.alpha
-        stretching, ax, ay, az = zero, zero, zero, zero
-        for k in range(whole(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y
-            du, dv = fields[FIELD.velocity, j] - u, fields[FIELD.velocity + 1, j] - v
-            weight, push = fields[FIELD.weight, j], fields[FIELD.force_term, j]
-            square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
-            if deep:
-                dz = fields[FIELD.position + 2, j] - z
-                square, radial = square + dz * dz, radial + (fields[FIELD.velocity + 2, j] - w) * dz
-            pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
-            damp = damping(radial, square, damper)
+        for particle in range(begin + chunk * CHUNK, min(end, begin + (chunk + 1) * CHUNK)):
+            i = INDEX(particle)
+            count = whole(counts[i])
+            fill_columns(columns, records, neighbor, i, count)
+            x, y, z = records[i, COLUMN.position], records[i, COLUMN.position + 1], records[i, COLUMN.position + 2]
+            u, v, w = records[i, COLUMN.velocity], records[i, COLUMN.velocity + 1], records[i, COLUMN.velocity + 2]
+            own = records[i, COLUMN.value]
+            stretching, ax, ay, az = zero, zero, zero, zero
+            for k in range(count):
+                dx, dy = columns[COLUMN.position, k] - x, columns[COLUMN.position + 1, k] - y
+                du, dv = columns[COLUMN.velocity, k] - u, columns[COLUMN.velocity + 1, k] - v
+                signed, other = columns[COLUMN.weight, k], columns[COLUMN.value, k]
+                square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
+                if deep:
+                    dz = columns[COLUMN.position + 2, k] - z
+                    square, radial = square + dz * dz, radial + (columns[COLUMN.velocity + 2, k] - w) * dz
+                slope = written_slope(math.sqrt(square) * inverse, kernel)
+                damp = damping(radial, square, damper)
+                pull = slope * math.fabs(signed)
+                if both:
+                    stretching += pair_divergence(pull, radial)
+                    pull = pair_force(pull, own, other, damp)
+                else:
+                    pull = pair_force(pull, own, other, damp if signed > zero else zero)
+                ax += pull * dx
+                ay += pull * dy
+                if deep:
+                    az += pull * dz
             if both:
-                stretching += pair_divergence(pull, radial)
-            else:
-                damp *= fields[FIELD.liquid, j]
-            pull = pair_force(pull, own, push, damp)
-            ax += pull * dx
-            ay += pull * dy
-            if deep:
-                az += pull * dz
-        if both:
-            rates[RATE.continuity, i] = numbers.slope_factor * stretching
-            rates[RATE.diffusion, i] = zero
-        rates[RATE.acceleration, i] = numbers.slope_factor * ax
-        rates[RATE.acceleration + 1, i] = numbers.slope_factor * ay
-        rates[RATE.acceleration + 2, i] = numbers.slope_factor * az
+                rates[RATE.continuity, i] = numbers.slope_factor * stretching
+                rates[RATE.diffusion, i] = zero
+            rates[RATE.acceleration, i] = numbers.slope_factor * ax
+            rates[RATE.acceleration + 1, i] = numbers.slope_factor * ay
+            rates[RATE.acceleration + 2, i] = numbers.slope_factor * az
 
 
 @summing
-def sum_continuity(
-    fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
-    diffusing: Floats, rates: Floats,
-) -> None:  # fmt: skip
+def sum_continuity(rates: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType) -> None:
     """Continuity and diffusion: see `_continuity`."""
     if constants[0].dimension == 3:
-        _continuity(True, fields, lists, constants, kernel, diffusing, rates)
+        _continuity(True, rates, records, lists, constants, kernel)
     else:
-        _continuity(False, fields, lists, constants, kernel, diffusing, rates)
+        _continuity(False, rates, records, lists, constants, kernel)
 
 
 @summing
-def sum_momentum(
-    fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
-    rates: Floats,
-) -> None:  # fmt: skip
+def sum_momentum(rates: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType) -> None:
     """Pressure and artificial viscosity: see `_momentum`."""
     if constants[0].dimension == 3:
-        _momentum(True, False, fields, lists, constants, kernel, rates)
+        _momentum(True, False, rates, records, lists, constants, kernel)
     else:
-        _momentum(False, False, fields, lists, constants, kernel, rates)
+        _momentum(False, False, rates, records, lists, constants, kernel)
 
 
 @summing
-def sum_both(
-    fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
-    rates: Floats,
-) -> None:  # fmt: skip
+def sum_both(rates: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType) -> None:
     """Continuity and momentum in one sum: see `_momentum`."""
     if constants[0].dimension == 3:
-        _momentum(True, True, fields, lists, constants, kernel, rates)
+        _momentum(True, True, rates, records, lists, constants, kernel)
     else:
-        _momentum(False, True, fields, lists, constants, kernel, rates)
+        _momentum(False, True, rates, records, lists, constants, kernel)
 
 
 @summing
