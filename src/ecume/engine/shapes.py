@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._portable import dot, length, product
+from ecume._portable import cos, dot, length, product, sin
 from ecume.units import Array
 
 Flags = NDArray[np.bool_]
@@ -71,6 +71,9 @@ class Shape(Part, Protocol):
 
     def rim(self, spacing: float) -> Array:
         """(S, d) points of the boundary, its corners among them, no farther apart than the spacing."""
+
+    def panels(self, spacing: float) -> tuple[Array, Array, Array]:
+        """Pieces of the boundary no wider than the spacing: middles (S, d), normals (S, d) outward, and areas (S,)."""
 
     def middle(self) -> Array:
         """(d,) the center of mass."""
@@ -168,6 +171,17 @@ class Ball(NamedTuple):
         points: Array = self.center + self.radius * unit
         return points
 
+    def panels(self, spacing: float) -> tuple[Array, Array, Array]:
+        """Tangents of a circle of the same area, or the points of a spiral around a sphere."""
+        if len(self.center) == 2:
+            count = 4 * round_up(0.5 * np.pi * self.radius, spacing)
+            angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+            normal = np.stack([cos(angle), sin(angle)], axis=1)
+        else:
+            normal = (self.rim(spacing) - self.center) / self.radius
+        area = np.full(len(normal), self.surface() / len(normal))
+        return self.center + self.radius * normal, normal, area
+
     def middle(self) -> Array:
         """Its center."""
         return self.center
@@ -248,6 +262,20 @@ class Box(NamedTuple):
         points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
         rim: Array = points[((points == self.low) | (points == self.high)).any(axis=1)]
         return rim
+
+    def panels(self, spacing: float) -> tuple[Array, Array, Array]:
+        """Equal pieces of each face."""
+        points, normals, areas = [], [], []
+        dimension = len(self.low)
+        for axis in range(dimension):
+            cells = [fitted_axis(a, b, spacing) for a, b in zip(self.low, self.high, strict=True)]
+            for side, at in ((-1.0, self.low), (1.0, self.high)):
+                places = [at[axis : axis + 1] if k == axis else cells[k][0] for k in range(dimension)]
+                face = np.stack([grid.ravel() for grid in np.meshgrid(*places, indexing="ij")], axis=1)
+                points.append(face)
+                normals.append(np.tile(side * np.eye(dimension)[axis], (len(face), 1)))
+                areas.append(np.full(len(face), self.volume() / (self.high - self.low)[axis] / len(face)))
+        return np.concatenate(points), np.concatenate(normals), np.concatenate(areas)
 
     def middle(self) -> Array:
         """Half way between the corners."""
@@ -352,6 +380,17 @@ class Polygon(NamedTuple):
             share = np.linspace(0.0, 1.0, round_up(float(np.linalg.norm(last - first)), spacing), endpoint=False)
             pieces.append(first + share[:, None] * (last - first))
         return np.concatenate(pieces)
+
+    def panels(self, spacing: float) -> tuple[Array, Array, Array]:
+        """Equal pieces of each edge."""
+        points, normals, areas = [], [], []
+        for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
+            way = last - first
+            count = round_up(length(way), spacing)
+            points.append(first + (np.arange(count) + 0.5)[:, None] / count * way)
+            normals.append(np.tile(np.sign(self._turn()) * np.array([way[1], -way[0]]) / length(way), (count, 1)))
+            areas.append(np.full(count, length(way) / count))
+        return np.concatenate(points), np.concatenate(normals), np.concatenate(areas)
 
     def middle(self) -> Array:
         """The centroid, from the triangles between the first corner and each edge."""

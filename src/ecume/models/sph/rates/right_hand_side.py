@@ -22,6 +22,7 @@ from ecume.laws.incompressible import shifting_coefficient, tensile_weight
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.open_boundaries import hold_buffers
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
+from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_walls
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats, number
 from ecume.models.sph.integration.particle_loops import largest
@@ -395,6 +396,10 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
         total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
         for body, number in enumerate(range(names - len(bodies.shapes), names))
     ]
+    exchanged = exchanged_loads(parameters, state, workspace, movers=True)
+    for body in range(len(bodies.shapes)):
+        if (extra := exchanged.get(names - len(bodies.shapes) + body)) is not None:
+            sums[body] = sums[body][0] + extra[0], sums[body][1] + extra[1]
     more = repel_from_bodies(parameters, state)
     load = np.array([force for force, _ in sums]) + more[0], np.array([torque for _, torque in sums]) + more[1]
     state.push[...] = accelerations_of(bodies, state.pose, state.motion, load, parameters.gravity)

@@ -34,6 +34,7 @@ from ecume.laws import states
 from ecume.laws.states import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, instant
+from ecume.models.sph.boundaries.touching_solids import power_on_bodies
 from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
@@ -209,6 +210,7 @@ def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> floa
         power += power_of_moving_dummies(now, workspace)
     if dummies_work(now):
         power += power_of_dummies(now, state, workspace)
+    power += power_on_bodies(now, state, workspace)
     return power + power_of_buffers(now, state, workspace) if now.gates else power
 
 

@@ -30,6 +30,7 @@ from ecume.laws.wall_forces import between_planes, covered_part, smeared
 from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
+from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import Repelled, all_braked, all_repelled, energy_of, repulsion_load
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
@@ -423,6 +424,8 @@ def of_solids(
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
     more = [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]
+    exchanged = exchanged_loads(parameters, state, workspace)
+    more += [(parameters.boundary.names[owner], *load) for owner, load in exchanged.items()]
     for name, force, torque in loads(parameters, workspace):
         force = sum((own for owner, own, _ in more if owner == name), start=force)
         torque = sum((own for owner, _, own in more if owner == name), start=torque)
@@ -513,6 +516,8 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
 
 SQUEEZED = 0.2
 """The largest change of density that a weakly compressible liquid may have: one of 1 % is meant."""
+MACH = 0.3
+"""The largest speed over that of sound: a tenth is meant, and the density changes by its square."""
 RISE = 0.02
 """Of the energy: densities that are diffused and particles that are shifted bring a little."""
 TURNED_BACK = 1e-3
@@ -533,6 +538,10 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
     if "open" not in _kinds(scene):
         yield at_most("mass", "particles that are lost", "lost", 0.0)
     yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
+    if parameters.projection is None:
+        sound = parameters.material.sound_speed
+        says = "the Mach number; set liquid.maximum_speed to the speed that is reached"
+        yield Invariant("sound", says, MACH, lambda seen: seen.largest["largest_speed"] / sound)
 
     def turned_back(seen: Seen) -> float:
         return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))

@@ -1,0 +1,105 @@
+"""What obstacles and bodies bear that touch a wall or one another, and what is beside them."""
+
+import math
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.engine.shapes import Ball, Box, Polygon
+from ecume.models.sph import SPH
+from ecume.models.sph.boundaries.touching_solids import exchanged_loads
+from ecume.scenes.load import from_plain
+from tests.models.sph.scenes import OPEN
+
+RADIUS, SPACING = 0.15, 0.05
+
+
+def pool(spacing=SPACING, walls="mirror", duration=2.0, **solids):
+    """Water under unit gravity, 1.2 wide and 1 deep."""
+    return from_plain(
+        {
+            "model": "sph", "duration": duration, "frame_every": 0.5, "spacing": spacing, "gravity": [0.0, -1.0],
+            "liquid": {"density": 1.0}, "tank": {"high": [1.2, 1.5], "top": OPEN, "walls": walls},
+            "fluid": [{"low": [0.0, 0.0], "high": [1.2, 1.0]}], **solids,
+        }
+    )  # fmt: skip
+
+
+def disc(height, **more):
+    return {"center": [0.6, height], "radius": RADIUS, **more}
+
+
+AREA = math.pi * RADIUS**2
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+@pytest.mark.parametrize("gap", [0.0, 0.5, 2.0])
+def test_a_disc_on_or_close_to_the_floor_has_the_lift_of_its_area(gap, walls):
+    *_, end = ecume.simulate(pool(walls=walls, obstacles=[disc(RADIUS + gap * SPACING)]))
+    assert end.numbers["obstacle0_force_y"] == pytest.approx(AREA, rel=0.02)
+    assert end.numbers["obstacle0_force_x"] == pytest.approx(0.0, abs=0.01 * AREA)
+    assert end.numbers["bottom_force_y"] == pytest.approx(-1.2, rel=0.01)  # of the liquid up to the level, disc or not
+
+
+@pytest.mark.compiled
+def test_a_slope_between_wall_and_floor_bears_the_pressure_over_it():
+    slope = {"vertices": [[0.0, 0.0], [0.4, 0.0], [0.0, 0.4]]}
+    *_, end = ecume.simulate(pool(obstacles=[slope]))
+    for axis in "xy":
+        assert end.numbers[f"obstacle0_force_{axis}"] == pytest.approx(-0.5 + 0.5 * 0.6**2, rel=0.01)
+    assert end.numbers["left_force_x"] == pytest.approx(-0.5 * 0.6**2, rel=0.03)
+    assert end.numbers["bottom_force_y"] == pytest.approx(-0.8, rel=0.01)
+
+
+@pytest.mark.compiled
+def test_a_block_on_the_floor_is_dry_below():
+    *_, end = ecume.simulate(pool(obstacles=[{"low": [0.45, 0.0], "high": [0.75, 0.3]}]))
+    assert end.numbers["obstacle0_force_y"] == pytest.approx(-0.3 * 0.7, rel=0.01)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(("density", "rises"), [(0.5, True), (3.0, False)])
+def test_a_body_on_the_floor_rises_if_it_is_light_and_pays_for_it(density, rises):
+    frames = list(ecume.simulate(pool(bodies=[disc(RADIUS, density=density)])))
+    start, end = frames[0], frames[-1]
+    assert start.numbers["body0_force_y"] == pytest.approx(AREA, rel=0.05)
+    assert (end.numbers["body0_y"] > 2.0 * RADIUS) == rises
+    left = [frame.numbers["total_energy"] - frame.numbers["injected_work"] for frame in frames]
+    assert np.diff(left).max() < 1e-4 * left[0]
+
+
+@pytest.mark.parametrize("bodies", [[disc(RADIUS, density=2.0)], [disc(RADIUS, density=2.0), disc(0.46, density=0.5)]])
+def test_what_one_gets_the_other_loses(bodies):
+    scene = pool(bodies=bodies, obstacles=[{"low": [0.8, 0.0], "high": [1.0, 0.3]}])
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    SPH.observe(parameters, state, workspace)
+    found = exchanged_loads(parameters, state, workspace)
+    force = np.sum([load[0] for load in found.values()], axis=0)
+    turn = np.sum(
+        [load[1] + np.cross(parameters.boundary.centers[owner], load[0]) for owner, load in found.items()], axis=0
+    )
+    assert np.abs(force).max() < 1e-12
+    assert np.abs(turn).max() < 1e-12
+    assert np.abs(found[5 if bodies else 4][0]).max() > 0.1 * AREA
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Ball(np.array([1.0, 2.0]), 0.5), Ball(np.array([1.0, 2.0, 3.0]), 0.5),
+        Box(np.array([1.0, 2.0]), np.array([1.5, 3.0])), Box(np.array([1.0, 2.0, 0.0]), np.array([1.5, 3.0, 0.7])),
+        Polygon(np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 1.5]])),
+        Polygon(np.array([[0.0, 0.0], [1.0, 1.5], [2.0, 0.0]])),
+    ],
+)  # fmt: skip
+def test_panels_close_and_enclose_the_volume(shape):
+    """Gauss: the sum of n A is zero, that of x.n A is the volume in each direction."""
+    points, normal, area = shape.panels(0.03)
+    assert area.sum() == pytest.approx(shape.surface(), rel=1e-9)
+    assert np.abs((area[:, None] * normal).sum(axis=0)).max() < 2e-3 * shape.surface()
+    each = ((points - shape.middle()) * normal * area[:, None]).sum(axis=0)
+    assert each == pytest.approx(np.full(points.shape[1], shape.volume()), rel=0.01)
