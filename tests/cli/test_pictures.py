@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import ecume.trajectories.exports
@@ -17,6 +18,8 @@ from ecume.cli.pictures import ENDINGS, Format
 from ecume.errors import BadInput
 from ecume.show.curves import ONE_FRAME
 from ecume.show.floating.figures import FLOATING_FIGURES
+from ecume.show.publishing import Finish
+from ecume.show.style import figure
 
 cli = CliRunner()
 
@@ -180,13 +183,22 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     noted: list[str] = []
 
-    def plot(directory: Path, what: str, out: Path | None) -> Path:
+    def plot(directory: Path, what: str, out: Path | None, finish: Finish) -> Path:
         if what == "force-law":
             raise BadInput("there is no force to draw")
         noted.append(what)
         return out or Path(what)
 
+    def drawn_of(directory: Path, what: str) -> Figure:
+        if what == "force-law":
+            raise BadInput("there is no force to draw")
+        noted.append(what)
+        axes = (made := figure()).add_subplot(xlabel="time (s)", ylabel="energy (J)")
+        axes.plot([0.0, 1.0], [1.0, 2.0])
+        return made
+
     monkeypatch.setattr(ecume.show.figures, "plot", plot)
+    monkeypatch.setattr(ecume.show.figures, "drawn_of", drawn_of)
     monkeypatch.setattr(ecume.show.figures, "figures_of_run", lambda directory: ["paths", "force-law", "energies"])
     return noted
 
@@ -222,7 +234,7 @@ def test_plot_lists_the_figures_of_a_run_with_what_they_show(monkeypatch: pytest
 def test_plot_of_a_run_with_one_frame_reports_it_once(drawn: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     import ecume.show.figures
 
-    def plot(directory: Path, what: str, out: Path | None) -> Path:
+    def plot(directory: Path, what: str, out: Path | None, finish: Finish) -> Path:
         raise BadInput(f"{ONE_FRAME} at 0 s; a figure over time needs two frames or more")
 
     monkeypatch.setattr(ecume.show.figures, "plot", plot)
@@ -235,5 +247,56 @@ def test_plot_draws_the_named_figure_or_reports_why_not(drawn: list[str]) -> Non
     assert cli.invoke(app, ["plot", "bowl", "--what", "force-law"]).exit_code == 2
     two = cli.invoke(app, ["plot", "bowl", "--what", "paths", "--what", "energies", "-o", "a.pdf"])
     assert "2 figures do not fit into a.pdf" in two.stderr
-    assert "say with --what" in cli.invoke(app, ["plot", "bowl", "-o", "a.pdf"]).stderr
+    assert "a file holds one figure; name it with --what" in cli.invoke(app, ["plot", "bowl", "-o", "a.pdf"]).stderr
     assert drawn == ["paths"]
+
+
+def test_plot_writes_all_figures_into_a_folder_in_a_format(drawn: list[str]) -> None:
+    done = cli.invoke(app, ["plot", "bowl", "-o", "figures", "--format", "svg"])
+    assert (done.exit_code, drawn) == (0, ["paths", "energies"])
+    wanted = [f"wrote {Path('figures') / name}.svg" for name in ("paths", "energies")]
+    assert done.stdout.splitlines() == wanted
+    Path("there").mkdir()
+    named = cli.invoke(app, ["plot", "bowl", "--what", "paths", "--what", "energies", "-o", "there", "--format", "pdf"])
+    assert named.exit_code == 0
+    assert {path.name for path in Path("there").iterdir()} == {"paths.pdf", "energies.pdf"}
+
+
+def test_plot_joins_runs_and_an_experiment_and_writes_their_numbers(drawn: list[str]) -> None:
+    Path("other").mkdir()
+    Path("other/manifest.json").write_text('{"ecume": "0"}')
+    Path("lab.csv").write_text("time [s],energy [J]\n0,1\n")
+    words = [
+        "plot",
+        "bowl",
+        "other",
+        "lab.csv",
+        "--what",
+        "paths",
+        "-o",
+        "a.svg",
+        "--data",
+        "a.csv",
+        "--width",
+        "86 mm",
+    ]
+    done = cli.invoke(app, words)
+    assert (done.exit_code, done.stdout) == (0, "wrote a.csv\nwrote a.svg\n")
+    series = [line.split(",")[1] for line in Path("a.csv").read_text().splitlines()[1:]]
+    assert series == ["bowl", "bowl", "other", "other", '"energy']
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["-o", "a.csv"], "got the ending '.csv'; expected .png, .pdf or .svg, or a folder; --data writes"),
+        (["--format", "doc"], "--format: got 'doc'; expected one of png, pdf, svg"),
+        (["--width", "86"], "text without a unit"),
+        (["--data", "a.csv"], "expected --what with the name of the figure"),
+        (["lab.csv"], "expected --what with the name of the figure"),
+    ],
+)
+def test_what_plot_cannot_write_is_refused_before_it_draws(words: list[str], says: str, drawn: list[str]) -> None:
+    done = cli.invoke(app, ["plot", "bowl", *words])
+    assert (done.exit_code, drawn) == (2, [])
+    assert says in " ".join(done.stderr.replace("│", " ").split())

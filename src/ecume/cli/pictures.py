@@ -7,7 +7,7 @@ import sys
 import tempfile
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -43,6 +43,19 @@ def pixels(text: str) -> tuple[int, int]:
     if match is None:
         raise typer.BadParameter(f"got {text!r}; expected WIDTHxHEIGHT in pixels, such as 1280x960")
     return int(match[1]), int(match[2])
+
+
+def length(text: str) -> float:
+    """A length from the command line: `86 mm`."""
+    from ecume.units import parse
+
+    try:
+        found = parse(text, "m")
+    except ValueError as fault:
+        raise typer.BadParameter(str(fault)) from None
+    if not 0.01 <= found <= 2.0:
+        raise typer.BadParameter(f"got {text}; expected 1 cm to 2 m")
+    return found
 
 
 Out = Annotated[
@@ -244,10 +257,35 @@ def movie(
         say(f"no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or {install('movie')}")
 
 
+Runs = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="[DIR]...",
+        help="Directory of a run or a sweep; several runs, and tables (.csv) of an experiment, go into one figure. "
+        "Default: the current directory.",
+        show_default=False,
+    ),
+]
+PictureFormat = Annotated[str, typer.Option("--format", metavar="png|pdf|svg", help="Format of figures in a folder.")]
+FigureWidth = Annotated[
+    Any,
+    typer.Option("--width", parser=length, metavar="LENGTH", help="Width of the figure: '86 mm'.", show_default=False),
+]
+NoTitle = Annotated[bool, typer.Option("--no-title", help="Omit titles.")]
+DataFile = Annotated[
+    Path | None,
+    typer.Option("--data", metavar="FILE.csv", help="Also write the points of the curves.", show_default=False),
+]
+
+
 def plot(
-    directory: RunFolder = HERE,
+    directories: Runs = None,
     what: What = None,
     out: Out = None,
+    form: PictureFormat = "png",
+    width: FigureWidth = None,
+    no_title: NoTitle = False,
+    data: DataFile = None,
     integrators: Integrators = False,
     force_law: ForceLaw = None,
     listed: Listed = False,
@@ -256,26 +294,65 @@ def plot(
 ) -> None:
     """Draw figures of a run or a sweep; default: all.
 
-    For example energies, clusters, paths. The file name selects the format: .png, .pdf, .svg.
+    For example energies, clusters, paths. The file name selects the format: .png, .pdf, .svg; of a folder, --format.
 
     Figures of a sweep: `curves`, `map` or `scatter` of the first measure; `map:duration` uses the measure `duration`.
 
-    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --list` · `ecume plot runs/bowl --what paths -o paths.pdf`
+    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --list` · `ecume plot runs/bowl -o figures --format pdf`
+    · `ecume plot runs/bowl --what paths -o paths.pdf --width "86 mm" --no-title --data paths.csv`
+    · `ecume plot runs/coarse runs/fine experiment.csv --what gauges -o gauges.pdf`
     · `ecume plot runs/bowl --what number:contacts` · `ecume plot sweeps/durations --what curves:duration`
     · `ecume plot --integrators`
     · `ecume plot --force-law bowl.toml`
     """
+    directory, *others = directories or [HERE]
+    require_picture(out, form)
     if force_law is not None or integrators:
-        _require_alone(force_law, integrators=integrators, of_a_run=directory != HERE or bool(what))
+        _require_alone(force_law, integrators=integrators, of_a_run=bool(directories) or bool(what))
         wrote(_without_a_run(force_law, out), quiet=quiet)
     elif listed:
         _list(directory)
     elif (directory / "points.json").is_file():
         _draw_sweep(directory, what or [], out, quiet=quiet)
-    elif what:
-        _draw(directory, what, out, quiet=quiet)
+    elif what or others or data:
+        asked = Asked([directory, *others], what or [], out, form, data)
+        _draw(asked, {"width": width, "title": not no_title}, quiet=quiet)
     else:
-        _draw_all(directory, out, quiet=quiet, verbose=verbose)
+        look = {"width": width, "title": not no_title}
+        _draw_all(directory, _folder(out, directory), form, look, verbose=verbose, quiet=quiet)
+
+
+PICTURE_KINDS = ("png", "pdf", "svg", "eps", "ps", "jpg", "jpeg", "tif", "tiff", "webp", "svgz", "pgf", "raw", "rgba")
+"""The endings of figures."""
+
+
+def require_picture(out: Path | None, form: str) -> None:
+    """Raise BadInput for a file or a format that is no figure's, before anything is drawn."""
+    if form not in PICTURE_KINDS:
+        raise BadInput(f"--format: got {form!r}; expected one of png, pdf, svg")
+    if out is not None and out.suffix and not out.is_dir() and out.suffix[1:].lower() not in PICTURE_KINDS:
+        hint = "; --data writes the numbers of a figure" if out.suffix.lower() == ".csv" else ""
+        raise BadInput(f"-o {out}: got the ending {out.suffix!r}; expected .png, .pdf or .svg, or a folder{hint}")
+
+
+def _folder(out: Path | None, directory: Path) -> Path:
+    """The folder for several figures. Raises BadInput where a file is named for them."""
+    if out is None:
+        return directory / RESULTS
+    if out.suffix and not out.is_dir():
+        raise BadInput(f"-o {out}: a file holds one figure; name it with --what, or name a folder")
+    return out
+
+
+class Asked(NamedTuple):
+    """The figures that a command asks for."""
+
+    sources: list[Path]
+    """runs, and tables of experiments"""
+    names: list[str]
+    out: Path | None
+    form: str
+    data: Path | None
 
 
 def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool) -> None:
@@ -308,19 +385,43 @@ def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: b
         wrote(plot_sweep(directory, kind, measure or None, out), quiet=quiet)
 
 
-def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
-    """The requested figures."""
+TABLES = (".csv", ".tsv", ".txt")
+
+
+def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
+    """The requested figures, each of all the runs and experiments together."""
     from ecume.run.directory import existing, manifest_of
-    from ecume.show.figure_names import require_figure
+    from ecume.show.figure_names import NUMBER, require_figure
 
-    model = str(manifest_of(existing(directory)).get("model", ""))
-    for name in names:  # refused before anything that draws is imported
-        require_figure(model, name)
-    from ecume.show.figures import plot as draw
+    runs = [source for source in asked.sources if source.suffix.lower() not in TABLES or source.is_dir()]
+    tables = [source for source in asked.sources if source not in runs]
+    if not asked.names:
+        raise BadInput("expected --what with the name of the figure; `ecume plot RUN --list` lists them")
+    if not runs:
+        raise BadInput("expected a run beside the table of an experiment")
+    if asked.data is not None and len(asked.names) > 1:
+        raise BadInput(f"--data {asked.data}: holds the numbers of one figure; give --what once")
+    for run in runs:
+        model = str(manifest_of(existing(run)).get("model", ""))
+        for name in asked.names:  # refused before anything that draws is imported
+            require_figure(model, name)
+    from ecume.show.figures import drawn_of
+    from ecume.show.publishing import Finish, finished, read_measured, together, with_measured, written_data
+    from ecume.show.style import save
 
-    _require_one(names, out)
-    for name in names:
-        wrote(draw(directory, name, out), quiet=quiet)
+    folder = asked.out if asked.out is not None and (asked.out.is_dir() or not asked.out.suffix) else None
+    if folder is None:
+        _require_one(asked.names, asked.out)
+    for name in asked.names:
+        figures = [(run.name or str(run), drawn_of(run, name)) for run in runs]
+        drawn = together(figures) if len(figures) > 1 else figures[0][1]
+        for table in tables:
+            drawn = with_measured(drawn, read_measured(table))
+        short = f"{name.removeprefix(NUMBER)}.{asked.form}"
+        target = folder / short if folder is not None else asked.out or runs[0] / RESULTS / short
+        if asked.data is not None:
+            wrote(written_data(drawn, asked.data), quiet=quiet)
+        wrote(save(finished(drawn, Finish(**look)), target), quiet=quiet)
 
 
 def _require_one(names: list[str], out: Path | None) -> None:
@@ -329,21 +430,19 @@ def _require_one(names: list[str], out: Path | None) -> None:
         raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
 
 
-def _draw_all(directory: Path, out: Path | None, *, quiet: bool, verbose: bool) -> None:
-    """Every figure that this run has something for."""
+def _draw_all(directory: Path, folder: Path, form: str, look: dict[str, Any], *, quiet: bool, verbose: bool) -> None:
+    """Every figure that this run has something for, in a folder."""
     from ecume.run.directory import existing
     from ecume.show.curves import ONE_FRAME
     from ecume.show.figures import figures_of_run
     from ecume.show.figures import plot as draw
+    from ecume.show.publishing import Finish
 
     existing(directory)
-    names = figures_of_run(directory)
-    if out is not None:
-        raise BadInput(f"say with --what which figure goes into {out}: {', '.join(names)}")
     omitted = {}
-    for name in names:
+    for name in figures_of_run(directory):
         try:
-            drawn = draw(directory, name, None)
+            drawn = draw(directory, name, folder / f"{name}.{form}", Finish(**look))
         except BadInput as error:  # no data for it
             omitted[name] = str(error)
         else:

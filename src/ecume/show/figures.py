@@ -14,6 +14,7 @@ from ecume.scenes.faults import suggestion
 from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time, samples
 from ecume.show.figure_names import FIGURE_NAMES, NUMBER
 from ecume.show.floating.figures import FLOATING_FIGURES
+from ecume.show.publishing import Finish, finished
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.sph.figures import SPH_FIGURES
 from ecume.show.style import save
@@ -48,13 +49,23 @@ COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}
 """For models without specific figures; they need the numbers `kinetic_energy` and `total_energy`."""
 
 
-def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[str] | None = None) -> Path:
+def plot(
+    directory: str | os.PathLike[str],
+    what: str,
+    out: str | os.PathLike[str] | None = None,
+    finish: Finish = Finish(),  # noqa: B008  # it cannot change
+) -> Path:
     """Draw a figure of a run, one of its model's in FIGURES, into `out`; by default into a PNG among its results.
 
     `number:NAME` draws a number of the frames over time.
     The name says the format: `energies.pdf` and `energies.svg` are vector graphics. Returns the file that was written.
     """
     target = Path(directory) / "results" / f"{what.removeprefix(NUMBER)}.png" if out is None else Path(out)
+    return save(finished(drawn_of(directory, what), finish), target)
+
+
+def drawn_of(directory: str | os.PathLike[str], what: str) -> Figure:
+    """A figure of a run, as Matplotlib has it."""
     with open_trajectory(directory) as trajectory:
         scene = trajectory.scene
         known = figures_of(scene)
@@ -63,8 +74,8 @@ def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[st
         if not len(trajectory):
             raise BadInput(f"{directory}: the run has no frames yet; nothing to draw")
         if what.startswith(NUMBER):
-            return save(number_over_time(trajectory, scene, what.removeprefix(NUMBER)), target)
-        return save(known[what](trajectory, scene), target)
+            return number_over_time(trajectory, scene, what.removeprefix(NUMBER))
+        return known[what](trajectory, scene)
 
 
 def figures_of(scene: Scene) -> Mapping[str, Callable[[Frames, Any], Figure]]:

@@ -1,0 +1,237 @@
+"""Figures for a paper: of a given width, without a title, several runs and an experiment in one, and their numbers.
+
+Works on the curves of any finished Matplotlib figure, so that figures need not know of it.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import math
+import os
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.container import ErrorbarContainer
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ecume.errors import BadInput
+from ecume.scenes.faults import echo
+from ecume.scenes.tables import text_of
+from ecume.show.style import INK, PALETTE, legend_outside, plain, style
+from ecume.trajectories.records import storing, write_whole
+from ecume.units import Array, factor
+
+INCH = 0.0254
+DASHES = ("-", "--", ":", "-.")
+MARKS = ("o", "s", "^", "D", "v")
+LABEL = re.compile(r"\s*(.*?)\s*(?:[(\[]\s*([^()\[\]]+?)\s*[)\]])?\s*")
+"""The label of an axis or the head of a column: a name, and its unit in brackets."""
+MOST_BYTES = 64 * 2**20
+
+
+class Finish(NamedTuple):
+    """The size of a figure and what it shows beside its curves."""
+
+    width: float | None = None
+    """m; by default that of the figure"""
+    title: bool = True
+
+
+def finished(drawn: Figure, finish: Finish) -> Figure:
+    """The same figure with this width, its sides in the same ratio."""
+    if finish.width is not None:
+        width, height = drawn.get_size_inches()
+        drawn.set_size_inches(finish.width / INCH, height * finish.width / INCH / width)
+    if not finish.title:
+        for axes in drawn.axes:
+            for place in ("left", "center", "right"):
+                axes.set_title("", loc=place)
+        drawn.suptitle("")
+    return drawn
+
+
+class Curve(NamedTuple):
+    """A curve of a figure, or a set of points."""
+
+    line: Line2D
+    name: str
+    """in the legend; empty for one without a name"""
+
+
+def points_of(line: Line2D) -> Array:
+    """(N, 2) the points of a curve."""
+    return np.asarray(line.get_xydata(), dtype=np.float64)
+
+
+def curves_of(axes: Axes) -> list[Curve]:
+    """The curves in the coordinates of the axes; rules across the whole of them are none."""
+    named = {each[0]: str(each.get_label()) for each in axes.containers if isinstance(each, ErrorbarContainer)}
+    lines = [line for line in axes.lines if line.get_transform() == axes.transData and len(points_of(line))]
+    names = [named.get(line, str(line.get_label())) for line in lines]
+    return [Curve(line, "" if name.startswith("_") else name) for line, name in zip(lines, names, strict=True)]
+
+
+def written_data(drawn: Figure, out: Path) -> Path:
+    """Write the points of all curves as CSV: panel, series, and both axes with their units in the heads of a column of
+    words. Raises BadInput for a figure without curves.
+    """
+    rows = [
+        (panel, curve.name or f"curve {number}", axes.get_xlabel(), axes.get_ylabel(), repr(x), repr(y))
+        for panel, axes in enumerate(drawn.axes, 1)
+        for number, curve in enumerate(curves_of(axes), 1)
+        for x, y in points_of(curve.line).tolist()
+    ]
+    if not rows:
+        raise BadInput("--data: this figure is a picture without curves; `ecume export --to csv` writes the frames")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("panel", "series", "x_axis", "y_axis", "x", "y"))
+    writer.writerows(rows)
+    with storing(out):
+        out.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(out, text.getvalue())
+    return out
+
+
+def together(figures: Sequence[tuple[str, Figure]]) -> Figure:
+    """The same figure of several runs as one: each has its line style, and its name in the legend. Units of axes may
+    differ by a prefix. Raises BadInput for figures that are no curves, or not the same panels.
+    """
+    (first_name, first), *others = figures
+    if not any(curves_of(axes) for axes in first.axes):
+        raise BadInput("this figure is a picture; only curves of several runs go into one figure")
+    for name, other in others:
+        if len(other.axes) != len(first.axes):
+            raise BadInput(f"{name}: its figure has {len(other.axes)} panels; expected {len(first.axes)}, as the first")
+    with style():
+        for place, axes in enumerate(first.axes):
+            own = curves_of(axes)
+            for number, (name, other) in enumerate(others, 1):
+                _add(axes, other.axes[place], name, number, single=len(own) == 1)
+            for curve in own:
+                curve.line.set_label(_named(curve.name, first_name))
+            if own:
+                _rescaled(axes)
+    return first
+
+
+def _add(axes: Axes, other: Axes, name: str, number: int, *, single: bool) -> None:
+    """The curves of another run's panel."""
+    scales = [_ratio(getattr(other, get)(), getattr(axes, get)(), name) for get in ("get_xlabel", "get_ylabel")]
+    own = {curve.line.get_color() for curve in curves_of(axes)}
+    fresh = next((color for color in PALETTE if color not in own), PALETTE[number % len(PALETTE)])
+    for curve in curves_of(other):
+        points = points_of(curve.line) * scales
+        axes.plot(
+            points[:, 0], points[:, 1], drawstyle=curve.line.get_drawstyle(), marker=curve.line.get_marker(),
+            markersize=curve.line.get_markersize(), linewidth=curve.line.get_linewidth(),
+            linestyle="none" if curve.line.get_linestyle() == "None" else DASHES[number % len(DASHES)],
+            color=fresh if single else curve.line.get_color(), label=_named(curve.name, name),
+        )  # fmt: skip
+
+
+def _named(curve: str, run: str) -> str:
+    return f"{curve}, {plain(run)}" if curve else plain(run)
+
+
+def _ratio(label: str, other: str, name: str) -> float:
+    """What numbers on an axis are multiplied with to be on another one. Raises BadInput where that is no unit's."""
+    units = [(match[2] or "").replace("µ", "u") if (match := LABEL.fullmatch(text)) else "" for text in (label, other)]
+    if units[0] == units[1] or not all(units):
+        return 1.0
+    try:
+        return factor(*units)
+    except ValueError:
+        raise BadInput(f"{name}: is in {units[0]}; expected {units[1]} or a multiple, as the figure is") from None
+
+
+def _rescaled(axes: Axes) -> None:
+    """Limits around all curves, and a legend."""
+    points = np.concatenate([points_of(curve.line) for curve in curves_of(axes)])
+    for axis, values, get, limits in (
+        ("x", points[:, 0], axes.get_xlim, axes.set_xlim),
+        ("y", points[:, 1], axes.get_ylim, axes.set_ylim),
+    ):
+        low, high = get()
+        seen = values[np.isfinite(values) & (values > 0.0 if getattr(axes, f"get_{axis}scale")() == "log" else True)]
+        if len(seen):
+            limits(min(low, float(seen.min())), max(high, float(seen.max())))
+    if (legend := axes.get_legend()) is not None:
+        legend.remove()
+    legend_outside(axes)
+
+
+class Measured(NamedTuple):
+    """A table of an experiment: columns over the first one."""
+
+    name: str
+    heads: list[str]
+    """with units in brackets"""
+    columns: list[Array]
+
+
+def read_measured(path: str | os.PathLike[str]) -> Measured:
+    """The table of an experiment: a line of heads such as `time [s], pressure [kPa]`, then numbers. Raises BadInput."""
+    file = Path(path)
+    try:
+        text = text_of(file, MOST_BYTES)
+    except ValueError as fault:
+        raise BadInput(f"{file}: {fault}") from None
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    mark = max(",;\t", key=lines[0].count) if lines else ","
+    rows = list(csv.reader(lines, delimiter=mark))
+    if len(rows) < 2 or len(rows[0]) < 2:
+        raise BadInput(f"{file}: expected a line of heads such as `time [s],pressure [kPa]`, and numbers below")
+    numbers = [_numbers(file, number, row, len(rows[0])) for number, row in enumerate(rows[1:], 2)]
+    return Measured(file.stem, [cell.strip() for cell in rows[0]], list(np.array(numbers).T))
+
+
+def _numbers(file: Path, line: int, row: Sequence[str], count: int) -> list[float]:
+    if len(row) != count:
+        raise BadInput(f"{file}: row {line}: got {len(row)} cells; expected {count}")
+    try:
+        return [float(cell) if cell.strip() else math.nan for cell in row]
+    except ValueError:
+        raise BadInput(f"{file}: row {line}: got {echo(','.join(row))}; expected numbers") from None
+
+
+def with_measured(drawn: Figure, measured: Measured) -> Figure:
+    """The figure with the points of an experiment, each column in the first panel whose axes have its units. Raises
+    BadInput for a column that fits no panel.
+    """
+    marks = itertools.cycle(MARKS)
+    for head, column in zip(measured.heads[1:], measured.columns[1:], strict=True):
+        axes, x, y = next(_panels(drawn, measured.heads[0], head), (None, 1.0, 1.0))
+        if axes is None:
+            labels = "; ".join(f"{each.get_xlabel()}, {each.get_ylabel()}" for each in drawn.axes if each.get_ylabel())
+            raise BadInput(f"{measured.name}: column {head!r} fits no axes of the figure, which are {labels}")
+        label = plain(f"{(match[1] if (match := LABEL.fullmatch(head)) else head)}, {measured.name}")
+        with style():
+            look = {
+                "marker": next(marks),
+                "linestyle": "none",
+                "color": INK,
+                "markersize": 4,
+                "markerfacecolor": "none",
+            }
+            axes.plot(x * measured.columns[0], y * column, label=label, **look)  # type: ignore[arg-type]  # a look
+            _rescaled(axes)
+    return drawn
+
+
+def _panels(drawn: Figure, across: str, up: str) -> Iterator[tuple[Axes, float, float]]:
+    """Panels whose axes have these units, with the factors of the columns."""
+    for axes in drawn.axes:
+        if not curves_of(axes):
+            continue
+        try:
+            yield axes, _ratio(across, axes.get_xlabel(), ""), _ratio(up, axes.get_ylabel(), "")
+        except BadInput:
+            continue

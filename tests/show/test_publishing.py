@@ -1,0 +1,82 @@
+"""Figures for a paper: width, title, several runs and an experiment in one, and their numbers."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from ecume.errors import BadInput
+from ecume.show.publishing import Finish, curves_of, finished, read_measured, together, with_measured, written_data
+from ecume.show.style import figure
+
+TIME = np.linspace(0.0, 2.0, 5)
+
+
+def drawn(unit="kPa", scale=1.0, panels=1):
+    made = figure(6.4, 4.0)
+    for place in range(panels):
+        axes = made.add_subplot(panels, 1, place + 1, xlabel="time (s)", ylabel=f"pressure ({unit})", title="Pressure")
+        axes.plot(TIME, scale * TIME**2, label="gauge-1")
+        axes.axhline(0.0)
+    return made
+
+
+def test_a_figure_gets_the_width_of_a_column_and_loses_its_title():
+    made = finished(drawn(), Finish(width=0.086, title=False))
+    assert made.get_size_inches() == pytest.approx([86.0 / 25.4, 86.0 / 25.4 * 4.0 / 6.4])
+    assert made.axes[0].get_title(loc="left") == made.axes[0].get_title() == ""
+
+
+def test_runs_in_one_figure_have_the_same_unit_and_their_names():
+    both = together([("coarse", drawn()), ("fine", drawn(unit="Pa", scale=1000.0))])
+    one, other = curves_of(both.axes[0])
+    assert one.name == "gauge-1, coarse"
+    assert other.name == "gauge-1, fine"
+    assert other.line.get_ydata() == pytest.approx(one.line.get_ydata())
+    assert one.line.get_linestyle() != other.line.get_linestyle()
+    assert both.axes[0].get_ylim()[1] >= 4.0
+
+
+def test_limits_contain_all_runs():
+    both = together([("low", drawn()), ("high", drawn(scale=10.0))])
+    assert both.axes[0].get_ylim()[1] >= 40.0
+
+
+def test_other_panels_and_other_dimensions_are_refused():
+    with pytest.raises(BadInput, match="has 2 panels; expected 1"):
+        together([("one", drawn()), ("two", drawn(panels=2))])
+    with pytest.raises(BadInput, match="two: is in mm; expected kPa"):
+        together([("one", drawn()), ("two", drawn(unit="mm"))])
+
+
+def test_an_experiment_is_drawn_in_the_units_of_the_axes(tmp_path):
+    (tmp_path / "lab.csv").write_text("time [ms],pressure [Pa]\n0,0\n1000,1100\n2000,\n")
+    made = with_measured(drawn(), read_measured(tmp_path / "lab.csv"))
+    points = curves_of(made.axes[0])[-1]
+    assert points.name == "pressure, lab"
+    assert points.line.get_xdata() == pytest.approx([0.0, 1.0, 2.0])
+    assert points.line.get_ydata()[:2] == pytest.approx([0.0, 1.1])
+    (tmp_path / "lab.csv").write_text("time [s],height [mm]\n0,0\n")
+    with pytest.raises(BadInput, match="fits no axes of the figure"):
+        with_measured(drawn(), read_measured(tmp_path / "lab.csv"))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"), [("", "expected a line of heads"), ("t,p\n1\n", "row 2: got 1 cells"), ("t,p\n1,x\n", "row 2")]
+)
+def test_a_table_that_is_none_is_refused_with_its_row(tmp_path, text, message):
+    (tmp_path / "lab.csv").write_text(text)
+    with pytest.raises(BadInput, match=message):
+        read_measured(tmp_path / "lab.csv")
+
+
+def test_the_numbers_of_a_figure_are_its_curves_to_the_last_digit(tmp_path):
+    written_data(drawn(panels=2), tmp_path / "fig.csv")
+    rows = list(csv.DictReader((tmp_path / "fig.csv").read_text().splitlines()))
+    assert {row["panel"] for row in rows} == {"1", "2"}
+    assert rows[0] | {"x": "", "y": ""} == {
+        "panel": "1", "series": "gauge-1", "x_axis": "time (s)", "y_axis": "pressure (kPa)", "x": "", "y": "",
+    }  # fmt: skip
+    assert [float(row["y"]) for row in rows[:5]] == (TIME**2).tolist()
+    with pytest.raises(BadInput, match="picture without curves"):
+        written_data(figure(), tmp_path / "none.csv")
