@@ -61,10 +61,23 @@ def open_to_others(place: Path) -> str:
     """
     if not hasattr(os, "getuid"):
         return ""
-    status = place.stat()
+    return writable_for_others(place.stat())
+
+
+def writable_for_others(status: os.stat_result) -> str:
+    """The same of a file or folder with this status."""
+    if not hasattr(os, "getuid"):
+        return ""
     if status.st_uid not in (os.getuid(), 0):
         return f"belongs to user {status.st_uid}"
     return "can be written by others" if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
+
+
+def closed_to_others(place: Path) -> None:
+    """Make a folder that only its owner can write to, whatever the umask, or take that right from others."""
+    place.mkdir(parents=True, exist_ok=True, mode=stat.S_IRWXU)
+    if open_to_others(place) == "can be written by others":
+        place.chmod(place.stat().st_mode & ~(stat.S_IWGRP | stat.S_IWOTH))
 
 
 def _warn_of(place: Path, fault: str) -> None:

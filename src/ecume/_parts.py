@@ -14,7 +14,10 @@ same instructions, so that results do not depend on the model of the processor, 
 from __future__ import annotations
 
 import contextlib
+import io
 import logging
+import os
+import pickle
 import platform
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -25,7 +28,7 @@ import llvmlite
 import llvmlite.binding
 import numba
 from numba.core import config, types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager
@@ -83,8 +86,8 @@ class Place:
         return cls(function, path) if Path(path).is_file() else None
 
     def ensure_cache_path(self) -> None:
-        """There is a folder to write into."""
-        self._folder.mkdir(parents=True, exist_ok=True)
+        """There is a folder to write into, for its owner alone."""
+        _cache.closed_to_others(self._folder)
 
     def get_cache_path(self) -> str:
         """The folder."""
@@ -105,10 +108,49 @@ class WholeFiles(CompileResultCacheImpl):  # type: ignore[misc]  # Numba's types
     _locator_classes = [Place]  # noqa: RUF012  # Numba's name
 
 
+class OwnFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """The files of a function's code. What is unpickled is run, so that only files are read that no other user could
+    have written; others are absent, and replaced.
+    """
+
+    def _load_index(self) -> Any:
+        try:
+            stream = io.BytesIO(_own_content(self._index_path))
+        except OSError:
+            return {}
+        if pickle.load(stream) != self._version:  # noqa: S301  # from a file of this user
+            return {}
+        stamp, known = pickle.load(stream)  # noqa: S301  # from a file of this user
+        return known if stamp == self._source_stamp else {}
+
+    def _load_data(self, name: str) -> Any:
+        return pickle.loads(_own_content(self._data_path(name)))  # noqa: S301  # from a file of this user
+
+    @contextlib.contextmanager
+    def _open_for_write(self, path: str) -> Iterator[Any]:
+        with super()._open_for_write(path) as file:
+            if hasattr(os, "fchmod"):
+                os.fchmod(file.fileno(), os.fstat(file.fileno()).st_mode & ~0o022)
+            yield file
+
+
+def _own_content(path: str) -> bytes:
+    """The content of a file. Raises OSError where another user can write to it, or wrote it."""
+    with open(path, "rb") as file:  # noqa: PTH123  # Numba's paths are texts
+        if fault := _cache.writable_for_others(os.fstat(file.fileno())):
+            raise PermissionError(f"{path}: {fault}")
+        return file.read()
+
+
 class HealingCache(FunctionCache):  # type: ignore[misc]
     """A disk cache that treats whatever it cannot read as absent."""
 
     _impl_class = WholeFiles
+
+    def __init__(self, function: FunctionType) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = OwnFiles(self._cache_path, self._impl.filename_base, stamp)
 
     def load_overload(self, signature: Any, *arguments: Any) -> Any:
         if UNKEPT in str(signature):

@@ -12,6 +12,7 @@ import contextlib
 import errno
 import os
 import stat
+import threading
 from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
@@ -220,8 +221,66 @@ def require_memory(size: int, path: Path) -> None:
     """Raise NotPlain where a file says that so many bytes are to be read, and the machine has no memory for them."""
     if size <= ENOUGH:
         return
+    total = memory_limit()
+    if size > total // 2:
+        raise TooLarge(path, f"needs {size / 2**30:.3g} GiB; this process may use {total / 2**30:.3g} GiB")
+
+
+GROUPS = Path("/proc/self/cgroup")
+"""The control groups of this process on Linux."""
+GROUP_LIMITS = {"": (Path("/sys/fs/cgroup"), "memory.max"),
+                "memory": (Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes")}  # fmt: skip
+"""Where the limits of memory are: version 2 has one hierarchy without a name, version 1 one that is called `memory`."""
+
+
+def memory_limit() -> int:
+    """The memory that this process may use (bytes): that of the machine, or less in a container or a batch job, whose
+    control group or resource limit ends a process that uses more.
+    """
     import psutil
 
-    total = psutil.virtual_memory().total
-    if size > total // 2:
-        raise TooLarge(path, f"needs {size / 2**30:.3g} GiB; this machine has {total / 2**30:.3g} GiB")
+    return min([int(psutil.virtual_memory().total), *_group_limits(), *_address_space()])
+
+
+def _group_limits() -> Iterator[int]:
+    """The limits of the control groups of this process, and of those around them."""
+    with contextlib.suppress(OSError):
+        for line in GROUPS.read_text().splitlines():
+            _, controllers, place = line.split(":", 2)
+            for kind in {"", "memory"} & set(controllers.split(",")):
+                root, name = GROUP_LIMITS[kind]
+                group = Path(place.lstrip("/"))
+                # In a container the group may be outside of what is mounted: the root is then its own.
+                for folder in (group, *group.parents):
+                    with contextlib.suppress(OSError, ValueError):
+                        yield int((root / folder / name).read_text())
+
+
+def _address_space() -> Iterator[int]:
+    """The limit of `ulimit -v`, which batch systems set."""
+    with contextlib.suppress(ImportError):
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        if limit != resource.RLIM_INFINITY:
+            yield limit
+
+
+def read_at(file: FileIO, start: int, count: int) -> bytes:
+    """So many bytes of a file from a place on, fewer where it ends. Threads may read one file at the same time: where
+    the system can, the position of the file is neither used nor changed.
+    """
+    if not hasattr(os, "pread"):
+        with _ONE_AT_A_TIME:
+            file.seek(start)
+            return file.read(count)
+    parts: list[bytes] = []
+    while count > 0 and (part := os.pread(file.fileno(), min(count, MOST_AT_ONCE), start)):
+        parts.append(part)
+        start, count = start + len(part), count - len(part)
+    return parts[0] if len(parts) == 1 else b"".join(parts)
+
+
+_ONE_AT_A_TIME = threading.Lock()
+MOST_AT_ONCE = 2**30
+"""Bytes that systems read in one call."""

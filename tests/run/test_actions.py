@@ -132,7 +132,7 @@ def test_the_manifest_holds_names_digests_and_periods(tmp_path: Path, scene: Sce
     [
         ([], r"user-defined actions damp; .* ecume resume .* --actions FILE\.py:damp\n.*actions=\[damp\]\)"),
         ([nudge], "got the actions nudge; expected damp"),
-        ([dataclasses.replace(damp, steps=8)], "damp: the text of this action has changed"),
+        ([dataclasses.replace(damp, steps=8)], "damp: the text of this action, or what it uses, has changed"),
     ],
 )
 def test_other_actions_are_refused(actions: list[Action], says: str, tmp_path: Path, scene: Scenes) -> None:

@@ -162,10 +162,10 @@ def test_a_process_that_only_a_lock_names_gets_no_signal(killed, monkeypatch):
     got = []
     killed.status.unlink()
     monkeypatch.setattr(lock, "ask_to_stop", got.append)
-    for changes in ({}, {"host": "elsewhere"}):
+    for changes, state in (({}, "killed"), ({"host": "elsewhere"}, "running")):
         owner = {**lock._self(), **changes}
         killed.lock.write_bytes(lock.sealed_line(owner).encode().ljust(lock.WIDTH))
-        assert info(killed.path).state == "running"
+        assert info(killed.path).state == state
         assert lock.stop(killed) is False
     assert got == []
     with lock.held(killed):
@@ -234,7 +234,7 @@ def test_a_size_beyond_the_memory_is_refused(tmp_path):
     path = tmp_path / "sparse"
     with path.open("wb") as file:
         file.truncate(2**42)
-    with pytest.raises(_plain_files.TooLarge, match="this machine has"):
+    with pytest.raises(_plain_files.TooLarge, match="this process may use"):
         _plain_files.content_of(path, 2**50)
     with pytest.raises(_plain_files.TooLarge, match="expected at most 1"):
         _plain_files.content_of(path, 2**20)

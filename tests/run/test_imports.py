@@ -1,11 +1,13 @@
 """Trajectories of other programs as runs: positions and velocities are read, all else is computed."""
 
+import shutil
+
 import gsd.hoomd
 import numpy as np
 import pytest
 
 from ecume.analysis.series import PathWarning, tracks
-from ecume.errors import BadInput
+from ecume.errors import BadInput, RunExists
 from ecume.run import resume, verify
 from ecume.run.imports import import_run
 from ecume.scenes.load import load_scene
@@ -203,3 +205,32 @@ def test_boxes_around_the_origin_and_their_image_numbers_are_read(depth, tmp_pat
             frame.particles.types, frame.particles.typeid = ["A"], np.zeros(2, np.uint32)
             file.append(frame)
     assert imported(tmp_path, "box.gsd")[:, :, 0] == pytest.approx(np.array([[-49.0, 30.0], [-69.0, 30.0]]))
+
+
+def test_a_run_that_is_not_replaced_stays(bowl, tmp_path):
+    """Also with --force, if a later frame is bad; and nothing is left beside it."""
+    path, _ = bowl
+    (tmp_path / "bowl.toml").write_text(path.read_text())
+    shutil.copy(path.with_name("bowl.lammpstrj"), tmp_path / "bowl.lammpstrj")
+    import_run(tmp_path / "bowl.toml", tmp_path / "run")
+    (tmp_path / "run" / "notes.txt").write_text("mine")
+    before = {file: file.read_bytes() for file in (tmp_path / "run").rglob("*") if file.is_file()}
+    names = sorted(tmp_path.iterdir())
+
+    def unchanged():
+        there = {file: file.read_bytes() for file in (tmp_path / "run").rglob("*") if file.is_file()}
+        return there == before and sorted(tmp_path.iterdir()) == names and verify(tmp_path / "run").sound
+
+    with pytest.raises(RunExists, match="holds a run already"):
+        import_run(tmp_path / "bowl.toml", tmp_path / "run")
+    assert unchanged()
+    text = (tmp_path / "bowl.lammpstrj").read_text()
+    (tmp_path / "bowl.lammpstrj").write_text(text.replace("\n-20 20\n", "\n-20 nan\n").replace("nan", "20", 3))
+    with pytest.raises(BadInput, match="got 'nan'"):
+        import_run(tmp_path / "bowl.toml", tmp_path / "run", force=True)
+    assert unchanged()
+    (tmp_path / "bowl.lammpstrj").write_text(text)
+    done = import_run(tmp_path / "bowl.toml", tmp_path / "run", force=True)
+    assert (done.directory, (tmp_path / "run" / "notes.txt").read_text()) == (tmp_path / "run", "mine")
+    assert verify(tmp_path / "run").sound
+    assert sorted(tmp_path.iterdir()) == names

@@ -77,7 +77,7 @@ def test_a_law_whose_numbers_or_helpers_changed_is_another_law(
     for name, value in (("STIFFNESS", 3.5), ("halved", slack)):
         with monkeypatch.context() as changed:
             changed.setitem(globals(), name, value)
-            with pytest.raises(BadInput, match="springy: the text of this law has changed"):
+            with pytest.raises(BadInput, match="springy: the text of this law, or what it uses, has changed"):
                 resume(broken_off, extra_laws=[springy])
     assert resume(broken_off, extra_laws=[springy]).frames == 51
 

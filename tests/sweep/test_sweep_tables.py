@@ -1,16 +1,22 @@
 """What a sweep tells: its table, for libraries too, and how far it is."""
 
+import contextlib
+import json
 import os
+import random
+import shutil
 import sys
 import time
 
+import numpy as np
 import pytest
 from tests.sweep.four_bowls import ALONE
 
 from ecume.cli.output import counted
-from ecume.errors import BadInput
+from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import laid_out, remaining, standing
+from ecume.sweep.executors import write_array
 from ecume.sweep.spec import load_sweep
 
 
@@ -92,16 +98,100 @@ def test_words_on_the_way_are_for_logs_too(monkeypatch, capsys):
         assert output is None
 
 
-def test_measures_are_functions_too_and_are_kept(file, tmp_path):
+def test_measures_are_functions_too_and_are_kept(file, tmp_path, capsys):
     sweep(file, tmp_path / "out", ALONE)
     found = open_sweep(tmp_path / "out")
-    calls = []
 
     def highest(run):
-        calls.append(1)
+        print("called")
         return float(max(frame.arrays["position"].max() for frame in run))
 
     first = found.table({"highest": highest})
     assert found.table({"highest": highest}) == first
-    assert len(calls) == 4
+    assert capsys.readouterr().out.count("called") == 4
     assert all(0.0 < row["highest"] < 0.04 for row in first)
+
+
+EDGES = np.array([0.0, 1.0])
+
+
+def test_a_number_is_measured_again_where_what_its_function_uses_has_changed(file, tmp_path):
+    sweep(file, tmp_path / "out", ALONE)
+    found = open_sweep(tmp_path / "out")
+
+    def edge(run):
+        return float(EDGES[1])
+
+    def unknown(run):
+        return float(next(numbers))
+
+    numbers = iter(range(100))
+    assert [row["edge"] for row in found.table({"edge": edge})] == [1.0] * 4
+    EDGES[1] = 2.0
+    assert [row["edge"] for row in found.table({"edge": edge})] == [2.0] * 4
+    first, second = (found.table({"unknown": unknown}) for _ in range(2))
+    assert [row["unknown"] for row in first + second] == list(range(8))
+
+
+def changed(path, place):
+    content = bytearray(path.read_bytes())
+    content[place] = ord("7") if content[place] != ord("7") else ord("3")
+    path.write_bytes(content)
+
+
+def test_each_changed_digit_beside_the_runs_is_named_or_made_again(file, tmp_path):
+    """And each file of another point."""
+    sweep(file, tmp_path / "out", ALONE)
+    truth, chosen = open_sweep(tmp_path / "out").table(), random.Random(1)
+    beside = [path for path in (tmp_path / "out").rglob("*") if path.is_file() and "run" not in path.parts]
+    names = {path.name for path in beside}
+    assert names == {"points.json", "sweep.toml", "point.json", "measures.json", "table.csv"}
+    for path in beside * int(os.environ.get("ECUME_DAMAGES", 1)):
+        before = path.read_bytes()
+        digits = [place for place, one in enumerate(before) if chr(one).isdigit()]
+        changed(path, chosen.choice(digits))
+        for again in (lambda: None, lambda: sweep(file, tmp_path / "out", ALONE)):
+            with contextlib.suppress(EcumeError):
+                again()
+                assert open_sweep(tmp_path / "out").table() == truth, path
+        path.write_bytes(before)
+    points = sorted((tmp_path / "out" / "points").iterdir())
+    for name in ("measures.json", "run"):
+        here, there = points[0] / name, points[1] / name
+        shutil.move(here, tmp_path / name)
+        (shutil.copytree if there.is_dir() else shutil.copy)(there, here)
+        (points[0] / "measures.json").unlink(missing_ok=name == "run")
+        if name == "run":
+            with pytest.raises(StorageError, match="is the run of another scene"):
+                open_sweep(tmp_path / "out").table()
+            shutil.rmtree(here)
+        else:
+            shutil.copy(points[1] / name, here)
+            assert open_sweep(tmp_path / "out").table() == truth
+            here.unlink()
+        shutil.move(tmp_path / name, here)
+
+
+def test_a_sweep_of_an_earlier_version_is_read(file, tmp_path):
+    """Its files have no checksums."""
+    sweep(file, tmp_path / "out", ALONE)
+    truth = open_sweep(tmp_path / "out").table()
+    for path in [*(tmp_path / "out").glob("points.json"), *(tmp_path / "out" / "points").glob("*/*.json")]:
+        plain = json.loads(path.read_text())
+        del plain["crc32"]
+        path.write_text(json.dumps(plain.get("points", plain)))
+    assert open_sweep(tmp_path / "out").table() == truth
+
+
+def test_files_that_no_sweep_wrote_are_not_replaced(file, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "points.json").write_text("[]")
+    with pytest.raises(BadInput, match="was not written by a sweep"):
+        sweep(file, tmp_path / "out", ALONE)
+    assert (tmp_path / "out" / "points.json").read_text() == "[]"
+
+
+def test_a_folder_with_a_line_break_gives_no_job_script(file, tmp_path):
+    laid = laid_out(load_sweep(file), tmp_path / "a\ntouch x\n#")
+    with pytest.raises(BadInput, match="no line of a job script"):
+        write_array(laid)

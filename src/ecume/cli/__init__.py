@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 from ecume.cli import browser, comparisons, output, pictures, runs, scenes, sweeps
-from ecume.cli.output import Ending, warned
+from ecume.cli.output import Ending, echo, warned
 from ecume.cli.scenes import own_process
 
 app = typer.Typer(
@@ -59,7 +59,7 @@ def _version(asked: bool) -> None:
     if asked:
         from ecume._version import __version__
 
-        typer.echo(f"ecume {__version__}")
+        echo(f"ecume {__version__}")
         raise typer.Exit
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from ecume.cli.output import echo
 from ecume.cli.pictures import wrote
 from ecume.cli.runs import HERE, Quiet, RunFolder, offered
 from ecume.cli.scenes import Overrides
@@ -57,7 +58,7 @@ def view(
             f"{page.frames} frames" if page.every == 1 else f"{page.frames} frames, each {_nth(page.every)} of the run"
         )
         wrote(page.path, quiet=quiet)
-        typer.echo(f"{page.size / 1e6:.1f} MB, {shown}")
+        echo(f"{page.size / 1e6:.1f} MB, {shown}")
     if save is None:
         typer.launch(page.path.resolve().as_uri())
 
@@ -81,7 +82,7 @@ def _follow(directory: Path) -> None:
     with serving(Source(directory, state, stop)) as address, offered(address):
         while state() == "running":
             time.sleep(LOOK_EVERY)
-    typer.echo(f"{directory}: {state()}")
+    echo(f"{directory}: {state()}")
 
 
 def play(
@@ -116,13 +117,13 @@ def play(
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
     game = game_of(asked)
-    typer.echo("starting; the first start compiles, which can take minutes ...")
+    echo("starting; the first start compiles, which can take minutes ...")
     game.toy.moving.play(0.0)
     with served(game) as address, offered(address, "play"):
         try:
             game.run()
         except KeyboardInterrupt:
-            typer.echo("stopped: the time limit of a game is reached")
+            echo("stopped: the time limit of a game is reached")
 
 
 VERBS = (view, play)

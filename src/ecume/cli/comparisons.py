@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from ecume.cli.output import Json, Record, keep, lasting, print_json, print_table, say
+from ecume.cli.output import Json, Record, echo, keep, lasting, print_json, print_table, say
 from ecume.errors import BadInput, EcumeError, install
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
     """The result of one case, printed as a table if it is `shown`. A case that fails is not met."""
     began, worked = time.monotonic(), time.process_time()
     if sys.stderr.isatty():
-        typer.echo(f"{case.name} …", err=True)
+        echo(f"{case.name} …", err=True)
     try:
         rows = case.rows()
     except EcumeError as error:
@@ -98,7 +98,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
     met = sum(row.met for row in rows)
     if shown:
         print_table((case.name, *NUMBERS, ""), map(_cells, rows), numbers=NUMBERS)
-        typer.echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
+        echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
     plain = [_plain(row) for row in rows]
     if record is not None:
         # Processor time: wall time depends on what else the machine does.
@@ -252,14 +252,14 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
         say(f"{one.name}: skipped: {', '.join(missing)} not installed; {install('bench')}")
         return True
     began = time.monotonic()
-    typer.echo(f"== {one.name}: {one.summary}")
+    echo(f"== {one.name}: {one.summary}")
     import tempfile  # not needed by `ecume --help`
 
     with tempfile.TemporaryDirectory() as empty:
         there = [str(peers or empty) if word == PEERS else word for word in one.arguments]
         code, output = _output_of([sys.executable, str(folder() / one.script), *there])
     seconds = time.monotonic() - began
-    typer.echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
+    echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
     if record is not None and code == 0:
         command = " ".join((f"python benchmarks/{one.script}", *one.arguments))
         found = {"summary": one.summary, "command": command, "seconds": seconds}
@@ -273,7 +273,7 @@ def _output_of(command: list[str]) -> tuple[int, str]:
     unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=unbuffered) as process:  # noqa: S603  (a script of ecume)
         for line in process.stdout or ():
-            typer.echo(line, nl=False)
+            echo(line, nl=False)
             lines.append(line)
     return process.returncode, "".join(lines)
 

@@ -33,6 +33,30 @@ AS_WIDE_AS_IT_IS = 1000
 """Columns; more than any table has."""
 
 
+CONTROL: dict[int, str | None] = {
+    **dict.fromkeys(code for code in (*range(0x20), *range(0x7F, 0xA0)) if code not in b"\t\n"),
+    **dict.fromkeys((0x061C, 0x200E, 0x200F, 0x2028, 0x2029, *range(0x202A, 0x202F), *range(0x2066, 0x206A))),
+    **dict.fromkeys(range(0xD800, 0xE000), "\N{REPLACEMENT CHARACTER}"),
+}
+"""Characters that act on a terminal: control characters, marks and overrides of the direction of writing, separators of
+lines; and halves of characters, which no terminal can show.
+"""
+
+
+def cleaned(text: str) -> str:
+    r"""Text without anything that acts on a terminal, as it may stand in titles, names and messages of files.
+
+    >>> cleaned("a\x1b[31mred")
+    'a[31mred'
+    """
+    return text.translate(CONTROL)
+
+
+def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
+    """Print text; all that verbs print goes through here or through `print_table`."""
+    typer.echo(cleaned(str(text)), err=err, nl=nl)
+
+
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *, numbers: Sequence[str] = ()) -> None:
     """Print rows under their columns; those named in `numbers` stand flush right."""
     from rich.console import Console
@@ -43,7 +67,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
     for column in columns:
         table.add_column(column, justify="right" if column in numbers else "left")
     for row in rows:
-        table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
+        table.add_row(*(Text(cleaned(cell)) if isinstance(cell, str) else cell for cell in row))
     # Into a file or a pipe nothing is wrapped or cut off.
     Console(width=None if sys.stdout.isatty() else AS_WIDE_AS_IT_IS).print(table)
 
@@ -67,7 +91,7 @@ def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
 
 def print_json(value: object) -> None:
     """Print a value as JSON; NaN and infinity become null."""
-    typer.echo(json.dumps(_plain(value), indent=2))
+    echo(json.dumps(_plain(value), indent=2))
 
 
 def _plain(value: object) -> object:
@@ -99,7 +123,6 @@ WORDINGS = (
     (r"Option '(.+?)' requires an argument", r"\1: expected a value"),
 )
 """The messages of the command line parser in the style of all others."""
-CONTROL = {code: None for code in (*range(0x20), 0x7F, *range(0x80, 0xA0)) if code != ord("\n")}
 
 
 class Ending(typer.core.TyperGroup):
@@ -156,9 +179,9 @@ def _in_style(message: str) -> str:
 
 
 def say(message: str) -> None:
-    """A message on stderr, each line with the prefix; text from files cannot control the terminal."""
-    for line in message.translate(CONTROL).splitlines():
-        typer.echo(PREFIX + line, err=True)
+    """A message on stderr, each line with the prefix."""
+    for line in cleaned(message).splitlines():
+        echo(PREFIX + line, err=True)
 
 
 def warned(message: Warning | str, *_: object, **__: object) -> None:
@@ -208,7 +231,7 @@ class WithExpectation:
         """Report, after the expectation."""
         if not self._said and progress.remaining:
             self._said = True
-            typer.echo(expectation(progress), err=True)
+            echo(expectation(progress), err=True)
         self._report(progress)
 
 
@@ -297,7 +320,7 @@ class CountLines:
         said, now = self._pace(done, of), time.monotonic()
         if now - self._last >= LINE_EVERY:
             self._last = now
-            typer.echo(said, err=True)
+            echo(said, err=True)
 
 
 class Lines:
@@ -311,7 +334,7 @@ class Lines:
         now = time.monotonic()
         if now - self._last >= LINE_EVERY:
             self._last = now
-            typer.echo(line(progress), err=True)
+            echo(line(progress), err=True)
 
 
 def line(progress: Progress) -> str:
@@ -393,7 +416,7 @@ class ThermoTable:
     def _print(self, cells: Sequence[str]) -> None:
         """A line; a progress bar on the same terminal stays below it."""
         row = " ".join(f"{cell:>{width}}" for cell, width in zip(cells, self._widths, strict=True))
-        sys.stdout.write(f"{row.rstrip()}\n")
+        echo(row.rstrip())
         sys.stdout.flush()
 
 

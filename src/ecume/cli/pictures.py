@@ -11,7 +11,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from ecume.cli.output import counted, say
+from ecume.cli.output import counted, echo, say
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.cli.scenes import Overrides, placed, without_compiler
 from ecume.errors import BadInput, install
@@ -459,7 +459,7 @@ def _list(directory: Path) -> None:
     if (directory / "points.json").is_file():
         from ecume.sweep.figures import kinds_of
 
-        typer.echo("\n".join(kinds_of(directory)))
+        echo("\n".join(kinds_of(directory)))
         return
     from ecume.run.directory import existing
     from ecume.show.figures import described
@@ -468,7 +468,7 @@ def _list(directory: Path) -> None:
     figures = described(directory)
     width = max(map(len, figures))
     for name, shows in figures.items():
-        typer.echo(f"{name:{width}}  {shows}")
+        echo(f"{name:{width}}  {shows}")
 
 
 RunOrScene = Annotated[
@@ -566,7 +566,7 @@ def _crate(directory: Path, out: Path | None, authors: list[str], license_name: 
 def wrote(path: Path, *, quiet: bool) -> None:
     """Say which file there is now."""
     if not quiet:
-        typer.echo(f"wrote {path}")
+        echo(f"wrote {path}")
 
 
 VERBS = (movie, plot, export)

@@ -20,6 +20,7 @@ from ecume.cli.output import (
     ThermoEvery,
     ahead,
     counted,
+    echo,
     elapsed,
     lasting,
     print_json,
@@ -57,7 +58,7 @@ def list_runs(folder: Folder = Path(), json: Json = False) -> None:
         columns = ("run", "model", "title", "state", "simulated", "frames", "size")
         print_table(columns, map(_row, runs), numbers=("simulated", "frames", "size"))
     else:
-        typer.echo(f"no runs in {folder}")
+        echo(f"no runs in {folder}")
 
 
 def _row(run: RunSummary) -> tuple[str, ...]:
@@ -90,9 +91,9 @@ def _print(found: Comparison) -> None:
     for title, changes in (("scene", found.scene), ("program", found.programs)):
         if changes:
             print_table((title, "first", "second"), [tuple(map(_text, change)) for change in changes])
-            typer.echo()
+            echo()
     one, other = found.frames
-    typer.echo(f"frames: {one} and {other}, {found.common} of them at equal times")
+    echo(f"frames: {one} and {other}, {found.common} of them at equal times")
     if found.quantities:
         rows = [
             (
@@ -105,7 +106,7 @@ def _print(found: Comparison) -> None:
         ]
         print_table(("quantity", "differs from", "by at most", "relative"), rows)
     elif found.common:
-        typer.echo("all quantities are equal, bit for bit")
+        echo("all quantities are equal, bit for bit")
 
 
 def _largest(row: QuantityDifference) -> str:
@@ -289,7 +290,7 @@ def import_run(
     with placed(scene, changes), shown(quiet=quiet) as reporter:
         done = read(scene, out or RUNS / scene.stem, overrides=changes, force=force, progress=reporter)
     if not quiet:
-        typer.echo(f"{done.directory}: {done.frames} frames of {done.time:.6g} s imported")
+        echo(f"{done.directory}: {done.frames} frames of {done.time:.6g} s imported")
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:
@@ -298,7 +299,7 @@ def _end(done: RunResult, *, quiet: bool) -> None:
     from ecume.run.invariant_monitor import BROKEN, summary_line
 
     if not quiet:
-        typer.echo(summary(done))
+        echo(summary(done))
     if (watch := summary_line(RunDirectory(done.directory))).startswith(BROKEN):
         say(f"warning: {done.directory}: {watch}; see {RunDirectory(done.directory).watch.name}")
 
@@ -319,7 +320,7 @@ def info(directory: RunFolder = HERE, json: Json = False) -> None:
     rows = described(found)
     width = max(len(name) for name, _ in rows)
     for name, value in rows:
-        typer.echo(f"{name:<{width}}  {value}")
+        echo(f"{name:<{width}}  {value}")
 
 
 Deep = Annotated[bool, typer.Option("--deep", help="Also compute all frames again and compare bits.")]
@@ -346,10 +347,10 @@ def verify(
         print_json({**found._asdict(), "sound": found.sound})
     else:
         for line in (*found.faults, *found.remarks):
-            typer.echo(line)
+            echo(line)
         again = "" if found.recomputed is None else f", {found.recomputed} frames computed again"
         outcome = "sound" if found.sound else f"damaged; see `ecume repair {directory}` and `ecume resume {directory}`"
-        typer.echo(f"{found.directory}: {found.frames} frames, {found.size / 1e6:.3g} MB{again}: {outcome}")
+        echo(f"{found.directory}: {found.frames} frames, {found.size / 1e6:.3g} MB{again}: {outcome}")
     if not found.sound:
         raise typer.Exit(StorageError.exit_code)
 
@@ -367,8 +368,8 @@ def repair(directory: RunFolder = HERE) -> None:
 
     mended = mend(directory)
     for fault in (*mended.faults, *(f"{path}: set aside, no frame in it is whole" for path in mended.unusable)):
-        typer.echo(fault)
-    typer.echo(f"{mended.good} intact frames")
+        echo(fault)
+    echo(f"{mended.good} intact frames")
 
 
 @contextlib.contextmanager
@@ -397,7 +398,7 @@ def offered(address: str, what: str = "follow the run") -> Iterator[None]:
 
     from ecume.show.serving import redirect_file
 
-    typer.echo(f"open {address} to {what}")
+    echo(f"open {address} to {what}")
     with redirect_file(address) as file:
         webbrowser.open(file)
         yield

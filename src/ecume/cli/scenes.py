@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ecume.cli.output import Json, print_json, print_table
+from ecume.cli.output import Json, echo, print_json, print_table
 from ecume.errors import BadInput
 
 if TYPE_CHECKING:
@@ -159,10 +159,10 @@ def new(
     if name is None:
         width = max(map(len, templates() | sweep_templates()))
         groups = {**by_model(), "Sweeps": sweep_templates()}
-        typer.echo("\n\n".join("\n".join([f"{group}:", *_listed(listed, width)]) for group, listed in groups.items()))
+        echo("\n\n".join("\n".join([f"{group}:", *_listed(listed, width)]) for group, listed in groups.items()))
         return
     for path in copy_template(name, out or Path(f"{name}.toml")):
-        typer.echo(f"wrote {path}")
+        echo(f"wrote {path}")
 
 
 def _listed(names: dict[str, str], width: int) -> Iterator[str]:
@@ -256,7 +256,7 @@ def cite(scene: SceneFile, overrides: Overrides = None) -> None:
     from ecume.citing import bibtex, papers_of
     from ecume.scenes.load import load_scene
 
-    typer.echo(bibtex(papers_of(load_scene(scene, overrides or []))), nl=False)
+    echo(bibtex(papers_of(load_scene(scene, overrides or []))), nl=False)
 
 
 VERBS = (new, check, cite)

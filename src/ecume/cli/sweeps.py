@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.output import Json, counted, lasting, print_json, print_table, say
+from ecume.cli.output import Json, counted, echo, lasting, print_json, print_table, say
 from ecume.cli.runs import Quiet, use_at_most
 from ecume.cli.scenes import Laws
 from ecume.errors import BadInput, Stopped
@@ -106,7 +106,7 @@ def _write_array(source: Path, directory: Path, laws: Sequence[str]) -> None:
     from ecume.sweep.executors import write_array
 
     sweeping = begun_or_laid_out(source, directory, entries(laws_from(laws)))
-    typer.echo(f"wrote {write_array(sweeping, laws)}; submit it with sbatch")
+    echo(f"wrote {write_array(sweeping, laws)}; submit it with sbatch")
 
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
@@ -125,9 +125,7 @@ def _end(done: Outcome, *, quiet: bool) -> None:
     """Report the outcome of a sweep; one with failures ends with 1."""
     if not quiet:
         busy = f", {done.busy} elsewhere at work" if done.busy else ""
-        typer.echo(
-            f"{done.directory}: {done.done} points done, {len(done.failed)} failed{busy}; table.csv has them all"
-        )
+        echo(f"{done.directory}: {done.done} points done, {len(done.failed)} failed{busy}; table.csv has them all")
     if done.lost:
         raise Stopped(
             f"{done.lost} of the points are missing: their workers died again and again, of too little memory perhaps; "
@@ -145,9 +143,7 @@ def _print_status(directory: Path, *, json: bool) -> None:
         print_json(now._asdict())
         return
     left = f"; {lasting(now.remaining)} left at the pace of the last points" if now.remaining is not None else ""
-    typer.echo(
-        f"{directory}: {now.done} done, {len(now.failed)} failed, {now.running} running, {now.missing} missing{left}"
-    )
+    echo(f"{directory}: {now.done} done, {len(now.failed)} failed, {now.running} running, {now.missing} missing{left}")
     for folder, why in now.failed:
         say(f"{folder}: {why}")
 
@@ -264,7 +260,7 @@ def fit(
     keep(found, directory)
     if not quiet:
         print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
-        typer.echo(f"noise: {with_prefix(found.noise, 'm', 3)}; {directory} contains the fitted scene and a figure")
+        echo(f"noise: {with_prefix(found.noise, 'm', 3)}; {directory} contains the fitted scene and a figure")
     for remark in found.remarks:
         say(remark)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ecume._plain_files import content_of
 from ecume.errors import BadInput
 from ecume.lammps import tanks
 from ecume.lammps.expressible import require_expressible
@@ -227,12 +228,25 @@ DECKS: Mapping[str, Callable[[Any], dict[str, str]]] = {"floating": floating_dec
 """The decks of each model."""
 
 
+def _require_own(folder: Path, files: Mapping[str, str]) -> None:
+    """Raise BadInput where files of a deck would replace files of another kind: a folder with a script is a deck."""
+    there = [name for name in files if (folder / name).exists()]
+    script = folder / SCRIPT
+    if there and not (script.is_file() and b"written by ecume" in content_of(script, MOST_BYTES)[:MOST_TITLE]):
+        raise BadInput(f"{folder / there[0]}: exists, and no deck of ecume is there; choose another folder with -o")
+
+
+MOST_BYTES, MOST_TITLE = 2**26, 2000
+"""Bytes of a script, and of its first lines."""
+
+
 def write_deck(scene: Scene, folder: Path) -> Path:
     """Write the deck of a scene into a folder. Raises BadInput for models without decks."""
     if scene.model not in DECKS:
         known = ", ".join(DECKS)
         raise BadInput(f"--to lammps: got a scene of the model {scene.model}; expected one of: {known}")
     files = DECKS[scene.model](scene)
+    _require_own(folder, files)
     with storing(folder):
         folder.mkdir(exist_ok=True)
     for name, text in files.items():

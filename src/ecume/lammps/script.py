@@ -66,8 +66,17 @@ def _system(deck: DeckNumbers, tables: list[PairTable]) -> Iterator[Iterator[str
 
 
 def _head(deck: DeckNumbers) -> Iterator[str]:
-    yield f"# {deck.scene.title or 'Floats'}, written by ecume: see README.md. Run it in this folder:"
+    yield f"# {in_a_comment(deck.scene.title or 'Floats')}, written by ecume: see README.md. Run it in this folder:"
     yield "#   lmp -in in.lammps    or    mpiexec -n 8 lmp -in in.lammps"
+
+
+def in_a_comment(title: str) -> str:
+    """A title as LAMMPS can have it in a comment, where it still takes quotes, `$` and `&` for its own signs.
+
+    >>> in_a_comment('bowl of "milk" & ${x}')
+    "bowl of 'milk' + {x}"
+    """
+    return title.translate({ord('"'): "'", ord("$"): None, ord("&"): "+", ord("\\"): "/"})
 
 
 def _style(deck: DeckNumbers) -> Iterator[str]:
@@ -234,7 +243,7 @@ def data_text(deck: DeckNumbers) -> str:
     speeds = zip(numbers, *state.velocity.T.tolist(), spin.tolist(), strict=True)
     return "\n".join(
         [
-            f"{deck.scene.title or 'Floats'}, written by ecume; SI units",
+            f"{in_a_comment(deck.scene.title or 'Floats')}, written by ecume; SI units",
             "",
             f"{len(state.position)} atoms",
             f"{len(deck.kinds)} atom types",

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume.lammps.expressible import Expressible
+from ecume.lammps.script import in_a_comment
 from ecume.laws.kernels import kernel
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters
@@ -304,7 +305,7 @@ def script_text(tank: Tank) -> str:
 
 
 def _head(tank: Tank) -> Iterator[str]:
-    yield f"# {tank.scene.title or 'Tank'}, written by ecume: see README.md. Run it in this folder:"
+    yield f"# {in_a_comment(tank.scene.title or 'Tank')}, written by ecume: see README.md. Run it in this folder:"
     yield "#   lmp -in in.lammps    or    mpiexec -n 8 lmp -in in.lammps"
     yield "# Reduced units: spacing, speed of sound, density of the liquid."
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-import psutil
 
+from ecume._plain_files import memory_limit
 from ecume.errors import Fault, SceneError, StorageError
 from ecume.models.model import LONGEST_RUN, Row
 from ecume.scenes.common import Common
@@ -35,10 +35,10 @@ def within_steps(scene: Common, parameters: Parameters) -> Parameters:
 
 
 def require_memory(path: str, what: str, wanted: float, way_out: str = "use fewer") -> None:
-    """Raise SceneError if this machine has less memory (bytes) than something needs."""
-    there = psutil.virtual_memory().total
+    """Raise SceneError if this process may use less memory (bytes) than something needs."""
+    there = memory_limit()
     if wanted > there:
-        message = f"{what} need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; {way_out}"
+        message = f"{what} need about {wanted / 1e9:.3g} GB, this process may use {there / 1e9:.3g} GB; {way_out}"
         raise SceneError([Fault(path, message)])
 
 

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from ecume._plain_files import opened, place_of, require_memory
 from ecume.errors import StorageError
-from ecume.run.directory import RunDirectory, manifest_of
+from ecume.run.directory import RunDirectory, identity_of, manifest_of
 from ecume.run.recording import NOTHING, Kept, missing_rows
 from ecume.trajectories.gsd import checksum
 from ecume.trajectories.records import replacing, storing
@@ -155,6 +155,7 @@ def _crc(file: Any, size: int) -> int:
 KEPT = 2
 """How many checkpoints stay: if the newest is damaged, there is another."""
 FIELD, SAMPLES = "state.", "samples."
+RUN, STEP = "run", "step"
 
 
 class Checkpoint(NamedTuple):
@@ -170,6 +171,8 @@ class Checkpoint(NamedTuple):
 def save(home: RunDirectory, checkpoint: Checkpoint) -> Path:
     """Write a checkpoint, and remove those that are too old."""
     arrays: dict[str, NDArray[Any]] = {"frames": np.array([checkpoint.frames])}
+    if run := identity_of(home):
+        arrays |= {STEP: np.array([checkpoint.step]), RUN: np.frombuffer(run.encode(), np.uint8)}
     arrays |= {FIELD + name: np.asarray(array) for name, array in checkpoint.state._asdict().items()}
     arrays |= {SAMPLES + name: array for name, array in checkpoint.samples.items()}
     path = home.checkpoints / f"{checkpoint.step:012d}.npz"
@@ -194,9 +197,23 @@ def sound_arrays(home: RunDirectory, path: Path) -> dict[str, NDArray[Any]]:
 
 def require_sound(home: RunDirectory, path: Path) -> None:
     """Raise ValueError where a checkpoint is damaged."""
+    if fault := missing_rows(home, _own_arrays(home, path)[1]):
+        raise ValueError(fault)
+
+
+def _own_arrays(home: RunDirectory, path: Path) -> tuple[dict[str, NDArray[Any]], Kept]:
+    """The arrays of a checkpoint but for those of the sampling, and these. Raises ValueError where it is damaged, or is
+    that of another run or step.
+    """
     arrays = sound_arrays(home, path)
     if int(arrays.pop("crc32")[0]) != checksum(arrays):
         raise ValueError("its checksum does not fit its data")
+    run, step = arrays.pop(RUN, np.zeros(0, np.uint8)), arrays.pop(STEP, None)
+    if run.tobytes() != identity_of(home).encode() or (step is not None and int(step[0]) != int(path.stem)):
+        raise ValueError("it belongs to another run or step")
+    sampling = {name: array for name, array in arrays.items() if name.startswith(SAMPLES)}
+    rest = {name: array for name, array in arrays.items() if name not in sampling}
+    return rest, {name.removeprefix(SAMPLES): array for name, array in sampling.items()}
 
 
 def set_aside(home: RunDirectory, path: Path) -> None:
@@ -221,7 +238,7 @@ def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, st
         if checkpoint is not None and checkpoint.frames > frames:
             fault = f"{checkpoint.frames - frames} frames before it are missing or damaged"
         if checkpoint is not None and not fault:
-            fault = missing_rows(home.samples, checkpoint.samples)
+            fault = missing_rows(home, checkpoint.samples)
         if checkpoint is not None and not fault:
             return checkpoint
         set_aside(home, path)
@@ -238,12 +255,9 @@ def _examined(home: RunDirectory, path: Path, kind: type) -> tuple[Checkpoint | 
 
 
 def _loaded(home: RunDirectory, path: Path, kind: type) -> Checkpoint:
-    arrays = sound_arrays(home, path)
-    if int(arrays.pop("crc32")[0]) != checksum(arrays):
-        raise ValueError("its checksum does not fit its data")
+    arrays, samples = _own_arrays(home, path)
     frames = int(arrays.pop("frames")[0])
     kept = {name.removeprefix(FIELD): array for name, array in arrays.items() if name.startswith(FIELD)}
-    samples = {name.removeprefix(SAMPLES): array for name, array in arrays.items() if name.startswith(SAMPLES)}
     return Checkpoint(kind(**{**_unknown_then(kind), **kept}), frames, samples=samples)
 
 

@@ -69,6 +69,11 @@ class RunDirectory:
         return self.path / reader.FILE
 
     @property
+    def sums(self) -> Path:
+        """The checksums of the samples: after each frame, that of the table up to there."""
+        return self.path / reader.SUMS
+
+    @property
     def crate(self) -> Path:
         """The metadata of the run as a research object; only if they were exported."""
         return self.path / "ro-crate-metadata.json"
@@ -101,6 +106,7 @@ class RunDirectory:
     def parts(self) -> list[Path]:
         """All files of a run but the lock, in the order in which they are removed: the manifest last."""
         contents = [self.trajectory, self.checkpoints, self.scalars, self.samples, self.log, self.status, self.watch]
+        contents.append(self.sums)
         return [*contents, self.crate, self.done, self.failed, self.scene, self.resolved, self.constants, self.manifest]
 
 
@@ -205,11 +211,26 @@ def has_checksums(home: RunDirectory) -> bool:
         return home.manifest.exists()
 
 
+def identity_of(home: RunDirectory) -> str:
+    """The identity of the run, which its files bear; empty for runs of earlier versions, and where it is not known."""
+    try:
+        return str(manifest_of(home).get("run", ""))
+    except StorageError:  # damaged, which is named where it is read, or not written yet
+        return ""
+
+
+def owner_of(home: RunDirectory, path: Path) -> str:
+    """The owner of the checksums in a file, see `sealed`."""
+    run = identity_of(home)
+    return f"{run} {path.name}" if run else ""
+
+
 def read(home: RunDirectory, path: Path, check: Check) -> dict[str, Any]:
     """One of the records of a run. Raises StorageError where it is damaged, or no record of this kind."""
-    return record_at(path, check, home.path, checked=has_checksums(home))
+    return record_at(path, check, home.path, checked=has_checksums(home), owner=owner_of(home, path))
 
 
 def write(home: RunDirectory, path: Path, plain: dict[str, Any], *, settled: bool = True) -> None:
     """Replace one of the records of a run."""
-    write_record(path, plain, home.path, settled=settled)
+    owner = "" if path == home.manifest else owner_of(home, path)
+    write_record(path, plain, home.path, owner=owner, settled=settled)

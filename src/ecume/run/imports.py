@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import os
+import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,14 +19,15 @@ from ecume.engine.cells import into_box, periods_of
 from ecume.errors import BadInput, Stopped
 from ecume.models import MODELS
 from ecume.models.model import DONE, EXCHANGE, Engine, Model
-from ecume.run.directory import RunDirectory, clear, manifest_of
+from ecume.run.directory import RunDirectory, refuse_existing
+from ecume.run.lock import put_in_place
 from ecume.run.recording import Progress
 from ecume.run.runner import RunOptions, RunResult, run
-from ecume.run.verification import IMPORTED
 from ecume.scenes.load import Scene, load_scene, overridden, parsed, source_of
 from ecume.scenes.starts import RUN, all_frames
 from ecume.trajectories.foreign.particles import Particles
 from ecume.trajectories.foreign.series import Series
+from ecume.trajectories.records import partial_of, storing
 from ecume.units import Array
 
 MODELS_OF_PARTICLES = {
@@ -50,7 +51,9 @@ def import_run(
 ) -> RunResult:
     """Make a run of the file that `[start_from]` of a scene names: its frames, `frame_every` apart.
 
-    Raises SceneError for a scene that cannot start from the first frame, and BadInput for frames that do not fit.
+    All frames are read into a run beside it, which takes the place of `directory` when it is complete: a run that is
+    there stays as it is until then. Raises RunExists where something is in the way, SceneError for a scene that cannot
+    start from the first frame, and BadInput for frames that do not fit.
     """
     source = source_of(scene)
     raw = parsed(source)
@@ -65,20 +68,19 @@ def import_run(
     options = RunOptions(
         threads=1, progress=progress, engine=Engine(reader_of(whole, name, series)), imported=Path(name).name
     )
+    home = RunDirectory(Path(directory))
+    refuse_existing(home, force=force)
+    with storing(home.path):
+        home.path.parent.mkdir(parents=True, exist_ok=True)
+    beside = RunDirectory(partial_of(home.path.absolute()))
     try:
-        return run(whole, directory, force=force, options=options)
-    except (BadInput, Stopped):
-        _remove(RunDirectory(Path(directory)))
-        raise
-
-
-def _remove(home: RunDirectory) -> None:
-    """Remove the part of a file that became a run, and its directory if nothing else is in it."""
-    if home.path.is_dir() and manifest_of(home).get(IMPORTED):
-        clear(home)
-        home.lock.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):
-            home.path.rmdir()
+        done = run(whole, beside.path, options=options)
+        put_in_place(beside, home, force=force)
+    except Stopped:
+        raise Stopped(f"{home.path}: stopped; no frame was imported, and nothing was changed") from None
+    finally:
+        shutil.rmtree(beside.path, ignore_errors=True)
+    return done._replace(directory=home.path)
 
 
 def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:

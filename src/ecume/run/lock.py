@@ -9,6 +9,7 @@ import socket
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from io import FileIO
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -16,8 +17,8 @@ import portalocker
 import psutil
 
 from ecume._plain_files import content_of, opened
-from ecume.errors import RunExists
-from ecume.run.directory import RunDirectory, has_checksums
+from ecume.errors import RunExists, StorageError
+from ecume.run.directory import RunDirectory, clear, has_checksums, refuse_existing
 from ecume.trajectories.records import OWNER, clean, line_of, sealed_line, storing
 
 WIDTH = 512
@@ -83,13 +84,26 @@ def require_free(home: RunDirectory) -> None:
             raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
 
 
+def put_in_place(complete: RunDirectory, home: RunDirectory, *, force: bool) -> None:
+    """Move a complete run from beside into its directory, in place of a former run with `force`; its manifest last."""
+    with storing(home.path):
+        home.path.mkdir(parents=True, exist_ok=True)
+    with held(home):
+        refuse_existing(home, force=force)
+        clear(home)
+        for part in complete.parts():
+            if part.exists():
+                with storing(home.path / part.name):
+                    part.rename(home.path / part.name)
+
+
 def stop(home: RunDirectory) -> bool:
     """Ask the process that writes the run to leave a checkpoint and end; False where no process does.
 
-    The lock may name any process. Only one that holds the lock gets a signal.
+    The lock may name any process. Only one that has the lock open while it is held gets a signal.
     """
     process = owner(home)
-    if process is None or process["host"] != clean(socket.gethostname()) or not _is_alive(process):
+    if process is None or process["host"] != clean(socket.gethostname()) or not _has_open(process, home):
         return False
     try:
         with held(home, quietly=True):
@@ -100,21 +114,34 @@ def stop(home: RunDirectory) -> bool:
 
 
 def is_held(home: RunDirectory) -> bool:
-    """Whether the process that locked the directory last still runs; one on another machine is believed to."""
-    if (process := owner(home)) is None:
-        return os.name == "nt" and home.lock.exists()
-    return process["host"] != clean(socket.gethostname()) or _is_alive(process)
+    """Whether a process holds the lock of the run; one on another machine that locked it last is believed to.
+
+    The lock itself is asked: a process may have the number of one that ended, and clocks may be set.
+    """
+    process = owner(home)
+    if process is not None and process["host"] != clean(socket.gethostname()):
+        return True
+    try:
+        require_free(home)
+    except RunExists:
+        return True
+    except StorageError:  # Windows, where others cannot open a locked file
+        return os.name == "nt"
+    return False
 
 
-def _is_alive(process: dict[str, Any]) -> bool:
+def _has_open(process: dict[str, Any], home: RunDirectory) -> bool:
+    """Whether a process of this machine runs and has the lock open, as far as the system says."""
     try:
         found = psutil.Process(process["pid"])
-        same = abs(found.create_time() - process["began"]) < 2.0
-        return bool(same and found.status() != psutil.STATUS_ZOMBIE)
-    except psutil.NoSuchProcess:
+        if os.name == "nt":  # where open files are not listed reliably
+            return bool(abs(found.create_time() - process["began"]) < 2.0)
+        lock = home.lock.stat()
+        return any(
+            os.path.samestat(lock, Path(file.path).stat()) for file in found.open_files() if Path(file.path).exists()
+        )
+    except (psutil.NoSuchProcess, psutil.AccessDenied, OSError):
         return False
-    except psutil.AccessDenied:  # it runs, and belongs to another user
-        return True
 
 
 def _self() -> dict[str, Any]:
@@ -168,7 +195,8 @@ def handled(handler: Handler, signals: Sequence[signal.Signals] = SIGNALS) -> It
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {number: signal.signal(number, handler) for number in signals}
+    # None stands for a handler that was not installed from Python, as by faulthandler: it could not be put back.
+    before = {number: signal.signal(number, handler) for number in signals if signal.getsignal(number) is not None}
     try:
         yield
     finally:

@@ -26,16 +26,17 @@ from urllib.parse import quote
 from ecume._plain_files import opened
 from ecume._version import __version__
 from ecume.errors import BadInput
-from ecume.run.directory import RunDirectory, existing, manifest_of, write
+from ecume.run.directory import RunDirectory, existing, identity_of, manifest_of, owner_of, write
 from ecume.run.lock import held
-from ecume.trajectories.records import as_json, clean, scene_at, storing, write_whole
+from ecume.trajectories.records import clean, scene_at, sealed, storing, write_whole
 
 if TYPE_CHECKING:
     from ecume.scenes.load import Scene
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
-FORMAT = 2
-"""Of a run: since format 2, records and lines of numbers have checksums."""
+FORMAT = 3
+"""Of a run: since format 2, records and lines of numbers have checksums, since 3 the identity of the run is in them,
+and samples have checksums, too."""
 SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")
 """Environment variables that make libraries compute as on another processor."""
 
@@ -138,6 +139,8 @@ def digests(home: RunDirectory) -> dict[str, str]:
         home.constants,
         home.scalars,
         home.samples,
+        home.sums,
+        *((home.watch,) if identity_of(home) else ()),
         *(path for folder in folders for path in folder.glob("*")),
     ]
     files = [path for path in sorted(files) if path.is_file()]
@@ -204,6 +207,7 @@ ABOUT = {
     "manifest.json": "Versions, machine and sessions of the run",
     "scalars.jsonl": "Numbers of each frame",
     "samples.csv": "Numbers sampled between frames",
+    "samples-checksums.jsonl": "Checksums of the samples",
     "watch.json": "Invariants, and whether they held",
     "log.jsonl": "Events of the run",
     "DONE.json": "Completion of the run, with digests",
@@ -231,7 +235,7 @@ def write_crate(directory: str | os.PathLike[str], attribution: Attribution = UN
     """
     home = existing(directory)
     with held(home):
-        write_whole(home.crate, as_json(metadata(home, attribution)), home.path)
+        write_whole(home.crate, sealed(metadata(home, attribution), owner_of(home, home.crate)), home.path)
     return home.crate
 
 

@@ -14,11 +14,13 @@ The progress of a run: for people, for machines (`status.json`), and for later (
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import os
 import time
 import warnings
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from io import FileIO
 from pathlib import Path
@@ -27,15 +29,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._plain_files import append, opened
+from ecume._plain_files import append, opened, read_at
 from ecume.errors import BadInput, Fault, SceneError, StorageError, nearest
 from ecume.models.step_counts import BEFORE
-from ecume.run.directory import RunDirectory, has_checksums, write
+from ecume.run.directory import RunDirectory, has_checksums, identity_of, owner_of, write
 from ecume.run.manifest import changed, circumstances_of_frame, now, record
 from ecume.scenes.common import Kind, colors_of
 from ecume.trajectories.frame import Frame, RecordedArrays
-from ecume.trajectories.reader import Trajectory, heading, read_heading
-from ecume.trajectories.records import LINE, clean, line_of, sealed_line, storing, write_whole
+from ecume.trajectories.reader import SUMS, Trajectory, heading, read_heading, sum_of
+from ecume.trajectories.records import LINE, SUM, clean, line_of, sealed_line, storing, write_whole
 from ecume.trajectories.segments import LARGEST, Recorder
 
 if TYPE_CHECKING:
@@ -129,7 +131,8 @@ class StatusFile:
 
 def note(home: RunDirectory, event: str, **details: Any) -> None:
     """Add an event to the log."""
-    line = sealed_line({"at": now(), "event": event, **{name: _cleaned(value) for name, value in details.items()}})
+    facts = {"at": now(), "event": event, **{name: _cleaned(value) for name, value in details.items()}}
+    line = sealed_line(facts, owner_of(home, home.log))
     with storing(home.log), opened(home.log, "a", home.path) as file:
         append(file, line.encode())
 
@@ -213,9 +216,9 @@ LONGEST = 2**20
 """Bytes of a line."""
 
 
-def scalars_line(step: int, frame: Frame) -> str:
+def scalars_line(step: int, frame: Frame, owner: str = "") -> str:
     """One line; what is no finite number is null."""
-    return sealed_line({"step": step, "time": frame.time, **_finite(frame.numbers)})
+    return sealed_line({"step": step, "time": frame.time, **_finite(frame.numbers)}, owner)
 
 
 def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
@@ -226,10 +229,10 @@ def lines_of(home: RunDirectory) -> Iterator[dict[str, Any]]:
     """The numbers of the frames. Raises StorageError at the first line that is damaged."""
     if not home.scalars.exists():
         return
-    checked = has_checksums(home)
+    checked, owner = has_checksums(home), owner_of(home, home.scalars)
     for number, content in enumerate(split(home, home.scalars), start=1):
         try:
-            yield line_of(content, LINE, checked=checked)
+            yield line_of(content, LINE, checked=checked, owner=owner)
         except ValueError as error:
             raise StorageError(f"{home.scalars}: damaged: line {number}: {error}") from error
 
@@ -244,11 +247,12 @@ def split(home: RunDirectory, path: Path) -> Iterator[bytes]:
 def good_lines(home: RunDirectory, most: int) -> tuple[int, int]:
     """How many of the first lines are as they were written, at most so many, and how many bytes they have."""
     count = size = 0
+    owner = owner_of(home, home.scalars)
     try:
         for content in split(home, home.scalars):
             if count == most:
                 break
-            line_of(content, LINE, checked=True)
+            line_of(content, LINE, checked=True, owner=owner)
             count, size = count + 1, size + len(content)
     except (StorageError, ValueError):
         pass
@@ -265,8 +269,8 @@ def continued(home: RunDirectory, former: Trajectory, frames: int) -> FileIO:
             file = opened(home.scalars, "a", home.path)
             os.ftruncate(file.fileno(), size)
             return file
-    steps = former.steps
-    lines = (scalars_line(int(steps[number]), former[number]) for number in range(frames))
+    steps, owner = former.steps, owner_of(home, home.scalars)
+    lines = (scalars_line(int(steps[number]), former[number], owner) for number in range(frames))
     write_whole(home.scalars, "".join(lines), home.path)
     with storing(home.scalars):
         return opened(home.scalars, "a", home.path)
@@ -326,14 +330,16 @@ class Block:
 class SampleFile:
     """The open table of samples of a run."""
 
-    def __init__(self, path: Path, asked: SamplesSpec, kept: Kept = NOTHING) -> None:
-        """Continue the table at a checkpoint, or begin it."""
+    def __init__(self, path: Path, asked: SamplesSpec, kept: Kept = NOTHING, run: str = "") -> None:
+        """Continue the table at a checkpoint, or begin it; `run` is the identity of the run."""
         self._path, self._asked = path, asked
+        self._crc = int(kept["crc"][0]) if "crc" in kept else sum_of(b"", run)
         self.last = int(kept["last"][0]) if kept else BEFORE
         """The position of the last sample on the model's clock."""
         self._size = int(kept["bytes"][0]) if kept else 0
         self._names: list[str] = []
         self._pending: list[str] = []
+        self._sums = SumFile(path.with_name(SUMS), self._size, run) if run else None  # before what it protects
         with storing(path):
             self._file = opened(path, "a+", path.parent)
             self._file.truncate(self._size)
@@ -371,28 +377,86 @@ class SampleFile:
             while left:
                 written = self._file.write(left)
                 self._size += written
+                self._crc = zlib.crc32(left[:written], self._crc)
                 left = left[written:]
+
+    def show(self) -> None:
+        """Write complete rows, and their checksum, with which readers see them."""
+        self.flush()
+        if self._sums is not None:
+            self._sums.add(self._size, self._crc)
 
     def settle(self) -> None:
         """Write complete rows to the disk, before a checkpoint refers to them."""
         self.flush()
         with storing(self._path):
             os.fsync(self._file.fileno())
+        if self._sums is not None:
+            self._sums.settle()
 
     def kept(self) -> Kept:
         """The position of the sampling, after `settle`."""
         position = {"last": np.array([float(self.last)]), "bytes": np.array([float(self._size)])}
+        if self._sums is not None:
+            position["crc"] = np.array([float(self._crc)])
         return position | (self._block.kept() if self._names else {})
 
     def close(self) -> None:
-        """Close the file; rows after the last checkpoint are computed again by a resumed run."""
+        """Close the files; rows after the last checkpoint are computed again by a resumed run."""
+        self._file.close()
+        if self._sums is not None:
+            self._sums.close()
+
+
+class SumFile:
+    """The open file with the checksums of a table of samples: a line after each frame that has new rows."""
+
+    def __init__(self, path: Path, size: int, run: str) -> None:
+        """Continue it where the table has so many bytes."""
+        self._path, self._owner, self._last = path, f"{run} {path.name}", 0
+        with storing(path):
+            self._file = opened(path, "a+", path.parent)
+            content, place = read_at(self._file, 0, os.fstat(self._file.fileno()).st_size), 0
+            with contextlib.suppress(ValueError):  # what follows a damaged line is written again
+                for line in content.splitlines(keepends=True):
+                    entry = line_of(line, SUM, checked=True, owner=self._owner)
+                    if entry["bytes"] > size:
+                        break
+                    self._last, place = entry["bytes"], place + len(line)
+            self._file.truncate(place)
+            self._file.seek(place)
+
+    def add(self, size: int, crc: int) -> None:
+        """Note the checksum of so many bytes."""
+        if size > self._last:
+            with storing(self._path):
+                append(self._file, sealed_line({"bytes": size, "crc": crc}, self._owner).encode())
+            self._last = size
+
+    def settle(self) -> None:
+        """Write it to the disk."""
+        with storing(self._path):
+            os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Close the file."""
         self._file.close()
 
 
-def missing_rows(path: Path, kept: Kept) -> str:
-    """The fault of a checkpoint whose samples are not on the disk; empty where all are there."""
-    there = path.stat().st_size if path.exists() else 0
-    return "samples before it are missing" if kept and kept["bytes"][0] > there else ""
+def missing_rows(home: RunDirectory, kept: Kept) -> str:
+    """The fault of a checkpoint whose samples are not on the disk, or are damaged; empty where all are there."""
+    if not kept:
+        return ""
+    size = int(kept["bytes"][0])
+    if size > (home.samples.stat().st_size if home.samples.exists() else 0):
+        return "samples before it are missing"
+    if "crc" not in kept:
+        return ""
+    with storing(home.samples), opened(home.samples, "r", home.path) as file:
+        crc, left = sum_of(b"", identity_of(home)), size
+        while left > 0 and (part := file.read(min(left, LONGEST))):
+            crc, left = zlib.crc32(part, crc), left - len(part)
+    return "" if crc == int(kept["crc"][0]) else "samples before it are damaged"
 
 
 def _row(step: int, cells: Iterable[float]) -> str:
@@ -424,8 +488,9 @@ class Recording:
         self._repeats = repeats
         self._home, self.frames, self._strict, self._selection = home, frames, strict, selection
         names = [kind.name for kind in kinds]
+        self._owner, run = owner_of(home, home.scalars), identity_of(home)
         self._recorder = Recorder(
-            home.trajectory, species=names, colors=colors_of(kinds), largest=largest, single=selection.single
+            home.trajectory, species=names, colors=colors_of(kinds), largest=largest, single=selection.single, run=run
         )
         self._former = Trajectory(home.trajectory)
         try:
@@ -450,7 +515,7 @@ class Recording:
         if self.frames >= self._recorder.frames:
             self._recorder.write(frame, step)
         with storing(self._home.scalars):
-            append(self._scalars, scalars_line(step, frame).encode())
+            append(self._scalars, scalars_line(step, frame, self._owner).encode())
         self.frames += 1
 
     def settle(self) -> None:

@@ -245,6 +245,7 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     """Compare two runs: keys of their scenes, versions, and each quantity in all frames of the same time."""
     homes = existing(first), existing(second)
     manifests = [manifest_of(home) for home in homes]
+    scenes = scene_at(homes[0].path, manifests[0]), scene_at(homes[1].path, manifests[1])
     names = circumstances()
     programs = [{name: manifest.get(name) for name in names} for manifest in manifests]
     with open_trajectory(homes[0].path) as one, open_trajectory(homes[1].path) as other:
@@ -252,7 +253,7 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
         quantities = _differences((one[i], other[j]) for i, j in pairs)
         frames = len(one), len(other)
     return Comparison(
-        scene=_changes(*(dict(_flat(scene_at(home.path, one))) for home, one in zip(homes, manifests, strict=True))),
+        scene=list(_differing(*scenes)),
         programs=_changes(*programs),
         frames=frames,
         common=len(pairs),
@@ -260,16 +261,28 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     )
 
 
-def _flat(value: object, path: str = "") -> Iterator[tuple[str, object]]:
-    """The values of nested tables by their paths: `particles[0].radius`."""
+def _differing(first: object, second: object, path: str = "") -> Iterator[Change]:
+    """The values that differ in nested tables, by their paths: `particles[0].radius`. A list without tables is one
+    value.
+    """
+    one, other = _entries(first), _entries(second)
+    if one is None and other is None:
+        if first != second:
+            yield Change(path, first, second)
+        return
+    # A table beside no table: each of its values stands beside nothing.
+    for name in dict.fromkeys((*(one or {}), *(other or {}))):
+        here = f"{path}[{name}]" if isinstance(name, int) else f"{path}.{name}" if path else str(name)
+        yield from _differing((one or {}).get(name), (other or {}).get(name), here)
+
+
+def _entries(value: object) -> Mapping[Any, object] | None:
+    """The entries of a table, or of a list of tables; None of anything else."""
     if isinstance(value, dict):
-        for key, each in value.items():
-            yield from _flat(each, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list) and any(isinstance(each, dict) for each in value):
-        for number, each in enumerate(value):
-            yield from _flat(each, f"{path}[{number}]")
-    else:
-        yield path, value
+        return value
+    if isinstance(value, list) and any(isinstance(each, dict) for each in value):
+        return dict(enumerate(value))
+    return None
 
 
 def _changes(first: Mapping[str, object], second: Mapping[str, object]) -> list[Change]:

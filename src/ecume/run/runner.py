@@ -20,7 +20,17 @@ from ecume.models.model import LOCAL, LONGEST_RUN, Engine
 from ecume.models.step_counts import BEFORE
 from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
-from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write
+from ecume.run.directory import (
+    RunDirectory,
+    clear,
+    existing,
+    identity_of,
+    manifest_of,
+    read,
+    refuse_existing,
+    sweep,
+    write,
+)
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
 from ecume.run.lock import PATIENT, StopRequest, held, stop_requests
 from ecume.run.recording import (
@@ -36,10 +46,10 @@ from ecume.run.recording import (
     require_numbers,
     selection_of,
 )
-from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
+from ecume.run.user_code import NO_CODE, Law, UserCode, require_same, warn_of_uncovered
 from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
-from ecume.trajectories.records import DONE, as_json, clean, scene_at, storing, write_whole
-from ecume.trajectories.segments import good_frames, repair
+from ecume.trajectories.records import DONE, as_json, clean, identity, scene_at, storing, write_whole
+from ecume.trajectories.segments import good_frames, repair, set_foreign_aside
 
 if TYPE_CHECKING:
     from ecume.models.actions import Action
@@ -173,6 +183,8 @@ def resume(
         require_same(home, code)
         require_source(home)
         sweep(home)
+        for remark in set_foreign_aside(home.trajectory, identity_of(home)):
+            note(home, "segment set aside", why=remark)
         scene = from_plain(scene_at(home.path, manifest_of(home)))
         checkpoints.require_sound_constants(home)
         checkpoint = _checkpoint(home, scene)
@@ -199,6 +211,8 @@ def _completed(home: RunDirectory) -> RunResult | None:
         return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
     note(home, "damaged after it was done", files=damaged)
     warnings.warn(f"{home.path}: {', '.join(damaged)}: damaged after the run was done; computed again", stacklevel=1)
+    if home.samples.name in damaged and home.samples.exists():  # checkpoints of earlier versions do not notice
+        checkpoints.set_aside(home, home.samples)
     with storing(home.done):
         home.done.unlink()
     return None
@@ -255,16 +269,16 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
     source = to_toml(scene).encode() if options.source is None else options.source
     write_whole(home.scene, source, home.path)
     write_whole(home.resolved, plain, home.path)
-    write(
-        home,
-        home.manifest,
+    entries = (
         manifest.first_manifest(scene, source, plain)
         | {"constants_sha256": checkpoints.save_constants(home, parameters)}
         | code.entries()
         | {"on_violation": options.on_violation or scene.on_violation}
         | ({IMPORTED: clean(options.imported)} if options.imported else {})
-        | ({ENGINE: options.engine.name} if options.engine is not None and options.engine.name != LOCAL else {}),
+        | ({ENGINE: options.engine.name} if options.engine is not None and options.engine.name != LOCAL else {})
     )
+    warn_of_uncovered(code.entries())
+    write(home, home.manifest, entries | {"run": identity(entries)})
 
 
 def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
@@ -317,7 +331,9 @@ class _Session:
             home, frames, kinds=scene.kinds, strict=options.strict, selection=selection, repeats=repeats
         )
         asked = scene.output.samples
-        self._samples = None if asked is None else SampleFile(home.samples, asked, checkpoint.samples)
+        self._samples = (
+            None if asked is None else SampleFile(home.samples, asked, checkpoint.samples, identity_of(home))
+        )
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
@@ -386,8 +402,8 @@ class _Session:
         if self._code.actions:
             invariants = [row for row in invariants if row.name not in CHANGED_BY_ACTIONS]
         self._watch = Watch(self._home, invariants, policy)
-        self._opened = True
         manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)
+        self._opened = True
         if self._options.engine is not None and (facts := self._options.engine.facts()):
             manifest.record(self._home, **facts)
         differences = manifest.changed(manifest_of(self._home))
@@ -424,7 +440,7 @@ class _Session:
         if moment.ended:
             samples.end_block(moment.taken)
         if moment.frame is not None:
-            samples.flush()
+            samples.show()
 
     def _sampled(self) -> Kept:
         """The position of the sampling, with all its rows on the disk."""

@@ -6,20 +6,25 @@ that it was started with: the user gives the file on each command.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib.util
 import inspect
 import sys
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any, NamedTuple, NoReturn
+
+import numpy as np
 
 from ecume.errors import BadInput
 from ecume.models.actions import Action
 from ecume.run.directory import RunDirectory, manifest_of
+from ecume.trajectories.records import clean
 
 Law = Callable[..., float]
 ARGUMENTS = (2, 4)
@@ -122,11 +127,127 @@ def _executed(option: str, path: Path) -> ModuleType:
 
 
 def entries(functions: Sequence[Any]) -> list[dict[str, Any]]:
-    """The names and digests of functions."""
-    return [
-        {"name": named(one), "sha256": hashlib.sha256("\n".join(_texts(one, set())).encode()).hexdigest()}
-        for one in functions
-    ]
+    """The names and digests of functions, and the names of what they use that no digest covers."""
+    return [_entry(one) for one in functions]
+
+
+def _entry(one: Any) -> dict[str, Any]:
+    function = _plain_function(one)
+    further = sorted(set(_further(function, "", set(), known=True))) if isinstance(function, FunctionType) else []
+    texts = _texts(one, set()) + [f"{path} = {content}" for path, content in further if content]
+    entry = {"name": named(one), "sha256": hashlib.sha256("\n".join(texts).encode()).hexdigest()}
+    uncovered = [clean(path) for path, content in further if not content]
+    return entry | ({"uncovered": uncovered} if uncovered else {})
+
+
+def _plain_function(one: Any) -> Any:
+    """The function of a law, an action or a compiled function."""
+    one = one.function if isinstance(one, Action) else one
+    return getattr(one, "py_func", one)
+
+
+PLAIN = (int, float, complex, str, bytes, bool, type(None), np.generic)
+"""Values whose `repr` is their content."""
+Contents = Iterator[tuple[str, str]]
+"""Paths of what a function uses, `mylib.EDGES`, each with its content, or with nothing if that is not known."""
+
+
+def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) -> Contents:
+    """What a function uses besides what `_texts` finds, which `known` says of its own numbers and functions: arrays,
+    lists, tables, and what it takes from modules.
+    """
+    if id(function) in seen:
+        return
+    seen.add(id(function))
+    names = _names(function.__code__)
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    used = {name: function.__globals__[name] for name in names if name in function.__globals__}
+    with contextlib.suppress(ValueError):  # a cell that is not filled yet
+        used |= {name: cell.cell_contents for name, cell in cells}
+    outside = inspect.getclosurevars(function)
+    found = {**outside.globals, **outside.nonlocals} if known else {}
+    for name, value in used.items():
+        inner = _plain_function(value)
+        if isinstance(inner, FunctionType):
+            if not (known and name in found):
+                yield f"{path}{name}", _text(inner)
+            yield from _further(inner, f"{path}{name}.", seen, known=known and name in found)
+        elif not (name in found and _is_plain(value)):
+            yield from _content(value, f"{path}{name}", names, seen)
+    defaults = (*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values())
+    for place, value in enumerate(defaults):
+        yield from _content(value, f"{path}default {place}", names, seen)
+
+
+def _names(code: CodeType) -> list[str]:
+    """The names that code uses, with those of the functions inside of it."""
+    inner = [name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each)]
+    return sorted({*code.co_names, *inner})
+
+
+def _is_plain(value: object) -> bool:
+    return isinstance(value, PLAIN) or (type(value) is tuple and all(map(_is_plain, value)))
+
+
+def _content(value: Any, path: str, names: Sequence[str], seen: set[int]) -> Contents:
+    """The content of a value, and of what is in it."""
+    function = _plain_function(value)
+    if isinstance(value, PLAIN):
+        yield path, repr(value)
+    elif isinstance(value, np.ndarray):
+        bits = np.ascontiguousarray(value).tobytes()
+        digest = hashlib.sha256(bits).hexdigest()
+        yield path, "" if value.dtype.hasobject else f"{value.dtype.str} {value.shape} {digest}"
+    elif id(value) in seen or _is_installed(value):
+        return
+    elif isinstance(function, FunctionType):
+        yield path, _text(function)
+        yield from _further(function, f"{path}.", seen, known=False)
+    elif isinstance(value, ModuleType):
+        seen.add(id(value))
+        for name in names:
+            if hasattr(value, name):
+                yield from _content(getattr(value, name), f"{path}.{name}", names, seen)
+    else:
+        seen.add(id(value))
+        yield from _parts(value, path, names, seen)
+
+
+def _parts(value: Any, path: str, names: Sequence[str], seen: set[int]) -> Contents:
+    """The content of what consists of other values."""
+    if isinstance(value, (list, tuple)):
+        parts = [(str(place), each) for place, each in enumerate(value)]
+    elif isinstance(value, dict):
+        parts = [(repr(key), each) for key, each in value.items()]
+    elif isinstance(value, (set, frozenset)) and all(isinstance(each, PLAIN) for each in value):
+        parts = [("items", repr(sorted(map(repr, value))))]
+    elif isinstance(value, type):
+        parts = [(name, each) for name, each in vars(value).items() if not name.startswith("__") or callable(each)]
+    elif hasattr(value, "__dict__") and not _is_installed(type(value)):
+        parts = [("class", type(value)), *vars(value).items()]
+    else:
+        yield path, ""
+        return
+    yield path, f"{type(value).__qualname__} of {len(parts)}"
+    for name, each in parts:
+        yield from _content(each, f"{path}.{name}", names, seen)
+
+
+INSTALLED = ("site-packages", "dist-packages")
+
+
+def _is_installed(value: Any) -> bool:
+    """Whether something belongs to Python, to ecume or to an installed package, whose versions a run records."""
+    if isinstance(value, ModuleType):
+        name = value.__name__
+    elif isinstance(value, (type, FunctionType, BuiltinFunctionType, np.ufunc)):
+        name = getattr(value, "__module__", None) or "numpy"
+    else:
+        return False
+    top = name.partition(".")[0]
+    file = getattr(sys.modules.get(name), "__file__", None) or ""
+    standard = top in sys.stdlib_module_names and top != "__main__"
+    return standard or top == "ecume" or any(part in INSTALLED for part in Path(file).parts)
 
 
 def named(function: object) -> str:
@@ -150,9 +271,17 @@ def require_same(home: RunDirectory, code: UserCode) -> None:
         differing = [one["name"] for one, other in zip(former[key], given[key], strict=True) if one != other]
         if differing:
             raise BadInput(
-                f"{home.path}: {', '.join(differing)}: the text of this {kind.removesuffix('s')} has changed since the "
-                "run was started; restore it, or run the scene again"
+                f"{home.path}: {', '.join(differing)}: the text of this {kind.removesuffix('s')}, or what it uses, has "
+                "changed since the run was started; restore it, or run the scene again"
             )
+    warn_of_uncovered(given)
+
+
+def warn_of_uncovered(given: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
+    """Warn of what functions use that has no digest: a change of it is not noticed when the run is resumed."""
+    for one in (one for each in given.values() for one in each if "uncovered" in one):
+        names = ", ".join(one["uncovered"])
+        warnings.warn(f"{one['name']} uses {names}, whose changes are not noticed when a run is resumed", stacklevel=2)
 
 
 def _command(home: RunDirectory, names: Mapping[str, Sequence[str]]) -> str:
@@ -169,8 +298,7 @@ def _command(home: RunDirectory, names: Mapping[str, Sequence[str]]) -> str:
 
 def _texts(law: Any, seen: set[int]) -> list[str]:
     """The text of a function, of the numbers from outside that it uses, and of the functions that it calls."""
-    law = law.function if isinstance(law, Action) else law
-    function = getattr(law, "py_func", law)
+    function = _plain_function(law)
     if not isinstance(function, FunctionType) or id(function) in seen:
         return []
     seen.add(id(function))

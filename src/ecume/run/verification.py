@@ -17,11 +17,20 @@ from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.models.model import LOCAL, Engine
 from ecume.run import checkpoints, lock
 from ecume.run.checkpoints import is_sound, set_aside
-from ecume.run.directory import RunDirectory, existing, has_checksums, manifest_of, read, write
+from ecume.run.directory import (
+    RunDirectory,
+    existing,
+    has_checksums,
+    identity_of,
+    manifest_of,
+    owner_of,
+    read,
+    write,
+)
 from ecume.run.manifest import changed, digest, digests
 from ecume.run.recording import difference, lines_of, selection_of, split
 from ecume.run.user_code import Law, UserCode, require_same
-from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.reader import Trajectory, rows_of
 from ecume.trajectories.records import (
     DONE,
     FAILED,
@@ -30,12 +39,13 @@ from ecume.trajectories.records import (
     anything,
     as_json,
     line_of,
+    record_at,
     resolved_at,
     scene_at,
     storing,
     write_whole,
 )
-from ecume.trajectories.segments import Repaired
+from ecume.trajectories.segments import Repaired, set_foreign_aside
 from ecume.trajectories.segments import check as check_trajectory
 from ecume.trajectories.segments import repair as repair_trajectory
 
@@ -46,6 +56,7 @@ if TYPE_CHECKING:
 def mended(home: RunDirectory) -> Repaired:
     """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
     beside = [*_resolved(home), *_scene_file(home), *_constants_file(home), *_repeated_files(home)]
+    beside += set_foreign_aside(home.trajectory, identity_of(home))
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
 
@@ -155,7 +166,7 @@ def verify(
     size = sum(path.lstat().st_size for path in home.path.rglob("*") if path.is_file())
     trusted, faults = _compared(home)
     faults += _beside(home)
-    frames = check_trajectory(home.trajectory, trusted=trusted)
+    frames = check_trajectory(home.trajectory, trusted=trusted, run=identity_of(home))
     faults += [*frames.faults, *_numbers(home, frames.good, frames.frames)]
     recomputed = None
     if deep:
@@ -226,6 +237,9 @@ def _beside(home: RunDirectory) -> list[str]:
         lambda: require_source(home),
         lambda: lock_of(home),
         lambda: _log(home),
+        lambda: _samples(home),
+        lambda: _crate(home),
+        lambda: _require_all(home),
         *(
             functools.partial(read, home, path, kind)
             for path, kind in ((home.status, STATUS), (home.watch, WATCH), (home.done, DONE), (home.failed, FAILED))
@@ -264,14 +278,44 @@ def lock_of(home: RunDirectory) -> None:
                 raise StorageError(f"{home.lock}: damaged: {error}; it may be removed") from error
 
 
+def _samples(home: RunDirectory) -> None:
+    """Raise StorageError where the samples are not as they were written."""
+    if home.samples.exists() or home.sums.exists():
+        rows_of(home.samples, identity_of(home))
+
+
+def unchecked(home: RunDirectory) -> int:
+    """The bytes of samples after the last row with a checksum; 0 where they are damaged, which is a fault."""
+    try:
+        return home.samples.stat().st_size - len(rows_of(home.samples, identity_of(home)))
+    except StorageError:
+        return 0
+
+
+def _crate(home: RunDirectory) -> None:
+    """Raise StorageError where the metadata of the run as a research object are damaged."""
+    if home.crate.exists():
+        record_at(home.crate, anything, home.path, checked=None, owner=owner_of(home, home.crate))
+
+
+def _require_all(home: RunDirectory) -> None:
+    """Raise StorageError where a file is missing that is there before the first checkpoint, or at the end."""
+    if not identity_of(home):
+        return
+    ended = home.done.exists() or home.failed.exists()
+    expected = [home.log, home.watch, home.scalars] * bool(checkpoints.newest_first(home)) + [home.status] * ended
+    if missing := [path.name for path in expected if not path.exists()]:
+        raise StorageError(f"{home.path}: {', '.join(missing)}: missing; `ecume resume {home.path}` writes it again")
+
+
 def _log(home: RunDirectory) -> None:
     """Raise StorageError for a line of the log that is damaged."""
     if not home.log.exists():
         return
-    checked = has_checksums(home)
+    checked, owner = has_checksums(home), owner_of(home, home.log)
     for number, content in enumerate(split(home, home.log), start=1):
         try:
-            line_of(content, anything, checked=checked)
+            line_of(content, anything, checked=checked, owner=owner)
         except ValueError as error:
             raise StorageError(f"{home.log}: damaged: line {number}: {error}") from error
 
@@ -291,6 +335,8 @@ def _numbers(home: RunDirectory, good: int, frames: int) -> list[str]:
         return [str(error)]
     if len(rows) > frames:
         return [f"{home.trajectory}: {len(rows) - frames} frames are missing; {home.scalars.name} has their numbers"]
+    if identity_of(home) and len(rows) < frames - (not home.done.exists()):  # a process is killed between the two
+        return [f"{home.scalars}: damaged: has {len(rows)} lines; expected {frames}"]
     if good < frames or not rows:
         return []
     try:
@@ -306,6 +352,10 @@ def _remarks(home: RunDirectory) -> Iterator[str]:
     """What is not checked."""
     if not has_checksums(home):
         yield f"{home.path}: written by an earlier version, whose records and lines of numbers have no checksums"
+    if not identity_of(home):
+        yield f"{home.path}: written by an earlier version: its samples, and files of other runs, are not protected"
+    if identity_of(home) and home.samples.exists() and (left := unchecked(home)):
+        yield f"{home.samples}: {left} bytes follow the last row that has a checksum; they are computed again on resume"
     if aside := sorted(path.name for path in home.path.rglob("*.damaged")):
         yield f"{home.path}: set aside before: {', '.join(aside)}"
 

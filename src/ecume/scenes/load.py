@@ -216,6 +216,7 @@ def value_of(text: str) -> Any:
     if len(text) > LONGEST:
         raise ValueError(f"a value of {len(text)} characters is too long")
     try:
+        require_shallow_keys(text)
         document = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         return text
@@ -306,7 +307,7 @@ def without_bad_lines(source: Source) -> tuple[Source, list[Fault]]:
 def _faults_of(source: Source, overrides: Sequence[str]) -> list[Fault]:
     """The faults of the keys of a text; none where it is no TOML at all."""
     try:
-        raw = tomllib.loads(source.text)
+        raw = tables_of(source.text)
     except (ValueError, RecursionError):
         return []
     changed, faults = overridden(raw, overrides)
@@ -330,7 +331,7 @@ def valid_part(source: Source, overrides: Sequence[str]) -> tuple[Scene | None, 
     is no scene.
     """
     try:
-        raw = tomllib.loads(source.text)
+        raw = tables_of(source.text)
     except (ValueError, RecursionError):
         return None, set()
     overridden(raw, overrides)
@@ -364,7 +365,7 @@ def _corrected(raw: dict[str, Any], found: Sequence[tuple[Path, str]], dropped: 
 
 def _located(error: SceneError, source: Source, overrides: Sequence[str], dropped: set[Path]) -> list[Fault]:
     """Faults of the valid part with their lines, without those of omitted keys."""
-    raw = tomllib.loads(source.text)
+    raw = tables_of(source.text)
     changed = overridden(raw, overrides)[0]
     name_liquid(raw)
     sources_followed(raw, source.folder)
@@ -377,6 +378,13 @@ BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s
 """A line with words that stand without quotes."""
 MOST_BYTES = 2**20
 DEEPEST = 64
+LONGEST_LINE = 400
+"""Characters of a line in which a hint is looked for."""
+TOKENS = re.compile(
+    r'''"""(?:\\.|[^\\])*?(?:"""|\Z)|\'{3}.*?(?:\'{3}|\Z)|"(?:\\.|[^"\\\n])*+"?|\'[^\'\n]*+\'?|\#[^\n]*|[=,{}\[\]\n.]''',
+    re.DOTALL,
+)
+"""What separates the parts of keys, and what hides such signs: texts and comments."""
 """Tables in tables, and parts of a key."""
 OVERRIDDEN = " (from --set)"
 """Behind a fault that the command line brought in."""
@@ -523,8 +531,7 @@ def _bounded(text: str) -> str:
 def parsed(source: Source) -> dict[str, Any]:
     """The tables of a TOML text. Python's reader leaks two more exceptions than its own."""
     try:
-        require_shallow_keys(source.text)
-        return _shallow(tomllib.loads(source.text))
+        return tables_of(source.text)
     except tomllib.TOMLDecodeError as error:
         fault = _syntax_fault(str(error), source.text)
     except RecursionError:
@@ -534,25 +541,23 @@ def parsed(source: Source) -> dict[str, Any]:
     raise SceneError([fault], source.name)
 
 
+def tables_of(text: str) -> dict[str, Any]:
+    """The tables of a TOML text. Raises ValueError, and RecursionError where it is nested too deeply."""
+    require_shallow_keys(text)
+    return _shallow(tomllib.loads(text))
+
+
 def require_shallow_keys(text: str) -> None:
     """Raise RecursionError for a key of too many parts, `a.a.a ...`: Python's reader needs quadratic time for them."""
-    for line in text.split("\n"):
-        if line.count(".") <= DEEPEST:
-            continue
-        parts, quote = 0, ""
-        for letter in line:
-            if quote:
-                quote = "" if letter == quote else quote
-            elif letter in "\"'":
-                quote = letter
-            elif letter == "#":
-                break
-            elif letter in ",={}[]":
-                parts = 0
-            elif letter == ".":
-                parts += 1
-                if parts > DEEPEST:
-                    raise RecursionError
+    parts = 0
+    for token in TOKENS.finditer(text):
+        mark = token[0]
+        if mark == ".":
+            parts += 1
+            if parts > DEEPEST:
+                raise RecursionError
+        elif len(mark) == 1 and mark in "=,{}[]\n":
+            parts = 0
 
 
 def _shallow(raw: dict[str, Any]) -> dict[str, Any]:
@@ -572,7 +577,7 @@ def _syntax_fault(given: str, text: str) -> Fault:
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")
     line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
-    bare = BARE.match(ending[min(line, len(ending)) - 1])
+    bare = BARE.match(ending[min(line, len(ending)) - 1][:LONGEST_LINE])
     word = bare[1].strip() if bare else ""
     switch = word.lower() if word.lower() in ("true", "false") else {"yes": "true", "no": "false"}.get(word.lower())
     hint = f'; text and numbers with units need quotes: "{word}"' if bare else ""

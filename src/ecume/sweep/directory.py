@@ -12,7 +12,7 @@ import json
 import math
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,9 +26,25 @@ from ecume.scenes.load import OVERRIDDEN, Scene, load_scene, scene_hash, to_plai
 from ecume.scenes.tables import beside, require_there
 from ecume.scenes.templates import folder as templates_folder
 from ecume.sweep.spec import Asked, Point, SweepSpec, load_sweep, points_of, require_arguments, require_settings, varied
-from ecume.trajectories.records import anything, key, listed, named, plain_of, storing, table, whole, write_whole
+from ecume.trajectories.records import (
+    CRC,
+    anything,
+    as_json,
+    key,
+    listed,
+    manifest_at,
+    named,
+    plain_of,
+    sealed,
+    storing,
+    table,
+    unsealed,
+    whole,
+    write_whole,
+)
 
 KEY_LENGTH = 16
+POINTS_FOLDER = "points"
 MOST_BYTES = 2**30
 """Of a file of a sweep, which may contain a scene with tables."""
 MADE_AGAIN = "delete it, and sweep again: that makes it again"
@@ -92,6 +108,25 @@ class Sweeping(NamedTuple):
         return varied(self.spec)
 
 
+def written(plain: Mapping[str, Any], path: Path) -> str:
+    """The text of a file of a sweep, with a checksum. That of a file of a point covers the name of the file and that of
+    the point, which is a digest of what is simulated: in the folder of another point it does not fit.
+    """
+    return sealed(plain, _owner(path))
+
+
+def _owner(path: Path) -> str:
+    of_point = path.parent.parent.name == POINTS_FOLDER
+    return f"{path.parent.name} {path.name}" if of_point else path.name
+
+
+def _refuse_foreign(directory: Path) -> None:
+    """Raise BadInput where a file has the name of one of a sweep, and there is no sweep."""
+    path = directory / "points.json"
+    if path.exists() and not (directory / POINTS_FOLDER).is_dir():
+        raise BadInput(f"{path}: exists, and was not written by a sweep; choose another folder with -o")
+
+
 def laid_out(asked: Asked, directory: Path) -> Sweeping:
     """Write what each point is to simulate; every scene is read and checked before anything is written."""
     spec = asked.spec
@@ -99,17 +134,19 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
     plans = [(point, _checked_plan(asked, point)) for point in points_of(spec)]
     keys = varied(spec)
-    jobs = [Job(point, directory / "points" / _digest(plan), _values(plan, keys)) for point, plan in plans]
+    jobs = [Job(point, directory / POINTS_FOLDER / _digest(plan), _values(plan, keys)) for point, plan in plans]
+    _refuse_foreign(directory)
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)
         require_plain(directory)
         for job, (_, plan) in zip(jobs, plans, strict=True):
             job.folder.mkdir(parents=True, exist_ok=True)
-            text = _json(plan).encode()
+            text = written(dict(sorted(plan.items())), job.asked).encode()
             if not job.asked.exists() or content_of(job.asked, MOST_BYTES, job.folder) != text:
                 write_whole(job.asked, text, directory)
-        write_whole(directory / "points.json", _json([_plain(job) for job in jobs]), directory)
         write_whole(directory / "sweep.toml", asked.text, directory)
+        points = {"sweep_sha256": _sha256(asked.text), "points": [_plain(job) for job in jobs]}
+        write_whole(directory / "points.json", written(points, directory / "points.json"), directory)
     return Sweeping(directory, spec, jobs)
 
 
@@ -143,28 +180,48 @@ def existing_sweep(directory: Path) -> Sweeping:
         raise BadInput(f"{directory}: got no sweep; expected a directory from `ecume sweep`")
     with storing(directory):
         require_plain(directory)
-    rows = json_at(path, list)
+    found = json_at(path, (dict, list))
+    rows: Any = found.get("points") if isinstance(found, dict) else found  # a list before checksums
     try:
         POINTS(rows, "points")
     except ValueError as error:
         raise StorageError(f"{path}: damaged: {error}; {MADE_AGAIN}") from error
+    asked = load_sweep(directory / "sweep.toml")
+    if isinstance(found, dict) and found.get("sweep_sha256") != _sha256(asked.text):
+        raise StorageError(
+            f"{directory / 'sweep.toml'}: damaged: not what {path.name} was made of; sweep its file again"
+        )
     jobs = [
-        Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in rows
+        Job(Point(one["settings"], one["repeat"]), directory / POINTS_FOLDER / one["folder"], one["values"])
+        for one in rows
     ]
-    return Sweeping(directory, load_sweep(directory / "sweep.toml").spec, jobs)
+    return Sweeping(directory, asked.spec, jobs)
 
 
-def json_at(path: Path, kind: type) -> Any:
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def json_at(path: Path, kind: type | tuple[type, ...]) -> Any:
     """The contents of a file of a sweep. Raises StorageError where it is damaged."""
     with storing(path):
         text = content_of(path, MOST_BYTES, path.parent)
     try:
         found = plain_of(text)
+        if isinstance(found, dict) and CRC in found:  # files of earlier versions have none
+            found = unsealed(found, text, _owner(path))
     except ValueError as error:
         raise StorageError(f"{path}: damaged: {error}; {MADE_AGAIN}") from error
     if not isinstance(found, kind):
         raise StorageError(f"{path}: damaged; {MADE_AGAIN}")
     return found
+
+
+def require_own_run(job: Job) -> None:
+    """Raise StorageError where the run of a point is that of another scene."""
+    expected = json_at(job.asked, dict).get("scene_sha256")
+    if expected is not None and manifest_at(job.run).get("scene_sha256") != expected:
+        raise StorageError(f"{job.run}: is the run of another scene than that of its point; {MADE_AGAIN}")
 
 
 def distinct(jobs: Sequence[Job]) -> list[Job]:
@@ -207,7 +264,8 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     source = _source(asked)
     seed = [f"seed={load_scene(source, changes).seed + point.repeat}"] if point.repeat else []
     scene = load_scene(source, [*changes, *seed])
-    plan: dict[str, Any] = {"scene": to_plain(scene), "hash": scene_hash(scene)}
+    plain = to_plain(scene)
+    plan: dict[str, Any] = {"scene": plain, "hash": scene_hash(scene), "scene_sha256": _sha256(as_json(plain))}
     if asked.laws:
         plan["extra_laws"] = list(asked.laws)
     return plan if spec.engine == LOCAL else plan | _in_lammps(scene, spec)

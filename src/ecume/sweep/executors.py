@@ -7,7 +7,6 @@ the tasks of a SLURM job array.
 from __future__ import annotations
 
 import contextlib
-import json
 import logging
 import os
 import re
@@ -22,7 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 from ecume.errors import BadInput, EcumeError, RunExists, Stopped, install
 from ecume.run.lock import handled
-from ecume.sweep.directory import Job, Sweeping, json_at
+from ecume.scenes.faults import echo
+from ecume.sweep.directory import Job, Sweeping, json_at, written
 from ecume.sweep.spec import Cluster, Point
 from ecume.trajectories.records import storing, write_whole
 
@@ -63,7 +63,7 @@ def _record_failure(job: Job, error: Exception) -> None:
     """Keep in a line why a point failed; what is no answer to a user is named by its kind."""
     kind, why = type(error).__name__, " ".join(str(error).split())
     result = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
-    write_whole(job.failure, json.dumps(result), job.folder)
+    write_whole(job.failure, written(result, job.failure), job.folder)
 
 
 def _process(job: Job, plan: dict[str, object]) -> None:
@@ -71,7 +71,7 @@ def _process(job: Job, plan: dict[str, object]) -> None:
 
     result = results_of(str(plan["process"]), dict(plan["settings"]))  # type: ignore[call-overload]
     with storing(job.result):
-        write_whole(job.result, json.dumps(result), job.folder)
+        write_whole(job.result, written(result, job.result), job.folder)
 
 
 def _scene(job: Job, plan: dict[str, object], laws: Sequence[str]) -> None:
@@ -208,7 +208,9 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         with dask.config.set(UNWATCHED):
             # Ctrl-C reaches all processes of a terminal; those that begin in here ignore it: this one ends them.
             with handled(signal.SIG_IGN, (signal.SIGINT,)):
-                cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **local)
+                # Other users of this machine can connect to its ports: only who has the key of this sweep is answered.
+                keys = {"security": library.Security.temporary(), "protocol": "tls://"}
+                cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **keys, **local)
             with cluster as found, library.Client(found) as client:
                 yield client
 
@@ -281,6 +283,8 @@ MOST_TASKS = 1000
 def write_array(sweeping: Sweeping, laws: Sequence[str] = ()) -> Path:
     """Write `array.sh`, for `sbatch`; a task that reaches its time limit writes a checkpoint and is queued again."""
     cluster, path = sweeping.spec.cluster, sweeping.path / "array.sh"
+    if not str(sweeping.path.resolve()).isprintable():
+        raise BadInput(f"{echo(str(sweeping.path))}: has characters that no line of a job script can have; rename it")
     tasks = min(len(sweeping.jobs), MOST_TASKS)
     options = [
         f"--array=0-{tasks - 1}%{cluster.jobs}",

@@ -9,7 +9,6 @@ import contextlib
 import csv
 import inspect
 import io
-import json
 import math
 import os
 import signal
@@ -24,7 +23,16 @@ from ecume.run.lock import handled
 from ecume.run.user_code import entries, laws_from
 from ecume.scenes.faults import read_path, suggestion
 from ecume.scenes.load import from_plain, unit_of
-from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct, existing_sweep, json_at
+from ecume.sweep.directory import (
+    Job,
+    Sweeping,
+    begun_or_laid_out,
+    distinct,
+    existing_sweep,
+    json_at,
+    require_own_run,
+    written,
+)
 from ecume.sweep.executors import ExecutorOptions, engine_of, hands
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.spec import process_of
@@ -37,6 +45,8 @@ if TYPE_CHECKING:
     from polars import DataFrame as PolarsFrame
 
 CACHE = "measures.json"
+UNCOVERED = "? "
+"""Before the digest of a function that uses what has none."""
 TABLE = "table.csv"
 Row = dict[str, Any]
 
@@ -191,11 +201,13 @@ def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
     texts = {name: _digest(measure) for name, measure in measures.items()}
     missing = {name: measure for name, measure in measures.items() if texts[name] not in cache}
     if missing:
+        require_own_run(job)
         with open_trajectory(job.run) as run:
             for name, measure in missing.items():
                 call: Callable[[Any], float] = measure_of(measure) if isinstance(measure, str) else measure
                 cache[texts[name]] = float(call(run))
-        write_whole(job.folder / CACHE, json.dumps(cache), job.folder)
+        kept = {text: value for text, value in cache.items() if not text.startswith(UNCOVERED)}
+        write_whole(job.folder / CACHE, written(kept, job.folder / CACHE), job.folder)
     return {name: cache[texts[name]] for name in measures}
 
 
@@ -211,13 +223,15 @@ def _cached(job: Job) -> dict[str, float]:
 
 
 def _digest(measure: str | Measure) -> str:
-    """The digest of a measure: of its text, or of the source of the function and of what it uses."""
+    """The digest of a measure: of its text, or of the source of the function and of what it uses. A number is not kept
+    if its function uses what has no digest.
+    """
     if isinstance(measure, str):
         return measure
     if not inspect.isfunction(measure):
         raise BadInput(f"a measure is a text or a plain function of a trajectory; got {measure!r}")
     (entry,) = entries([measure])
-    return f"{entry['name']} {entry['sha256']}"
+    return f"{UNCOVERED * ('uncovered' in entry)}{entry['name']} {entry['sha256']}"
 
 
 def write_table(sweeping: Sweeping) -> Path:

@@ -110,6 +110,8 @@ def results_of(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
 MOST_POINTS = 1_000_000
 OWN_COLUMNS = ("state", "repeat")
 """Columns that the table always has."""
+LONGEST = 100
+"""Characters of a quantity."""
 QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s+(\S.*)")
 
 
@@ -163,7 +165,7 @@ class Span:
     def _with_units(cls, raw: Any) -> Any:
         """Move a unit that both ends carry into `unit`."""
         ends = ("start", "stop")
-        found = {end: QUANTITY.fullmatch(raw[end]) for end in ends if isinstance(_of(raw, end), str)}
+        found = {end: QUANTITY.fullmatch(raw[end][:LONGEST]) for end in ends if isinstance(_of(raw, end), str)}
         if not found:
             return raw
         units = {match[2].strip() if match else "" for match in found.values()}

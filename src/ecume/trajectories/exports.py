@@ -32,11 +32,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._plain_files import content_of
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd import SIDES
-from ecume.trajectories.reader import LARGEST, ExportedFrames, open_trajectory
+from ecume.trajectories.reader import ExportedFrames, open_trajectory
 from ecume.trajectories.records import replacing, storing
 
 if TYPE_CHECKING:
@@ -352,9 +351,7 @@ def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 def write_samples(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """The table of numbers sampled between frames, without a row that is being written."""
-    path = trajectory.samples.path
-    whole = content_of(path, LARGEST, path.parent)
-    file.write(whole[: whole.rfind(b"\n") + 1])
+    file.write(trajectory.samples.content)
 
 
 EXPORTS: dict[str, Callable[[ExportedFrames, BinaryIO], None]] = {

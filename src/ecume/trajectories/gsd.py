@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import zlib
 from collections.abc import Mapping, Sequence
 from io import FileIO
@@ -26,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._plain_files import require_memory
+from ecume._plain_files import read_at, require_memory
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame, RecordedArrays, omitted_from
 
@@ -90,7 +91,7 @@ def read_index(file: FileIO, path: Path) -> Index:
     location, room = int(header["index_location"]), int(header["index_room"])
     index = _walked(file, names, names_end, location, room)
     if location + room * ENTRY.itemsize > size or index.frames == 0:
-        index = max((index, *_older(file, names, names_end)), key=lambda one: one.frames)
+        index = max((index, _older(file, names, names_end, index)), key=lambda one: one.frames)
     if index.frames == 0:
         raise StorageError(f"{path}: damaged: no whole frame is left in it")
     return index
@@ -133,7 +134,7 @@ def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]
     ends = entries["location"].astype("u8") + np.minimum(cells, most) * _SIZES[entries["type"]].astype("u8")
     known = (_SIZES[entries["type"]] > 0) & (entries["name"] < names) & (entries["flags"] == 0)
     credible: NDArray[np.bool_] = known & (entries["location"] >= FILE_HEADER.itemsize) & (ends <= most)
-    return credible & (entries["frame"] <= np.uint64(len(entries)))
+    return credible & (entries["frame"] <= np.uint64(size // ENTRY.itemsize))
 
 
 def sizes(entries: NDArray[Any]) -> NDArray[np.int64]:
@@ -157,28 +158,43 @@ def overlap(entries: NDArray[Any]) -> bool:
     return bool(np.any(starts[1:] < np.maximum.accumulate(ends)[:-1])) if len(entries) > 1 else False
 
 
-def _older(file: FileIO, names: tuple[str, ...], names_end: int) -> list[Index]:
-    """Earlier blocks of the index, that growing left behind: all begin with the same entry."""
+MOST_BLOCKS = 64
+"""Of an index, each of which is twice as large as the one before."""
+FIRST_LOOK = 64
+"""Entries that are looked at first to find the end of a block."""
+
+
+def _older(file: FileIO, names: tuple[str, ...], names_end: int, none: Index) -> Index:
+    """The best of the earlier blocks of the index, that growing left behind: all begin with the same entry."""
     size = _size(file)
     first = _bytes(file, FILE_HEADER.itemsize, ENTRY.itemsize)
     if not any(first):
-        return []
-    whole, start, found = _bytes(file, 0, size), 0, []
-    while (start := whole.find(first, start)) >= 0:
-        found.append(_walked(file, names, names_end, start, _run_of_entries(whole, start, len(names))))
-        start += ENTRY.itemsize
-    return found
+        return none
+    whole, start, best = _bytes(file, 0, size), 0, none
+    for _ in range(MOST_BLOCKS):
+        if (start := whole.find(first, start)) < 0:
+            break
+        count = _run_of_entries(whole, start, len(names))
+        best = max((best, _walked(file, names, names_end, start, count)), key=lambda one: one.frames)
+        start += max(count, 1) * ENTRY.itemsize
+    return best
 
 
 def _run_of_entries(whole: bytes, start: int, names: int) -> int:
     """The number of entries here in a row: an older block ends where its entries end, and what follows is data."""
-    raw = np.frombuffer(whole, ENTRY, count=(len(whole) - start) // ENTRY.itemsize, offset=start)
-    credible = _credible(raw, names, len(whole))
-    return len(raw) if credible.all() else int(np.argmin(credible))
+    most, found, look = (len(whole) - start) // ENTRY.itemsize, 0, FIRST_LOOK
+    while found < most:
+        count = min(look, most - found)
+        raw = np.frombuffer(whole, ENTRY, count=count, offset=start + found * ENTRY.itemsize)
+        credible = _credible(raw, names, len(whole))
+        if not credible.all():
+            return found + int(np.argmin(credible))
+        found, look = found + count, 2 * look
+    return found
 
 
 def _size(file: FileIO) -> int:
-    return file.seek(0, 2)
+    return os.fstat(file.fileno()).st_size
 
 
 def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
@@ -187,8 +203,7 @@ def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
     if start >= size:
         return b""
     require_memory(min(count, size - start), path)
-    file.seek(start)
-    return file.read(min(count, size - start))
+    return read_at(file, start, min(count, size - start))
 
 
 def read_whole_index(file: FileIO, path: Path) -> Index:
@@ -226,6 +241,8 @@ class Header(NamedTuple):
     """What the species are called, in the order of their numbers, as far as they have names."""
     omitted: tuple[str, ...] = ()
     """Arrays that the scene omits."""
+    run: str = ""
+    """The identity of the run, see `records.identity`; every frame's checksum covers it."""
 
 
 SINGLE = "<f4"
@@ -249,8 +266,9 @@ def header_of(frame: Frame, first: int, species: Sequence[str] = (), *, single: 
 def written(header: Header) -> NDArray[Any]:
     """The header as a chunk."""
     plain = {"format": FORMAT, **header._asdict()}
-    if not header.omitted:
-        del plain["omitted"]
+    for name in ("omitted", "run"):
+        if not plain[name]:
+            del plain[name]
     return _column(np.frombuffer(json.dumps(plain, separators=(",", ":")).encode(), np.uint8))
 
 
@@ -263,7 +281,7 @@ def read(chunks: Chunks, source: object) -> Header:
         units = {str(name): str(unit) for name, unit in plain["units"].items()}
         header = Header(int(plain["first"]), arrays, tuple(map(str, plain["numbers"])), units)
         species, omitted = (tuple(map(str, plain.get(name, ()))) for name in ("species", "omitted"))
-        header = header._replace(species=species, omitted=omitted)
+        header = header._replace(species=species, omitted=omitted, run=str(plain.get("run", "")))
         _require_possible(header)
     except (KeyError, ValueError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise StorageError(f"{source}: not written by ecume, or its header is damaged") from error

@@ -14,6 +14,7 @@ import bisect
 import contextlib
 import math
 import os
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -26,15 +27,15 @@ from ecume._hooks import derived_arrays, html_of, scene_of
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.records import manifest_at, scene_at, storing
-from ecume.trajectories.segments import Segment, segment_files
+from ecume.trajectories.records import SUM, line_of, manifest_at, scene_at, storing
+from ecume.trajectories.segments import Segment, require_own, segment_files
 from ecume.trajectories.tables import library, of_particles
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame
     from polars import DataFrame as PolarsFrame
 
-FILE = "samples.csv"
+FILE, SUMS = "samples.csv", "samples-checksums.jsonl"
 LARGEST = 2**34
 """Bytes of a table."""
 STATISTICS = ("", "_min", "_max", "_error")
@@ -75,18 +76,58 @@ def read_heading(line: str) -> tuple[list[str], dict[str, str], bool]:
     return names, units, blocks
 
 
+def sum_of(content: bytes, run: str) -> int:
+    """The checksum of the beginning of a table of samples, which covers the identity of the run, too."""
+    return zlib.crc32(content, zlib.crc32(run.encode()))
+
+
+def rows_of(path: Path, run: str) -> bytes:
+    """The complete rows of a table of samples that were shown to readers. Raises StorageError where they are not as
+    they were written. Those of runs of earlier versions, without an identity, have no checksum.
+    """
+    entry = _last_sum(path.with_name(SUMS), run) if run else None
+    with storing(path):
+        content = content_of(path, LARGEST, path.parent)
+    if not run:
+        return content[: content.rfind(b"\n") + 1]
+    size = entry["bytes"] if entry else 0
+    done = (path.parent / "DONE.json").exists()  # else rows may have been written after the last frame
+    if len(content) < size or (done and len(content) > size):
+        raise StorageError(f"{path}: damaged: has {len(content)} bytes; expected {size}")
+    if entry and sum_of(content[:size], run) != entry["crc"]:
+        raise StorageError(f"{path}: damaged: its checksum in {SUMS} does not fit its data")
+    return content[:size]
+
+
+def _last_sum(path: Path, run: str) -> dict[str, Any] | None:
+    """The last entry of the checksums of samples; each of them is checked."""
+    with storing(path):
+        lines = content_of(path, LARGEST, path.parent).splitlines(keepends=True)
+    if lines and not lines[-1].endswith(b"\n"):  # a run is writing just now, or was killed
+        lines.pop()
+    entry, before = None, 0
+    for number, line in enumerate(lines, start=1):
+        try:
+            entry = line_of(line, SUM, checked=True, owner=f"{run} {path.name}")
+            if entry["bytes"] <= before:
+                raise ValueError("is out of order")
+            before = entry["bytes"]
+        except ValueError as error:
+            raise StorageError(f"{path}: damaged: line {number}: {error}") from error
+    return entry
+
+
 class Samples:
     """The table of a run's samples, read when it is made."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, run: str = "") -> None:
         """Raises BadInput where the run has no samples, and StorageError where the table is damaged."""
         self.path = path
         if not path.is_file():
             raise BadInput(f"{path.parent}: the run has no samples; its scene has no table [output.samples]")
-        with storing(path):
-            lines = content_of(path, LARGEST, path.parent).splitlines(keepends=True)
-        if lines and not lines[-1].endswith(b"\n"):  # a run is writing just now
-            lines.pop()
+        self.content = rows_of(path, run)
+        """The table as text."""
+        lines = self.content.splitlines()
         try:
             self.names, self.units, self.blocks = read_heading(lines[0].decode() if lines else ",".join(LEAD[:2]))
             rows = [[float(cell) for cell in line.split(b",")] for line in lines[1:]]
@@ -211,6 +252,7 @@ class Trajectory(Sequence[Frame]):
             with storing(whole):
                 require_plain(whole)
         self._segments: list[Segment] = []
+        self._run = self._identity()
         self.refresh()
 
     def refresh(self) -> int:
@@ -219,7 +261,16 @@ class Trajectory(Sequence[Frame]):
             self._segments[-1].refresh()
         for path in segment_files(self.folder)[len(self._segments) :]:
             self._segments.append(Segment(path))
+            if self._run is not None:
+                require_own(self._segments[-1], self._run)
         return len(self)
+
+    def _identity(self) -> str | None:
+        """The identity of the run; None where its manifest is missing or damaged, and frames are read all the same."""
+        try:
+            return str(self.manifest.get("run", "")) if self.manifest else None
+        except StorageError:
+            return None
 
     @property
     def scene(self) -> Any:
@@ -271,7 +322,7 @@ class Trajectory(Sequence[Frame]):
     @property
     def samples(self) -> Samples:
         """The numbers sampled between frames, as they are on the disk now. Raises BadInput for a run without any."""
-        return Samples(self.directory / FILE)
+        return Samples(self.directory / FILE, self._run or "")
 
     def __len__(self) -> int:
         """The number of frames."""

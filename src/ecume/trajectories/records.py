@@ -24,7 +24,7 @@ from typing import Any
 
 import psutil
 
-from ecume._plain_files import NotPlain, content_of, place_of
+from ecume._plain_files import NotPlain, content_of, place_of, require_memory
 from ecume.errors import StorageError
 
 ABANDONED = 600.0
@@ -122,6 +122,8 @@ MOST_BYTES = 16 * 2**20
 """Of a record."""
 MOST_SCENE_BYTES = 2**31
 """Of a resolved scene, which may contain tables and meshes."""
+READ = 32
+"""Bytes of memory for each byte of JSON, at most: numbers of one digit, lists in lists."""
 MOST_CHARACTERS = 10_000
 """Of a text in a record."""
 WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f$`\"\\]*")
@@ -237,8 +239,11 @@ MANIFEST = table(
     {},
     {
         "format": whole, "model": words, "scene_sha256": digest, "source_sha256": digest, "constants_sha256": digest,
-        "sessions": listed(SESSION), "extra_laws": listed(table({"name": words, "sha256": digest})),
-        "actions": listed(table({"name": words, "sha256": digest, "every": named(number)})),
+        "sessions": listed(SESSION),
+        "extra_laws": listed(table({"name": words, "sha256": digest}, {"uncovered": listed(words)})),
+        "actions": listed(
+            table({"name": words, "sha256": digest, "every": named(number)}, {"uncovered": listed(words)})
+        ),
         "on_violation": words, "engine": words, "cores": optional(whole), "seed": optional(number),
     },
     rest=optional(words),
@@ -262,6 +267,8 @@ WATCH = table(
 DONE = table({"step": whole, "time": number, "frames": whole}, {"sha256": named(digest), "steps": optional(whole)})
 FAILED = table({}, {"message": text, "sha256": named(digest)})
 OWNER = table({"pid": process, "host": text, "began": number}, rest=text)
+SUM = table({"bytes": whole, "crc": whole})
+"""Of `samples-checksums.jsonl`: the checksum of so many bytes of the table of samples."""
 LINE = table({"step": whole, "time": number}, rest=optional(number))
 """Of `scalars.jsonl`."""
 
@@ -301,26 +308,36 @@ def _table_of(content: bytes, path: Path) -> dict[str, Any]:
     return plain
 
 
-def sealed(plain: Mapping[str, Any]) -> str:
-    """The text of a record: its data, then their checksum."""
-    return as_json({**plain, CRC: _crc(as_json(plain))})
+def sealed(plain: Mapping[str, Any], owner: str = "") -> str:
+    """The text of a record: its data, then their checksum, which covers the `owner` too: the run and the name of the
+    file that the record belongs to. In another run, or under another name, the checksum does not fit.
+    """
+    return as_json({**plain, CRC: _crc(as_json(plain), owner)})
 
 
-def sealed_line(plain: Mapping[str, Any]) -> str:
+def sealed_line(plain: Mapping[str, Any], owner: str = "") -> str:
     """The same as one line."""
-    return json.dumps({**plain, CRC: _crc(json.dumps(plain))}) + "\n"
+    return json.dumps({**plain, CRC: _crc(json.dumps(plain), owner)}) + "\n"
 
 
-def _crc(content: str) -> str:
-    return f"{zlib.crc32(content.encode()):08x}"
+def _crc(content: str, owner: str) -> str:
+    return f"{zlib.crc32(content.encode(), zlib.crc32(owner.encode())):08x}"
 
 
-def write_record(path: Path, plain: Mapping[str, Any], root: Path, *, settled: bool = True) -> None:
+def identity(manifest: Mapping[str, Any]) -> str:
+    """The identity of a run, which its files have in their checksums: a digest of what is simulated. Runs of equal
+    scenes with equal code share it, and have the same files.
+    """
+    parts = [manifest.get(name) for name in ("scene_sha256", "extra_laws", "actions", "engine", "imported")]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def write_record(path: Path, plain: Mapping[str, Any], root: Path, *, owner: str = "", settled: bool = True) -> None:
     """Replace a record of a run."""
-    write_whole(path, sealed(plain), root, settled=settled)
+    write_whole(path, sealed(plain, owner), root, settled=settled)
 
 
-def record_at(path: Path, check: Check, root: Path, *, checked: bool | None) -> dict[str, Any]:
+def record_at(path: Path, check: Check, root: Path, *, checked: bool | None, owner: str = "") -> dict[str, Any]:
     """The data of a record of a run. Raises StorageError unless they are as they were written and of this kind.
 
     `checked` is whether a checksum is required; None if the record itself contains the format of the run.
@@ -330,33 +347,35 @@ def record_at(path: Path, check: Check, root: Path, *, checked: bool | None) -> 
     plain = _table_of(content, path)
     try:
         if CRC in plain or checked or (checked is None and "format" in plain):
-            plain = _unsealed(plain, content, sealed)
+            plain = unsealed(plain, content, owner)
         check(plain, "")
     except ValueError as error:
         raise StorageError(f"{path}: damaged: {error}") from error
     return plain
 
 
-def line_of(content: bytes, check: Check, *, checked: bool) -> dict[str, Any]:
+def line_of(content: bytes, check: Check, *, checked: bool, owner: str = "") -> dict[str, Any]:
     """The data of a line with its line break. Raises ValueError unless they are as they were written."""
     plain = plain_of(content)
     if not isinstance(plain, dict) or not content.endswith(b"\n"):
         raise ValueError("expected a table in a line")
     if CRC in plain or checked:
-        plain = _unsealed(plain, content, sealed_line)
+        plain = unsealed(plain, content, owner, sealed_line)
     check(plain, "")
     return plain
 
 
-def _unsealed(plain: dict[str, Any], content: bytes, seal: Callable[[Mapping[str, Any]], str]) -> dict[str, Any]:
-    """The data without their checksum. Raises ValueError where that does not fit them."""
+def unsealed(
+    plain: dict[str, Any], content: bytes, owner: str = "", seal: Callable[[Mapping[str, Any], str], str] = sealed
+) -> dict[str, Any]:
+    """The data without their checksum. Raises ValueError where that does not fit them and their owner."""
     bare = {name: value for name, value in plain.items() if name != CRC}
     try:
-        written = seal(bare).encode()
+        written = seal(bare, owner).encode()
     except RecursionError:
         raise ValueError("is nested too deeply") from None
     if written != content:
-        raise ValueError("its checksum does not fit its data")
+        raise ValueError("its checksum does not fit its data, or it belongs to another run or file")
     return bare
 
 
@@ -372,7 +391,11 @@ def clean(content: object) -> str:
 
 def manifest_at(root: Path) -> dict[str, Any]:
     """The manifest of a run."""
-    return record_at(root / "manifest.json", MANIFEST, root, checked=None)
+    path = root / "manifest.json"
+    manifest = record_at(path, MANIFEST, root, checked=None)
+    if manifest.get("run", "") not in ("", identity(manifest)):
+        raise StorageError(f"{path}: damaged: it is not that of its scene and its code")
+    return manifest
 
 
 def resolved_at(root: Path, manifest: Mapping[str, Any]) -> bytes:
@@ -390,4 +413,7 @@ def resolved_at(root: Path, manifest: Mapping[str, Any]) -> bytes:
 
 def scene_at(root: Path, manifest: Mapping[str, Any]) -> dict[str, Any]:
     """The plain data of that scene."""
-    return _table_of(resolved_at(root, manifest), root / "resolved.json")
+    path, content = root / "resolved.json", resolved_at(root, manifest)
+    with storing(path):
+        require_memory(READ * len(content), path)
+    return _table_of(content, path)

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, Self, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._plain_files import opened, place_of, require_memory
+from ecume._plain_files import opened, place_of, read_at, require_memory
 from ecume.errors import StorageError
 from ecume.trajectories import gsd
 from ecume.trajectories.frame import Frame
@@ -110,7 +110,7 @@ class Segment:
     def numbers(self) -> NDArray[np.void]:
         """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
         names = gsd.number_names(self.header)
-        size = self._file.seek(0, os.SEEK_END)
+        size = self.size()
         data = np.memmap(cast(Any, self._file), np.uint8, "r", shape=(size,))
         raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
         sums = data[self._places(CHECKSUM)[:, None] + np.arange(4, 8)].view("<u4")[:, 0]
@@ -128,7 +128,7 @@ class Segment:
             raise StorageError(self.damage(0))
         places = np.full(self.frames, entries["location"][0], np.int64)
         places[entries["frame"].astype(np.int64)] = entries["location"]
-        return np.minimum(places, self._file.seek(0, os.SEEK_END) - 8)
+        return np.minimum(places, self.size() - 8)
 
     def _at(self, frame: int) -> Chunks:
         entries = self.index.entries[self._starts[frame] : self._starts[frame + 1]]
@@ -140,22 +140,21 @@ class Segment:
 
     def _chunk(self, entry: Any) -> NDArray[Any]:
         kind = TYPES[int(entry["type"])]
-        raw = np.empty(int(entry["rows"]) * int(entry["columns"]) * kind.itemsize, np.uint8)
-        self._file.seek(int(entry["location"]))
-        if self._file.readinto(raw.data) != len(raw):
+        size = int(entry["rows"]) * int(entry["columns"]) * kind.itemsize
+        raw = read_at(self._file, int(entry["location"]), size)
+        if len(raw) != size:
             raise OSError(f"{self.path}: ends too early")
-        return raw.view(kind).reshape(int(entry["rows"]), int(entry["columns"]))
+        return np.frombuffer(raw, kind).reshape(int(entry["rows"]), int(entry["columns"]))
 
     def bytes_at(self, start: int, count: int) -> bytes:
         """The bytes of the file there; fewer where it ends."""
         with storing(self.path):
             require_memory(count, self.path)
-            self._file.seek(start)
-            return self._file.read(count)
+            return read_at(self._file, start, count)
 
     def size(self) -> int:
         """The size of the file."""
-        return self._file.seek(0, os.SEEK_END)
+        return os.fstat(self._file.fileno()).st_size
 
     def close(self) -> None:
         """Close the file."""
@@ -351,12 +350,13 @@ class Recorder:
         colors: Sequence[str] = (),
         largest: int = LARGEST,
         single: bool = False,
+        run: str = "",
     ) -> None:
         """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`, for viewers of the
-        files. `single` is the precision of arrays.
+        files. `single` is the precision of arrays, `run` the identity of the run.
         """
         self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
-        self._single = single
+        self._single, self._run = single, run
         with storing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         self._segment: GrowingSegment | None = None
@@ -404,19 +404,21 @@ class Recorder:
 
     def _appended(self, segment: GrowingSegment, frame: Frame, step: int) -> bool:
         """Whether this segment has room for the frame, and now has it."""
-        header = gsd.header_of(frame, segment.header.first, self._species, single=self._single)
+        header = self._header(frame, segment.header.first)
         chunks = gsd.chunks_of(frame, step, header, self._colors)
         if not segment.takes(chunks) or segment.size + sum(chunk.nbytes for chunk in chunks.values()) > self._largest:
             return False
         segment.append(chunks)
         return True
 
+    def _header(self, frame: Frame, first: int) -> gsd.Header:
+        return gsd.header_of(frame, first, self._species, single=self._single)._replace(run=self._run)
+
     def _begin(self, frame: Frame, step: int) -> None:
         """A new segment, that begins with this frame."""
         self.close()
         path = self.folder / f"{self._number:04d}.gsd"
-        header = gsd.header_of(frame, self.frames, self._species, single=self._single)
-        create(path, gsd.chunks_of(frame, step, header, self._colors))
+        create(path, gsd.chunks_of(frame, step, self._header(frame, self.frames), self._colors))
         self._segment = GrowingSegment(path, 1)
         self._number += 1
 
@@ -430,8 +432,26 @@ class Checked(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def check(folder: Path, *, trusted: frozenset[str] = frozenset()) -> Checked:
-    """Verify the segments of a folder, except those whose names are `trusted`: their digests have been compared."""
+def require_own(segment: Segment, run: str) -> None:
+    """Raise StorageError for a segment of another run than that of this identity."""
+    if segment.header.run != run:
+        raise StorageError(f"{segment.path}: is of another run")
+
+
+def set_foreign_aside(folder: Path, run: str) -> list[str]:
+    """Set aside the segments of other runs; what was done."""
+    found = []
+    for path in segment_files(folder):
+        with contextlib.suppress(StorageError), contextlib.closing(Segment(path)) as segment:
+            if segment.header.run != run:
+                found.append(f"{path}: is of another run; set aside as {_set_aside(path).name}")
+    return found
+
+
+def check(folder: Path, *, trusted: frozenset[str] = frozenset(), run: str = "") -> Checked:
+    """Verify the segments of a folder, except those whose names are `trusted`: their digests have been compared. All
+    must be of the run with this identity.
+    """
     frames, good = 0, None
     faults: list[str] = []
     remarks: list[str] = []
@@ -443,6 +463,9 @@ def check(folder: Path, *, trusted: frozenset[str] = frozenset()) -> Checked:
             good = frames if good is None else good
             continue
         with contextlib.closing(segment):
+            if segment.header.run != run:
+                faults.append(f"{path}: is of another run")
+                good = frames if good is None else good
             if segment.header.first != frames:
                 faults.append(f"{path}: begins with frame {segment.header.first}; expected frame {frames}")
                 good = min(frames, segment.header.first) if good is None else good

@@ -1,6 +1,5 @@
 import dataclasses
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -211,7 +210,7 @@ def test_a_run_that_would_never_end_is_refused():
 
 
 def test_more_tracers_than_the_memory_holds_are_refused_before_they_are_laid_out(monkeypatch):
-    monkeypatch.setattr(costs.psutil, "virtual_memory", lambda: SimpleNamespace(total=16e9))
+    monkeypatch.setattr(costs, "memory_limit", lambda: 16e9)
     many = ParticleSpec(radius=1e-6, density=2500.0, count=50_000_000)
     scene = TracersScene(particles=(many,), tank=TankSpec(high=(1.0, 1.0)), **STILL)
     with pytest.raises(SceneError, match="50000000 particles need about 20 GB"):

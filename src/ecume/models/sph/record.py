@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import psutil
 
+from ecume._plain_files import memory_limit
 from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
 from ecume.models.actions import Access
@@ -114,9 +114,9 @@ def checked_parameters(scene: SphScene) -> Parameters:
     """The parameters of a scene that fits into the machine."""
     count = particles_expected(scene)
     needed = count * bytes_per_particle(scene)
-    there = psutil.virtual_memory().total
+    there = memory_limit()
     if needed > there:
-        message = f"about {count:.3g} particles need {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
+        message = f"about {count:.3g} particles need {needed / 1e9:.3g} GB, this process may use {there / 1e9:.3g} GB"
         too_many = Fault("spacing", f"got {scene.spacing:g} m: {message}; use a wider spacing")
         raise SceneError(regions_beyond(scene) or [too_many])
     require_right_split(scene)
@@ -143,12 +143,17 @@ def particles_expected(scene: SphScene) -> float:
     return total
 
 
+COPIES = 3
+"""Of the arrays of a frame, while it is written."""
+
+
 def bytes_per_particle(scene: SphScene) -> float:
-    """State, tables and lists."""
+    """State, tables and lists, and a frame while it is written: its arrays, the chunks of its file, and their bytes."""
     dimension = len(scene.tank.low)
     reach = 1.1 * kernel_of(scene).support * smoothing_of(scene)
     neighbors = likely_neighbors(dimension, reach / scene.spacing)
-    return 8.0 * (FIELDS + RATES + 5 * dimension + 5) + 4.0 * neighbors
+    frame = 2 * dimension + 8
+    return 8.0 * (FIELDS + RATES + 5 * dimension + 5 + COPIES * frame) + 4.0 * neighbors
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:

@@ -25,7 +25,7 @@ from ecume.trajectories.foreign.particles import (
 )
 
 PLAIN = "species:S:1:pos:R:3"
-PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*(?:"([^"]*)"|(\S+))')
+PAIR = re.compile(r'(?<![\w-])([A-Za-z_][\w-]*+)\s*+=\s*(?:"([^"]*)"|(\S+))')
 MOST_COLUMNS = 200
 MEANINGS = {
     "position": ("pos", "position", "positions"),
