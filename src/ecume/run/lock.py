@@ -116,7 +116,7 @@ def stop(home: RunDirectory) -> bool:
 def is_held(home: RunDirectory) -> bool:
     """Whether a process holds the lock of the run; one on another machine that locked it last is believed to.
 
-    The lock itself is asked: a process may have the number of one that ended, and clocks may be set.
+    The lock itself decides: a process may have the number of one that ended, and clocks may be set.
     """
     process = owner(home)
     if process is not None and process["host"] != clean(socket.gethostname()):

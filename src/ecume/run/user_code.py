@@ -153,7 +153,7 @@ Contents = Iterator[tuple[str, str]]
 
 
 def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) -> Contents:
-    """What a function uses besides what `_texts` finds, which `known` says of its own numbers and functions: arrays,
+    """What a function uses besides what `_texts` finds, which `known` says of the numbers and functions there: arrays,
     lists, tables, and what it takes from modules.
     """
     if id(function) in seen:
