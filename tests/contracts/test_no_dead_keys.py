@@ -160,6 +160,41 @@ def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
     assert of(scene) != of(changed)
 
 
+OF_TABLES = "particles.", "rows."
+
+
+def as_rows(plain):
+    """The same scene, its floats one by one; None if they have no positions of their own."""
+    if not all(species.get("positions") for species in plain["particles"]):
+        return None
+    rows = []
+    for number, species in enumerate(plain["particles"], 1):
+        told = {key: value for key, value in species.items() if key not in (*PLACED, "name")}
+        name = species.get("name", f"float-{number}")
+        for k, (x, y) in enumerate(species["positions"]):
+            vx, vy = species["velocities"][k] if species.get("velocities") else species.get("velocity", (0.0, 0.0))
+            rows.append(told | {"x": x, "y": y, "vx": vx, "vy": vy, "species_name": name})
+    return plain | {"particles": [], "rows": [*rows, *plain.get("rows", [])]}
+
+
+PLACED = "positions", "velocity", "velocities", "placement", "count", "spacing", "center", "ring_radius"
+"""Keys of a species that rows say by their own positions and velocities."""
+ROWWISE = [path for path, effect in EFFECTS["floating"].EFFECTS.items()
+           if not path.startswith(OF_TABLES) and effect.shows == RUN]  # fmt: skip
+
+
+@pytest.mark.sampled(6)
+@pytest.mark.parametrize("path", ROWWISE)
+def test_changing_a_key_alone_shows_in_floats_that_are_given_one_by_one(path):
+    if not PLAIN:
+        pytest.skip("runs plain")
+    scene, changed = (as_rows(each) for each in both("floating", path))
+    if scene is None:
+        pytest.skip("its floats are placed by the key itself or at random")
+    assert (refusal(scene), refusal(changed)) == ("", "")
+    assert recorded(scene) != recorded(changed)
+
+
 def files(plain, folder):
     """The frames and samples of a run, as bytes, or why it is refused."""
     try:

@@ -30,7 +30,7 @@ def swimmers(activity, *, count=1, more=SLOW + ALONE, **times):
 @pytest.mark.long
 def test_a_random_force_is_stationary_and_forgets_at_its_rate():
     dice, count = np.random.default_rng(1), 20_000
-    part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), 0.4, np.full(count, 1.5), 5)
+    part = Activity(np.full(count, 3.0), 0.7, np.zeros(count), np.full(count, 0.4), np.full(count, 1.5), 5)
     own = ActivityScratch(dice.normal(size=(count, 3)), np.zeros((count, 0)), np.zeros((count, 2)))
     parameters, state, _ = begun(swimmers("propulsion = 1e-12\n"))
     parameters = parameters._replace(time_step=0.3)
@@ -115,3 +115,14 @@ def test_only_the_active_species_moves_and_a_resumed_run_has_the_same_bits():
 def test_what_cannot_be_is_refused_with_the_reason(activity, more, reason):
     with pytest.raises(SceneError, match=reason):
         FLOATING.parameters(swimmers(activity, more=more))
+
+
+def test_noise_turns_the_headings_of_small_swimmers():
+    """A half-immersed bead of 2 um on water forgets its heading after 25 s: 1/D with D = kT/(4 pi eta R^3)."""
+    floats = '[[particles]]\nradius = "2 um"\ndensity = 1000.0\ncontact_angle = "90 deg"\n'
+    noise = f"{SLOW}[hydrodynamics]\nbrownian = true\n"
+    for brownian, given, wanted in ((noise, 0.0, 1.0 / 24.8), (noise, 0.5, 0.5 + 1.0 / 24.8), (SLOW, 0.0, 0.0)):
+        driven = f"[activity]\npropulsion = 1e-15\nrotational_diffusion = {given}\n"
+        parameters = FLOATING.parameters(scene_of(WATER + floats + driven + brownian))
+        part = next(part for part in parameters.parts.interactions if isinstance(part, Activity))
+        assert part.diffusion.tolist() == pytest.approx([wanted], rel=1e-2)

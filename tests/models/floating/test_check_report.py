@@ -1,6 +1,7 @@
 """What `ecume check` tells of a scene is true of all its floats."""
 
 import math
+import warnings
 from typing import Annotated, NamedTuple
 
 import pytest
@@ -8,9 +9,12 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import flotation, pair_laws
 from ecume.laws.pair_laws import PairLaw
-from ecume.models.floating.check_report import _summary_of_raft_speeds, seconds_per_step, summary
+from ecume.models.floating.check_report import _summary_of_raft_speeds, meeting_speed, seconds_per_step, summary
 from ecume.models.floating.forces.pair_forces import CutoffWarning
+from ecume.models.floating.setup.hydrodynamic_interaction import GasWarning
+from ecume.models.floating.setup.scene_parameters import checked_parameters
 from ecume.scenes.load import from_plain
+from ecume.simulation import simulate
 from ecume.units import Unit
 
 SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}
@@ -105,8 +109,9 @@ def test_shapes_say_where_their_contact_line_is():
 
 def drift_of_rafts(count, **hydrodynamics):
     bead = {"name": "bead", "radius": 1e-3, "density": 500.0, "count": count, **STUFF}
-    scene = from_plain({**SCENE, "particles": [bead], "hydrodynamics": hydrodynamics})
-    return [value for _, value, _ in _summary_of_raft_speeds(scene)]
+    slow = {"integration": {"integrator": "overdamped"}} if "interaction" in hydrodynamics else {}
+    scene = from_plain({**SCENE, "particles": [bead], "hydrodynamics": hydrodynamics, **slow})
+    return [value for _, value, _ in _summary_of_raft_speeds(checked_parameters(scene), scene)]
 
 
 @pytest.mark.parametrize(("count", "factor"), [(7, "3.4"), (19, "6.1"), (1200, "27")])
@@ -114,6 +119,7 @@ def test_the_missing_hydrodynamic_interaction_is_announced_with_its_size(count, 
     assert drift_of_rafts(count) == [f"up to {factor} times too slow"]
 
 
+@pytest.mark.filterwarnings("ignore::ecume.models.floating.setup.hydrodynamic_interaction.ReynoldsWarning")
 def test_rafts_with_hydrodynamic_interaction_are_announced_with_their_speed():
     assert drift_of_rafts(19, interaction="rotne-prager") == ["up to 6.1 times a single float"]
 
@@ -195,3 +201,55 @@ def test_a_law_of_no_strength_does_not_limit_the_time_step(without_checks):
     without_checks(screened)
     found = report(with_constants(0.0))
     assert found["time step"][1] == "good; no force limits it"
+
+
+def test_a_liquid_in_place_of_the_gas_gets_a_warning():
+    for density, warned in ((770.0, True), (1.2, False), (60.0, False)):
+        beads = {"radius": 1e-4, "density": 1050.0, "contact_angle": 1.57, "positions": [[0.0, 0.0], [1e-3, 0.0]]}
+        scene = from_plain({**SCENE, "liquid": {"density": 998.0, "gas_density": density}, "particles": [beads]})
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            checked_parameters(scene)
+        assert [one.category for one in found] == [GasWarning] * warned
+
+
+CEREAL = {"radius": 1.5e-3, "density": 300.0, "contact_angle": 1.2, "count": 3}
+
+
+def test_fast_floats_are_told_what_their_drag_lacks():
+    milk = {"density": 1030.0, "viscosity": 2e-3, "surface_tension": 0.045}
+    value, remark = report({"liquid": milk, "particles": [CEREAL]})["Reynolds number"]
+    assert float(value.removeprefix("up to ")) > 20.0
+    assert "schiller-naumann" in remark
+    for slow in ({"particles": [CEREAL | {"radius": 5e-5}]}, {"hydrodynamics": {"drag": "schiller-naumann"}}):
+        assert "Reynolds number" not in report({"liquid": milk, "particles": [CEREAL], **slow})
+
+
+def test_two_floats_meet_as_fast_as_energy_and_drag_allow():
+    """Runs with and without much drag: the speed at contact is below the bound, and above half of it."""
+    for viscosity in (1e-3, 0.1):
+        floats = {**CEREAL, "count": 2, "positions": [[-2.2e-3, 0.0], [2.2e-3, 0.0]]}
+        plain = {
+            **SCENE,
+            "liquid": {"viscosity": viscosity},
+            "particles": [floats],
+            "duration": 3.0,
+            "frame_every": 0.01,
+        }
+        scene = from_plain(plain)
+        fastest = max(frame.numbers["largest_speed"] for frame in simulate(scene))
+        assert 0.4 < fastest / meeting_speed(checked_parameters(scene)) < 1.05
+
+
+def test_small_slow_floats_are_told_what_includes_the_drift_of_rafts():
+    bead = CEREAL | {"radius": 2e-5, "density": 2000.0}
+    assert "rotne-prager" in report({"particles": [bead]})["drift of rafts"][1]
+    assert "rotne-prager" not in report({"particles": [CEREAL]})["drift of rafts"][1]
+
+
+def test_multipoles_are_refused_where_contact_lines_may_overlap_and_name_the_image():
+    multipole = {"interaction": {"method": "multipole", "order": 2}, "particles": [CEREAL]}
+    with pytest.raises(SceneError, match=r"contacts that keep floats apart: got 'none' \(contacts.law\)"):
+        report({**multipole, "contacts": {"law": "none"}})
+    with pytest.raises(SceneError, match=r"got 'pinned' \(dish.image\)"):
+        report({**multipole, "dish": {"radius": 0.05, "image": "pinned"}})

@@ -310,7 +310,7 @@ def test_areas_and_moments_of_outlines():
     [
         ('[integration]\nintegrator = "rk4"\n', "integration.integrator"),
         ('[interaction]\nmethod = "multipole"\n', "interaction.method"),
-        ('[dish]\nradius = "5 mm"\nimage = "pinned"\n', "dish.law"),
+        ('[dish]\nradius = "5 mm"\nimage = "pinned"\n', "dish.image"),
         ("[hydrodynamics]\nadded_mass = true\n", "added_mass"),
         ("[contacts]\nfriction = 0.3\n", "contacts.friction"),
     ],

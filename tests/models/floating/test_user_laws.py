@@ -36,9 +36,9 @@ def extended():
     return MODELS["floating"].extended(bind(two_floats(6e-3), [small_magnets, small_falling]))
 
 
-def first_kick(model):
+def first_kick(model, apart=6e-3):
     """The force that one step of a model lets the second of two floats feel, taken from its speed."""
-    scene = two_floats(6e-3, duration=0.2)
+    scene = two_floats(apart, duration=0.2)
     parameters = model.parameters(scene)
     state = model.start(scene, parameters)
     assert model.advance(parameters, state, model.workspace(parameters, state, 1.0), 1) == 0
@@ -48,6 +48,11 @@ def first_kick(model):
 def test_users_forces_are_added_to_our_own(extended):
     wanted = 3e-17 / 6e-3**4 + 1e-9 / 6e-3
     assert first_kick(extended) - first_kick(MODELS["floating"]) == pytest.approx(wanted, rel=1e-4)
+
+
+def test_users_forces_reach_farther_than_menisci(extended):
+    assert first_kick(MODELS["floating"], 40e-3) == 0.0
+    assert first_kick(extended, 40e-3) == pytest.approx(3e-17 / 40e-3**4 + 1e-9 / 40e-3, rel=1e-4)
 
 
 def test_multipoles_refuse_laws_that_they_would_leave_out(extended):

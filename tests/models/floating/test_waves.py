@@ -9,6 +9,7 @@ from ecume.errors import SceneError
 from ecume.laws.radiated_waves import mean_force, ripples, slope_per_force
 from ecume.models import MODELS
 from ecume.models.floating.forces import waves
+from ecume.models.floating.parameters import part_of
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun
 from tests.models.floating.bowls import scene_of
@@ -132,3 +133,39 @@ def test_the_time_step_knows_how_near_the_sources_of_touching_floats_are(arm, mo
     monkeypatch.setattr(waves, "_quickest", lambda *given: seen.append(given[-1]) or quickest(*given))
     FLOATING.parameters(discs([(0.0, 0.0), (6e-3, 0.0)], source((arm, 0.0)), headings=(0.0, 0.0)))
     assert seen == pytest.approx([2.0 * 2e-3 - 2.0 * arm], rel=1e-12)
+
+
+def rows_of(count):
+    body = "radius = 2e-3\ndensity = 1100.0\ndisc = { thickness = 1e-3 }\n"
+    return "".join(f"[[rows]]\n{body}x = {8e-3 * i}\ny = 0.0\nangle = 0.7\n" for i in range(count))
+
+
+def from_rows(headings, count=2):
+    waves = f"[waves]\nfrequency = {FREQUENCY}\nheadings = {headings}\n{source((0.0, 0.0))}"
+    return begun(scene_of(BATH + rows_of(count) + waves))[1].turning[:, 0]
+
+
+def test_headings_are_those_of_rows_too():
+    assert from_rows([0.3, 1.2]).tolist() == [0.3, 1.2]
+    assert from_rows([]).tolist() == [0.7, 0.7]
+
+
+@pytest.mark.parametrize("headings", [[0.3], [0.1, 0.2, 0.3, 0.4, 0.5]])
+def test_as_many_headings_as_floats_are_needed_whichever_way_they_are_given(headings):
+    with pytest.raises(SceneError, match="one for each of 2 floats"):
+        from_rows(headings)
+
+
+def test_noise_turns_floats_with_sources():
+    """Steps of kT/zeta_r, with the friction of a float that turns: <angle^2> = 2 D t."""
+    places = [(1e-2 * i, 1e-2 * j) for i in range(20) for j in range(20)]
+    noise = '[hydrodynamics]\nbrownian = true\n[integration]\nintegrator = "overdamped"\n'
+    scene = discs(places, source((0.0, 0.0)), headings=[0.0] * 400, more=f'[interaction]\nlaw = "none"\n{noise}')
+    parameters, state, workspace = begun(scene)
+    part = part_of(parameters, waves.Waves)
+    own = workspace.scratch.interactions[[type(each) for each in parameters.parts.interactions].index(waves.Waves)]
+    for step in range(4):
+        waves.turn_by_noise(part, own, parameters, step)
+    spread = 2.0 * parameters.drift.thermal / part.friction[0] * 4.0 * parameters.time_step
+    assert np.var(state.turning[:, 0]) == pytest.approx(spread, rel=0.2)
+    assert FLOATING.advance(parameters, state, workspace, 1) == 0

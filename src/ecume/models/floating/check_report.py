@@ -8,14 +8,16 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ecume.laws import capillarity, flotation
+from ecume.laws.drag import particle_reynolds, schiller_naumann_factor
 from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
+from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of, two_floats
-from ecume.models.floating.parameters import Parameters, distinct_rows, part_of
-from ecume.models.floating.setup.hydrodynamic_interaction import hydrodynamics_of
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, DRAG_LAWS, Parameters, distinct_rows, part_of
+from ecume.models.floating.setup.hydrodynamic_interaction import HYDRODYNAMICS, hydrodynamics_of, touching_reynolds
 from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
@@ -25,6 +27,9 @@ from ecume.models.liquids import liquid_of
 from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene
 from ecume.units import duration_text, range_with_prefix, size_text, with_prefix
+
+SLOW = 1.0
+"""Reynolds number below which the flow around floats is taken for creeping."""
 
 STEEP = 0.3
 """Slopes (rad) above which superposition of menisci is inaccurate."""
@@ -65,7 +70,8 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters, scene),
         *_summary_of_chance(parameters),
-        *_summary_of_raft_speeds(scene),
+        *_summary_of_raft_speeds(parameters, scene),
+        *_summary_of_drag(parameters, scene),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *_summary_of_cell(parameters),
@@ -124,14 +130,53 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
     return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
 
 
-def _summary_of_raft_speeds(scene: FloatingScene) -> list[Row]:
+def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
+    """By how much Stokes's drag is too small for the fastest floats; nothing if they are slow."""
+    liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
+    if scene.hydrodynamics.drag != DRAG_LAWS[0] or liquid.viscosity == 0.0:
+        return []
+    reynolds = particle_reynolds(meeting_speed(parameters), radius, liquid.density, liquid.viscosity)
+    if reynolds < SLOW:
+        return []
+    more = f"Stokes's law, of which the drag is then {schiller_naumann_factor(reynolds):.2g} times as large"
+    remedy = 'hydrodynamics.drag = "schiller-naumann" and added_mass = true include what inertia changes'
+    return [("Reynolds number", f"up to {reynolds:.2g}", f"{more}; {remedy}")]
+
+
+def meeting_speed(parameters: Parameters) -> float:
+    """The highest speed (m/s) at which two equal floats meet, or one a wall: against Stokes's drag, and not more than
+    the energy of the attraction allows.
+    """
+    floats, row, law = parameters.floats, row_of(parameters), law_of(parameters)
+    length, fastest = float(parameters.pair[CAPILLARY_LENGTH]), 0.0
+    walls = np.abs(parameters.wall_strength).max(axis=0, initial=0.0)
+    kinds = distinct_rows(floats.radius, np.abs(floats.charge), floats.mass, floats.relaxation_time, walls)
+    for radius, charge, mass, time, wall in kinds.tolist():
+        pulls, energies = [wall / length], [2.0 * wall]
+        if row.has_force and row.energy is not None:
+            own = two_floats(parameters, (radius, radius), (charge, charge))
+            pulls.append(abs(float(row.force(2.0 * radius, own, law))))
+            energies.append(abs(float(row.energy(2.0 * radius, own, law))))
+        found = [
+            min(time * pull / mass, math.sqrt(energy / mass)) for pull, energy in zip(pulls, energies, strict=True)
+        ]
+        fastest = max(fastest, *found)
+    return fastest
+
+
+def _summary_of_raft_speeds(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     """The speed of rafts, with or without hydrodynamic interaction."""
     spheres = sum(species.count for species in scene.particles if species.shape is None) + len(scene.rows)
     viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
     gathers = PAIR_LAWS[str(scene.interaction.law)].menisci
     if not (viscous and gathers) or spheres < FEWEST_IN_RAFT:
         return []
-    return [("drift of rafts", *hydrodynamics_of(scene).raft_speeds(spheres))]
+    row = hydrodynamics_of(scene)
+    value, remark = row.raft_speeds(spheres)
+    affordable = spheres <= MATRIX_UP_TO and not scene.shaped and scene.cell is None
+    if row is HYDRODYNAMICS["none"] and affordable and touching_reynolds(parameters, scene) < SLOW:
+        remark += '; hydrodynamics.interaction = "rotne-prager" with integrator = "overdamped" includes it'
+    return [("drift of rafts", value, remark)]
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:

@@ -61,6 +61,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "lubricated": ("contacts", "contacts that stop floats at once"),
     "single drag": ("hydrodynamic interaction", "floats that turn without turning others"),
     "no spins": ("contacts", "contacts without friction"),
+    "apart": ("contacts", "contacts that keep floats apart"),
     "full mobility": ("contacts", "contacts that are solved as impulses"),
     "stokes": ("drag", "a drag that is proportional to the velocity"),
     "drag": ("drag", "drag: hydrodynamics.drag = 'stokes' and a liquid.viscosity above zero"),

@@ -1,13 +1,14 @@
 """Pair laws of the user: one more interaction, compiled for the functions of a run.
 
-Its forces are added to those of the scene, up to the scene's cutoff; its energy is the integral of the force.
+Its forces are added to those of the scene; its energy is the integral of the force. It acts as far as it is larger than
+`interaction.accuracy` of its largest value beyond contact, at least up to the cutoff of the scene.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from ecume._jit import compiled_once, of_this_process
 from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
+from ecume.engine.walls import surfaces
 from ecume.models.floating.forces.interactions import BY_CONSTANTS, ROUND, Interaction
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import (
@@ -91,19 +93,20 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
     def make(parameters: Parameters, scene: FloatingScene) -> Built:
         if parameters.single:
             raise scene_error("interaction.precision", "got 'single'; expected 'double' with user-defined laws")
-        periods = parameters.periods[0]
-        if np.any(periods) and 2.0 * parameters.cutoff > periods[periods > 0.0].min():
-            raise scene_error(
-                "cell",
-                f"a user law acts up to the cutoff, {parameters.cutoff:.4g} m, beyond the nearest images; expected "
-                f"sides of at least {2.0 * parameters.cutoff:.4g} m, or a larger interaction.accuracy",
-            )
         floats = parameters.floats
         part = constants(
             masks_of(laws, len(scene.kinds)), floats.species, floats.radius, floats.charge, parameters.cutoff,
             float(parameters.pair[CAPILLARY_LENGTH]), float(parameters.pair[SURFACE_TENSION]),
         )  # fmt: skip
-        return Built(part, shortest_time(total, part, parameters), reach=parameters.cutoff)
+        part = part._replace(cutoff=range_of(total, part, parameters, scene.interaction.accuracy))
+        periods = parameters.periods[0]
+        if np.any(periods) and 2.0 * part.cutoff > periods[periods > 0.0].min():
+            raise scene_error(
+                "cell",
+                f"a user law acts up to {part.cutoff:.4g} m, beyond the nearest images; expected "
+                f"sides of at least {2.0 * part.cutoff:.4g} m, or a larger interaction.accuracy",
+            )
+        return Built(part, shortest_time(total, part, parameters), reach=part.cutoff)
 
     def energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
         return float(potential(part, state.position, workspace.lists)), 0.0
@@ -175,23 +178,47 @@ def _sum_of_energies(energy: Any) -> Any:
     return sum_of_energies
 
 
-def shortest_time(total: Any, part: Any, parameters: Parameters) -> float:
-    """The shortest time scale of the laws (s): each is a spring of stiffness |dF/dl| at contact, with six neighbors."""
-    floats, shortest = parameters.floats, math.inf
+MOST_RADII, PLACES = 1e4, 400
+"""How far a user law is followed on an endless surface, in contact distances, and at how many distances."""
+
+
+def range_of(total: Any, part: Any, parameters: Parameters, accuracy: float) -> float:
+    """The distance (m) beyond which the laws are smaller than this fraction of their largest value; at least the cutoff
+    of the scene, at most the width of the dish.
+    """
+    widest, found = 2.0 * surfaces.farthest(parameters.walls), parameters.cutoff
+    for touching, pair, mask, _ in pairs_of_kinds(part, parameters):
+        distances = np.geomspace(touching, max(min(widest, MOST_RADII * touching), 2.0 * touching), PLACES)
+        force = np.abs([float(total(distance, pair, mask)) for distance in distances.tolist()])
+        felt = np.flatnonzero(force > accuracy * force.max())
+        if len(felt):
+            found = max(found, min(float(distances[felt[-1]]), widest))
+    return found
+
+
+def pairs_of_kinds(part: Any, parameters: Parameters) -> Iterator[tuple[float, PairParameters, int, tuple[int, int]]]:
+    """Each pair of species with a law: the distance of contact (m), the parameters, the mask, and a float of each."""
+    floats = parameters.floats
     kinds: Integers = np.unique(floats.species, return_index=True)[1]
     for i, j in itertools.combinations_with_replacement(kinds.tolist(), 2):
         mask = int(part.mask[floats.species[i], floats.species[j]])
         if mask:
-            touching = float(floats.radius[i] + floats.radius[j])
             pair = PairParameters(
                 float(floats.radius[i]), float(floats.radius[j]), float(floats.charge[i]), float(floats.charge[j]),
                 part.length, part.tension,
             )  # fmt: skip
-            near, far = (float(total((1.0 + change) * touching, pair, mask)) for change in (-FINE, FINE))
-            spring = 2.0 * RAFT_NEIGHBORS * abs(far - near) / (2.0 * FINE * touching)
-            if spring > 0.0:
-                lighter = i if floats.mass[i] < floats.mass[j] else j
-                inertial = math.sqrt(float(floats.mass[lighter]) / spring)
-                drag = float(floats.mass[lighter] / floats.relaxation_time[lighter])
-                shortest = min(shortest, inertial if parameters.scheme.inertia else drag / spring)
+            yield float(floats.radius[i] + floats.radius[j]), pair, mask, (i, j)
+
+
+def shortest_time(total: Any, part: Any, parameters: Parameters) -> float:
+    """The shortest time scale of the laws (s): each is a spring of stiffness |dF/dl| at contact, with six neighbors."""
+    floats, shortest = parameters.floats, math.inf
+    for touching, pair, mask, (i, j) in pairs_of_kinds(part, parameters):
+        near, far = (float(total((1.0 + change) * touching, pair, mask)) for change in (-FINE, FINE))
+        spring = 2.0 * RAFT_NEIGHBORS * abs(far - near) / (2.0 * FINE * touching)
+        if spring > 0.0:
+            lighter = i if floats.mass[i] < floats.mass[j] else j
+            inertial = math.sqrt(float(floats.mass[lighter]) / spring)
+            drag = float(floats.mass[lighter] / floats.relaxation_time[lighter])
+            shortest = min(shortest, inertial if parameters.scheme.inertia else drag / spring)
     return shortest

@@ -158,7 +158,7 @@ class LiquidSpec:
     Effect: holds heavy floats and lengthens the range of the attraction."""
     gas_density: GasDensity = 0.0
     """The density of the gas above the liquid (kg/m^3), smaller than that of the liquid. Effect: reduces weight and
-    buoyancy; of air the effect is 0.1 %."""
+    buoyancy; of air the effect is 0.1 %. The viscosity of the gas is neglected, which of a second liquid is wrong."""
     color: Color | None = None
     """The color of the level surface in pictures, such as `white` or `#fbf8f0`; by default that of the named liquid.
     Effect: higher and lower parts have tints of it."""
@@ -295,7 +295,8 @@ class HydrodynamicsSpec:
     single floats, and floats carry their neighbors along."""
     brownian: Switch = False
     """Brownian motion at the temperature of the liquid; requires the integrator `overdamped`. Effect: adds thermal
-    noise, which disperses floats below a few micrometers."""
+    noise, which disperses floats below a few micrometers, and turns the headings of active floats and of floats that
+    waves turn."""
 
     @property
     def resists(self) -> bool:
@@ -317,8 +318,8 @@ class ActivitySpec:
     """A constant force on each float along its heading (N), which is random at the start. Example: `"1 nN"`. Effect:
     floats swim at this force over their drag."""
     rotational_diffusion: Annotated[Rate, Field(ge=0.0, le=1e6)] = 0.0
-    """The diffusion coefficient of the headings (1/s). Example: `0.2`. Effect: headings are forgotten after its
-    inverse."""
+    """The diffusion coefficient of the headings (1/s), in addition to that by `hydrodynamics.brownian`. Example: `0.2`.
+    Effect: headings are forgotten after its inverse."""
     torque: Annotated[Torque, Field(ge=-1.0, le=1.0)] = 0.0
     """A constant torque on each float (N m), positive counterclockwise. Example: `1e-14`. Effect: turns the headings
     against the drag of the liquid, so that floats swim in circles."""
@@ -386,7 +387,8 @@ class WavesSpec:
     """The sources of waves, in the frame of each float. Effect: floats attract and repel one another at distances that
     alternate with the wavelength, and turn."""
     headings: tuple[Direction, ...] = ()
-    """The heading of each float at the start from the x axis (rad); by default random. Example: `["0 deg", "180 deg"]`.
+    """The heading of each float at the start from the x axis (rad), those of `rows` last; by default random, and the
+    `angle` of rows. Example: `["0 deg", "180 deg"]`.
     Effect: sets the directions of sources and of propulsion."""
 
 

@@ -281,19 +281,19 @@ CONTACTS = {
     "impulse": ContactModel(
         path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
         before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"lubricated", "full mobility", "no spins"}),
+        gives=frozenset({"apart", "lubricated", "full mobility", "no spins"}),
     ),
     "legacy": ContactModel(
         path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
         make=_simple(Impulses(True)), before_drift=collide, after_drift=separate, at_end=constrain_velocities,
-        gives=frozenset({"lubricated", "no spins"}),
+        gives=frozenset({"apart", "lubricated", "no spins"}),
         needs={"round": "the original program knows spheres only"},
     ),
     "friction": ContactModel(
         path="contacts.friction", name="friction", constants=Friction, make=friction_of, at_step=friction_at_step,
         before_drift=collide, after_drift=separate, at_end=constrain_velocities, scratch=friction_scratch,
         state=with_friction_impulses,
-        inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"lubricated", "full mobility"}),
+        inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"apart", "lubricated", "full mobility"}),
         needs={
             "reciprocal": "spins take what the law's momentum lacks",
             "kicks spins": "angles and spins go with the kicks of the velocities",
@@ -303,7 +303,7 @@ CONTACTS = {
     "spring-dashpot": ContactModel(
         path="contacts.law", name="'spring-dashpot'", constants=Springs, make=springs_of,
         before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies,
-        laws=(friction.spring_push, friction.dashpot_restitution), gives=frozenset({"no spins"}),
+        laws=(friction.spring_push, friction.dashpot_restitution), gives=frozenset({"apart", "no spins"}),
         needs={
             "reciprocal": "its energy is compared with that of the pair law",
             "springs": "others gain energy from springs, or see their forces within a step",

@@ -3,7 +3,8 @@
 Active floats: a random force with a memory, propulsion along a heading that diffuses, and a constant torque.
 
 The random force is an Ornstein-Uhlenbeck process, renewed exactly once per step. The heading of a float turns by its
-torque against the drag of the liquid and by rotational diffusion; if contacts turn the float, it turns along.
+torque against the drag of the liquid and by rotational diffusion, to which thermal noise adds kT over that drag; if
+contacts turn the float, it turns along.
 """
 
 from __future__ import annotations
@@ -141,8 +142,8 @@ class Activity(NamedTuple):
     """s: correlation time of the random force"""
     propulsion: Array
     """(N,) N"""
-    diffusion: float
-    """rad^2/s: rotational diffusion coefficient of the headings"""
+    diffusion: Array
+    """(N,) rad^2/s: rotational diffusion coefficient of the headings"""
     turning: Array
     """(N,) rad/s by the torque"""
     seed: int
@@ -202,14 +203,14 @@ def renew_activity(part: Activity, own: ActivityScratch, parameters: Parameters,
         return
     time, step = parameters.time_step, int(state.step[0])
     kept = math.exp(-time / part.persistence)
-    fresh, far = math.sqrt(1.0 - kept * kept), math.sqrt(2.0 * part.diffusion * time)
+    fresh = math.sqrt(1.0 - kept * kept)
     for i in range(len(part.force)):
         own.before[i, 0], own.before[i, 1] = active_force(part, own, i)
         along, across = normals(counter_of(i, step, FORCES), part.seed)
         own.active[i, 0] = kept * own.active[i, 0] + fresh * along
         own.active[i, 1] = kept * own.active[i, 1] + fresh * across
         turned = normals(counter_of(i, step, HEADINGS), part.seed)[0]
-        own.active[i, 2] += part.turning[i] * time + far * turned
+        own.active[i, 2] += part.turning[i] * time + math.sqrt(2.0 * part.diffusion[i] * time) * turned
 
 
 @compiled
@@ -240,12 +241,15 @@ def activity_of(parameters: Parameters, scene: FloatingScene) -> Built:
     if unknown := [name for name in given.species if name not in names]:
         raise scene_error("activity.species", f"got {unknown[0]!r}; expected names among {', '.join(map(repr, names))}")
     active = np.array([not given.species or names[number] in given.species for number in floats.species], np.float64)
-    friction = turning_frictions(scene) if given.torque else np.ones(len(active))
+    thermal = parameters.drift.thermal
+    friction = turning_frictions(scene) if given.torque or thermal > 0.0 else np.ones(len(active))
+    spread = np.array([diffusion.diffusivity(thermal, each) for each in friction])
     part = Activity(
         given.force * active / math.sqrt(2.0), given.persistence or 1.0, given.propulsion * active,
-        given.rotational_diffusion, given.torque * active / friction, scene.seed,
+        given.rotational_diffusion + spread, given.torque * active / friction, scene.seed,
     )  # fmt: skip
-    rates = [1.0 / part.persistence if given.force else 0.0, part.diffusion, float(np.abs(part.turning).max())]
+    rates = [1.0 / part.persistence if given.force else 0.0, float(part.diffusion.max())]
+    rates.append(float(np.abs(part.turning).max()))
     speed = float(np.max((DEVIATIONS * part.force + part.propulsion) * floats.relaxation_time / floats.mass))
     # A step moves a float by a tenth of the skin at most.
     rates.append(0.5 * parameters.collective * speed / parameters.skin)

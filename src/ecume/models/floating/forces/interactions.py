@@ -189,6 +189,7 @@ INTERACTIONS = {
         needs={
             "menisci": "multipoles are the shape of the liquid's surface",
             "multipoles": "the surface between floats and wall is solved as a whole",
+            "apart": "the surface has no solution where contact lines overlap",
             "open": "the surface is solved as a whole, and far from all floats it is flat",
         },
     ),

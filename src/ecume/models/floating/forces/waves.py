@@ -12,14 +12,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside
+from ecume._jit import admit, compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists
+from ecume.engine.philox import counter_of, normals
 from ecume.engine.walls.surfaces import farthest
 from ecume.errors import BadInput
-from ecume.laws import radiated_waves
+from ecume.laws import diffusion, radiated_waves
+from ecume.laws.diffusion import diffusivity
 from ecume.laws.radiated_waves import Ripples, slope_per_force
 from ecume.models.floating.contacts.collisions import float_inertia
+from ecume.models.floating.forces.flow_and_noise import HEADINGS
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import WORK, Parameters, State, Workspace
 from ecume.models.floating.setup.kinds import distinct_kinds, turning_frictions
@@ -29,6 +32,8 @@ from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
+
+admit(diffusion)
 
 PER_WAVELENGTH = 64
 """Nodes of the table."""
@@ -173,6 +178,9 @@ def kick_wave_spins(part: Waves, own: WavesScratch, parameters: Parameters, stat
             before[i, 0], before[i, 1], before[i, 2] = own.force[i, 0], own.force[i, 1], own.torque[i]
             before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], own.turning[i, 0]
             own.turning[i, 0] += time * own.turning[i, 1]
+        # The headings of active floats diffuse already.
+        if parameters.drift.thermal > 0.0 and len(own.active) == 0:
+            turn_by_noise(part, own, parameters, int(state.step[0]))
         return
     work = 0.0
     for i in range(count):
@@ -180,6 +188,14 @@ def kick_wave_spins(part: Waves, own: WavesScratch, parameters: Parameters, stat
         work += 0.5 * (before[i, 1] + own.force[i, 1]) * (state.position[i, 1] - before[i, 4])
         work += 0.5 * (before[i, 2] + own.torque[i]) * (own.turning[i, 0] - before[i, 5])
     state.tally[WORK] += work
+
+
+@compiled
+def turn_by_noise(part: Waves, own: WavesScratch, parameters: Parameters, step: int) -> None:
+    """Turn each float by a normal angle of variance 2 kT/zeta dt, with its friction zeta against turning."""
+    for i in range(len(own.torque)):
+        far = math.sqrt(2.0 * diffusivity(parameters.drift.thermal, part.friction[i]) * parameters.time_step)
+        own.turning[i, 0] += far * normals(counter_of(i, step, HEADINGS), parameters.drift.seed)[0]
 
 
 def no_wave_energy(
@@ -243,9 +259,9 @@ def _sources(parameters: Parameters, scene: FloatingScene) -> tuple[Integers, Ar
 
 
 def _require_headings(scene: FloatingScene) -> None:
-    """Raise SceneError unless each float of the species has a heading, or none has."""
-    given, count = scene.waves.headings if scene.waves is not None else (), sum(one.count for one in scene.particles)
-    if given and count and len(given) != count:
+    """Raise SceneError unless each float has a heading, or none has."""
+    given, count = scene.waves.headings if scene.waves is not None else (), sum(one.count for one in scene.given)
+    if given and len(given) != count:
         raise scene_error("waves.headings", f"got {len(given)} headings; expected one for each of {count} floats")
 
 

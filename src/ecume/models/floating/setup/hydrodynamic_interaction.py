@@ -34,6 +34,10 @@ disc of the same area, 9 pi/16 sqrt(0.9069), which smaller rafts do not reach.
 """
 
 
+DENSEST_GAS = 0.1
+"""Density of the gas over that of the liquid above which it is taken for a liquid: gases at 30 bar are below it."""
+
+
 class ReynoldsWarning(UserWarning):
     """Floats move too fast for the flow that the mobility assumes."""
 
@@ -152,6 +156,24 @@ def touching_reynolds(parameters: Parameters, scene: FloatingScene) -> float:
         pull = abs(float(row.force(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law)))
         highest = max(highest, particle_reynolds(pull / drag, radius, liquid.density, liquid.viscosity))
     return highest
+
+
+class GasWarning(UserWarning):
+    """The gas is so dense that it is a liquid, whose viscosity the drag lacks."""
+
+
+def warn_of_dense_gas(scene: FloatingScene) -> None:
+    """Warn if the gas above the liquid is a liquid itself: the drag has one viscosity."""
+    liquid = liquid_of(scene)
+    if not scene.hydrodynamics.resists or liquid.gas_density <= DENSEST_GAS * liquid.density:
+        return
+    message = (
+        f"liquid.gas_density: got {liquid.gas_density:g} kg/m^3, the density of a liquid, but drag is that of the "
+        "lower liquid alone. A liquid of the same viscosity above it doubles the drag of half-immersed floats, "
+        "and halves their speeds and diffusion; in general the factor is 1 + eta_above/eta. Expected a gas; for "
+        "contact angles near 90 deg, liquid.viscosity may be the sum of both viscosities"
+    )
+    warnings.warn(message, GasWarning, stacklevel=2)
 
 
 def warn_of_fast_floats(row: HydrodynamicInteraction, parameters: Parameters, scene: FloatingScene) -> None:

@@ -241,9 +241,9 @@ def initial_angles(scene: FloatingScene) -> Array:
     turned = [species.shape or species.disc for species in scene.particles]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
     listed = np.repeat(given, [one.count for one in scene.particles])
-    if scene.waves is not None and scene.waves.headings and scene.particles:
-        listed = np.array(scene.waves.headings)
     listed = np.concatenate([listed, [row.angle for row in scene.rows]])
+    if scene.waves is not None and scene.waves.headings:
+        listed = np.array(scene.waves.headings)
     return np.where(np.isnan(listed), chance, listed)
 
 

@@ -44,6 +44,7 @@ from ecume.models.floating.setup.hydrodynamic_interaction import (
     HYDRODYNAMICS,
     HydrodynamicInteraction,
     hydrodynamics_of,
+    warn_of_dense_gas,
     warn_of_fast_floats,
 )
 from ecume.models.floating.setup.initial_state import boundary_of, periods_in, require_room
@@ -83,6 +84,7 @@ def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -
     # Floats that move farther in a step require lists with a longer range.
     warn_of_fast_floats(chosen.hydrodynamics, parameters, scene)
     warn_of_long_range(parameters, scene)
+    warn_of_dense_gas(scene)
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
 
 
@@ -402,10 +404,12 @@ def _drag_of(scene: FloatingScene) -> Option:
 def _wall_of(scene: FloatingScene) -> Option:
     """The menisci at the walls, with their capabilities."""
     law = scene.dish.law if scene.dish is not None else None
+    image = scene.dish.image if scene.dish is not None else "none"
+    path, name = ("dish.law", law) if image == "none" else ("dish.image", image)
     simple = is_far_field(wall_law_of(scene))
     gives = {"point charges"} if simple else set()
     gives |= {"multipoles"} if simple and law != "linear" else set()
-    return Option(slot="wall", path="dish.law", name=repr(law), gives=frozenset(gives))
+    return Option(slot="wall", path=path, name=repr(name), gives=frozenset(gives))
 
 
 ROOMIER = 1.6
