@@ -61,7 +61,7 @@ def inside(frame: Frame) -> Flags:
 
 def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None = None) -> Array:
     """The positions of particles over time: shape (frames, particles, d), in m; NaN before a particle enters and after
-    it leaves. `kept`: the numbers of the frames that are wanted, in ascending order; by default all.
+    it leaves. `kept`: the numbers of the frames to return, in ascending order; by default all.
 
     In a periodic box paths do not jump at borders: frames contain image numbers. In frames of former versions, which
     have none, each path continues at the image nearest to the previous position; a PathWarning says where particles

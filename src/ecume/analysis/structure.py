@@ -149,7 +149,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     counts = np.zeros(len(middle))
     pairs = 0.0
     for frame in frames:
-        position = frame.arrays["position"]
+        position = frame.arrays["position"][inside(frame)]
         count, size = len(position), np.array(region.size)
         tree = cKDTree(np.mod(np.mod(position, size), size), boxsize=size) if region.periodic else cKDTree(position)
         # Each particle is at distance 0 of itself, at the first edge already, and cancels in the difference.

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_rgba
 
 from ecume.scenes.floating import DishSpec, LiquidSpec
-from ecume.show.floating.bowl import Bowl, rises, view_of
+from ecume.show.floating.bowl import Bowl, arrows, rises, view_of
 from ecume.show.picture import Size, species
 from ecume.show.style import PALETTE, contrast, height_colormap, liquid_color
 
@@ -173,3 +173,12 @@ def test_high_and_low_surfaces_differ_from_the_level_one(liquid):
 
 def test_high_surfaces_of_a_dark_liquid_are_bright():
     assert contrast(height_colormap("#14305c")(255)[:3], "#14305c") > 5.0
+
+
+def test_headings_have_arrowheads(frames):
+    frame = frames[0].with_arrays({**frames[0].arrays, "angle": np.zeros(len(frames[0].arrays["radius"]))})
+    found = arrows(frame) - frame.arrays["position"][:, None]
+    assert np.all(found[:, 1, 0] == found[..., 0].max(axis=1)), "the tip is ahead"
+    assert np.all(found[:, 2, 0] < found[:, 1, 0])
+    assert found[:, 2, 1] == pytest.approx(-found[:, 4, 1])
+    assert len(arrows(frames[0])) == 0

@@ -7,9 +7,12 @@ import pytest
 from scipy.special import k0
 
 from ecume.laws import meniscus
+from ecume.laws.radiated_waves import ripples, surface_per_force
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DishSpec
-from ecume.show.floating.surface import CUTOFF, View, sheet, surface
+from ecume.scenes.load import load_scene
+from ecume.show.floating.surface import CUTOFF, View, sheet, surface, unit_meniscus, wave_heights
+from ecume.trajectories.frame import Frame
 
 VIEW = View(-0.03, 0.03, -0.03, 0.03)
 CLOSEST = 1e-3
@@ -91,3 +94,49 @@ def test_between_facing_walls_their_menisci_add_up(scene, frames):
 def test_a_dish_without_a_meniscus_leaves_the_liquid_flat(scene):
     flat = dataclasses.replace(scene, dish=DishSpec(radius=0.03, law="none"))
     assert not sheet(flat, VIEW, cells=20, closest=CLOSEST).still.any()
+
+
+def test_menisci_fade_out_before_they_end(scene):
+    on = sheet(scene, VIEW, cells=20, closest=1e-3)
+    heights = unit_meniscus(on, np.array([1.0, 0.5, 0.9, 0.99, 1.01]) * on.reach)
+    assert abs(heights[3]) < 1e-5 * abs(unit_meniscus(on, np.array([on.closest]))[0])
+    assert heights[4] == 0.0
+
+
+def test_without_a_law_of_menisci_none_is_drawn(scene, frames):
+    none = dataclasses.replace(scene, interaction=dataclasses.replace(scene.interaction, law="none"), dish=None)
+    assert not np.any(surface(frames[0], sheet(none, VIEW, cells=20, closest=1e-3)))
+
+
+WAVES = """\
+model = "floating"
+duration = "1 s"
+frame_every = "0.05 s"
+[liquid]
+density = 1149.5
+viscosity = "10 mPa*s"
+surface_tension = "67 mN/m"
+[[particles]]
+radius = "2 mm"
+density = 1100.0
+disc = { thickness = "0.5 mm" }
+positions = [["0 mm", "0 mm"]]
+[dish]
+radius = "35 mm"
+[waves]
+frequency = "100 Hz"
+[[waves.sources]]
+force = "0.12 mN"
+"""
+
+
+def test_waves_of_floats_are_drawn():
+    scene = load_scene(WAVES)
+    arrays = {"position": np.zeros((1, 2)), "angle": np.zeros(1)}
+    on = sheet(scene, View(-0.02, 0.02, -0.02, 0.02), cells=40, closest=2e-3)
+    found = wave_heights(Frame(0.0, arrays, {}, {}), on)
+    assert found == pytest.approx(found.T)
+    given = scene.liquid
+    waves = ripples(100.0, given.density, given.surface_tension, given.viscosity, scene.gravity)
+    exact = -1.2e-4 * surface_per_force(np.hypot(on.x[30], on.y[20]), waves).real
+    assert found[20, 30] == pytest.approx(exact, rel=0.02, abs=1e-8)

@@ -149,6 +149,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         heading = state.turning[:, 0] + (state.active[:, 2] if len(state.active) else 0.0)
         arrays |= {"angle": heading, "spin": state.turning[:, 1].copy()}
         units |= {"angle": "rad", "spin": "rad/s"}
+    elif len(state.active):
+        arrays["angle"], units["angle"] = state.active[:, 2].copy(), "rad"
     for part, row in interactions_of(parameters):
         for name, (values, unit) in row.arrays(part).items():
             arrays[name], units[name] = values, unit

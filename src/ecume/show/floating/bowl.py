@@ -50,6 +50,8 @@ from ecume.units import Array
 
 LINE = 0.8
 """Length of the line that shows how a float is turned, over its diameter."""
+BARB = 0.22
+"""How far an arrowhead reaches back and to the sides, over the length of the arrow."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
 BESIDE = 0.03
@@ -112,6 +114,7 @@ class Bowl(Picture):
             self.images = PolyCollection([], edgecolors=to_rgba(INK, PALE), linewidths=0.6, zorder=2)
             self.pale = [to_rgba(kind.color, PALE) for kind in kinds]
             axes.add_collection(self.images, autolim=False)
+            self.headed = scene.activity is not None or scene.waves is not None
             self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
             axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
@@ -132,7 +135,7 @@ class Bowl(Picture):
         self.height.set_data(self._painted(surface(frame, self.sheet)))
         if self.shapes is None:
             self.floats.set_offsets(frame.arrays["position"])
-            self.rises.set_segments(list(rises(frame)))
+            self.rises.set_segments(list(arrows(frame) if self.headed else rises(frame)))
             self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
@@ -159,6 +162,17 @@ def rises(frame: Frame) -> Array:
     along = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1) * arrays["radius"][:, None]
     lines: Array = arrays["position"][:, None] + np.array([-LINE, LINE])[None, :, None] * along[:, None]
     return lines
+
+
+def arrows(frame: Frame) -> Array:
+    """An arrow on each float along its heading, (N, 5, 2): the shaft, then both barbs; none without headings."""
+    tip = rises(frame)
+    if not len(tip):
+        return np.zeros((0, 5, 2))
+    shaft = tip[:, 1] - tip[:, 0]
+    across = np.stack([-shaft[:, 1], shaft[:, 0]], axis=1)
+    barbs = [tip[:, 1] - BARB * shaft + side * BARB * across for side in (1.0, -1.0)]
+    return np.stack([tip[:, 0], tip[:, 1], barbs[0], tip[:, 1], barbs[1]], axis=1)
 
 
 def _height_image(axes: Axes, view: View, painted: Pixels) -> AxesImage:

@@ -72,6 +72,8 @@ MOST_PAIRS = 12
 BINS = 120
 MOST_FOR_NO_FIT = 3
 """Sizes of rafts up to which no fractal dimension is fitted."""
+CONTACT = 1e-4
+"""How far below the distance of contact a bin begins, over that distance."""
 SHELLS = 12.0
 """How far the pair distribution is drawn, in mean radii."""
 
@@ -101,21 +103,24 @@ def order(frames: Frames, scene: Any) -> Figure:
 
 
 def distribution(frames: Frames, scene: Any) -> Figure:
-    """The pair distribution of the last frame beside that of the first."""
-    kept = (frames[0], frames[-1])
-    region = region_of(kept[-1], scene)
-    radius = float(kept[-1].arrays["radius"].mean())
-    # Half a bin off, so that what touches is in the middle of one.
-    bins = (np.arange(BINS) + 0.5) * SHELLS / BINS * radius
-    edges = np.array([0.0, *bins[bins < region.widest]])
+    """The pair distribution: the mean over all frames, beside that of the first. A bin begins at contact."""
+    shown = thinned(frames)
+    region = region_of(shown[-1], scene)
+    radius = float(shown[-1].arrays["radius"].mean())
+    # Floats at rest in contact overlap by up to 1e-4 of a radius.
+    contact = 2.0 * radius * (1.0 - CONTACT)
+    width = SHELLS * radius / BINS
+    below = np.arange(contact, 0.0, -width)[::-1]
+    edges = np.concatenate([[0.0], below[below > 0.0], np.arange(contact + width, SHELLS * radius, width)])
+    edges = edges[edges < region.widest]
     with style():
         drawn = figure()
         axes = drawn.add_subplot(
             xlabel="distance of the centers, in mean radii", title=titled("Pair distribution", scene)
         )
-        for frame, color, label in zip(kept, (MUTED, PALETTE[1]), ("first", "last"), strict=True):
-            found = pair_distribution([frame], edges, region)
-            axes.stairs(found, edges / radius, color=color, label=f"{label}, {frame.time:.3g} s")
+        rows = [(shown[:1], MUTED, f"first, {shown[0].time:.3g} s"), (shown, PALETTE[1], f"all {len(shown)} frames")]
+        for some, color, label in rows:
+            axes.stairs(pair_distribution(some, edges, region), edges / radius, color=color, label=label)
         axes.axhline(1.0, color=INK, linewidth=0.6)
         axes.set(xlim=(0.0, edges[-1] / radius), ylabel="pair distribution g(r)")
         axes.set_ylim(bottom=0.0)

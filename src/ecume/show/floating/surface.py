@@ -15,6 +15,8 @@ from matplotlib.collections import PolyCollection
 from numpy.typing import NDArray
 
 from ecume.analysis.boxes import box_of, copies
+from ecume.laws.pair_laws import PAIR_LAWS
+from ecume.laws.radiated_waves import ripples, surface_per_force
 from ecume.laws.special import bessel_k0
 from ecume.models.floating.dishes import field_of
 from ecume.models.liquids import liquid_of
@@ -91,8 +93,12 @@ def polygons(axes: Axes, frame: Frame, shapes: Shapes, kinds: Sequence[Species])
     return found
 
 
-CUTOFF = 5.0
-"""In capillary lengths; there a float's meniscus is below one percent of what it is one capillary length away."""
+CUTOFF = 7.0
+"""In capillary lengths; there a float's meniscus is below a thousandth of what it is one capillary length away."""
+FADES = 0.7
+"""Where menisci begin to fade out, over their reach."""
+SAMPLES, MOST_SAMPLES = 32, 20_000
+"""Of the waves in a wavelength, and in all."""
 NODES = 8000
 INSIDE = 0.1
 """How near to a charge inside a contact line its meniscus is drawn, over the float's radius."""
@@ -100,6 +106,21 @@ SOLVED_CELLS = 100
 """At most along a side where each cell sums all multipoles: some 20 ms a frame of 13 discs."""
 
 Heights = NDArray[np.float32]
+
+
+class WavePattern(NamedTuple):
+    """The waves that oscillating floats radiate, at the instant of a stroboscope."""
+
+    owner: Array
+    """(M,) the float of each source"""
+    place: Array
+    """(M, 2) m, in the frame of the float"""
+    press: Array
+    """(M,) N: the complex force on the liquid"""
+    distance: Array
+    """(K,) m"""
+    height: Array
+    """(K,) m/N: the complex height at these distances from a unit force"""
 
 
 class Sheet(NamedTuple):
@@ -116,6 +137,7 @@ class Sheet(NamedTuple):
     """the floating model's parameters, where floats go by multipoles"""
     shapes: Shapes | None = None
     """charges inside their contact lines, where floats have shapes"""
+    waves: WavePattern | None = None
 
 
 def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
@@ -128,8 +150,51 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     y = np.arange(view.bottom + cell / 2, view.top, cell)
     reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
     table = _menisci(closest, reach, liquid.capillary_length)
+    if not has_menisci(scene):
+        table = np.zeros_like(table)
     still = np.asarray(field_of(scene.dish, liquid, x, y), np.float32)
-    return Sheet(x, y, still, closest, reach, table, multipoles, shapes)
+    return Sheet(x, y, still, closest, reach, table, multipoles, shapes, wave_pattern(scene, view))
+
+
+def has_menisci(scene: Any) -> bool:
+    """Whether the floats of a scene feel menisci: the pair law is one of them, or a method computes them."""
+    row = PAIR_LAWS.get(scene.interaction.law)
+    return scene.interaction.method == "multipole" or row is None or row.menisci or row.has_force
+
+
+def wave_pattern(scene: Any, view: View) -> WavePattern | None:
+    """The waves of a scene, if its floats oscillate."""
+    if scene.waves is None:
+        return None
+    from ecume.models import MODELS
+    from ecume.models.floating.forces.waves import Waves
+    from ecume.models.floating.parameters import part_of
+
+    with warnings.catch_warnings():
+        # The run has already reported its time step.
+        warnings.simplefilter("ignore")
+        part = part_of(MODELS["floating"].parameters(scene), Waves)
+    liquid = liquid_of(scene)
+    found = ripples(scene.waves.frequency, liquid.density, liquid.surface_tension, liquid.viscosity, scene.gravity)
+    far = np.hypot(view.width, view.height)
+    distance = np.linspace(0.0, far, int(min(SAMPLES * far / found.wavelength, MOST_SAMPLES)) + 2)
+    # At its source a point would press infinitely deep: nearer than this its wave is not that of a float.
+    distance[0] = 0.5 * distance[1]
+    height = -surface_per_force(distance, found)
+    return WavePattern(part.owner, part.place, part.press[:, 0] + 1j * part.press[:, 1], distance, height)
+
+
+def wave_heights(frame: Frame, on: Sheet) -> Array:
+    """The height of the waves (m) at the phase zero of all sources, shape (y, x)."""
+    waves = on.waves
+    if waves is None:
+        return np.zeros((1, 1))
+    spots = turned(waves.place, frame.arrays["angle"][waves.owner]) + frame.arrays["position"][waves.owner]
+    total = np.zeros((len(on.y), len(on.x)))
+    for (x, y), press in zip(spots, waves.press, strict=True):
+        distance = np.hypot(on.x - x, (on.y - y)[:, None])
+        total += np.interp(distance, waves.distance, (press * waves.height).real)
+    return total
 
 
 def multipoles_in(scene: Any) -> Any:
@@ -148,7 +213,10 @@ def _menisci(closest: float, reach: float, length: float) -> Heights:
     """The far field of a charge of one, which is what holds rafts together; looked up, 60 of them a frame are cheap."""
     # The law is evaluated where K0 is well met by straight lines, which is many times fewer points.
     exact = np.geomspace(closest, reach, NODES // 16)
-    heights = [-bessel_k0(distance / length) for distance in exact]
+    heights = np.array([-bessel_k0(distance / length) for distance in exact])
+    # Faded out, so that no meniscus ends in a visible circle.
+    share = np.clip((exact / reach - FADES) / (1.0 - FADES), 0.0, 1.0)
+    heights *= 1.0 - share**2 * (3.0 - 2.0 * share)
     return np.array([*np.interp(np.linspace(closest, reach, NODES), exact, heights), 0.0], np.float32)
 
 
@@ -164,6 +232,8 @@ def surface(frame: Frame, on: Sheet) -> Heights:
     if on.multipoles is not None:
         return _solved_surface(frame, on)
     height = on.still.copy()
+    if on.waves is not None:
+        height += wave_heights(frame, on).astype(np.float32)
     arrays = with_images(frame, on.reach).arrays
     menisci = zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True)
     if on.shapes is not None:

@@ -1,0 +1,67 @@
+"""Brownian floats at contact and at walls: distances as in equilibrium, where each allowed place is equally likely."""
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.scenes.load import load_scene
+from tests.oracles.hard_discs import gap_counts, monte_carlo
+
+RADIUS, SIDE = 1e-6, 6.0
+DISCS = """\
+model = "floating"
+duration = {duration}
+frame_every = {every}
+seed = 4
+[liquid]
+density = 1000.0
+viscosity = 1e-3
+surface_tension = 0.0728
+[[particles]]
+radius = 1e-6
+density = 1000.0
+contact_angle = 1.5707963267948966
+positions = {places}
+{around}
+[interaction]
+law = "none"
+[contacts]
+restitution = 0.0
+[integration]
+integrator = "overdamped"
+[hydrodynamics]
+brownian = true
+"""
+
+
+def gaps_of_two(around, duration, every=0.03):
+    """The gaps between two discs in a periodic square, in radii."""
+    places = [[-1.5e-6, 0.0], [1.5e-6, 0.0]]
+    text = DISCS.format(around=around, duration=duration, every=every, places=places)
+    place = np.array([frame.arrays["position"] for frame in ecume.simulate(load_scene(text))]) / RADIUS
+    apart = place[:, 0] - place[:, 1]
+    apart -= SIDE * np.round(apart / SIDE)
+    return np.hypot(*apart.T) - 2.0
+
+
+def test_monte_carlo_finds_two_discs_where_there_is_room():
+    edges = np.array([0.0, 0.2, 0.9])
+    found = gap_counts(monte_carlo(2, SIDE, 20_000, 1), SIDE, edges)
+    assert found == pytest.approx(shares_in_a_cell(edges), rel=0.05)
+
+
+def shares_in_a_cell(edges):
+    """The exact shares of gaps of two discs of radius 1 in a periodic square, up to half its side."""
+    return np.pi * np.diff((2.0 + edges) ** 2) / (SIDE**2 - 4.0 * np.pi)
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+def test_gaps_of_two_discs_are_those_of_equilibrium_from_contact_on():
+    edges = np.array([0.0, 0.02, 0.1, 0.9])
+    gap = gaps_of_two(f"[cell]\nsize = [{SIDE * RADIUS}, {SIDE * RADIUS}]", 900.0)
+    assert gap.min() > -1e-4
+    counts = np.histogram(gap, edges)[0] / len(gap)
+    # Places are forgotten within two seconds: some 450 independent ones.
+    assert counts == pytest.approx(shares_in_a_cell(edges), rel=0.15)
+    assert np.mean(gap < 1e-3) < 3.0 * np.pi * 4e-3 / (SIDE**2 - 4.0 * np.pi)
