@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ecume.analysis.boxes import box_of, copies
 from ecume.laws.pair_laws import PAIR_LAWS
-from ecume.laws.radiated_waves import ripples, surface_per_force
+from ecume.laws.radiated_waves import Complexes, ripples, surface_per_force
 from ecume.laws.special import bessel_k0
 from ecume.models.floating.dishes import field_of
 from ecume.models.liquids import liquid_of
@@ -115,11 +115,11 @@ class WavePattern(NamedTuple):
     """(M,) the float of each source"""
     place: Array
     """(M, 2) m, in the frame of the float"""
-    press: Array
+    press: Complexes
     """(M,) N: the complex force on the liquid"""
     distance: Array
     """(K,) m"""
-    height: Array
+    height: Complexes
     """(K,) m/N: the complex height at these distances from a unit force"""
 
 
