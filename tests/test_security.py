@@ -214,3 +214,34 @@ def test_every_pinned_package_has_its_digest():
         pins = [line for line in text.splitlines() if line and not line.startswith(("#", " "))]
         assert len(pins) > 20
         assert all("==" in line and "--hash=sha256:" in line for line in pins)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
+def test_compiled_code_in_a_file_that_others_may_write_to_is_not_read(tmp_path):
+    """Whatever the umask, folders and files are their owner's; a file that was opened to others is compiled again."""
+    script, place = tmp_path / "script.py", tmp_path / "cache"
+    script.write_text("import os; os.umask(0o002)\n" + PLANTED)
+    environment = {**os.environ, "ECUME_CACHE_DIR": str(place), "PYTHONPATH": str(PACKAGE.parent), "PYTHONWARNINGS": ""}
+    (place / "compiled").mkdir(parents=True)
+    place.chmod(0o755)
+    (place / "compiled").chmod(0o755)
+
+    def output():
+        return subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=True)
+
+    assert (output().stdout, output().stdout) == ("42 0\n", "42 1\n")
+    below = list((place / "compiled").rglob("*"))
+    assert {path for path in below if open_to_others(path)} <= {place / "compiled" / "pruned"}
+    for ending in ("nbi", "nbc"):
+        for path in (place / "compiled").rglob(f"*.{ending}"):
+            path.chmod(0o664)
+        assert output().stdout == "42 0\n"
+        assert output().stdout == "42 1\n"
+
+
+def test_all_that_verbs_print_is_cleaned():
+    """Nothing but `output` reaches the terminal by another way."""
+    for path in (PACKAGE / "cli").glob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        ways = re.findall(r"typer\.(?:echo|secho)\(|(?<![\w.])print\(|sys\.std(?:out|err)\.write\(", text)
+        assert ways == (["typer.echo("] if path.name == "output.py" else []), path

@@ -62,6 +62,32 @@ FEW = 4000
 """Loops over fewer particles than this end sooner than a second thread wakes up."""
 
 
+_FORKED: list[int] = []
+"""This process, if it was forked from one whose threads had started."""
+
+
+def _note_fork() -> None:
+    from numba.np.ufunc import parallel
+
+    if getattr(parallel, "_is_initialized", False):
+        _FORKED.append(os.getpid())
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_note_fork)
+
+
+def _require_threads() -> None:
+    """Raise RuntimeError in a process that was forked after threads had started: there they do not exist, and the library
+    that waits for them ends the process, or waits for ever.
+    """
+    if _FORKED:
+        raise RuntimeError(
+            "this process was forked from one that had started threads; start workers with "
+            'multiprocessing.get_context("spawn"), or fork them before the first simulation'
+        )
+
+
 class Spread:
     """A loop that Python calls, compiled twice: for threads, and for systems too small for them.
 
@@ -78,7 +104,10 @@ class Spread:
 
     def __call__(self, array: Any, *arguments: Any) -> Any:
         """Run the one or the other."""
-        return (self.alone if array.shape[-1] < FEW else self.together)(array, *arguments)
+        if array.shape[-1] < FEW:
+            return self.alone(array, *arguments)
+        _require_threads()
+        return self.together(array, *arguments)
 
 
 def spread(function: Function) -> Function:
@@ -112,6 +141,7 @@ class Shared(Dispatcher):
         """Run the one or the other."""
         if self.size(*arguments) < FEW:
             return super().__call__(*arguments)
+        _require_threads()
         return self.together(*arguments)
 
 

@@ -335,3 +335,14 @@ def test_a_record_under_another_name_is_refused(made: RunDirectory) -> None:
     shutil.copy(made.status, made.done)
     with pytest.raises(StorageError, match="belongs to another run or file"):
         read(made, made.done, DONE)
+
+
+def test_loops_over_threads_are_refused_after_a_fork(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where they would wait for ever; loops over few particles need no threads."""
+    from ecume import _jit
+
+    loop: Any = _jit.spread(lambda array: array.sum())
+    monkeypatch.setattr(_jit, "_FORKED", [1])
+    assert loop(np.ones(2)) == 2.0
+    with pytest.raises(RuntimeError, match="spawn"):
+        loop(np.ones(_jit.FEW))

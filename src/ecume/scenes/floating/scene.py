@@ -111,11 +111,17 @@ class ShapeSpec:
         return self
 
 
+THINNEST = 1e-4
+"""The width of a particle over its radius, at least."""
+
+
 def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
     """The faults of a shape inside a circle of that radius."""
     if shape.width is not None and shape.width > 2.0 * radius:
         came = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
         return [(("shape", "width"), came)]
+    if shape.width is not None and shape.width < THINNEST * radius:
+        return [(("shape", "width"), f"got {shape.width:g} m; expected at least {THINNEST:g} of the radius")]
     return []
 
 

@@ -229,11 +229,13 @@ def _vertices(content: bytes, unit: object) -> list[list[float]]:
         paths = [_library("ezdxf.path").make_path(entity) for entity in drawing.modelspace().query(DRAWN)]
         lines = [[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if each.is_closed]
         meters = _library("ezdxf.units").conversion_factor(drawing.units, METERS) if drawing.units else 1.0
-    except (OSError, ezdxf.DXFError, TypeError, ValueError) as fault:
-        raise ValueError(f"cannot be read as DXF: {fault}") from None
+    except Exception as fault:  # whatever the library says, the file is no drawing
+        raise ValueError(f"cannot be read as DXF: {type(fault).__name__}: {fault}") from None
     if len(lines) != 1:
         raise ValueError(f"has {len(lines)} closed outlines; expected one per file")
     scale = meters if unit is None else _meters(unit)
+    if len(lines[0]) < CORNERS:
+        raise ValueError(f"has an outline of {len(lines[0])} points; expected at least {CORNERS}")
     corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
     return [[scale * x, scale * y] for x, y in corners]
 
@@ -246,6 +248,8 @@ def _drawing(ezdxf: Any, content: bytes) -> Any:
         return ezdxf.readfile(str(copy))
 
 
+CORNERS = 3
+"""Of an outline, at least."""
 DRAWN = "LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"
 METERS = 6
 """Of DXF's numbers for units."""
