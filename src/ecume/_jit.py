@@ -78,8 +78,8 @@ if hasattr(os, "register_at_fork"):
 
 
 def _require_threads() -> None:
-    """Raise RuntimeError in a process that was forked after threads had started: there they do not exist, and the library
-    that waits for them ends the process, or waits for ever.
+    """Raise RuntimeError in a process that was forked after threads had started: there they do not exist, and the
+    library that waits for them ends the process, or waits for ever.
     """
     if _FORKED:
         raise RuntimeError(
