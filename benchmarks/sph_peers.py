@@ -3,9 +3,10 @@
     sh benchmarks/peers/install.sh FOLDER
     python benchmarks/sph_peers.py FOLDER [--edge 46] [--steps 60] [--rounds 3]
 
-All integrate the same equations: Tait's equation of state, continuity, pressure and artificial viscosity; no
-walls, no gravity, no diffusion of density. Kernels differ (LAMMPS has only Lucy's), the radius of the support does not,
-except in SPlisHSPlasH, which ties it to the spacing.
+All integrate the same equations: Tait's equation of state, continuity, Monaghan's pressure force and artificial
+viscosity; no walls, no gravity, no diffusion of density, no acoustic damping. Rates of ecume and LAMMPS are compared
+first, with one kernel (`peers/compare_rates.py`). In the cube kernels differ (LAMMPS has only Lucy's), the radius of
+the support does not, except in SPlisHSPlasH, which ties it to the spacing.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ from typing import Any, NamedTuple
 import llvmlite.binding
 from scipy.spatial import cKDTree
 from timed_runs import machine
+
+from ecume.errors import BadInput
+from ecume.lammps.process import program
 
 HERE = Path(__file__).parent / "peers"
 sys.path.insert(0, str(HERE))
@@ -119,6 +123,20 @@ def peak_of_a_core() -> dict[str, float]:
     return {name: max(found[name] for found in tries if found) for name in tries[0]}
 
 
+def require_same_equations() -> None:
+    """Compare the rates of one state in ecume and in LAMMPS. Raises SystemExit where they differ."""
+    try:
+        environment = program().environment
+    except BadInput as error:
+        print(f"equations not compared: {error}")
+        return
+    command = [sys.executable, "compare_rates.py"]
+    run = subprocess.run(command, cwd=HERE, env=dict(environment), capture_output=True, text=True, check=False)
+    print(f"largest differences of rates from LAMMPS, with one kernel: {run.stdout.removeprefix('RESULT ').strip()}")
+    if run.returncode:
+        raise SystemExit(f"ecume and LAMMPS integrate different equations, or could not be compared\n{run.stderr}")
+
+
 def installed(folder: Path) -> list[Peer]:
     """Those that are there; says which are not."""
     there = [peer for peer in PEERS if peer.python(folder).exists()]
@@ -168,6 +186,7 @@ def main() -> int:
     water = cube(asked.edge)
     around = neighbors(water)
     print(f"{machine()}\n{water.count:,} particles, support {REACH} spacings, {around:.1f} neighbors")
+    require_same_equations()
     peak = peak_of_a_core()
     print(", ".join(f"{name}: {value / 1e9:.0f} GFLOP/s a core" for name, value in peak.items()) + " at most")
     show(measure(installed(asked.folder), asked), around, PEERS[0].name, peak)

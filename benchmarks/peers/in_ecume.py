@@ -14,6 +14,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from timed_runs import TimedRun
 
 from ecume._jit import use_threads
+from ecume.laws.kernels import KERNELS
 from ecume.scenes.load import load_scene
 
 WARM_UP = 5
@@ -41,10 +42,13 @@ top.kind = "{sides}"
 front.kind = "{sides}"
 back.kind = "{sides}"
 [method]
+kernel = "{kernel}"
 smoothing_ratio = {smoothing}
 density_diffusion = "none"
 shifting = "none"
 artificial_viscosity = {alpha}
+acoustic_damping = 0.0
+pressure_force = "monaghan"
 initial_pressure = "zero"
 precision = "{precision}"
 
@@ -54,14 +58,16 @@ time_step = {time_step}
 """
 
 
-def run_of(edge: int, precision: str, *, sides: str = "open") -> TimedRun:
+def run_of(
+    edge: int, precision: str, *, sides: str = "open", kernel: str = "wendland-c2", alpha: float = cube.ALPHA
+) -> TimedRun:
     """The cube, at its start: free in space, or one of endlessly many where its sides are periodic."""
     side, water = edge * cube.SPACING, cube.cube(edge)
     low, high = (0.0, side) if sides == "periodic" else (-side, 2.0 * side)
     text = SCENE.format(
         spacing=cube.SPACING, density=cube.DENSITY, sound=cube.SOUND, exponent=cube.STIFFENING, side=side, low=low,
-        high=high, smoothing=0.5 * cube.REACH, alpha=cube.ALPHA, time_step=cube.TIME_STEP, precision=precision,
-        sides=sides,
+        high=high, smoothing=cube.REACH / KERNELS[kernel].support, alpha=alpha, time_step=cube.TIME_STEP,
+        precision=precision, sides=sides, kernel=kernel,
     )  # fmt: skip
     run = TimedRun(load_scene(text))
     for name, start in (("position", water.position), ("reference", water.position), ("velocity", water.velocity)):
@@ -73,7 +79,7 @@ def run_of(edge: int, precision: str, *, sides: str = "open") -> TimedRun:
 def bytes_of(run: TimedRun) -> int:
     """State, tables and lists; a run has little beside them."""
     scratch = run.workspace
-    arrays = [*run.state, *scratch.lists, *scratch.images, scratch.fields, scratch.rates]
+    arrays = [*run.state, *scratch.lists, *scratch.images, scratch.fields.table, scratch.rates.table]
     return sum(array.nbytes for array in arrays)
 
 

