@@ -4,9 +4,11 @@ import math
 
 import pytest
 
+from ecume.citing import bibliography, cited
 from ecume.errors import BadInput
 from ecume.laws import liquids
 from ecume.laws.liquids import LIQUIDS, liquid
+from ecume.show.style import LIQUID_COLORS
 
 IAPWS = {
     # degrees Celsius: density (IAPWS-95), viscosity (IAPWS 2008), speed of sound (IAPWS-95), at 101325 Pa
@@ -85,6 +87,31 @@ def test_other_liquids_are_those_of_the_handbooks(name, expected):
     assert found.viscosity == pytest.approx(viscosity, rel=0.05)
     assert found.surface_tension == pytest.approx(tension, rel=0.015)
     assert found.sound_speed == pytest.approx(sound_speed, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "density", "viscosity", "tension"),
+    [
+        ("milk", 1030.0, 2e-3, 0.047), ("soapy water", 998.0, 1e-3, 0.039), ("olive oil", 911.0, 0.083, 0.032),
+        ("sunflower oil", 919.0, 0.063, 0.033), ("honey", 1420.0, 12.0, 0.055), ("coffee", 1000.0, 1.05e-3, 0.05),
+        ("syrup", 1286.5, 0.0585, 0.0765),
+    ],
+)  # fmt: skip
+def test_liquids_of_the_kitchen_have_typical_values_and_sources(name, density, viscosity, tension):
+    found = liquid(name, 293.15)
+    assert found.density == pytest.approx(density, rel=0.01)
+    assert found.viscosity == pytest.approx(viscosity, rel=0.1)
+    assert found.surface_tension == pytest.approx(tension, rel=0.05)
+    assert all(cited(part.__doc__) for part in LIQUIDS[name] if callable(part))
+    assert {key for part in LIQUIDS[name] if callable(part) for key in cited(part.__doc__)} <= bibliography().keys()
+
+
+def test_honey_is_as_viscous_as_its_table_says():
+    assert liquid("honey", 298.15).viscosity == pytest.approx(6.9, rel=0.03)
+
+
+def test_each_liquid_has_a_color():
+    assert LIQUIDS.keys() <= LIQUID_COLORS.keys()
 
 
 @pytest.mark.parametrize("name", LIQUIDS)

@@ -39,7 +39,7 @@ PURE_NUMBERS = {
     "to",
 }
 MULTIPLES = re.compile(r".*, in (mean radii|capillary lengths)$")
-OVER_TIME = ("energies", "kinetic-energy", "clusters", "order", "approach", "raft-sizes", "transitions")
+OVER_TIME = ("energies", "kinetic-energy", "clusters", "order", "approach", "distance", "raft-sizes", "transitions")
 NOTHING_TO_DRAW = {
     "displacement": "three frames",
     "shapes": "no floats are in contact",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
 import re
 import sys
 import tempfile
@@ -65,6 +67,12 @@ Out = Annotated[
     ),
 ]
 Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Frames per second.")]
+Speed = Annotated[
+    float | None,
+    typer.Option(
+        "--speed", min=1e-9, metavar="X", help="Speed over real time; sets --fps and --every.", show_default=False
+    ),
+]
 Every = Annotated[int, typer.Option("--every", metavar="N", help="Use every N-th frame of the run.")]
 PictureSize = Annotated[
     Any,
@@ -220,6 +228,7 @@ def movie(
     out: Out = None,
     fps: Fps = 30,
     every: Every = 1,
+    speed: Speed = None,
     size: PictureSize = None,
     start: Begin = None,
     end: End = None,
@@ -238,7 +247,8 @@ def movie(
 
     Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
     · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/bowl --follow 3 --zoom 4`
-    · `ecume movie runs/dam --color speed --azimuth 60` · `ecume movie runs/bowl -o shots.png --every 10`
+    · `ecume movie runs/bowl --speed 0.2` · `ecume movie runs/dam --color speed --azimuth 60`
+    · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
     from ecume.show.movies import MovieOptions
@@ -246,13 +256,22 @@ def movie(
     from ecume.show.picture import Aim
 
     existing(directory)
+    if speed is not None:
+        fps, every = pace(speed, frame_interval(directory))
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
     asked["aim"] = Aim(zoom, follow)
     given = {name: value for name, value in asked.items() if value is not None}
     options = MovieOptions(fps=fps, every=every, particles=particles, **given)
     with counted("pictures", quiet=quiet) as reporter:
         made = make(directory, out, options, progress=reporter, workers=workers)
-    wrote(made, quiet=quiet)
+    if made.suffix == ".png" and not quiet:
+        pictures = sorted(made.parent.glob(f"{made.stem[:-4]}[0-9][0-9][0-9][0-9].png"))
+        typer.echo(f"wrote {len(pictures)} pictures, {made} to {pictures[-1].name}")
+    else:
+        wrote(made, quiet=quiet)
+    if not quiet:
+        with contextlib.suppress(BadInput):
+            say(f"{fps * every * frame_interval(directory):.3g} × real time; --speed sets it")
     if made.suffix != (out or Path("movie.mp4")).suffix and not quiet:
         say(f"no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or {install('movie')}")
 
@@ -276,6 +295,32 @@ DataFile = Annotated[
     Path | None,
     typer.Option("--data", metavar="FILE.csv", help="Also write the points of the curves.", show_default=False),
 ]
+
+
+MOST_RATE = 60.0
+"""Pictures a second that a movie with a given speed has at most."""
+
+
+def frame_interval(directory: Path) -> float:
+    """The time between two frames of a run (s); zero for a single frame."""
+    from ecume.trajectories.reader import open_trajectory
+
+    with open_trajectory(directory) as trajectory:
+        times = trajectory.times
+    return float(times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else 0.0
+
+
+def pace(speed: float, interval: float) -> tuple[int, int]:
+    """The pictures a second and the frames from picture to picture of a movie with a speed over real time.
+
+    >>> pace(0.5, 0.02), pace(1.0, 0.001), pace(0.01, 0.002)
+    ((25, 1), (59, 17), (5, 1))
+    """
+    if interval <= 0.0:
+        return 30, 1
+    rate = speed / interval
+    every = max(1, math.ceil(rate / MOST_RATE))
+    return max(1, round(rate / every)), every
 
 
 def plot(
@@ -345,7 +390,7 @@ def _folder(out: Path | None, directory: Path) -> Path:
 
 
 class Asked(NamedTuple):
-    """The figures that a command asks for."""
+    """The figures of a command."""
 
     sources: list[Path]
     """runs, and tables of experiments"""

@@ -226,6 +226,38 @@ def mercury_sound_speed(temperature: Temperature) -> Speed:
     return 1450.0 - 0.46 * (temperature - ICE_POINT - 25.0)
 
 
+ROOM_CELSIUS = 293.15
+"""Where the properties of kitchen liquids are tabulated (K)."""
+
+
+def line(source: str, at_room: float, slope: float) -> Callable[[float], float]:
+    """A property that changes linearly around 20 degrees Celsius, with its source.
+
+    >>> round(line("walstra2006", 1029.0, -0.3)(303.15), 1)
+    1026.0
+    """
+
+    def value(temperature: Temperature) -> float:
+        return at_room + slope * (temperature - ROOM_CELSIUS)
+
+    value.__doc__ = f"A typical value at 20 degrees Celsius, linear around it. [{source}]."
+    return value
+
+
+def andrade(source: str, at_room: float, activation: float) -> Callable[[float], float]:
+    """A viscosity as exp(A/T) around 20 degrees Celsius, with its source.
+
+    >>> round(andrade("white1975", 12.6, 10400.0)(298.15), 1)
+    7.0
+    """
+
+    def value(temperature: Temperature) -> float:
+        return at_room * math.exp(activation * (1.0 / temperature - 1.0 / ROOM_CELSIUS))
+
+    value.__doc__ = f"A typical viscosity at 20 degrees Celsius, exp(A/T) around it. [{source}]."
+    return value
+
+
 STANDARD_SALINITY = 0.035
 SALINITIES = 0.025, 0.040
 """Where all correlations for seawater hold."""
@@ -332,6 +364,42 @@ LIQUIDS: dict[str, Correlations] = {
     "mercury": Correlations(
         293.15, 323.15,
         mercury_density, mercury_viscosity, mercury_surface_tension, mercury_sound_speed,
+    ),
+    # Of kitchens: typical values; a given bottle differs by 5 % in density and tension, and by more in viscosity.
+    "milk": Correlations(
+        278.15, 313.15,
+        line("walstra2006", 1029.0, -0.3), andrade("walstra2006", 2.1e-3, 2060.0),
+        line("walstra2006", 0.047, -1.5e-4), line("walstra2006", 1510.0, 2.3),
+    ),
+    "soapy water": Correlations(
+        283.15, 313.15,  # with sodium dodecyl sulfate above the concentration at which micelles form
+        line("elworthy1966", 999.0, -0.25), andrade("elworthy1966", 1.05e-3, 2000.0),
+        line("elworthy1966", 0.039, -1e-4), line("bilaniuk1993", 1483.0, 2.9),
+    ),
+    "olive oil": Correlations(
+        283.15, 313.15,
+        line("coupland1997", 913.0, -0.66), andrade("coupland1997", 0.082, 3600.0),
+        line("sahasrabudhe2017", 0.0322, -7e-5), line("coupland1997", 1465.0, -3.2),
+    ),
+    "sunflower oil": Correlations(
+        283.15, 313.15,
+        line("coupland1997", 919.0, -0.66), andrade("coupland1997", 0.063, 3300.0),
+        line("sahasrabudhe2017", 0.0330, -7e-5), line("coupland1997", 1470.0, -3.2),
+    ),
+    "honey": Correlations(
+        283.15, 313.15,  # with 17 % of water; with 20 % its viscosity is a third
+        line("white1975", 1420.0, -0.6), andrade("white1975", 12.6, 10400.0),
+        line("white1975", 0.056, -1e-4), line("white1975", 2000.0, -2.0),
+    ),
+    "coffee": Correlations(
+        283.15, 313.15,
+        line("ferrari2007", 1002.0, -0.25), andrade("ferrari2007", 1.07e-3, 2000.0),
+        line("ferrari2007", 0.050, -1.5e-4), line("bilaniuk1993", 1485.0, 2.9),
+    ),
+    "syrup": Correlations(
+        283.15, 313.15,  # sucrose and water, 60 to 40 by mass
+        line("crc2016", 1286.0, -0.5), andrade("crc2016", 0.0585, 4650.0),
+        line("crc2016", 0.0765, -1.2e-4), line("crc2016", 1790.0, -0.5),
     ),
 }  # fmt: skip
 """By name, with the range of temperatures where all four properties are known."""

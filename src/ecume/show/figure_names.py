@@ -17,6 +17,7 @@ FIGURE_NAMES = {
         "pair-distribution",
         "displacement",
         "approach",
+        "distance",
         "shapes",
         "raft-sizes",
         "topologies",

@@ -71,7 +71,7 @@ def points_of(line: Line2D) -> Array:
 
 
 def curves_of(axes: Axes) -> list[Curve]:
-    """The curves in the coordinates of the axes; rules across the whole of them are none."""
+    """The curves in the coordinates of the axes; lines across the whole of them do not count."""
     named = {each[0]: str(each.get_label()) for each in axes.containers if isinstance(each, ErrorbarContainer)}
     lines = [line for line in axes.lines if line.get_transform() == axes.transData and len(points_of(line))]
     names = [named.get(line, str(line.get_label())) for line in lines]

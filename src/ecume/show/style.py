@@ -63,6 +63,12 @@ LIQUID_COLORS = {
     "ethanol": "#b9d9ee",
     "glycerol": "#d8e6e4",
     "mercury": "#b3b8be",
+    "soapy water": "#a5cbe3",
+    "olive oil": "#b8a83a",
+    "sunflower oil": "#edcf52",
+    "honey": "#d98e1f",
+    "coffee": "#4a2c1a",
+    "syrup": "#c98a4b",
 }
 """By the name of the substance."""
 DARK_CANVAS = "#12181f"

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+import ecume
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
-from ecume.show.floating.figures import MEASURES, region_of
+from ecume.show.floating.figures import FLOATING_FIGURES, MEASURES, region_of, two_body_gap
 from ecume.trajectories.frame import Frame
 
 SCENE = """
@@ -51,3 +52,35 @@ def test_what_there_is_nothing_of_is_said(name):
 def test_centers_reach_a_radius_less_far_than_the_dish():
     scene = load_scene(SCENE)
     assert region_of(frames_of(0.0)[0], scene).radius == pytest.approx(0.019)
+
+
+TWO = """
+model = "floating"
+duration = "1 s"
+frame_every = "10 ms"
+[[particles]]
+radius = "1 mm"
+density = 1250.0
+contact_angle = "90 deg"
+positions = [["-4 mm", "0 mm"], ["4 mm", "0 mm"]]
+"""
+
+
+def test_two_floats_follow_the_equation_of_motion_that_is_drawn_beside_them():
+    scene = ecume.load_scene(TWO)
+    frames = list(ecume.simulate(scene))
+    made = FLOATING_FIGURES["distance"](frames, scene)
+    run, contact, solution = (line for line in made.axes[0].lines[:3])
+    assert made.axes[0].get_yscale() == "linear"
+    assert run.get_ydata()[0] == pytest.approx(6.0)
+    meeting = float(solution.get_xdata()[-1])
+    assert 0.5 < meeting < 1.0
+    assert float(contact.get_xdata()[0]) == pytest.approx(meeting, abs=0.02)
+    before = run.get_xdata() < meeting - 0.05
+    expected = np.interp(run.get_xdata()[before], solution.get_xdata(), solution.get_ydata())
+    assert run.get_ydata()[before] == pytest.approx(expected, abs=0.03)
+
+
+def test_floats_among_others_have_no_solution_of_two():
+    scene = ecume.load_scene(TWO, ["dish.radius=4 cm", "dish.contact_angle=90 deg"])
+    assert two_body_gap(list(ecume.simulate(scene))[:2], scene) is None

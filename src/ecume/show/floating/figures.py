@@ -17,6 +17,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from scipy.integrate import solve_ivp
 
 from ecume.analysis.boxes import box_of
 from ecume.analysis.clusters import (
@@ -46,7 +47,8 @@ from ecume.engine.walls.surfaces import shrunk
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
 from ecume.models.floating.dishes import walls_of
-from ecume.models.floating.forces.pair_forces import constants_of
+from ecume.models.floating.forces.pair_forces import constants_of, law_of, two_floats
+from ecume.models.floating.setup.scene_parameters import checked_parameters
 from ecume.models.liquids import liquid_of
 from ecume.show.curves import (
     Frames,
@@ -162,6 +164,70 @@ def approaches(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
+def distances(frames: Frames, scene: Any) -> Figure:
+    """The gap (mm) of the only two floats, or of pairs that touch in the end, over time; of two floats alone, beside
+    the solution of their equation of motion.
+    """
+    shown = evolution(frames)
+    radius, box = shown[-1].arrays["radius"], box_of(shown[-1])
+    period = None if box is None else box.sides.tolist()
+    pairs = touching_pairs(shown[-1].arrays["position"], radius, period=period)[:MOST_PAIRS].tolist()
+    if len(radius) == 2:
+        pairs = [[0, 1]]
+    if not pairs:
+        raise BadInput("no floats are in contact in the last frame; no approach to draw")
+    paths, now = tracks(shown), times(shown)
+    with style():
+        drawn = figure()
+        axes = over_time(
+            drawn, scene, "Gap of two floats" if len(pairs) == 1 else "Gaps of floats that touch in the end"
+        )
+        for (i, j), color in zip(pairs, itertools.cycle(PALETTE), strict=False):
+            gap = approach(paths, radius, (i, j), box)
+            axes.plot(now, 1e3 * gap, color=color, label=f"floats {i} and {j}")
+            met = np.flatnonzero(gap < MET * (radius[i] + radius[j]))
+            if len(met):
+                axes.plot(now[met[:1]], 1e3 * gap[met[:1]], "o", color=color, markersize=5, label="contact")
+        if (solution := two_body_gap(shown, scene)) is not None:
+            axes.plot(*(solution * [[1.0], [1e3]]), "--", color=INK, linewidth=1.0, label="equation of motion of two")
+        axes.set(ylabel="gap (mm)", ylim=(0.0, None))
+        legend_outside(axes)
+    return drawn
+
+
+MET = 0.03
+"""Of the sum of radii: a smaller gap is marked as contact; between two frames floats may meet and bounce."""
+
+
+def two_body_gap(frames: Frames, scene: Any) -> Array | None:
+    """(2, T) times (s) and gaps (m) of two floats that nothing else acts on, m x'' = F(r) - friction x', up to contact;
+    None for other scenes.
+    """
+    row, first = PAIR_LAWS[str(scene.interaction.law)], frames[0]
+    alone = scene.dish is None and scene.cell is None and scene.waves is None and not scene.user_laws
+    if len(first.arrays["radius"]) != 2 or not alone or not (row.has_force and row.reciprocal):
+        return None
+    parameters = checked_parameters(scene)
+    floats, law, touching = parameters.floats, law_of(parameters), float(parameters.floats.radius.sum())
+    own = two_floats(parameters, tuple(floats.radius.tolist()), tuple(floats.charge.tolist()))
+    friction = floats.mass / floats.relaxation_time
+    apart = first.arrays["position"][1] - first.arrays["position"][0]
+    start = float(np.hypot(*apart))
+    speeds = first.arrays["velocity"] @ (apart / start) if "velocity" in first.arrays else np.zeros(2)
+
+    def rates(_: float, at: Array) -> Array:
+        force = row.force(max(float(at[1] - at[0]), touching), own, law) * np.array([-1.0, 1.0])
+        return np.concatenate([at[2:], (force - friction * at[2:]) / floats.mass])
+
+    def meet(_: float, at: Array) -> float:
+        return float(at[1] - at[0]) - touching
+
+    meet.terminal = True  # type: ignore[attr-defined]  # an attribute that SciPy reads
+    begin = np.array([0.0, start, *speeds])
+    found = solve_ivp(rates, (frames[0].time, frames[-1].time), begin, "LSODA", events=meet, rtol=1e-8, atol=1e-12)
+    return np.stack([found.t, found.y[1] - found.y[0] - touching])
+
+
 def shapes(frames: Frames, scene: Any) -> Figure:
     """The rafts of the last frame: radius of gyration over number, beside that of a round, close-packed raft, and the
     fitted fractal dimension.
@@ -207,6 +273,7 @@ MEASURES = {
     "pair-distribution": distribution,
     "displacement": displacement,
     "approach": approaches,
+    "distance": distances,
     "shapes": shapes,
 }
 """By the names that `ecume plot --what` takes."""
