@@ -1,4 +1,5 @@
-import ast
+import hashlib
+import json
 import os
 import shutil
 import subprocess
@@ -38,115 +39,122 @@ def test_an_edited_law_is_compiled_again_and_an_edit_elsewhere_compiles_nothing(
         return subprocess.run(words, env={**os.environ, **places}, capture_output=True, text=True, check=True).stdout
 
     assert run().split() == ["6.0", "0"]
-    for elsewhere in ("laws/states.py", "models/floating/record.py", "show/movies.py"):
+    for elsewhere in ("laws/states.py", "laws/friction.py", "models/floating/record.py", "show/movies.py"):
         with (copy / elsewhere).open("a") as file:
-            file.write("\n# one line more\n")
+            file.write("\n\ndef beside(number):\n    return number\n")
     assert run().split() == ["6.0", "1"]
     law = copy / "laws" / "friction.py"
     law.write_text(law.read_text().replace("(1.0 + restitution)", "(2.0 + restitution)"))
     assert run().split() == ["10.0", "0"]
 
 
-def test_a_time_step_depends_on_its_laws_and_on_nothing_that_draws_or_reads():
-    step = PACKAGE / "models/floating/time_integration/integration.py"
-    names = {path.relative_to(PACKAGE).as_posix() for path in _cache.sources(step)}
-    assert {
-        "_jit.py",
-        "engine/contact/contacts.py",
-        "laws/capillarity.py",
-        "laws/special.py",
-    } <= names
-    assert {name.split("/")[0] for name in names}.isdisjoint({"show", "run", "cli", "scenes", "analysis"})
-    assert "laws/states.py" not in names
+KEY = "0123456789abcdef"
 
 
-def test_no_loop_of_tanks_depends_on_how_a_scene_is_read():
-    loops = [path for path in (PACKAGE / "models/sph").rglob("*.py") if "\n@s" in path.read_text(encoding="utf-8")]
-    assert {"sums.py", "walls.py", "passive_particles.py"} <= {path.name for path in loops}
-    for path in loops:
-        names = {source.relative_to(PACKAGE).as_posix() for source in _cache.sources(path)}
-        assert {name.split("/")[0] for name in names}.isdisjoint({"show", "run", "cli", "scenes", "analysis"}), path
-
-
-@pytest.mark.parametrize(
-    ("line", "reaches"),
-    [
-        ("from ecume.laws import friction", {"laws/friction.py"}),
-        ("def late():\n    import ecume.laws.friction as c", {"laws/friction.py"}),
-        ("from ecume.laws.flotation import Liquid", {"laws/flotation/__init__.py", "laws/flotation/balance.py"}),
-        ("if TYPE_CHECKING:\n    from ecume.laws import friction\n\nX = 1", set()),
-        ("import ecume.laws.friction", {"laws/friction.py", "show/movies.py"}),
-        ("from ecume import simulate", {"laws/friction.py", "show/movies.py"}),
-    ],
-)
-def test_every_form_of_import_counts(tmp_path, line, reaches):
-    (tmp_path / "mine.py").write_text(line + "\n")
-    sources = _cache.sources(tmp_path / "mine.py")
-    names = {path.relative_to(PACKAGE).as_posix() for path in sources if path.is_relative_to(PACKAGE)}
-    assert reaches <= names
-    assert ("show/movies.py" in names) == ("show/movies.py" in reaches)
-
-
-def imports(statements):
-    return [ast.dump(node) for node in statements if isinstance(node, ast.Import | ast.ImportFrom)]
-
-
-def for_types(node):
-    return isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not node.orelse
-
-
-@pytest.mark.long
-def test_no_import_of_the_package_is_overlooked():
-    for path in PACKAGE.rglob("*.py"):
-        text = path.read_text(encoding="utf-8")
-        tree = ast.parse(text)
-        tree.body = [node for node in tree.body if not for_types(node)]
-        assert set(imports(ast.walk(tree))) <= set(imports(_cache._statements(text))), path
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "if True: import math",
-        "x = 1; import math",
-        "from math import \\\n    pi",
-        '"""\nfrom a to b.\n"""\nimport math',
-    ],
-)
-def test_imports_that_hide_are_found(text):
-    assert imports(_cache._statements(text)) == imports(ast.walk(ast.parse(text))) != []
-
-
-def test_a_relative_import_counts_in_the_package():
-    assert _cache._above(PACKAGE / "laws" / "flotation" / "balance.py", 1) == ("ecume", "laws", "flotation")
-    assert _cache._above(PACKAGE / "laws" / "flotation" / "balance.py", 2) == ("ecume", "laws")
-
-
-def test_folders_unused_for_a_month_are_thrown_away_once_a_day_and_nothing_else(tmp_path):
-    def old(name):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "code.nbc").touch()
+def test_files_unused_for_a_month_are_thrown_away_once_a_day_and_nothing_else(tmp_path):
+    def old(name, folder=False):
+        if folder:
+            (tmp_path / name).mkdir()
+            (tmp_path / name / "code.nbc").touch()
+        else:
+            (tmp_path / name).touch()
         month_ago = time.time() - 31 * _cache.DAY
         os.utime(tmp_path / name, (month_ago, month_ago))
 
-    old("march-0123456789abcdef")
+    old(f"whole-step-{KEY}{KEY}.code")
+    old(f"whole-step-{KEY}{KEY}.code7gh2_x")  # of a process that was ended while it wrote
+    old(f"march-{KEY}", folder=True)  # of earlier versions
     old("holidays")
-    (tmp_path / "cells-0123456789abcdef").mkdir()
+    (tmp_path / f"part-cells-{KEY}{KEY}.code").touch()
     _cache._prune(tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {"holidays", "cells-0123456789abcdef", "pruned"}
-    old("march-fedcba9876543210")
+    assert {path.name for path in tmp_path.iterdir()} == {"holidays", f"part-cells-{KEY}{KEY}.code", "pruned"}
+    old(f"march-{KEY}")
     _cache._prune(tmp_path)
-    assert (tmp_path / "march-fedcba9876543210").exists()
+    assert (tmp_path / f"march-{KEY}").exists()
 
 
-def test_a_folder_in_use_stays_young(tmp_path, monkeypatch):
+def test_a_file_in_use_stays_young(tmp_path, monkeypatch):
     monkeypatch.setattr(_cache, "root", lambda: tmp_path)
-    used = _cache.folder(PACKAGE / "units.py", "a compiler")
-    used.mkdir()
-    os.utime(used, (0.0, 0.0))
-    assert _cache.folder(PACKAGE / "units.py", "a compiler") == used
-    assert time.time() - used.stat().st_mtime < _cache.DAY
-    assert _cache.folder(PACKAGE / "units.py", "another compiler") != used
+    _cache.write("step.code", b"code")
+    os.utime(tmp_path / "step.code", (0.0, 0.0))
+    assert _cache.read("step.code") == b"code"
+    assert time.time() - (tmp_path / "step.code").stat().st_mtime < _cache.DAY
+    assert _cache.read("another.code") is None
+    assert [path.name for path in tmp_path.iterdir()] == ["step.code"]
+
+
+@pytest.fixture
+def packages(tmp_path, monkeypatch):
+    """An installed package of compiled code beside the user's files, both with the same name, and what makes it."""
+    user, installed = tmp_path / "user", tmp_path / "installed"
+    user.mkdir()
+    (installed / "ecume_compiled").mkdir(parents=True)
+    monkeypatch.setattr(_cache, "root", lambda: user)
+    monkeypatch.setattr(_cache, "PACKAGE", installed / "ecume")
+    monkeypatch.setattr(_cache.sysconfig, "get_path", lambda which: str(installed))
+    _cache.write("step.code", b"of the user")
+    whole = hashlib.sha256(b"shipped").digest() + b"shipped"
+
+    def ship(data=whole, manifest=None):
+        (installed / "ecume_compiled" / "step.code").write_bytes(data)
+        listed = {"files": {"step.code": hashlib.sha256(whole).hexdigest()}} if manifest is None else manifest
+        text = listed if isinstance(listed, str) else json.dumps(listed)
+        (installed / "ecume_compiled" / "MANIFEST.json").write_text(text)
+        _cache.shipped.cache_clear()
+
+    yield ship, whole, installed
+    _cache.shipped.cache_clear()
+
+
+def test_a_package_of_compiled_code_is_read_first_and_never_written(packages):
+    ship, _, installed = packages
+    ship()
+    before = {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in installed.rglob("*.*")}
+    assert _cache.read("step.code") == b"shipped"
+    _cache.write("step.code", b"new")
+    _cache.write("more.code", b"new")
+    assert _cache.read("step.code") == b"shipped"
+    assert _cache.read("more.code") == b"new"
+    assert {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in installed.rglob("*.*")} == before
+
+
+@pytest.mark.parametrize("length", [0, 10, 32, 38])
+def test_a_file_that_is_damaged_in_a_package_of_compiled_code_is_absent(packages, length):
+    ship, whole, _ = packages
+    ship(whole[:length])
+    assert _cache.read("step.code") == b"of the user"
+
+
+def test_a_file_that_a_package_of_compiled_code_does_not_list_is_absent(packages):
+    ship, whole, _ = packages
+    ship(hashlib.sha256(b"foreign").digest() + b"foreign")
+    assert _cache.read("step.code") == b"of the user"
+    ship(whole, {"files": {}})
+    assert _cache.read("step.code") == b"of the user"
+
+
+@pytest.mark.parametrize("manifest", ["", "{", "[]", "{}", '{"files": []}', '{"files": {"../step.code": "0"}}'])
+def test_a_package_of_compiled_code_with_a_damaged_manifest_is_absent(packages, manifest):
+    ship, _, _ = packages
+    ship(manifest=manifest)
+    assert _cache.read("step.code") == b"of the user"
+    assert _cache.shipped() == {}
+
+
+def test_a_listed_file_that_is_not_there_is_absent(packages):
+    ship, _, installed = packages
+    ship()
+    (installed / "ecume_compiled" / "step.code").unlink()
+    assert _cache.read("step.code") == b"of the user"
+
+
+def test_a_damaged_file_of_the_user_is_told(packages):
+    _cache.write("step.code", b"x" * 40)
+    file = _cache.root() / "step.code"
+    for length in (0, 10, 50):
+        file.write_bytes(file.read_bytes()[:length])
+        with pytest.raises(_cache.DamagedError):
+            _cache.read("step.code")
 
 
 def test_where_nothing_can_be_written_a_temporary_folder_stands_in_and_goes_with_the_process(tmp_path):

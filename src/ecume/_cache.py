@@ -1,42 +1,44 @@
-"""Which folder holds the compiled code of a module, so that old code never runs and new code is compiled no more often
-than it must.
+"""Where compiled code is kept: files of one function each, named by a key that changes with all that its code was made
+from (see `_dependencies`), so that a file is never old, only unused.
 
-Compiled code contains what it calls, from whichever file. So a folder is named by the text of its module and of every
-module of this package that it imports, and these import in turn: an edited law gives new folders to what uses the law,
-and to nothing else. Imports are read from the text, those inside functions and those for type checking too; only a name
-that is put together at run time is not seen.
+A package `ecume_compiled` beside this one, or where the other packages are, may bring such files along. It is read
+first and never written.
 """
 
 from __future__ import annotations
 
-import ast
 import atexit
+import contextlib
 import hashlib
+import json
 import os
 import re
 import shutil
 import stat
+import sysconfig
 import tempfile
 import time
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).absolute().parent
 DAY = 86400.0
-IMPORT = re.compile(r"^[ \t]*((?:from|import)[ \t]+[\w.][^\n(]*(?:\([^)]*\))?[^\n]*)", re.MULTILINE)
-HIDDEN = re.compile(r"[;:][ \t]*(?:from|import)[ \t]")
-"""An import that does not begin its line."""
-FOR_TYPES = re.compile(r"^if TYPE_CHECKING:\n(?:(?:[ \t][^\n]*)?\n)+", re.MULTILINE)
-"""Imports that only a type checker makes: nothing of them gets into compiled code."""
 UNUSED = 30 * DAY
-"""After this time without use a folder is thrown away."""
+"""After this time without use a file is thrown away."""
+SUFFIX = ".code"
+SHIPPED = "ecume_compiled"
+MANIFEST = "MANIFEST.json"
+CHECKSUM = hashlib.sha256().digest_size
+
+used: list[str] = []
+"""Names of the files that this process has read or written, in order."""
 
 
 @cache
 def root() -> Path:
-    """Where all the folders are; a temporary place where nothing can be written, or where others can write."""
+    """The folder of the user's files; a temporary place where nothing can be written, or where others can write."""
     import platformdirs
 
     asked = os.environ.get("ECUME_CACHE_DIR")
@@ -73,13 +75,6 @@ def writable_for_others(status: os.stat_result) -> str:
     return "can be written by others" if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
 
 
-def closed_to_others(place: Path) -> None:
-    """Make a folder that only its owner can write to, whatever the umask, or take that right from others."""
-    place.mkdir(parents=True, exist_ok=True, mode=stat.S_IRWXU)
-    if open_to_others(place) == "can be written by others":
-        place.chmod(place.stat().st_mode & ~(stat.S_IWGRP | stat.S_IWOTH))
-
-
 def _warn_of(place: Path, fault: str) -> None:
     warnings.warn(
         f"compiled code in {place} is not used: the folder {fault}, which lets them make you run anything. Delete it, "
@@ -95,95 +90,70 @@ def _temporary() -> Path:
     return place
 
 
-def folder(path: Path, compiler: str) -> Path:
-    """Of the module with this file, compiled by this compiler."""
-    found = root() / f"{path.stem}-{digest(path, compiler)}"
+class DamagedError(ValueError):
+    """A file that holds something else than was written."""
+
+
+def read(name: str) -> bytes | None:
+    """What a package of compiled code or the user's processes kept under this name; None if nothing was kept."""
+    if name in shipped():
+        folder, checksum = shipped()[name]
+        with contextlib.suppress(OSError, DamagedError):
+            whole = (folder / name).read_bytes()
+            if hashlib.sha256(whole).hexdigest() == checksum:
+                used.append(name)
+                return _checked(whole)
+    place = root() / name
     try:
-        if time.time() - found.stat().st_mtime > DAY:
-            os.utime(found)
-    except OSError:  # does not exist yet, or belongs to another user
-        pass
+        with place.open("rb") as file:
+            if writable_for_others(os.fstat(file.fileno())):
+                return None  # and replaced, since what is unpickled is run
+            whole = file.read()
+    except OSError:
+        return None
+    with contextlib.suppress(OSError):  # belongs to another user
+        if time.time() - place.stat().st_mtime > DAY:
+            os.utime(place)
+    data = _checked(whole)
+    used.append(name)
+    return data
+
+
+def write(name: str, data: bytes) -> None:
+    """Keep data under a name; a reader sees all of it or nothing."""
+    handle, beside = tempfile.mkstemp(dir=root(), prefix=name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(hashlib.sha256(data).digest() + data)
+        Path(beside).replace(root() / name)
+    except BaseException:
+        Path(beside).unlink(missing_ok=True)
+        raise
+    used.append(name)
+
+
+def _checked(whole: bytes) -> bytes:
+    """The data of a file without its checksum."""
+    data = whole[CHECKSUM:]
+    if hashlib.sha256(data).digest() != whole[:CHECKSUM]:
+        raise DamagedError("the checksum is another")
+    return data
+
+
+@cache
+def shipped() -> Mapping[str, tuple[Path, str]]:
+    """Names of files in packages of compiled code: the folder, and the checksum of the whole file."""
+    found: dict[str, tuple[Path, str]] = {}
+    for above in {PACKAGE.parent: None, Path(sysconfig.get_path("purelib")): None}:
+        with contextlib.suppress(OSError, ValueError, KeyError, AttributeError, TypeError):
+            manifest = json.loads((above / SHIPPED / MANIFEST).read_text(encoding="utf-8"))
+            entries = {str(name): str(checksum) for name, checksum in manifest["files"].items()}
+            found |= {name: (above / SHIPPED, one) for name, one in entries.items() if Path(name).name == name}
     return found
 
 
-@cache
-def digest(path: Path, compiler: str) -> str:
-    """Changes with the compiler, and whenever a line changes that can end up in the module's code."""
-    whole = hashlib.sha256(compiler.encode())
-    for source in sources(path):
-        whole.update(source.relative_to(PACKAGE).as_posix().encode() if source != path else path.name.encode())
-        whole.update(_text_digest(source))
-    return whole.hexdigest()[:16]
-
-
-def sources(path: Path) -> list[Path]:
-    """The module's file, and all files of this package whose code can end up in the module's."""
-    found, ahead = {path}, [path, PACKAGE / "_jit.py"]
-    while ahead:
-        new = set(_imported(ahead.pop())) - found
-        found |= new
-        ahead += new
-    return sorted(found | {PACKAGE / "_jit.py"})
-
-
-@cache
-def _text_digest(path: Path) -> bytes:
-    return hashlib.sha256(path.read_bytes()).digest()
-
-
-@cache
-def _imported(path: Path) -> frozenset[Path]:
-    """Files of this package that a file imports."""
-    found: set[Path] = set()
-    for node in _statements(path.read_text(encoding="utf-8")):
-        if isinstance(node, ast.Import):
-            for name in node.names:
-                # `import ecume.laws` binds the package, and with it all that others import.
-                found.update(_files(name.name if name.asname else name.name.split(".")[0]))
-        elif isinstance(node, ast.ImportFrom):
-            module = ".".join([*_above(path, node.level), *([node.module] if node.module else [])])
-            for name in node.names:
-                found.update(_files(f"{module}.{name.name}", module))
-    return frozenset(found)
-
-
-def _statements(text: str) -> Iterable[ast.AST]:
-    """All import statements, and more. Lines that look like one are parsed alone, ten times as fast as the whole;
-    where that is not sure to find them all, the whole is.
-    """
-    text = FOR_TYPES.sub("", text)
-    if HIDDEN.search(text) is None:
-        try:
-            return ast.parse("\n".join(IMPORT.findall(text))).body
-        except SyntaxError:  # prose that looks like an import, or one that continues in the next line
-            pass
-    return ast.walk(ast.parse(text))
-
-
-def _above(path: Path, level: int) -> Sequence[str]:
-    """The package that a relative import of this level starts from."""
-    if level == 0 or not path.is_relative_to(PACKAGE):
-        return ()
-    return PACKAGE.name, *path.relative_to(PACKAGE).parts[:-level]
-
-
-def _files(*names: str) -> Iterable[Path]:
-    """The first of these dotted names that is a module of ecume; the whole package if only the package itself is."""
-    for name in names:
-        first, *rest = name.split(".")
-        if first != PACKAGE.name:
-            return ()
-        place = PACKAGE.joinpath(*rest)
-        if not rest:
-            return PACKAGE.rglob("*.py")
-        for file in (place.with_suffix(".py"), place / "__init__.py"):
-            if file.is_file():
-                return (file,)
-    return ()
-
-
 def _prune(place: Path) -> None:
-    """Delete folders that have not been used for long; checked about once a day."""
+    """Delete files that have not been used for long, and folders of earlier versions; checked about once a day."""
     stamp, now = place / "pruned", time.time()
     try:
         if now - stamp.stat().st_mtime < DAY:
@@ -193,7 +163,7 @@ def _prune(place: Path) -> None:
     try:
         stamp.touch()
         for old in place.iterdir():
-            if re.fullmatch(r".+-[0-9a-f]{16}", old.name) and now - old.stat().st_mtime > UNUSED:
-                shutil.rmtree(old, ignore_errors=True)
+            if re.fullmatch(r".+-[0-9a-f]{16,}(\.code.*)?", old.name) and now - old.stat().st_mtime > UNUSED:
+                shutil.rmtree(old, ignore_errors=True) if old.is_dir() else old.unlink()
     except OSError:  # another process prunes, or permission is missing
         pass

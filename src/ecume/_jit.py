@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections
 import functools
+import hashlib
 import inspect
 import math
 import os
@@ -19,6 +20,7 @@ from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 
 from ecume._columns import RECORD, fill_columns
+from ecume._dependencies import CHOICES, Choice
 from ecume._fused import LANES, fused, lane_sum
 from ecume._parts import PART, UNKEPT, AloneCache, Dispatcher, Part, TogetherCache
 
@@ -194,7 +196,12 @@ def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[
             @numba.extending.overload(there, jit_options={**PART, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
             def version(subject: Any, *rest: Any) -> Any:
                 missing = isinstance(subject, types.BaseTuple) and len(subject) == 0
-                return (lambda subject, *rest: default) if missing else (lambda subject, *rest: made(subject, *rest))
+                found = (lambda subject, *rest: default) if missing else (lambda subject, *rest: made(subject, *rest))
+                # Code of other processes is linked by names.
+                found.__qualname__ = (
+                    f"{function.__module__}.{function.__qualname__}.{'missing' if missing else 'there'}"
+                )
+                return found
 
         return there
 
@@ -203,8 +210,7 @@ def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[
 
 def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Callable[..., Any]:
     """A function that dispatches on the type of one argument, a NamedTuple: it calls `choice(type)`. Compiled code
-    contains only the function that was chosen. The file that calls `by_type` must import, by name, every file that
-    defines a choice, so that the disk cache notices changes: see `_cache`.
+    contains only the function that was chosen.
     """
 
     def chosen(*arguments: Any) -> Any:
@@ -212,6 +218,7 @@ def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Ca
 
     if numba.config.DISABLE_JIT:
         return chosen
+    CHOICES[chosen] = Choice(choice, f"argument {place}")
 
     @numba.extending.overload(chosen, jit_options={**PART, "forceinline": True, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
     def version(*arguments: Any) -> Any:
@@ -234,6 +241,7 @@ class Selected(Dispatcher):
     def __init__(self, choice: Callable[[type], Any]) -> None:
         super().__init__(cast(FunctionType, lambda *arguments: None), {}, cache=False)
         self.choice = choice
+        CHOICES[self] = Choice(choice, "argument 0")
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the chosen function."""
@@ -250,7 +258,7 @@ class Selected(Dispatcher):
 
 def selected(choice: Callable[[type], Any]) -> Any:
     """The function `choice(type)` of the type of the first argument, a NamedTuple, where all choices are compiled
-    functions. The file that calls `selected` must import every file that defines a choice, as for `by_type`.
+    functions.
     """
     if numba.config.DISABLE_JIT:
         return lambda *arguments: choice(type(arguments[0]))(*arguments)
@@ -260,7 +268,6 @@ def selected(choice: Callable[[type], Any]) -> Any:
 def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., None]:
     """A function of a tuple of parts, a tuple of as many workspaces, and further arguments, which calls
     `choice(type)(part, workspace, *arguments)` for each part in turn. Compiled code contains the chosen functions only.
-    The file that calls `each_by_type` must import every file that defines a choice, as for `by_type`.
     """
 
     def each(parts: Any, workspaces: Any, *arguments: Any) -> None:
@@ -269,6 +276,7 @@ def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., 
 
     if numba.config.DISABLE_JIT:
         return each
+    CHOICES[each] = Choice(choice, "parts")
 
     @numba.extending.overload(each, jit_options={**PART, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
     def version(parts: Any, workspaces: Any, *arguments: Any) -> Any:
@@ -287,10 +295,15 @@ def _names(count: int) -> str:
 
 
 def _written(lines: list[str], count: int, found: dict[str, Any]) -> Any:
-    """A function with these lines and `count` arguments a0, a1, ...; the names that it calls are those of `found`."""
-    text = "\n    ".join([f"def written({_names(count)}):", *lines])
+    """A function with these lines and `count` arguments a0, a1, ...; the names that it calls are those of `found`.
+
+    Its own name says what it is: code of other processes is linked by names.
+    """
+    calls = [f"{one.__module__}.{one.__qualname__}" for one in found.values()]
+    name = f"written_{hashlib.sha256(repr((lines, calls)).encode()).hexdigest()[:16]}"
+    text = "\n    ".join([f"def {name}({_names(count)}):", *lines])
     exec(compile(text, __file__, "exec"), found)  # noqa: S102  # of the names above, nothing from outside
-    return found["written"]
+    return found[name]
 
 
 def of_this_process(name: str, fields: Iterable[str]) -> Any:
@@ -328,8 +341,7 @@ def selection(
     It is made from a table of laws, as source text with one branch for each row, so that no branch can be forgotten
     (`dataclasses` make `__init__` in the same way). A law that is passed as an argument or caught in a closure would be
     compiled again in each process; a function with the laws as its globals is cached on the disk like any other.
-    `module` and `file` are those of the caller, which must import the table and its laws: their text names the folder
-    of the compiled code (see `_cache`). For the same reason the table must not change while the program runs.
+    `module` and `file` are those of the caller. The table must not change while the program runs.
 
     The last branch has no test of the code, since one more branch makes the compiler arrange each loop in another way,
     which rounds its sums differently: the caller refuses unknown codes before a loop begins.

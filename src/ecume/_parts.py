@@ -1,10 +1,11 @@
 """What compiled code consists of, and where it lies on the disk.
 
-Numba's disk cache has five traps, all closed here. It hashes only the file of the function itself, so that an edited
-law in another file silently gives the old result: folders are named by all text that goes into a module's code (see
-`_cache`). A truncated cache file raises from inside the unpickler: it is deleted and compiled again. A folder that
-cannot be written is an error at import: a temporary folder stands in. A function loaded from it may call threads that
-have not been started: they are started before anything is loaded.
+Numba's disk cache has five traps, all closed by the cache here. It hashes only the file of the function itself, so that
+an edited law in another file silently gives the old result: files are named by all that goes into the code (see
+`_dependencies`). A truncated cache file raises from inside the unpickler: it is compiled again. A folder that cannot be
+written is an error at import: a temporary folder stands in. A function loaded from it may call threads that have not
+been started: they are started before anything is loaded. Two processes that add to one index lose an entry: there is no
+index.
 
 Code is compiled for one of two levels of the x86-64 instruction set instead of for the processor at hand: version 4
 (with AVX-512) where there is one, else version 3 (AVX2 and fused multiply-adds). All processors of a level then run the
@@ -14,13 +15,10 @@ same instructions, so that results do not depend on the model of the processor, 
 from __future__ import annotations
 
 import contextlib
-import io
 import logging
-import os
 import pickle
-import platform
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+import sys
+from collections.abc import Iterable, Iterator, Mapping
 from types import FunctionType
 from typing import Any
 
@@ -28,14 +26,15 @@ import llvmlite
 import llvmlite.binding
 import numba
 from numba.core import config, types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, CompileResult
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
 
 from ecume import _cache
 from ecume._borrowing import borrowing
+from ecume._dependencies import PACKAGE, digest, text_digest
 
 log = logging.getLogger(__name__)
 
@@ -66,115 +65,99 @@ def compile_for_levels() -> None:
 
 compile_for_levels()
 
-COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, Python {platform.python_version()}"
+COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, {sys.implementation.cache_tag}{sys.abiflags}, " + (
+    text_digest(PACKAGE / f"_{name}.py" for name in ("borrowing", "columns", "fused", "jit", "parts"))
+)
+"""What makes machine code of functions. All Pythons of one minor version have the same bytecode."""
 
 UNKEPT = "OfThisProcess"
 """Prefix of the names of types that exist in one process only: code compiled for them is not cached on disk."""
 
 
-class Place:
-    """Where the code of a function lies on the disk, and the stamp that it must bear: Numba's locator."""
-
-    def __init__(self, function: FunctionType, path: str) -> None:
-        self._line = function.__code__.co_firstlineno
-        self._py_file = path  # Numba names it where code cannot be cached
-        self._folder = _cache.folder(Path(path).absolute(), COMPILER)
-
-    @classmethod
-    def from_function(cls, function: FunctionType, path: str) -> Place | None:
-        """None where there is no file."""
-        return cls(function, path) if Path(path).is_file() else None
-
-    def ensure_cache_path(self) -> None:
-        """There is a folder to write into, for its owner alone."""
-        _cache.closed_to_others(self._folder)
-
-    def get_cache_path(self) -> str:
-        """The folder."""
-        return str(self._folder)
-
-    def get_source_stamp(self) -> str:
-        """Of the text that the code comes from; part of the folder's name."""
-        return self._folder.name
-
-    def get_disambiguator(self) -> str:
-        """Functions of one name differ in their lines."""
-        return str(self._line)
+def named_tuples(kinds: Iterable[Any]) -> Iterator[type]:
+    """The classes of all named tuples in types, and in their items."""
+    for kind in kinds:
+        if isinstance(kind, types.BaseNamedTuple):
+            yield kind.instance_class
+        if isinstance(kind, types.BaseTuple):
+            yield from named_tuples(kind)
 
 
-class WholeFiles(CompileResultCacheImpl):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
-    """Files in our folders."""
+class DiskCache:
+    """The compiled code of one function on the disk; whatever cannot be read is absent. Numba's dispatchers ask it."""
 
-    _locator_classes = [Place]  # noqa: RUF012  # Numba's name
-
-
-class OwnFiles(IndexDataCacheFile):  # type: ignore[misc]
-    """The files of a function's code. What is unpickled is run, so that only files are read that no other user could
-    have written; others are absent, and replaced.
-    """
-
-    def _load_index(self) -> Any:
-        try:
-            stream = io.BytesIO(_own_content(self._index_path))
-        except OSError:
-            return {}
-        if pickle.load(stream) != self._version:  # noqa: S301  # from a file of this user
-            return {}
-        stamp, known = pickle.load(stream)  # noqa: S301  # from a file of this user
-        return known if stamp == self._source_stamp else {}
-
-    def _load_data(self, name: str) -> Any:
-        return pickle.loads(_own_content(self._data_path(name)))  # noqa: S301  # from a file of this user
-
-    @contextlib.contextmanager
-    def _open_for_write(self, path: str) -> Iterator[Any]:
-        with super()._open_for_write(path) as file:
-            if hasattr(os, "fchmod"):
-                os.fchmod(file.fileno(), os.fstat(file.fileno()).st_mode & ~0o022)
-            yield file
-
-
-def _own_content(path: str) -> bytes:
-    """The content of a file. Raises OSError where another user can write to it, or wrote it."""
-    with open(path, "rb") as file:  # noqa: PTH123  # Numba's paths are texts
-        if fault := _cache.writable_for_others(os.fstat(file.fileno())):
-            raise PermissionError(f"{path}: {fault}")
-        return file.read()
-
-
-class HealingCache(FunctionCache):  # type: ignore[misc]
-    """A disk cache that treats whatever it cannot read as absent."""
-
-    _impl_class = WholeFiles
+    kind = "whole"
+    """The same function's parts, and its versions with and without threads, have other code."""
 
     def __init__(self, function: FunctionType) -> None:
-        super().__init__(function)
-        stamp = self._impl.locator.get_source_stamp()
-        self._cache_file = OwnFiles(self._cache_path, self._impl.filename_base, stamp)
+        self._function = function
+        self._name = f"{self.kind}-{function.__module__}.{function.__qualname__}".translate({60: None, 62: None})
 
-    def load_overload(self, signature: Any, *arguments: Any) -> Any:
-        if UNKEPT in str(signature):
+    @property
+    def cache_path(self) -> str:
+        """The user's folder."""
+        return str(_cache.root())
+
+    def flush(self) -> None:
+        """Nothing: old files are not found."""
+
+    def file_name(self, signature: Any, target: Any) -> str | None:
+        """Of the code for arguments of these types; None where no other process can use it."""
+        kinds = getattr(signature, "args", signature)
+        text = str(kinds)
+        if UNKEPT in text or " at 0x" in text:  # Numba names functions among the arguments by their addresses
+            return None
+        classes = list(named_tuples(kinds))
+        names = [f"{one.__module__}.{one.__qualname__}" for one in classes]
+        key = digest(self._function, classes, f"{COMPILER} {target.magic_tuple()} {self._name} {text} {names}")
+        return f"{self._name}-{key}{_cache.SUFFIX}"
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """The result of an earlier compilation."""
+        target.refresh()
+        name = self.file_name(signature, target.codegen())
+        if name is None:
             return None
         # Threads must run before code that calls them is linked. Numba sees to that where a function was compiled
         # together with its threaded parts; one made from parts of the disk would jump to nowhere.
         numba.get_num_threads()
         try:
-            return super().load_overload(signature, *arguments)
+            data = _cache.read(name)
+            return None if data is None else self.rebuilt(target, pickle.loads(data))  # noqa: S301  # see SECURITY.md
         except Exception as error:  # a damaged pickle raises nearly anything
             log.warning("the compilation cache of %s was damaged (%s) and is built again", self._name, error)
-            self.flush()
             return None
 
-    def save_overload(self, signature: Any, *arguments: Any) -> None:
-        if UNKEPT in str(signature):
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep the result of a compilation."""
+        name = self.file_name(signature, result.codegen)
+        if name is None or result.lifted or result.library.has_dynamic_globals:
             return
         try:
-            super().save_overload(signature, *arguments)
-        except (OSError, EOFError, ValueError) as error:  # full disk, or a damaged index
+            _cache.write(name, dumps(self.reduced(result)))
+        except OSError as error:  # full disk
             log.warning("the compilation cache of %s could not be written: %s", self._name, error)
-        except Exception as error:  # the index is a pickle too
-            log.warning("the compilation cache of %s was damaged (%s)", self._name, error)
-            self.flush()
+
+    def reduced(self, result: Any) -> Any:
+        """What is stored: of a whole the machine code. Nothing is linked to it later, so that of the code that Numba
+        keeps for that only the names are needed.
+        """
+        (name, form, (code, bitcode)), *rest = result._reduce()
+        return (name, form, (code, names_alone(llvmlite.binding.parse_bitcode(bitcode)))), *rest
+
+    def rebuilt(self, target: Any, stored: Any) -> Any:
+        """The result that was stored."""
+        return CompileResult._rebuild(target, *stored)
+
+
+def names_alone(module: Any) -> bytes:
+    """The bitcode of a module that defines the same names, without their contents."""
+    functions = [one.name for one in module.functions if not one.is_declaration]
+    values = [one.name for one in module.global_variables if not one.is_declaration]
+    lines = [f'define void @"{name}"() {{ ret void }}' for name in functions]
+    lines += [f'@"{name}" = global i8 0' for name in values]
+    bitcode: bytes = llvmlite.binding.parse_assembly("\n".join(lines)).as_bitcode()
+    return bitcode
 
 
 # Numba optimizes and emits every function, and again inside each of its callers, and theirs: with calls nested eight
@@ -267,53 +250,33 @@ class Whole(Borrowing):
         return result
 
 
-class PartFiles(WholeFiles):
-    """Files of their own: the same function's whole has other code."""
+class PartCache(DiskCache):
+    """The disk cache of parts: a whole made later, such as time steps with a user's laws, finds them there."""
 
-    def get_filename_base(self, name: str, flags: str) -> str:
-        """The beginning of the files' names."""
-        return f"part-{super().get_filename_base(name, flags)}"
+    kind = "part"
 
-    def rebuild(self, target: Any, payload: Any) -> Any:
+    def reduced(self, result: Any) -> Any:
+        """What is stored: code to be linked."""
+        return result._reduce()
+
+    def rebuilt(self, target: Any, stored: Any) -> Any:
         """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
         process would find this first: a time step from parts of the disk was fourteen times slower than one read whole.
         """
         with libraries_are_parts(target.codegen()):
-            return super().rebuild(target, payload)
+            return super().rebuilt(target, stored)
 
 
-class PartCache(HealingCache):
-    """The disk cache of parts: a whole made later, such as time steps with a user's laws, finds them there."""
-
-    _impl_class = PartFiles
-
-
-class TogetherFiles(WholeFiles):
-    """The same function with threads."""
-
-    def get_filename_base(self, name: str, flags: str) -> str:
-        """The beginning of the files' names."""
-        return f"together-{super().get_filename_base(name, flags)}"
-
-
-class TogetherCache(HealingCache):
+class TogetherCache(DiskCache):
     """The disk cache of what compiled code calls without threads."""
 
-    _impl_class = TogetherFiles
+    kind = "together"
 
 
-class AloneFiles(WholeFiles):
-    """The same function without threads."""
-
-    def get_filename_base(self, name: str, flags: str) -> str:
-        """The beginning of the files' names."""
-        return f"alone-{super().get_filename_base(name, flags)}"
-
-
-class AloneCache(HealingCache):
+class AloneCache(DiskCache):
     """The disk cache of loops that are compiled for threads as well."""
 
-    _impl_class = AloneFiles
+    kind = "alone"
 
 
 WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
@@ -329,7 +292,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         super().__init__(function, targetoptions={**WHOLE, **options}, pipeline_class=Whole)
         self.part = CPUDispatcher(function, targetoptions={**PART, **EXACT, **options}, pipeline_class=Part)
         if cache:
-            self._cache, self.part._cache = HealingCache(function), PartCache(function)
+            self._cache, self.part._cache = DiskCache(function), PartCache(function)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
         """How compiled code calls it. A literal 0 in the caller is a number like any other, not a separate type

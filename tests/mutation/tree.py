@@ -6,19 +6,10 @@ import hashlib
 import os
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-CLEAN_FOLDERS = """
-import sys
-from pathlib import Path
-from ecume import _cache, _parts
-for folder in sys.argv[1:]:
-    for path in Path(folder).rglob("*.py"):
-        print(_cache.folder(path.absolute(), _parts.COMPILER).name)
-"""
 
 
 class Tree:
@@ -48,12 +39,13 @@ class Tree:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(source, target)
         self._cache.mkdir(parents=True, exist_ok=True, mode=0o700)
-        self._kept = self._clean_folders()
         self._take_compiled()
 
     def write(self, path: str, text: str) -> None:
         """Change a file of the package until `restore`."""
         file = self.package / path
+        if not self._clean:
+            self._kept = {path.name for path in self._cache.iterdir()}
         self._clean.setdefault(file, file.read_bytes())
         file.write_text(text, encoding="utf-8")
 
@@ -63,8 +55,8 @@ class Tree:
             file.write_bytes(data)
         self._clean.clear()
         for path in self._cache.iterdir():
-            if path.is_dir() and path.name not in self._kept:
-                shutil.rmtree(path, ignore_errors=True)
+            if path.name not in self._kept:
+                path.unlink(missing_ok=True)
 
     def environment(self, **more: str) -> dict[str, str]:
         """Of processes that run the copy."""
@@ -87,17 +79,9 @@ class Tree:
         return found.hexdigest()[:12]
 
     def _take_compiled(self) -> None:
-        """Copy what the tests have compiled of the same text already."""
+        """Copy what the tests have compiled already; what is of other text is not found."""
         asked = os.environ.get("ECUME_CACHE_DIR")
         there = (Path(asked) if asked else self._root / ".venv" / "compiled") / "compiled"
-        for name in self._kept:
-            if (there / name).is_dir() and not (self._cache / name).exists():
-                shutil.copytree(there / name, self._cache / name)
-
-    def _clean_folders(self) -> set[str]:
-        """Folders of compiled code that no fault changes: their names are digests of all text that goes into it."""
-        if not (self.package / "_cache.py").exists():
-            return set()
-        words = [sys.executable, "-c", CLEAN_FOLDERS, str(self.package), str(self.folder / "tests")]
-        listed = subprocess.run(words, env=self.environment(), capture_output=True, text=True, check=True)
-        return set(listed.stdout.split())
+        for path in there.glob("*.code"):
+            if not (self._cache / path.name).exists():
+                shutil.copy(path, self._cache)

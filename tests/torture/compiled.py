@@ -85,12 +85,12 @@ def _march(folder: Path) -> bool:
 
 
 def _cut(place: Path) -> None:
-    for path in place.rglob("*.nb?"):
+    for path in place.rglob("*.code"):
         os.truncate(path, path.stat().st_size // 2)
 
 
 def _empty(place: Path) -> None:
-    for path in place.rglob("*.nb?"):
+    for path in place.rglob("*.code"):
         os.truncate(path, 0)
 
 

@@ -1,0 +1,253 @@
+"""What compiled code was made from, so that old code never runs and new code is compiled no more often than it must.
+
+Compiled code contains what it calls, from whichever file. So its key is a digest of everything that a walk from the
+function on can reach: the bytecode of each function, and the values of the constants, the options of the decorators and
+the fields of the named tuples that its bytecode names. Comments, docstrings, lines and whatever else stands in the same
+file do not count.
+
+Where a function is chosen by the type of an argument, the choices that count are those for the types that the code can
+meet: the named tuples of its signature, and those that a function of the walk names. A table of laws thus adds only the
+rows that a scene uses. The walk takes in more than is compiled, such as branches for what is missing, but never less.
+Where it meets what it cannot describe, the text of the whole package counts.
+"""
+
+from __future__ import annotations
+
+import enum
+import hashlib
+import sys
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache
+from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+PACKAGE = Path(__file__).absolute().parent
+LIBRARIES = frozenset({*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "scipy"}) - {"__main__"}
+"""What is described by its name: the key contains the version of the compiler, which decides what becomes of these."""
+
+
+class Choice(NamedTuple):
+    """How a function that stands for one of several finds it."""
+
+    by_class: Callable[[type], Any]
+    argument: str
+    """Whose class decides."""
+
+
+CHOICES: dict[Any, Choice] = {}
+"""Of all functions that stand for one of several."""
+
+
+class UnknownThingError(TypeError):
+    """Compiled code names something whose every change cannot be seen."""
+
+
+class Description(NamedTuple):
+    """What a thing is, but for what it names: that is described by itself."""
+
+    text: str
+    named: tuple[Any, ...]
+
+
+def digest(function: Any, classes: Iterable[type], beginning: str) -> str:
+    """The key of a function compiled for arguments that contain named tuples of these classes."""
+    whole = hashlib.sha256(beginning.encode())
+    try:
+        for line in _lines(function, classes):
+            whole.update(line.encode("utf-8", "surrogatepass") + b"\0")
+    except UnknownThingError:
+        whole = hashlib.sha256(f"{beginning} {_full_name(function)} {package_digest()}".encode())
+        for file in {function.__code__.co_filename} if Path(function.__code__.co_filename).is_file() else ():
+            whole.update(Path(file).read_bytes())
+    return whole.hexdigest()[:32]
+
+
+@cache
+def package_digest() -> str:
+    """Of all text of the package."""
+    whole = hashlib.sha256()
+    for path in sorted(PACKAGE.rglob("*.py")):
+        whole.update(path.relative_to(PACKAGE).as_posix().encode() + hashlib.sha256(path.read_bytes()).digest())
+    return whole.hexdigest()
+
+
+def text_digest(files: Iterable[Path]) -> str:
+    """Of a few files."""
+    return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def _lines(function: Any, classes: Iterable[type]) -> Iterator[str]:
+    """Descriptions of all that a walk reaches, breadth first: the order is that of the names in the code."""
+    seen: dict[int, Any] = {}  # by identity, and kept, since choices may make functions
+    ahead: deque[Any] = deque([function, *classes])
+    points: list[Any] = []
+    kinds: list[type] = []
+    while ahead:
+        one = ahead.popleft()
+        if id(one) in seen:
+            continue
+        seen[id(one)] = one
+        pairs: list[tuple[Any, type]] = []
+        if isinstance(one, type):
+            kinds.append(one)
+            pairs = [(point, one) for point in points]
+        elif one in CHOICES:
+            points.append(one)
+            yield f"{_full_name(CHOICES[one].by_class)} of {CHOICES[one].argument}"
+            pairs = [(one, kind) for kind in kinds]
+        for point, kind in pairs:
+            made = _chosen(point, kind)
+            if made is not None:
+                ahead.append(made)
+                yield f"{_full_name(CHOICES[point].by_class)} {_full_name(kind)}: {_full_name(made)}"
+        if one not in CHOICES:
+            text, named = _described(one)
+            ahead.extend(named)
+            yield text
+
+
+def _chosen(point: Any, kind: type) -> Any:
+    """What is chosen for this class; None where there is no choice for it."""
+    try:
+        return CHOICES[point].by_class(kind)
+    except Exception:  # a table without this row, or a class without the attribute that a choice reads
+        return None
+
+
+_descriptions: dict[int, tuple[Any, Description]] = {}
+
+
+def _described(one: Any) -> Description:
+    """Made once in a process: what compiled code names must not change while it runs."""
+    if id(one) not in _descriptions:
+        named: list[Any] = []
+        describe = _class if isinstance(one, type) else _function if isinstance(one, FunctionType) else _dispatcher
+        text = f"{_full_name(one)} = {describe(one, named)}"
+        _descriptions[id(one)] = one, Description(text, tuple(named))
+    return _descriptions[id(one)][1]
+
+
+def _dispatcher(one: Any, named: list[Any]) -> str:
+    """Decorated functions: the options, and the function."""
+    named.append(one.py_func)
+    return f"{type(one).__name__} {_value(one.targetoptions, named)}"
+
+
+def _class(one: Any, named: list[Any]) -> str:
+    """Named tuples: the fields, in order, and their defaults."""
+    defaults = [_value(one._field_defaults[name], named) for name in one._field_defaults]
+    return f"class {one._fields} {tuple(one._field_defaults)} {defaults}"
+
+
+def _function(one: FunctionType, named: list[Any]) -> str:
+    """The code of a function, and what it names."""
+    code = one.__code__
+    words = frozenset(_words(code))
+    found = [f"{name} {_value(one.__globals__[name], named, words)}" for name in sorted(words & one.__globals__.keys())]
+    cells = [_value(cell.cell_contents, named, words) for cell in one.__closure__ or ()]
+    defaults = _value(one.__defaults__, named), _value(one.__kwdefaults__, named)
+    return f"{_code(code, named, one.__doc__)} {found} {cells} {defaults}"
+
+
+def _words(code: CodeType) -> Iterator[str]:
+    """All that code may name: globals, attributes, attributes whose names are strings; functions inside included."""
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _words(constant)
+        elif isinstance(constant, str) and constant.isidentifier():
+            yield constant
+
+
+def _code(code: CodeType, named: list[Any], documentation: str | None = None) -> str:
+    """Bytecode without its lines."""
+    constants = list(code.co_consts)
+    if constants and documentation is not None and constants[0] == documentation:
+        constants[0] = None
+    shape = code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags
+    names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
+    inside = [_value(constant, named) for constant in constants]
+    return f"{code.co_code.hex()} {code.co_exceptiontable.hex()} {shape} {names} {inside}"
+
+
+def _value(value: Any, named: list[Any], words: frozenset[str] = frozenset()) -> str:
+    """A value as text. What is described by itself is added to `named`; of a module, what is one of the words."""
+    if value is None or value is Ellipsis or type(value) in (bool, int, str, bytes):
+        return f"{type(value).__name__} {value!r}"
+    if isinstance(value, (float, complex)) and not isinstance(value, np.generic):
+        return f"{type(value).__name__} {np.complex128(value).tobytes().hex()}"
+    if isinstance(value, CodeType):
+        return _code(value, named)
+    if isinstance(value, (tuple, list, set, frozenset, Mapping)):
+        return _collection(value, named)
+    if isinstance(value, (np.generic, np.ndarray)) and not value.dtype.hasobject:
+        return f"{type(value).__name__} {value.dtype.descr} {value.shape} {value.tobytes('A').hex()} {value.flags}"
+    if isinstance(value, np.dtype):
+        return f"dtype {value.descr}"
+    if isinstance(value, enum.Enum):
+        return f"{_full_name(type(value))}.{value.name} {_value(value.value, named)}"
+    if isinstance(value, ModuleType):
+        return _module(value, named, words)
+    return _thing(value, named)
+
+
+def _collection(value: Any, named: list[Any]) -> str:
+    if isinstance(value, Mapping):
+        return f"dict {[(_value(name, named), _value(one, named)) for name, one in value.items()]}"
+    inside = [_value(one, named) for one in value]
+    if hasattr(value, "_fields"):
+        named.append(type(value))
+        return f"{_full_name(type(value))} {inside}"
+    return f"{type(value).__name__} {sorted(inside) if isinstance(value, (set, frozenset)) else inside}"
+
+
+def _module(module: ModuleType, named: list[Any], words: frozenset[str]) -> str:
+    """Attributes that the code may read."""
+    if _of_library(module.__name__):
+        return f"module {module.__name__}"
+    inside = vars(module)
+    # Of a module in the module, the same words less its own, so that two that name each other come to an end.
+    rest = words - {module.__name__.rpartition(".")[2]}
+    found = [f"{name} {_value(inside[name], named, rest - {name})}" for name in sorted(words & inside.keys())]
+    return f"module {module.__name__} {found}"
+
+
+def _thing(value: Any, named: list[Any]) -> str:
+    """Functions, classes and what the compiler knows by name."""
+    name = _full_name(value)
+    if hasattr(value, "py_func") or (isinstance(value, FunctionType) and value in CHOICES):
+        named.append(value)
+        return f"-> {name}"
+    if hasattr(value, "__name__") and _of_library(_module_of(value)):
+        if isinstance(getattr(value, "__self__", None), (ModuleType, type, None.__class__)):
+            return name
+    elif _module_of(type(value)).partition(".")[0] in ("numba", "numpy"):
+        return f"{name} {value!r}"
+    if isinstance(value, FunctionType) or (isinstance(value, type) and hasattr(value, "_fields")):
+        named.append(value)
+        return f"-> {name}"
+    if isinstance(value, type) and issubclass(value, enum.Enum):
+        return f"{name} {[_value(member, named) for member in value]}"
+    if isinstance(value, type) and (issubclass(value, BaseException) or is_dataclass(value)):
+        return name  # raised, or of no use to compiled code
+    if is_dataclass(value) and not isinstance(value, type) and value.__dataclass_params__.frozen:  # type: ignore[attr-defined]
+        return f"{name} {[_value(getattr(value, field.name), named) for field in fields(value)]}"
+    raise UnknownThingError(name)
+
+
+def _of_library(module: str) -> bool:
+    return module.partition(".")[0] in LIBRARIES
+
+
+def _full_name(thing: Any) -> str:
+    name = getattr(thing, "__qualname__", None) or getattr(thing, "__name__", type(thing).__qualname__)
+    return f"{_module_of(thing)}.{name}"
+
+
+def _module_of(thing: Any) -> str:
+    return str(getattr(thing, "__module__", None) or getattr(type(thing), "__module__", ""))
