@@ -76,7 +76,7 @@ SAMPLES = {
     "size": (1.7, 1.1), "capillary_length": 0.52, "strength": 0.37, "surface_tension": 0.61, "charge": 0.11,
     "charge_i": 0.13, "charge_j": -0.07, "wall_amplitude": 0.23, "radius": 0.21, "bond_number": 0.4, "wall_weight": 0.8,
     "density_ratio": 0.6, "contact_angle": 0.9, "filling_angle": 2.0, "slope_angle": 0.3, "cutoff": 3.0,
-    "touching_distance": 0.4,
+    "touching_distance": 0.4, "change": -0.3, "variance": 0.04, "exponential": 0.9, "mean_free_path": 0.05,
     "accuracy": 1e-4, "approach_speed": 0.9, "mass": 0.8, "mass_i": 0.8, "mass_j": 1.7, "restitution": 0.4,
     "coefficient": 0.6, "viscosity": 0.3, "length": 1.3, "factor": 0.5, "friction": 0.2,
     "solid_gas": 0.3, "solid_liquid": 0.2,

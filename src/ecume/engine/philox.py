@@ -56,10 +56,10 @@ PAIRS = 1 << 16
 @compiled_inside
 def counter_of_pair(first: int, second: int, when: int) -> Words:
     """The counter of a pair of particles, or of a particle and a wall, and a step."""
-    return first & WORD, when & WORD, second & WORD, PAIRS + ((when >> 32) & 0xFFFF)
+    return int(first) & WORD, int(when) & WORD, int(second) & WORD, PAIRS + ((int(when) >> 32) & 0xFFFF)
 
 
 @compiled_inside
 def counter_of(who: int, when: int, what: int) -> Words:
     """The counter of a particle, a step, and a purpose."""
-    return who & WORD, when & WORD, (when >> 32) & WORD, what
+    return int(who) & WORD, int(when) & WORD, (int(when) >> 32) & WORD, int(what)
