@@ -29,7 +29,7 @@ from ecume.laws.soft_pair import (
 
 BODY = {"gap": 0.013, "reduced_radius": 0.7, "modulus": 4.0}
 CHOICES = {**PREFACTORS, "lopsided": Prefactors(2.0, 3.0, 0.5, 0.7, 1.3, 0.4)}
-SAMPLES = {"none": (), "steric": (2.0, 0.03), "dlvo": (0.7, 0.004, 0.6, 0.02)}
+SAMPLES = {"none": (), "steric": (2.0, 0.03), "dlvo": (0.7, 0.004, 0.6, 0.02, 5e-4)}
 each_choice = pytest.mark.parametrize("prefactors", CHOICES.values(), ids=CHOICES)
 
 

@@ -76,47 +76,83 @@ def steric_slope(gap: Length, strength: Force, steric_length: Length) -> ForceSl
 
 
 def dlvo_energy(
-    gap: Length, reduced_radius: Length, hamaker: Energy, layer_strength: Force, debye_length: Length
+    gap: Length,
+    reduced_radius: Length,
+    hamaker: Energy,
+    layer_strength: Force,
+    debye_length: Length,
+    smallest_separation: Length,
 ) -> Energy:
-    """U = R* Z exp(-h/l) - A R* / (6 h): the electric double layer repels, van der Waals attracts.
+    """U = R* Z exp(-h/l) - A R* / (6 h) (1 - (D/h)^6 / 7): the electric double layer repels, van der Waals attracts.
 
     h is the gap, much smaller than the reduced radius R*; A Hamaker's constant, Z the strength of the double layer
-    (energy over length), l the Debye length. [israelachvili2011, eq. 13.11a and 14.52].
+    (energy over length), l the Debye length, D the smallest separation, at which the short repulsion of atoms, that of
+    Lennard and Jones between bodies, balances the attraction. [israelachvili2011, eq. 13.11a and 14.52].
 
-    >>> dlvo_energy(1.0, 1.0, 6.0, 0.0, 1.0)
+    >>> dlvo_energy(1.0, 1.0, 6.0, 0.0, 1.0, 0.0)
     -1.0
     """
-    return reduced_radius * (layer_strength * math.exp(-gap / debye_length) - hamaker / (6.0 * gap))
+    core = (smallest_separation / gap) ** 6 / 7.0
+    return reduced_radius * (layer_strength * math.exp(-gap / debye_length) - hamaker / (6.0 * gap) * (1.0 - core))
 
 
 def dlvo_force(
-    gap: Length, reduced_radius: Length, hamaker: Energy, layer_strength: Force, debye_length: Length
+    gap: Length,
+    reduced_radius: Length,
+    hamaker: Energy,
+    layer_strength: Force,
+    debye_length: Length,
+    smallest_separation: Length,
 ) -> Force:
-    """F = R* Z exp(-h/l) / l - A R* / (6 h^2); positive repels. [israelachvili2011, eq. 13.11a and 14.52].
+    """F = R* Z exp(-h/l) / l - A R* / (6 h^2) (1 - (D/h)^6); positive repels. [israelachvili2011, eq. 13.11a and
+    14.52].
 
-    >>> dlvo_force(1.0, 1.0, 6.0, 0.0, 1.0)
+    >>> dlvo_force(1.0, 1.0, 6.0, 0.0, 1.0, 0.0)
     -1.0
+    >>> dlvo_force(1.0, 1.0, 6.0, 0.0, 1.0, 1.0)
+    0.0
     """
     layer = layer_strength * math.exp(-gap / debye_length) / debye_length
-    return reduced_radius * (layer - hamaker / (6.0 * gap**2))
+    return reduced_radius * (layer - hamaker / (6.0 * gap**2) * (1.0 - (smallest_separation / gap) ** 6))
 
 
 def dlvo_slope(
-    gap: Length, reduced_radius: Length, hamaker: Energy, layer_strength: Force, debye_length: Length
+    gap: Length,
+    reduced_radius: Length,
+    hamaker: Energy,
+    layer_strength: Force,
+    debye_length: Length,
+    smallest_separation: Length,
 ) -> ForceSlope:
     """dF/dh of `dlvo_force`. [israelachvili2011, eq. 13.11a and 14.52].
 
-    >>> dlvo_slope(1.0, 1.0, 6.0, 0.0, 1.0)
+    >>> dlvo_slope(1.0, 1.0, 6.0, 0.0, 1.0, 0.0)
     2.0
     """
     layer = layer_strength * math.exp(-gap / debye_length) / debye_length**2
-    return reduced_radius * (hamaker / (3.0 * gap**3) - layer)
+    return reduced_radius * (hamaker / (3.0 * gap**3) * (1.0 - 4.0 * (smallest_separation / gap) ** 6) - layer)
 
 
 def _steric_doubts(constants: Any, smallest_radius: Length) -> list[str]:
     """Layers that are not thin."""
     said = "the steric length is a tenth of a radius or more: spheres bear each other at a distance"
     return [said] if constants.steric_length > 0.1 * smallest_radius else []
+
+
+SAMPLES = 200
+"""Gaps at which a barrier is looked for."""
+
+
+def _dlvo_doubts(constants: Any, smallest_radius: Length) -> list[str]:
+    """Attraction that no double layer holds off."""
+    least, most = constants.smallest_separation, min(10.0 * constants.debye_length, smallest_radius)
+    if not (constants.hamaker > 0.0 and 0.0 < least < most):
+        return []
+    gaps = [1.5 * least * (most / (1.5 * least)) ** (place / SAMPLES) for place in range(SAMPLES + 1)]
+    names = (constants.hamaker, constants.layer_strength, constants.debye_length, least)
+    if max(dlvo_force(gap, smallest_radius, *names) for gap in gaps) > 0.0:
+        return []
+    return ["attraction beats the double layer at every gap: surfaces close to the smallest separation and stick"]
 
 
 @dataclass(frozen=True)
@@ -141,6 +177,6 @@ class Remote:
 REMOTE = {
     "none": Remote(no_remote_energy, no_remote_force, no_remote_slope, acts=False),
     "steric": Remote(steric_energy, steric_force, steric_slope, doubts=_steric_doubts),
-    "dlvo": Remote(dlvo_energy, dlvo_force, dlvo_slope),
+    "dlvo": Remote(dlvo_energy, dlvo_force, dlvo_slope, doubts=_dlvo_doubts),
 }
 """Forces across the gap: `long_range_forces.law` of a scene."""

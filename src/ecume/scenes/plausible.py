@@ -58,6 +58,7 @@ RANGES = (
     Range(r"soft films\.cavitation_pressure", (500.0, 1e8), (1e-3, 1e10), ("kPa", "bar", "MPa")),
     Range(r"soft .*modulus", (100.0, 2e12), (1e-3, 2e12), ("kPa", "MPa", "GPa")),
     Range(r"soft .*(debye_length|steric_length)", (1e-10, 1e-4), (1e-11, 1.0), ("nm", "um")),
+    Range(r"soft .*smallest_separation", (1e-11, 1e-8), (1e-12, 1.0), ("nm",)),
     Range(r"soft .*hamaker_constant", (1e-22, 1e-17), (1e-24, 1e-10), ("zJ",)),
     Range(r"soft .*(strength|critical_load|force)", (1e-15, 1.0), (1e-18, 1e6), ("uN", "mN", "nN")),
     Range(r"soft .*(pressure|stress|amplitude)", (1e-9, 1e8), (1e-12, 1e11), ("kPa", "Pa")),

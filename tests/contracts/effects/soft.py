@@ -88,6 +88,7 @@ EFFECTS = {
     "long_range_forces.hamaker_constant": of(2e-6, **DLVO),
     "long_range_forces.double_layer_strength": of(2e-4, **DLVO),
     "long_range_forces.debye_length": of(0.06, **DLVO),
+    "long_range_forces.smallest_separation": of(0.02, **DLVO),
     "cell.size": of([4.2, 3.93], **SHEAR),
     "cell.volume_fraction": of(0.5, **SCATTERED),
     "cell.minimum_gap": of(0.1, **SCATTERED),

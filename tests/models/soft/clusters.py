@@ -20,7 +20,7 @@ def contacts(prefactors=PAPER, viscosity=1.0, **more):
     """Everything that contacts share, without remote force and without an end of their reach."""
     given = {
         "fade_from": math.inf, "fade_to": math.inf, "rounding": 1e-12, "remote": 0, "strength": 0.0,
-        "steric_length": 1.0, "hamaker": 0.0, "layer_strength": 0.0, "debye_length": 1.0,
+        "steric_length": 1.0, "hamaker": 0.0, "layer_strength": 0.0, "debye_length": 1.0, "smallest_separation": 0.0,
         "surface": 0, "surface_tension": 1.0, "interface": 0, "viscosity_ratio": 1.0, "friction": 0,
         "coefficient": 0.0, "roughness": 1.0, "critical_load": 0.0, "tangential_law": "potential",
         "tension_law": "symmetric", "cavitation_pressure": 1.0,

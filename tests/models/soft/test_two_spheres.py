@@ -137,3 +137,17 @@ def test_frames_come_at_their_times():
     scene = pull_apart(0.01, 1e-3, duration=2e4, frames=5, tolerance=1e-6)
     assert [frame.time for frame in simulate(scene)] == pytest.approx([0.0, 4e3, 8e3, 1.2e4, 1.6e4, 2e4], rel=1e-15)
     assert integrated(scene)[1].pace[CLOCK] == 2e4
+
+
+def test_attraction_without_a_barrier_ends_at_the_smallest_separation_and_check_warns_of_it():
+    scene = from_plain(
+        {
+            "model": "soft", "duration": "10 ms", "frame_every": "1 ms", "liquid": {"viscosity": "1 mPa*s"},
+            "particles": [{"radius": "1 um", "modulus": "1 MPa", "positions": [[0.0, 0.0], ["2.01 um", 0.0]]}],
+            "long_range_forces": {"law": "dlvo", "hamaker_constant": "10 zJ"},
+            "integration": {"tolerance": 1e-4},
+        }
+    )  # fmt: skip
+    last = list(simulate(scene))[-1]
+    assert 0.5 * 1.65e-10 < last.numbers["smallest_gap"] < 1.65e-10
+    assert any("attraction beats the double layer" in remark for _, _, remark in SOFT.summary(scene))

@@ -79,6 +79,7 @@ def tabled(force, low=1e-9, high=10.0):
 
 def test_a_table_meets_a_smooth_force_its_slope_and_its_energy():
     given = {"reduced_radius": 0.5, "hamaker": 1e-6, "layer_strength": 1e-4, "debye_length": 0.05}
+    given |= {"smallest_separation": 0.0}
     ends, values = tabled(lambda gap: dlvo_force(gap, **given))
     for gap in (1.3e-9, 4.7e-5, 1e-3, 0.0123, 0.3):
         force, slope = user_force(0, ends, values, math.log(gap))

@@ -45,6 +45,7 @@ class Contacts(NamedTuple):
     hamaker: float
     layer_strength: float
     debye_length: float
+    smallest_separation: float
     surface: int
     """the code of a row of `ecume.laws.surfaces.SURFACES`"""
     surface_tension: float

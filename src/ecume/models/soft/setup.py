@@ -412,6 +412,7 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         hamaker=remote.hamaker_constant,
         layer_strength=remote.double_layer_strength,
         debye_length=remote.debye_length,
+        smallest_separation=remote.smallest_separation,
         surface=code_of(SURFACES, films.surface),
         surface_tension=liquid.surface_tension,
         interface=code_of(INTERFACES, films.interface),

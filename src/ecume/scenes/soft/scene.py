@@ -283,6 +283,9 @@ class LongRangeSpec:
     """The strength of the electric double layer (J/m = N). Effect: larger values repel the surfaces more strongly."""
     debye_length: Size = 1e-8
     """The Debye length of the electric double layer (m). Effect: longer values extend the repulsion."""
+    smallest_separation: Size = 1.65e-10
+    """The gap at which attracting surfaces touch (m): the repulsion of their atoms balances the van der Waals
+    attraction there. Effect: larger values weaken the adhesion of surfaces in contact."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

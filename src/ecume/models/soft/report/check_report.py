@@ -148,6 +148,9 @@ def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[
         "spheres of similar size crystallize: use two sizes, for example 1 and 1.4": (
             alike and fillings(parameters) > DENSE[parameters.dimensions]
         ),
+        "spheres do not rotate: the stress is not symmetric and stiffness two to three times too large; set rotation": (
+            random > 0 and len(radius) > 1 and not parameters.torque.shape[1]
+        ),
         "no films at the start: only drag acts on the spheres": math.isnan(gap) and not len(parameters.walls.modulus),
     }
     said = [one for one, wrong in found.items() if wrong]
