@@ -398,15 +398,13 @@ def filled(raw: dict[str, Any], start: Start) -> None:
 
 
 def _take_radius(one: Species, start: Start) -> Complaints:
-    """The radius of a species from the diameters of the file, which must be equal."""
+    """The radius of a species from the diameters of the file: one, or a list where they differ."""
     path: Path = ("particles", one.place or 0, "radius")
     if start.particles.diameter is None:
         return [(path, f"is missing; {start.name} has no diameters")]
     mine = start.particles.diameter[one.which]
-    if np.ptp(mine) > ALIKE * mine.max():
-        spread = f"{mine.min():.4g} m to {mine.max():.4g} m"
-        return [(path, f"is missing; {start.name} has diameters from {spread} in this species: expected equal ones")]
-    one.keys["radius"] = 0.5 * float(mine[0])
+    alike = np.ptp(mine) <= ALIKE * mine.max()
+    one.keys["radius"] = 0.5 * float(mine[0]) if alike else (0.5 * mine).tolist()
     return []
 
 

@@ -29,6 +29,7 @@ from ecume.scenes.quantities import (
     Switch,
     Velocity,
 )
+from ecume.scenes.sizes import SizeSpec, list_faults, sized
 from ecume.units import ROOM, Acceleration, Unit
 
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
@@ -83,7 +84,14 @@ class ParticleSpec:
     """The number of particles; by default one, or the number of positions. Effect: run time and disk space are
     proportional to it; the particles do not interact."""
     radius: Radius
-    """The radius of each sphere (m). Effect: the settling speed grows as its square, diffusion falls as its inverse."""
+    """The radius of each sphere (m); a list has one per sphere, a table a distribution. Example: `{ distribution =
+    "lognormal", mean = "10 um", spread = "20 %" }`. Effect: the settling speed grows as its square, diffusion falls as
+    its inverse."""
+    radii: tuple[Radius, ...] = ()
+    """One radius per particle (m), as a list in `radius` is kept. Example: `["1 mm", "1.2 mm"]`. Effect: gives each
+    particle its own size."""
+    sizes: SizeSpec | None = None
+    """The distribution of radii, as a table in `radius` is kept. Effect: gives the particles different sizes."""
     density: PositiveDensity
     """The density of each sphere (kg/m^3). Effect: spheres denser than the liquid settle, others rise."""
     positions: tuple[Point, ...] = ()
@@ -104,6 +112,11 @@ class ParticleSpec:
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _sized(cls, raw: Any) -> Any:
+        return sized(raw)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.positions and self.count not in (0, len(self.positions)):
@@ -112,7 +125,9 @@ class ParticleSpec:
             message = f"got {len(self.velocities)}; there are {len(self.positions)} positions"
             raise Inconsistent([(("velocities",), message)])
         if not self.count:
-            object.__setattr__(self, "count", len(self.positions) or 1)
+            object.__setattr__(self, "count", len(self.positions) or len(self.radii) or 1)
+        if wrong := list_faults(self, self.count):
+            raise Inconsistent(wrong)
         return self
 
 

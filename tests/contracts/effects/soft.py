@@ -30,6 +30,9 @@ WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}]}
 LOOSE = {"positions": None, "force": None, "count": 4}
 SCATTERED = {"particles": [LOOSE, LOOSE], "cell": {"size": [6.5, 6.5]}, **SHEAR}
 
+SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 0.98, "spread": 0.02}}]}
+HISTOGRAM = {"particles": [{"sizes": {"distribution": "histogram", "radii": [0.9, 0.98], "weights": [1.0, 1.0]}}]}
+
 SAMPLES = {"output": {"samples": {"every": 2e-4, "block": 2, "numbers": ["elastic_energy"]}}}
 
 EFFECTS = {
@@ -56,6 +59,13 @@ EFFECTS = {
     "liquid.density": of(0.9, **FALLING),
     "particles.name": of("pearl", PICTURE),
     "particles.radius": of(0.99),
+    "particles.radii": of([0.9, 0.95]),
+    "particles.sizes.distribution": of("uniform", **SIZES),
+    "particles.sizes.mean": of(0.97, **SIZES),
+    "particles.sizes.spread": of(0.04, **SIZES),
+    "particles.sizes.truncate": of(1.0, **SIZES),
+    "particles.sizes.radii": of([0.9, 0.97], **HISTOGRAM),
+    "particles.sizes.weights": of([1.0, 9.0], **HISTOGRAM),
     "particles.modulus": of(2.0),
     "particles.density": of(1.2, **FALLING),
     "particles.positions": of([[0.0, 1.06], [2.05, 1.07]]),

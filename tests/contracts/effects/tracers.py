@@ -8,6 +8,10 @@ BASE = {
     "tank": {"high": [0.02, 0.016]}, "integration": {"time_step": 2e-3},
 }  # fmt: skip
 PLACED = {"particles": [{"count": None, "positions": [[0.005, 0.004], [0.008, 0.006]]}]}
+SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 1.9e-4, "spread": 0.1}}]}
+HISTOGRAM = {
+    "particles": [{"count": 2, "sizes": {"distribution": "histogram", "radii": [1.8e-4, 2e-4], "weights": [1.0, 1.0]}}]
+}
 FAST = {"particles": [{"velocity": [2.0, 0.5]}], "hydrodynamics": {"drag": "none"}}
 OBSTACLE = {"obstacles": [{"low": [0.009, 0.0], "high": [0.011, 0.016]}], **FAST}
 DISC = {"obstacles": [{"center": [0.01, 0.008], "radius": 0.004}], **FAST}
@@ -47,6 +51,13 @@ EFFECTS = {
     "particles.name": of("sand", PICTURE),
     "particles.count": of(4),
     "particles.radius": of(3e-4),
+    "particles.radii": of([0.00018, 0.00019], **PLACED),
+    "particles.sizes.distribution": of("uniform", **SIZES),
+    "particles.sizes.mean": of(0.000194, **SIZES),
+    "particles.sizes.spread": of(0.04, **SIZES),
+    "particles.sizes.truncate": of(1.0, **SIZES),
+    "particles.sizes.radii": of([0.00018, 0.000194], **HISTOGRAM),
+    "particles.sizes.weights": of([1.0, 9.0], **HISTOGRAM),
     "particles.density": of(3000.0),
     "particles.positions": of([[0.005, 0.005], [0.008, 0.006]], **PLACED),
     "particles.low": of([0.01, 0.008], particles=[{"low": [0.005, 0.004], "high": [0.018, 0.014]}]),

@@ -32,7 +32,8 @@ from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, driv
 from ecume.models.soft.report.balance_report import floppy, unbalanced, unborne, unmet_wall
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
-from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of, tension_law_of
+from ecume.scenes.sizes import radii_of
+from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, dimensions_of, sides_of, tension_law_of
 from ecume.units import Array, with_prefix
 
 GAP = 1e-2
@@ -237,7 +238,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         raise SceneError(faults)
     counts = [species.count or len(species.positions) for species in scene.particles]
     dimensions = dimensions_of(scene)
-    radius = np.repeat([species.radius for species in scene.particles], counts)
+    radius = radii_in(scene)
     liquid = material_of(scene.liquid)
     force = np.repeat([species.force or (0.0,) * dimensions for species in scene.particles], counts, axis=0)
     drag = np.array(
@@ -255,12 +256,12 @@ def parameters_of(scene: SoftScene) -> Parameters:
         last_tick=last_step(scene, TICKS, least=2),
         dimensions=dimensions,
         radius=radius,
-        modulus=np.repeat([_modulus(scene, species) for species in scene.particles], counts),
+        modulus=_moduli(scene, radius, counts),
         species=np.repeat(np.arange(len(counts)), counts),
         drag=drag,
         force=np.ascontiguousarray(force, np.float64),
         spin_drag=4.0 / 3.0 * drag,
-        torque=_torques(scene, counts),
+        torque=_torques(scene, radius, counts),
         weight=_weights(scene, radius, counts),
         box=box,
         walls=walls,
@@ -375,12 +376,11 @@ def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
     return np.asarray(mass[:, None] * np.array(scene.gravity))
 
 
-def _torques(scene: SoftScene, counts: list[int]) -> Array:
+def _torques(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
     """The torque on each sphere, as a force at its equator (N); without components for spheres without spin."""
     width = 0 if not scene.rotation else 1 if dimensions_of(scene) == 2 else 3
     given = np.array([species.torque or (0.0,) * width for species in scene.particles]).reshape(len(counts), width)
-    at_equator = given / np.array([species.radius for species in scene.particles])[:, None]
-    return np.repeat(at_equator, counts, axis=0)
+    return np.asarray(np.repeat(given, counts, axis=0) / radius[:, None])
 
 
 def _spans(protocol: Protocol, otherwise: float) -> list[float]:
@@ -459,9 +459,16 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
     ]
 
 
-def _modulus(scene: SoftScene, species: SphereSpec) -> float:
-    """The modulus of the material; for bubbles the equivalent, surface tension over radius."""
-    return material_of(scene.liquid).surface_tension / species.radius if species.modulus is None else species.modulus
+def _moduli(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
+    """The modulus of each sphere's material; for bubbles the equivalent, surface tension over radius."""
+    given = np.repeat([math.nan if one.modulus is None else one.modulus for one in scene.particles], counts)
+    return np.where(np.isnan(given), material_of(scene.liquid).surface_tension / radius, given)
+
+
+def radii_in(scene: SoftScene) -> Array:
+    """The radius of each sphere (m), species by species."""
+    species = enumerate(scene.particles)
+    return np.concatenate([radii_of(one, one.number, (scene.seed, index)) for index, one in species])
 
 
 def _unknown_names(scene: SoftScene) -> list[Fault]:

@@ -18,6 +18,7 @@ from ecume.engine.philox import counter_of, uniforms
 from ecume.engine.walls import Entrance, Surfaces, clearance, entrance
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.scenes.quantities import MOST_PARTICLES
+from ecume.scenes.sizes import largest_radius
 from ecume.scenes.tracers import OpeningSpec, TracersScene
 from ecume.units import Array
 
@@ -130,7 +131,7 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
     """(count, d) positions, a radius inside the wall; with a given concentration, distributed as the flux."""
     hole, door = scene.openings[index], entrance(surfaces, index)
     species, d = species_of(scene, hole), scene.dimensions
-    radius = scene.particles[species].radius
+    radius = largest_radius(scene.particles[species])
     fastest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).max()
     places, left = np.zeros((count, d)), np.arange(count)
     for attempt in range(TRIES):

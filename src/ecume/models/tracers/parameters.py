@@ -25,7 +25,12 @@ from ecume.models.model import Layout, code_of
 from ecume.models.step_counts import ending_on_a_step
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.scenes.faults import suggestion
+<<<<<<< HEAD
 from ecume.scenes.tracers import FluidSpec, ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
+=======
+from ecume.scenes.sizes import largest_radius, radii_of
+from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
+>>>>>>> 5c2b5f29 (Give spheres and tracers sizes as they are in nature)
 from ecume.units import Array, with_prefix
 
 
@@ -230,7 +235,7 @@ def parameters_of(scene: TracersScene) -> Parameters:
     """Raises SceneError with what is wrong."""
     _require_names(scene)
     surfaces, fluid = surfaces_of(scene), fluid_of(scene)
-    settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])
+    settling = np.array([settling_speed(scene, fluid, (one.radius, one.density)) for one in scene.particles])
     stream = Stream(np.array(fluid.flow), fluid.shear_rate, np.where(np.isfinite(settling), settling, 0.0))
     newcomers = newcomers_of(scene, surfaces, stream)
     bodies = bodies_of(scene, fluid, newcomers.species)
@@ -293,14 +298,22 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
     """Masses, weights, frictions and terminal speeds: species by species, then those of the newcomers' species."""
     counts = [species.count for species in scene.particles]
     kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), newcomers])
-    radius = np.array([species.radius for species in scene.particles])
-    density = np.array([species.density for species in scene.particles])
+    # By species first: there may be millions of particles, mostly equal.
+    equal = not any(one.radii or one.sizes for one in scene.particles)
+    radius, of = _radii(scene, kind, equal)
+    density = np.array([one.density for one in scene.particles])[of]
     along = ADDED_MASS * fluid.density if scene.hydrodynamics.added_mass else 0.0
-    settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])
+    grains = zip(radius.tolist(), density.tolist(), strict=True)
+    settling = np.array([settling_speed(scene, fluid, grain) for grain in grains])
     dragged = float(DRAGS[scene.hydrodynamics.drag].resists)
+<<<<<<< HEAD
     slip = [drag.cunningham_factor(fluid.mean_free_path, a) for a in radius]
     friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius]) / slip
     # By species first: there may be millions of particles.
+=======
+    friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius])
+    species, kind = kind, kind if equal else np.arange(len(kind))
+>>>>>>> 5c2b5f29 (Give spheres and tracers sizes as they are in nature)
     return Bodies(
         radius=radius[kind],
         mass=(4.0 / 3.0 * math.pi * radius**3 * (density + along))[kind],
@@ -309,13 +322,29 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
         settling=settling[kind],
         overdamped=np.zeros(len(kind), np.int64),
         density=density[kind],
-        species=kind,
+        species=species,
     )
 
 
-def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
-    """The terminal speed of a species (m/s), downwards; infinite without drag."""
-    radius, excess = species.radius, species.density - fluid.density  # type: ignore[attr-defined]
+def _radii(scene: TracersScene, kind: Integers, equal: bool) -> tuple[Array, Integers]:
+    """The radius of each species where its particles are equal, otherwise of each particle; and the species of each."""
+    if equal:
+        return np.array([species.radius for species in scene.particles]), np.arange(len(scene.particles))
+    radius = np.zeros(len(kind))
+    first = sum(species.count for species in scene.particles)
+    for index, species in enumerate(scene.particles):
+        own = np.flatnonzero(kind == index)
+        enter = own[own >= first]
+        radius[own[own < first]] = radii_of(species, species.count, (scene.seed, index))
+        radius[enter] = species.radius
+        if species.sizes is not None and len(enter):
+            radius[enter] = radii_of(species, len(enter), (scene.seed, index))
+    return radius, kind
+
+
+def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float]) -> float:
+    """The terminal speed of a sphere of this radius and density (m/s), downwards; infinite without drag."""
+    radius, excess = grain[0], grain[1] - fluid.density
     law = DRAGS[scene.hydrodynamics.drag]
     if not law.resists or fluid.viscosity == 0.0:
         return math.copysign(math.inf, excess) if excess and fluid.gravity else 0.0
@@ -355,6 +384,9 @@ def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
     """Mass, friction, terminal speed, push and radius of each kind there is."""
     columns = (bodies.mass, bodies.friction, bodies.settling, bodies.push, bodies.radius)
     first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # of each run of one species
+    for species in np.unique(bodies.species):  # and its extremes
+        own = np.flatnonzero(bodies.species == species)
+        first = np.append(first, [own[np.argmin(bodies.radius[own])], own[np.argmax(bodies.radius[own])]])
     return set(zip(*(column[first].tolist() for column in columns), strict=True))
 
 
@@ -501,7 +533,7 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
     for index, species in enumerate(scene.particles):
         if species.positions:
             placed = np.array(species.positions, np.float64)
-            faults += outside(placed, species, surfaces, index)
+            faults += outside(placed, species, surfaces, (scene.seed, index))
         else:
             placed = scattered(species, surfaces, dice, faults, index, scene)
         places.append(placed)
@@ -530,16 +562,17 @@ def velocities(species: ParticleSpec, dimensions: int) -> Array:
     return np.tile(species.velocity or (0.0,) * dimensions, (species.count, 1))
 
 
-def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, index: int) -> list[Fault]:
-    """A fault for each position that is not in the tank, its radius included."""
-    clear, which = clearance(placed, surfaces)
+def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, at: tuple[int, int]) -> list[Fault]:
+    """A fault for each position that is not in the tank, its radius included, at a seed and place of the species."""
+    seed, index = at
+    (clear, which), radius = clearance(placed, surfaces), radii_of(species, species.count, (seed, index))
     return [
         Fault(
             f"particles[{index}].positions[{i}]",
-            f"{tuple(placed[i].tolist())} is {with_prefix(species.radius - clear[i], 'm', 3)} beyond "
+            f"{tuple(placed[i].tolist())} is {with_prefix(radius[i] - clear[i], 'm', 3)} beyond "
             f"{described(surfaces, int(which[i]))}; expected a position inside, its radius included",
         )
-        for i in np.flatnonzero(clear < species.radius * (1.0 - 1e-9))[:20]
+        for i in np.flatnonzero(clear < radius * (1.0 - 1e-9))[:20]
     ]
 
 
@@ -556,7 +589,7 @@ def scattered(
     found = np.zeros((0, scene.dimensions))
     for _ in range(TRIES):
         thrown = dice.uniform(low, np.maximum(low, high), (2 * species.count, scene.dimensions))
-        found = np.concatenate([found, thrown[clearance(thrown, surfaces)[0] >= species.radius]])
+        found = np.concatenate([found, thrown[clearance(thrown, surfaces)[0] >= largest_radius(species)]])
         if len(found) >= species.count:
             return found[: species.count]
     faults.append(Fault(f"particles[{index}]", f"no room for {species.count} of radius {species.radius:g} m"))
@@ -566,7 +599,7 @@ def scattered(
 def corners(species: ParticleSpec, scene: TracersScene) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The box in which a species is thrown."""
     low, high = bounds(scene)
-    a = species.radius
+    a = largest_radius(species)
     return (
         species.low or tuple(value + a for value in low),
         species.high or tuple(value - a for value in high),

@@ -167,7 +167,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
     mass, friction, speed = (float(values[first]) for values in (bodies.mass, bodies.friction, bodies.settling))
     name, rows = species.name, []
     if friction > 0.0:
-        reynolds = drag.particle_reynolds(abs(speed), species.radius, fluid.density, fluid.viscosity)
+        reynolds = drag.particle_reynolds(abs(speed), float(bodies.radius[first]), fluid.density, fluid.viscosity)
         way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "neutrally buoyant"
         regime = "overdamped: without inertia" if bodies.overdamped[first] else "inertial"
         rows += [

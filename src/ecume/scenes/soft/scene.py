@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -27,6 +27,7 @@ from ecume.scenes.quantities import (
     Switch,
     downwards,
 )
+from ecume.scenes.sizes import SizeSpec, list_faults, mean_power, sized
 from ecume.scenes.soft.protocol import (
     STRESS,
     StageSpec,
@@ -172,8 +173,14 @@ class SphereSpec:
     """The name of the species in frames, legends and exports; by default `sphere-1` and so on. Effect: none on the
     motion."""
     radius: Radius
-    """The radius of each undeformed sphere (m). Effect: larger spheres have larger contacts and stronger film
-    forces."""
+    """The radius of each undeformed sphere (m); a list has one per sphere, a table a distribution. Example: `{
+    distribution = "lognormal", mean = "1 mm", spread = "20 %" }`. Effect: larger spheres have larger contacts and
+    stronger film forces."""
+    radii: tuple[Radius, ...] = ()
+    """One radius per particle (m), as a list in `radius` is kept. Example: `["1 mm", "1.2 mm"]`. Effect: gives each
+    particle its own size."""
+    sizes: SizeSpec | None = None
+    """The distribution of radii, as a table in `radius` is kept. Effect: gives the particles different sizes."""
     modulus: Modulus | None = None
     """Young's modulus of the material (Pa); bubbles and drops have none. Effect: stiffer spheres are indented less;
     contact forces relax faster."""
@@ -194,11 +201,23 @@ class SphereSpec:
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _sized(cls, raw: Any) -> Any:
+        return sized(raw)
+
+    @property
+    def number(self) -> int:
+        """How many spheres there are."""
+        return self.count or len(self.positions)
+
     @model_validator(mode="after")
     def _placed(self) -> Self:
         if bool(self.positions) == (self.count is not None):
             came = "both" if self.positions else "neither"
             raise Inconsistent([((), f"expected either positions or count; got {came}")])
+        if wrong := list_faults(self, self.number):
+            raise Inconsistent(wrong)
         return self
 
 
@@ -378,7 +397,7 @@ def sides_of(scene: SoftScene) -> tuple[float, ...]:
     if wanted is None:
         return size
     unit, power = (math.pi, 2) if len(size) == 2 else (4.0 / 3.0 * math.pi, 3)
-    volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.particles)
+    volume = sum(one.number * unit * mean_power(one, power, one.number) for one in scene.particles)
     factor = (volume / wanted / math.prod(size)) ** (1.0 / len(size))
     return tuple(factor * side for side in size)
 
