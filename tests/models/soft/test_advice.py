@@ -142,8 +142,9 @@ def test_what_may_not_be_meant_is_reported(scene, says):
 
 
 def test_what_is_usual_is_not_doubted():
-    assert report(packing()) == ""
-    assert report(packing(radii=(1.0,), count=20, filled=0.75)) == ""
+    assert report(packing(rotation=True)) == ""
+    assert "spheres do not rotate" in report(packing())
+    assert report(packing(radii=(1.0,), count=20, filled=0.75, rotation=True)) == ""
     assert report(two(1e-3)) == ""
 
 

@@ -25,12 +25,8 @@ from ecume.models.model import Layout, code_of
 from ecume.models.step_counts import ending_on_a_step
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.scenes.faults import suggestion
-<<<<<<< HEAD
-from ecume.scenes.tracers import FluidSpec, ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
-=======
 from ecume.scenes.sizes import largest_radius, radii_of
-from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
->>>>>>> 5c2b5f29 (Give spheres and tracers sizes as they are in nature)
+from ecume.scenes.tracers import FluidSpec, ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
 from ecume.units import Array, with_prefix
 
 
@@ -306,14 +302,9 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
     grains = zip(radius.tolist(), density.tolist(), strict=True)
     settling = np.array([settling_speed(scene, fluid, grain) for grain in grains])
     dragged = float(DRAGS[scene.hydrodynamics.drag].resists)
-<<<<<<< HEAD
     slip = [drag.cunningham_factor(fluid.mean_free_path, a) for a in radius]
     friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius]) / slip
-    # By species first: there may be millions of particles.
-=======
-    friction = dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius])
     species, kind = kind, kind if equal else np.arange(len(kind))
->>>>>>> 5c2b5f29 (Give spheres and tracers sizes as they are in nature)
     return Bodies(
         radius=radius[kind],
         mass=(4.0 / 3.0 * math.pi * radius**3 * (density + along))[kind],
