@@ -507,7 +507,7 @@ def reflect_noise(
         # Beyond this, paths meet with a probability below exp(-40).
         if contacts.bound[row] > -np.inf and (after <= 0.0 or gap * after < 20.0 * variance):
             i, j = contacts.first[row], contacts.second[row]
-            draw = uniforms(counter_of_pair(i, j, int(state.step[0])), drift.seed)[0]
+            draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0])), drift.seed)[0]
             end = reflected_gain(after - gap, variance, -math.log(draw))
             moved = time * contacts.scratch[row]
             if ahead > 0.0:
