@@ -241,3 +241,24 @@ def test_the_maximum_speed_is_that_of_a_fall_through_the_tank():
     falling = from_plain({**plain, "fluid": [*plain["fluid"], drop]})
     assert material_of(falling).fastest == pytest.approx(np.sqrt(1.0 + 2.0 * 2.5))
     assert material_of(from_plain({**plain, "bodies": [block]})).fastest == pytest.approx(np.sqrt(2.0 * 3.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "alpha"),
+    [
+        ({}, 0.02),
+        ({"fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0], "flow": "standing-wave", "flow_speed": 0.1}]}, 0.0),
+        ({"tank": {"high": [1.0, 2.0], "left": {"motion": {"amplitude": 0.01, "frequency": 0.25}}}}, 0.0),
+        (
+            {
+                "tank": {"high": [1.0, 2.0], "left": {"motion": {"amplitude": 0.01, "frequency": 0.25}}},
+                "method": {"acoustic_damping": 0.0},
+            },
+            0.02,
+        ),
+    ],
+)
+def test_waves_are_not_damped_by_default(change, alpha):
+    """Where nothing else damps noise, artificial viscosity does."""
+    scene = from_plain({**to_plain(tank()), **change})
+    assert artificial_viscosity_of(scene) == alpha

@@ -143,8 +143,9 @@ class MethodSpec:
     diffusion_coefficient: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
     """The coefficient delta of the density diffusion. Effect: larger values smooth the pressure more strongly."""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
-    """The coefficient alpha of the artificial viscosity; by default 0.02, or 0 where
-    `liquid.viscosity` is given. Effect: larger values damp noise and motion."""
+    """The coefficient alpha of the artificial viscosity; by default 0.02, or 0 where `liquid.viscosity` is given, and
+    where a side moves or a standing wave is set up, so that waves last. Effect: larger values damp
+    noise and motion."""
     acoustic_damping: Annotated[Number, Field(ge=0.0, le=2.0)] | None = None
     """The coefficient alpha of the acoustic damping, a bulk viscosity; by default 2 where the liquid has a free surface
     and artificial viscosity is not set to 0, less with very light bodies, 0.5 with `corrected` pressure forces,

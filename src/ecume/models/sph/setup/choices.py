@@ -146,11 +146,20 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
 
 
 def artificial_viscosity_of(scene: SphScene) -> float:
-    """Its alpha."""
+    """Its alpha: by default none where the liquid has a viscosity, and in tanks that make waves, which it would damp:
+    there the acoustic damping suffices.
+    """
     given = scene.method.artificial_viscosity
     if given is None:
-        return USUAL_ALPHA * (not scene.liquid.viscosity)
+        spared = makes_waves(scene) and acoustic_damping_of(scene) >= USUAL_DAMPING
+        return USUAL_ALPHA * (not scene.liquid.viscosity and not spared)
     return given
+
+
+def makes_waves(scene: SphScene) -> bool:
+    """Whether a scene is about waves on the surface: a side moves, or a standing wave is set up."""
+    moved = any(side.motion for side in sides_of(scene))
+    return moved or any(region.flow == "standing-wave" for region in scene.fluid)
 
 
 USUAL_DAMPING = 2.0
