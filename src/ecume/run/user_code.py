@@ -149,7 +149,7 @@ def _plain_function(one: Any) -> Any:
 PLAIN = (int, float, complex, str, bytes, bool, type(None), np.generic)
 """Values whose `repr` is their content."""
 Contents = Iterator[tuple[str, str]]
-"""Paths of what a function uses, `mylib.EDGES`, each with its content, or with nothing if that is not known."""
+"""Paths of what a function uses (a name in a module), each with its content, or with nothing if that is not known."""
 
 
 def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) -> Contents:

@@ -143,7 +143,7 @@ def mean_power(species: Sized, power: int, count: int) -> float:
 
 
 def sized(raw: Any) -> Any:
-    """The keys of a species, with a `radius` that is a table or a list told apart from one that is a length."""
+    """The keys of a species, with a `radius` that is a table or a list, distinguished from one that is a length."""
     keys = raw.kwargs if isinstance(raw, ArgsKwargs) else raw
     if not isinstance(keys, Mapping):
         return raw

@@ -157,7 +157,7 @@ def sizes_rows(parameters: Parameters) -> list[Row]:
 
 def jamming_fraction(radius: Array, dimensions: int) -> float:
     """The volume fraction at which random packings of these radii jam: in 3D 0.634 + 0.0658 d + 0.0857 S d^2, with the
-    polydispersity d and the skewness S [desmond2014, eq. 4]; in 2D it hardly depends on them.
+    polydispersity d and the skewness S [desmond2014, eq. 4]; in 2D it depends little on them.
     """
     if dimensions == 2:
         return JAMMED[2]

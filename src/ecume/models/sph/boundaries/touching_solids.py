@@ -47,9 +47,9 @@ class Solid(NamedTuple):
     """a place in `Boundary.names`"""
     shape: Shape
     turn: Array
-    """(d, d) from its own axes to those of the tank"""
+    """(d, d) from the axes of the shape to those of the tank"""
     middle: Array
-    """(d,) the origin of its own axes"""
+    """(d,) the origin of the axes of the shape"""
     moves: bool
 
     def gap(self, points: Array) -> Array:
@@ -157,7 +157,7 @@ def pair_loads(now: Parameters, workspace: Workspace, movers: bool) -> dict[int,
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
     """What a solid gets and what those beside it lose: along each axis the nearest wall across it within a support, or
-    else the nearest neighbor. Of two solids each gets half of its own difference, and half of the other's.
+    else the nearest neighbor. Of two solids each gets half of the difference it has, and half of the other's.
     """
     centers, (force, torque) = now.boundary.centers, more
     nearest = min(least, key=lambda owner: least[owner])
