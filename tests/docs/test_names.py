@@ -16,8 +16,8 @@ ROOT = PACKAGE.parents[1]
 DOTTED = re.compile(r"`([a-z_]\w*(?:\.\w+)+)(?:\(\))?`")
 SINGLE = re.compile(r"`([a-z]\w*_\w*)(?:\(\))?`")
 FILES = re.compile(r"\.(csv|data|dump|jsonl?|lammps|npz|pdf|png|pvd|py|sh|svg|table|toml)$")
-ELSEWHERE = ("math.", "numpy.", "typing.")
-"""Names of other libraries."""
+ELSEWHERE = ("math.", "mylib.", "numpy.", "typing.")
+"""Names of other libraries, and of one in an example."""
 EXAMPLES = re.compile(r"a\.b$|gauges\.0\.|name_|top_|stress_squeeze_|kinetic_energy_min$")
 """Names that stand for any of their kind, and names that are put together from parts."""
 
