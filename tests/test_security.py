@@ -58,7 +58,7 @@ def forbidden(tree):
 COMPILED = "compile('\\n'.join(lines), file, 'exec')"
 WRITTEN = "compile(text, __file__, 'exec')"
 COMPILED_CODE = {"_parts.py": ["pickle"]}
-"""Machine code, from the user's private folder or the installed packages: see SECURITY.md."""
+"""Machine code, from files that no other user could have written: see SECURITY.md."""
 MADE_OF_TABLES = {"_jit.py": [f"exec({WRITTEN}, found)", f"exec({COMPILED}, found)", WRITTEN, COMPILED]}
 """`_jit.each_by_type` writes a call for each part of a tuple, of numbered names only. `_jit.selection` makes a
 function with a branch for each row of a table of laws, as `dataclasses` make `__init__`."""
@@ -245,3 +245,19 @@ def test_all_that_verbs_print_is_cleaned():
         text = path.read_text(encoding="utf-8")
         ways = re.findall(r"typer\.(?:echo|secho)\(|(?<![\w.])print\(|sys\.std(?:out|err)\.write\(", text)
         assert ways == (["typer.echo("] if path.name == "output.py" else []), path
+
+
+def test_local_workers_are_encrypted(monkeypatch):
+    """Other users of the machine can connect to their ports."""
+    distributed = pytest.importorskip("distributed")
+    asked = {}
+
+    def made(**options):
+        asked.update(options)
+        raise BadInput("enough")
+
+    monkeypatch.setattr(distributed, "LocalCluster", made)
+    with pytest.raises(BadInput, match="enough"), executors._client(executors.ExecutorOptions(), None, 2):
+        pass
+    assert asked["protocol"] == "tls://"
+    assert asked["security"].tls_scheduler_cert
