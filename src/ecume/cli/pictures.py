@@ -266,7 +266,7 @@ def movie(
         made = make(directory, out, options, progress=reporter, workers=workers)
     if made.suffix == ".png" and not quiet:
         pictures = sorted(made.parent.glob(f"{made.stem[:-4]}[0-9][0-9][0-9][0-9].png"))
-        typer.echo(f"wrote {len(pictures)} pictures, {made} to {pictures[-1].name}")
+        echo(f"wrote {len(pictures)} pictures, {made} to {pictures[-1].name}")
     else:
         wrote(made, quiet=quiet)
     if not quiet:
