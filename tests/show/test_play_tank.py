@@ -322,7 +322,7 @@ def test_where_there_is_no_wall_nothing_is_pushed():
 def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_with_both(monkeypatch):
     played = []
     monkeypatch.setattr("ecume.show.play.pages.Game.run", lambda game: played.append(game.toy.moving))
-    monkeypatch.setattr("ecume.cli.browser.offered", contextlib.nullcontext)
+    monkeypatch.setattr("ecume.cli.browser.offered", lambda address, what: contextlib.nullcontext(address))
     both = CliRunner().invoke(app, ["play", "--tank", "mine.toml"])
     assert both.exit_code == 2
     assert "expected one of them" in both.output

@@ -185,7 +185,7 @@ def test_a_process_gives_its_own_numbers(tmp_path):
 def test_what_breaks_in_a_point_is_reported_in_a_line_and_the_rest_continues(file, tmp_path, monkeypatch):
     """A defect of ours, too: a week of other points is no price for it."""
 
-    def breaks(job, plan):
+    def breaks(job, plan, laws):
         if plan["scene"]["seed"] == 2:
             raise ZeroDivisionError("nobody\nthought of it")
         (job.folder / "result.json").write_text("{}")

@@ -84,9 +84,8 @@ class ParticleSpec:
     """The number of particles; by default one, or the number of positions. Effect: run time and disk space are
     proportional to it; the particles do not interact."""
     radius: Radius
-    """The radius of each sphere (m); a list has one per sphere, a table a distribution. Example: `{ distribution =
-    "lognormal", mean = "10 um", spread = "20 %" }`. Effect: the settling speed grows as its square, diffusion falls as
-    its inverse."""
+    """The radius of each sphere (m); a list has one per sphere, a table a distribution with the keys `distribution`,
+    `mean` and `spread`. Effect: the settling speed grows as its square, diffusion falls as its inverse."""
     radii: tuple[Radius, ...] = ()
     """One radius per particle (m), as a list in `radius` is kept. Example: `["1 mm", "1.2 mm"]`. Effect: gives each
     particle its own size."""

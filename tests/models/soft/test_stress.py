@@ -253,7 +253,7 @@ def test_a_sheared_box_with_drag_drags_along_its_flow():
 PROTOCOLS = [
     ([{"time": 0.0, "shear_stress": 1.0, "shear_rate": 1.0}], "shear_stress", "given together with shear_rate"),
     ([{"time": 0.0, "normal_stress": 1.0, "pressure": 1.0}], "pressure", "given together with normal_stress"),
-    ([{"time": 0.0, "shear_stress": "5 Pa"}], "shear_stress", "a layer are in N/m"),
+    ([{"time": 0.0, "shear_stress": "5 Pa"}], "shear_stress", "expected N/m in 2D"),
     ([{"time": 0.0, "pressure": 1.0}, {"time": 1.0, "scale": 0.9}], "scale", "answered to a stress"),
     ([{"time": 0.0, "shear_rate": 1.0}, {"time": 1.0, "strain": 3.0}], "strain", "a shear_rate rules"),
     ([{"time": 0.0, "oscillation": {"frequency": 1.0}}], "oscillation", "expected either amplitude"),

@@ -183,7 +183,8 @@ def test_a_drop_falls_freely_and_without_pressure():
     fall = -float(state.clock[0])
     np.testing.assert_allclose(state.velocity[1].mean(), fall, rtol=1e-3)
     assert np.abs(state.velocity - state.velocity.mean(axis=1, keepdims=True)).max() < 0.1 * abs(fall)
-    assert parameters.time_step == pytest.approx(0.25 * 0.25 / np.sqrt(1.2), rel=0.3)
+    # The top of the drop can fall to the floor.
+    assert parameters.time_step == pytest.approx(0.25 * 0.25 / np.sqrt(2.0 * 1.7), rel=0.3)
 
 
 def test_steps_are_longer_by_the_mach_number():

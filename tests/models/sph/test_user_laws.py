@@ -63,7 +63,7 @@ def accelerations(scene: Any, law: Any, **spec: Any) -> tuple[Any, Any]:
     workspace = model.workspace(parameters, state, 1.0)
     model.observe(parameters, state, workspace)
     assert parameters.user_forces is not None
-    return state, parameters.user_forces.acceleration(parameters, state, workspace)
+    return state, parameters.user_forces(parameters, state, workspace)
 
 
 def test_a_pair_law_acts_between_all_pairs_within_the_support_and_keeps_momentum() -> None:

@@ -173,9 +173,8 @@ class SphereSpec:
     """The name of the species in frames, legends and exports; by default `sphere-1` and so on. Effect: none on the
     motion."""
     radius: Radius
-    """The radius of each undeformed sphere (m); a list has one per sphere, a table a distribution. Example: `{
-    distribution = "lognormal", mean = "1 mm", spread = "20 %" }`. Effect: larger spheres have larger contacts and
-    stronger film forces."""
+    """The radius of each undeformed sphere (m); a list has one per sphere, a table a distribution with the keys
+    `distribution`, `mean` and `spread`. Effect: larger spheres have larger contacts and stronger film forces."""
     radii: tuple[Radius, ...] = ()
     """One radius per particle (m), as a list in `radius` is kept. Example: `["1 mm", "1.2 mm"]`. Effect: gives each
     particle its own size."""

@@ -148,8 +148,8 @@ class MethodSpec:
     noise and motion."""
     acoustic_damping: Annotated[Number, Field(ge=0.0, le=2.0)] | None = None
     """The coefficient alpha of the acoustic damping, a bulk viscosity; by default 2 where the liquid has a free surface
-    and artificial viscosity is not set to 0, less with very light bodies, 0.5 with `corrected` pressure forces,
-    otherwise 0. Effect: damps sound waves, such as those of impacts."""
+    and artificial viscosity is not set to 0, less with very light bodies, 0.5 where gradients of the pressure are
+    completed, otherwise 0. Effect: damps sound waves, such as those of impacts."""
     viscosity_model: LawName = "automatic"
     """The viscous force: `monaghan` along the lines of centers, right at a free surface; `corrected`, the same with
     the part completed that has no neighbors there; `morris` along velocities, right in full tanks; by default the one

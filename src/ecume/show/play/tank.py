@@ -20,6 +20,7 @@ from ecume.laws.flows import wave_frequency
 from ecume.models import MODELS
 from ecume.models.sph.parameters import Drive, Liquid, Material
 from ecume.models.sph.setup.building import material_of
+from ecume.models.sph.setup.choices import acoustic_damping_of, artificial_viscosity_of
 from ecume.models.sph.setup.shapes import free_of, solids_of
 from ecume.models.sph.state import make_state
 from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ParticlesSpec, RegionSpec, SphScene
@@ -84,10 +85,15 @@ def require_playable(scene: SphScene) -> None:
 
 
 def fixed(scene: SphScene) -> SphScene:
-    """The scene with its numerical speed of sound written down: it must not follow from what is poured later."""
+    """The scene with its speed of sound and its artificial damping written down: they must not follow from what is
+    poured or pushed later.
+    """
     material = material_of(scene)
     liquid = dataclasses.replace(scene.liquid, sound_speed=material.sound_speed, maximum_speed=material.fastest)
-    return dataclasses.replace(scene, liquid=liquid)
+    method = dataclasses.replace(
+        scene.method, artificial_viscosity=artificial_viscosity_of(scene), acoustic_damping=acoustic_damping_of(scene)
+    )
+    return dataclasses.replace(scene, liquid=liquid, method=method)
 
 
 def with_hands(scene: SphScene, pushed: float, more: tuple[float, float]) -> SphScene:

@@ -148,9 +148,9 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     return with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
 
 
-SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 1e-6, 1000
+SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 2e-4, 1000
 """Of a radius: the overlaps that are removed before a run, from the smaller to the larger one. Soft contacts of other
-programs leave such. And the sweeps that this may take.
+programs leave such; rafts of our own runs, which continue as they are, overlap less. And the sweeps that this may take.
 """
 
 
