@@ -150,7 +150,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
 
 SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 2e-4, 1000
 """Of a radius: the overlaps that are removed before a run, from the smaller to the larger one. Soft contacts of other
-programs leave such; rafts of our own runs, which continue as they are, overlap less. And the sweeps that this may take.
+programs leave such; rafts that a run leaves overlap less, and continue as they are. And the sweeps that this may take.
 """
 
 
