@@ -105,6 +105,7 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
     [
         ("", Camera(), "is empty"),
         ("x,y,t\n1,2,3\n", Camera(), "there are only 1 instants"),
+        ("x,y,object\n1,2,3\n", Camera(), "missing column"),
         (TRACKPY, Camera(pixel=1e-5), "give the frame rate"),
         (TRACKPY, Camera(rate=25.0), "give the size of a pixel"),
         (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; give it"),

@@ -138,9 +138,9 @@ def test_the_energy_of_a_law_is_the_integral_of_its_force(frames):
     assert kinetic[-1] > 1e-3 * STRONG
     np.testing.assert_allclose(energy, energy[0], rtol=1e-4)
     apart = np.hypot(0.006, 0.001)
-    assert energy[0] == pytest.approx(2.0 * STRONG * math.log(REACH / apart), rel=1e-3)
+    assert energy[0] == pytest.approx(2.0 * STRONG * math.log(REACH / apart), rel=1e-12)
     late = math.dist(*frames[-1].arrays["position"][[0, 2]])
-    assert energy[0] - kinetic[-1] == pytest.approx(2.0 * STRONG * math.log(REACH / late), rel=1e-3)
+    assert energy[0] - kinetic[-1] == pytest.approx(2.0 * STRONG * math.log(REACH / late), rel=1e-4)
 
 
 def test_the_energy_is_that_of_the_positions_of_a_frame():
@@ -152,7 +152,7 @@ def test_the_energy_is_that_of_the_positions_of_a_frame():
     workspace = model.workspace(parameters, state, 1.0)
     state.position[2, 1] = 0.0
     energy = model.observe(parameters, state, workspace).numbers["pair_energy"]
-    assert energy == pytest.approx(2.0 * STRONG * math.log(REACH / 0.006), rel=1e-3)
+    assert energy == pytest.approx(2.0 * STRONG * math.log(REACH / 0.006), rel=1e-12)
 
 
 def test_a_stiff_law_shortens_the_time_step():
