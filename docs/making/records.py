@@ -1,36 +1,49 @@
-"""What was recorded of validation and benchmarks, as pages: each with its date and the machine."""
+"""What was recorded of validation and benchmarks, as pages: each with its date, commit, machine and staleness."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 from writing import plain
 
+from ecume.cli.comparisons import BENCHES
 from ecume.validation import CASES
-
-DOCS = Path(__file__).parents[1]
+from ecume.validation.made_from import age_of, recorded
 
 
 def validation() -> str:
-    """A summary of all cases, then each one's table."""
-    reported = recorded("recorded-validation.json")
+    """A summary of all cases, every number that is missed, then each one's table."""
+    reported = recorded("validation")
     rows = [_summary(name, case.summary, reported.get(name)) for name, case in CASES.items()]
     head = ["| case | what is compared | met | recorded |", "|---|---|---|---|", *rows, ""]
-    return "\n".join([*head, *(_case(name, reported[name]) for name in CASES if name in reported)])
+    tables = (_case(name, reported[name]) for name in CASES if name in reported)
+    return "\n".join([*head, *_misses(reported), *tables])
 
 
 def _summary(name: str, says: str, entry: dict[str, Any] | None) -> str:
+    age = age_of(entry, CASES[name].module, name)
     if entry is None:
-        return f"| `{name}` | {says} | – | not recorded |"
+        return f"| `{name}` | {says} | – | {age} |"
     met = sum(row["met"] for row in entry["rows"])
-    return f"| [`{name}`](#{name}) | {says} | {met} of {len(entry['rows'])} | {entry['date']} |"
+    return f"| [`{name}`](#{name}) | {says} | {met} of {len(entry['rows'])} | {age} |"
+
+
+def _misses(reported: dict[str, Any]) -> list[str]:
+    """One table of all numbers outside their tolerance."""
+    missed = [(name, row) for name in CASES if name in reported for row in reported[name]["rows"] if not row["met"]]
+    rows = [
+        f"| [`{name}`](#{name}) | {plain(row['name'])} | {row['computed']} | {plain(row['expected'])} "
+        f"| {row['tolerance']} |"
+        for name, row in missed
+    ]
+    total = sum(len(reported[name]["rows"]) for name in CASES if name in reported)
+    head = ["| case | number | computed | expected | tolerance |", "|---|---|---|---|---|"]
+    return [f"## Misses\n\n{len(missed)} of {total} recorded numbers are outside their tolerance.\n", *head, *rows, ""]
 
 
 def _case(name: str, entry: dict[str, Any]) -> str:
     rows = "\n".join(map(_row, entry["rows"]))
-    said = f"{entry['date']}, ecume {entry['ecume']}, {entry['seconds']:.0f} s of a processor: {entry['processor']}."
+    said = f"{_when(entry, CASES[name].module, name)} {entry['seconds']:.0f} s of a processor."
     head = "| number | computed | expected | tolerance | |\n|---|---|---|---|---|"
     folded = f"<details><summary>{len(entry['rows'])} numbers</summary>\n\n{head}\n{rows}\n\n</details>\n"
     return f"## {name}\n\n{said}\n\n{folded}"
@@ -41,18 +54,27 @@ def _row(row: dict[str, Any]) -> str:
     return f"| {plain(row['name'])} | {row['computed']} | {plain(row['expected'])} | {row['tolerance']} | {met} |"
 
 
+def _when(entry: dict[str, Any], home: str, case: str = "") -> str:
+    """The date, the version and the machine; and whether the code has changed since."""
+    commit = f" ({entry['commit']})" if "commit" in entry else ""
+    load = f", load {entry['load']}" if "load" in entry else ""
+    stale = " **Stale: the code behind it has changed since.**" if age_of(entry, home, case) != entry["date"] else ""
+    return f"Recorded {entry['date']}, ecume {entry['ecume']}{commit}, {entry['processor']}{load}.{stale}"
+
+
 def benchmarks() -> str:
-    """Each benchmark's output."""
-    return "\n".join(_bench(name, entry) for name, entry in recorded("recorded-benchmarks.json").items())
+    """When each benchmark was recorded, then each one's output."""
+    reported = recorded("benchmarks")
+    ages = {name: age_of(reported.get(name), _home(name)) for name in BENCHES}
+    rows = [f"| `{name}` | {one.summary} | {ages[name]} |" for name, one in BENCHES.items()]
+    outputs = (_bench(name, reported[name]) for name in BENCHES if name in reported)
+    return "\n".join(["| benchmark | what is measured | recorded |", "|---|---|---|", *rows, "", *outputs])
+
+
+def _home(name: str) -> str:
+    return BENCHES[name].script.removesuffix(".py")
 
 
 def _bench(name: str, entry: dict[str, Any]) -> str:
-    said = f"{entry['summary']}. Recorded {entry['date']}, ecume {entry['ecume']}, in {entry['seconds']:.0f} s:"
+    said = f"{entry['summary']}. {_when(entry, _home(name))} It took {entry['seconds']:.0f} s:"
     return f"## {name}\n\n{said} `{entry['command']}`\n\n```text\n{entry['output'].strip()}\n```\n"
-
-
-def recorded(name: str) -> dict[str, Any]:
-    """What a file of records holds."""
-    path = DOCS / name
-    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    return found

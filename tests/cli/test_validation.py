@@ -21,8 +21,11 @@ def stand_ins(monkeypatch: pytest.MonkeyPatch, *cases: Case) -> None:
     monkeypatch.setattr("ecume.validation.CASES", {case.name: case for case in cases})
 
 
+HOME = "ecume.validation.kernels"
+
+
 def case(name: str, *rows: Row, long: bool = False) -> Case:
-    return Case(name, f"about {name}", long, lambda: list(rows))
+    return Case(name, f"about {name}", long, lambda: list(rows), HOME)
 
 
 GOOD = within("height", 1.0004, 1.0, 1e-3)
@@ -85,7 +88,7 @@ def test_a_case_that_breaks_off_is_not_met_and_the_others_go_on(monkeypatch: pyt
     def breaks_off() -> list[Row]:
         raise Diverged("float 3 left at 1.2 s")
 
-    stand_ins(monkeypatch, Case("bad", "", False, breaks_off), case("good", GOOD))
+    stand_ins(monkeypatch, Case("bad", "", False, breaks_off, HOME), case("good", GOOD))
     done = cli.invoke(app, ["validate", "--all"])
     assert done.exit_code == 1
     assert done.stderr == "ecume: bad: NOT MET: float 3 left at 1.2 s\n"

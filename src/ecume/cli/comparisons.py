@@ -52,16 +52,23 @@ def validate(
 ) -> None:
     """Compare what ecume computes with published numbers.
 
-    Also compares with other methods and with bounds. The exit code is 1 if a comparison fails.
+    Also compares with other methods and with bounds. The exit code is 1 if a comparison fails. The list says when each
+    case was recorded, and whether the code and data behind it have changed since.
 
     Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
     from ecume.validation import CASES
 
     if not names and not everything and not quick:
+        from ecume.validation.made_from import age_of, recorded
+
+        # Records come with a checkout. Whether they hold is read from the code, which takes a second.
+        known = recorded("validation")
+        ages = [age_of(known.get(case.name), case.module, case.name) if known else "" for case in CASES.values()]
+        rows = zip(CASES.values(), ages, strict=True)
         print_table(
-            ("case", "what is compared", ""),
-            [(case.name, case.summary, "takes minutes" if case.long else "") for case in CASES.values()],
+            ("case", "what is compared", "", "recorded" if known else ""),
+            [(case.name, case.summary, "takes minutes" if case.long else "", age) for case, age in rows],
         )
         return
     asked = [case for case in _chosen_cases(names or [], everything=everything) if not (quick and case.long)]
@@ -101,8 +108,11 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
         echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
     plain = [_plain(row) for row in rows]
     if record is not None:
+        from ecume.validation.made_from import digest_of
+
         # Processor time: wall time depends on what else the machine does.
-        keep(record, case.name, {"seconds": time.process_time() - worked, "rows": plain})
+        seconds, made_from = time.process_time() - worked, digest_of(case.module, case.name)
+        keep(record, case.name, {"made_from": made_from, "seconds": seconds, "rows": plain})
     return {"case": case.name, "met": bool(rows) and met == len(rows), "rows": plain}
 
 
@@ -237,11 +247,10 @@ def _chosen_benchmarks(names: Sequence[str], *, everything: bool) -> list[Bench]
 
 def folder() -> Path:
     """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
-    package = Path(__file__).parents[1]
-    places = [place / "benchmarks" for place in (package, package.parents[1])]
-    found = next((place for place in places if (place / "timed_runs.py").is_file()), None)
-    if found is None:
-        raise BadInput(f"the scripts of the benchmarks are missing: there is no {places[0]}")
+    from ecume.validation.made_from import scripts_of
+
+    if not (found := scripts_of()).is_dir():
+        raise BadInput(f"the scripts of the benchmarks are missing: there is no {found}")
     return found
 
 
@@ -262,7 +271,10 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
     if record is not None and code == 0:
         command = " ".join((f"python benchmarks/{one.script}", *one.arguments))
-        found = {"summary": one.summary, "command": command, "seconds": seconds}
+        from ecume.validation.made_from import digest_of
+
+        made_from = digest_of(one.script.removesuffix(".py"))
+        found = {"summary": one.summary, "made_from": made_from, "command": command, "seconds": seconds}
         keep(record, one.name, found | {"output": output.replace(empty, PEERS)})
     return code == 0
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 import datetime
 import json
 import math
+import os
 import re
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -85,8 +87,21 @@ def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
 
     known = json_of(path) if path.exists() else {}
     machine = {key: circumstances()[key] for key in ("ecume", "processor")}
+    if hasattr(os, "getloadavg"):
+        machine["load"] = round(os.getloadavg()[0], 1)
+    machine |= commit()
     known[name] = {"date": datetime.datetime.now(datetime.UTC).date().isoformat(), **machine, **entry}
     write_json(path, dict(sorted(known.items())))
+
+
+def commit() -> dict[str, str]:
+    """That of the checkout, with `-dirty` where files differ from it. Empty for an installed package."""
+    words = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=8", "--exclude=*"]
+    try:
+        found = subprocess.run(words, capture_output=True, text=True, check=True)  # noqa: S603  (fixed words)
+    except (OSError, subprocess.CalledProcessError):
+        return {}
+    return {"commit": found.stdout.strip()}
 
 
 def print_json(value: object) -> None:

@@ -22,18 +22,20 @@ class Case(NamedTuple):
     long: bool
     """minutes rather than seconds"""
     rows: Callable[[], list[Row]]
+    module: str
+    """where they are computed"""
 
 
 def _case(name: str, summary: str, *, long: bool = False, place: str = "") -> Case:
     """A case; `place` is MODULE:FUNCTION, by default the function `rows` of the module of its name."""
-    module, function = (place or f"{name.replace('-', '_')}:rows").split(":")
+    module, function = f"ecume.validation.{place or name.replace('-', '_') + ':rows'}".split(":")
 
     def rows() -> list[Row]:
         # Imported on use: the table is read by `ecume --help`, which must not wait for a compiler.
-        found: list[Row] = getattr(importlib.import_module(f"ecume.validation.{module}"), function)()
+        found: list[Row] = getattr(importlib.import_module(module), function)()
         return found
 
-    return Case(name, summary, long, rows)
+    return Case(name, summary, long, rows, module)
 
 
 CASES: dict[str, Case] = {

@@ -1,7 +1,8 @@
 """The scenes, tables and runs of validation cases; scenes and tables are in `data/CASE`.
 
 Long cases keep the numbers of each finished run, a piece, in a folder of the working directory. A piece is named by
-the digest of its scene: an interrupted case continues with the pieces that are missing.
+the digests of its scene and of what its numbers are made from: an interrupted case continues with the pieces that are
+missing, and an edit of the model computes them again.
 
 The rows of a comparison: one for each number, and the ways to judge it.
 """
@@ -21,6 +22,7 @@ from ecume.scenes.load import Scene, load_scene, to_plain
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
+from ecume.validation.made_from import digest_of
 
 DATA = Path(__file__).parent / "data"
 
@@ -57,7 +59,8 @@ def frames_of(case: str, changes: Sequence[str] = ()) -> Iterator[Frame]:
 
 def kept_values(scene: Scene, folder: Path, compute: Callable[[], Sequence[Any]]) -> list[Any]:
     """What was computed from a scene and is kept, as JSON contains it; else it is computed now."""
-    path = folder / f"{digest(scene)}.json"
+    made_from = digest_of(compute.__module__)
+    path = folder / f"{digest(scene)}-{made_from[:16]}.json"
     if not path.is_file():
         text = json.dumps(compute())
         folder.mkdir(parents=True, exist_ok=True)
@@ -70,7 +73,7 @@ def kept_values(scene: Scene, folder: Path, compute: Callable[[], Sequence[Any]]
 
 
 def digest(scene: Scene) -> str:
-    """The name of a piece: a digest of its complete scene."""
+    """A digest of a complete scene."""
     return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()[:16]
 
 
