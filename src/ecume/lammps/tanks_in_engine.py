@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 COLUMNS = ("x", "y", "z", "vx", "vy", "vz", "c_density")
 GROUP = "liquid"
-UNKNOWN = (INJECTED, "guard_hits", "substeps", "most_substeps")
+UNKNOWN = (INJECTED, "numerical_work", "guard_hits", "substeps", "most_substeps")
 """Numbers of frames that LAMMPS does not compute."""
 
 

@@ -554,6 +554,10 @@ def _quadrature(support: float) -> tuple[Array, Array]:
 
 DISORDER, ROW = 0.02, 0.1
 """Parts of the neighbors: what settled disorder varies by, and less than what the second row at a surface lacks."""
+WHOLE, SPRAY = 2.5, 5.0
+"""Largest factors of completed gradients: 2.0 at a flat surface, 4.8 at the corner of a square lattice, and 5 to 30 in
+drops of a few particles.
+"""
 
 
 def missing_neighbors(trace: Number, dimensions: Number) -> Number:
@@ -568,15 +572,40 @@ def missing_neighbors(trace: Number, dimensions: Number) -> Number:
     return 1.0 - trace / dimensions
 
 
-def correction_share(missing: Number) -> Number:
-    """The share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a surface.
+def correction_share(missing: Number, factor: Number) -> Number:
+    """The share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a surface, zero in spray.
 
-    missing: see `missing_neighbors`. A smooth step between `DISORDER` and `ROW`. With s = 1 everywhere, as in
-    [bonet1999], the sums would not notice where particles are too close, and disorder would last longer. Like this,
-    [schulze2025] corrects near the surface only, with other weights.
+    missing: see `missing_neighbors`; factor: see `completion_factor`. Smooth steps between `DISORDER` and `ROW`, and
+    between `SPRAY` and `WHOLE`. With s = 1 everywhere, as in [bonet1999], the sums would not notice where particles are
+    too close, and disorder would last longer; and the stiffness of a drop of four particles, which grows with the
+    square of B, would be 25 times that of a lattice, beyond what the time step resolves. Like this, [schulze2025]
+    corrects near the surface only, with other weights.
 
-    >>> correction_share(0.01), round(correction_share(0.06), 12), correction_share(0.4)
+    >>> correction_share(0.01, 1.0), round(correction_share(0.06, 2.0), 12), correction_share(0.4, 2.0)
+    (0.0, 0.5, 1.0)
+    >>> correction_share(0.6, 3.75), correction_share(0.7, 12.0)
+    (0.5, 0.0)
+    """
+    return smooth_step(missing, DISORDER, ROW) * (1.0 - smooth_step(factor, WHOLE, SPRAY))
+
+
+def smooth_step(value: Number, low: Number, high: Number) -> Number:
+    """Zero below one number, one above another, and a cubic of zero slope at both ends between them.
+
+    >>> smooth_step(0.0, 1.0, 2.0), smooth_step(1.5, 1.0, 2.0), smooth_step(3.0, 1.0, 2.0)
     (0.0, 0.5, 1.0)
     """
-    part = min(max((missing - DISORDER) / (ROW - DISORDER), 0.0), 1.0)
+    part = min(max((value - low) / (high - low), 0.0), 1.0)
     return part * part * (3.0 - 2.0 * part)
+
+
+def completion_factor(off: Number) -> Number:
+    """1 + |B - 1|, at least the largest eigenvalue of the matrix B by which gradients are completed.
+
+    off: the sum of the squares of all elements of B - 1 (the Frobenius norm squared). The stiffness of a particle, and
+    its damping, grow with the square of this factor. Derived here.
+
+    >>> completion_factor(0.0), completion_factor(4.0)
+    (1.0, 3.0)
+    """
+    return 1.0 + math.sqrt(off)

@@ -9,9 +9,12 @@ from ecume.laws.flows import viscous_decay
 from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies
+from ecume.models.sph.setup.choices import USUAL_DAMPING, acoustic_damping_of
 from ecume.scenes.load import from_plain, to_plain
+from ecume.simulation import simulate
 from ecume.validation import standing_wave
-from tests.models.sph.scenes import free_blob, tank
+from tests.models.sph.random_closed_tanks import gained
+from tests.models.sph.scenes import OPEN, free_blob, tank
 from tests.models.sph.test_sums import at_start
 
 CORRECTED = {"pressure_force": "corrected", "density_diffusion": "none"}
@@ -73,6 +76,79 @@ def test_matrices_of_images_are_mirrored():
     own, mirrored = fields.correction[:, images.source[left]], fields.correction[:, real:][:, left]
     np.testing.assert_array_equal(mirrored[:3], own[:3])
     np.testing.assert_array_equal(mirrored[3], -own[3])
+
+
+def fastest_rates(positions):
+    """The largest eigenvalues of D D* and of it with relieved damping, over that of a lattice: the squared frequency of
+    the fastest sound, and the rate at which it is damped. D is the divergence of these particles, in spacings.
+    """
+    plain, count, spacing = to_plain(free_blob(**{**CORRECTED, "jitter": 0.0})), len(positions), 0.125
+    places = (spacing * (positions - positions.mean(axis=0))).tolist()
+    plain["fluid"], plain["liquid"]["maximum_speed"] = [{"particles": {"positions": places}}], 1.0
+    parameters, state, workspace = at_start(from_plain(plain))
+    state.density[...] = 1000.0
+    divergence = np.zeros((count, 2 * count))
+    for column in range(2 * count):
+        state.velocity[...] = 0.0
+        state.velocity[column % 2, column // 2] = 1.0
+        take_thickening(parameters, state, workspace)
+        divergence[:, column] = state.thickening / 1000.0
+    shares = parameters.pressure_force.damping_shares(workspace.fields, count)
+    rates = [divergence, np.sqrt(shares)[:, None] * divergence]
+    return [float(np.linalg.eigvalsh(each @ each.T)[-1]) * spacing**2 for each in rates]
+
+
+LATTICE = np.stack(np.meshgrid(np.arange(12.0), np.arange(12.0)), axis=-1).reshape(-1, 2)
+INTERIOR = 0.32
+"""Of a lattice with h of two spacings: (1.13/2)^2, the quickest oscillation."""
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", range(12))
+def test_the_usual_step_resolves_completed_gradients_of_any_drop(seed):
+    """Without both limits these would be up to 25 times as large as in a lattice."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 16))
+    drop = 1.2 * math.sqrt(count) * rng.uniform(0.0, 1.0, (count, 2)) + [4.0, 13.5]
+    shaken = LATTICE + rng.uniform(-0.15, 0.15, LATTICE.shape)
+    for positions in (drop, np.concatenate([shaken, drop])):
+        stiffness, damping = fastest_rates(positions)
+        assert stiffness < 4.5 * INTERIOR
+        assert damping < 1.4 * INTERIOR
+
+
+def test_drops_of_few_particles_are_not_completed():
+    four = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    stiffness, _ = fastest_rates(four)
+    assert stiffness < INTERIOR
+
+
+def splashing(seed):
+    """Drops that fall on a pool or beside a column, some of few particles."""
+    rng = np.random.default_rng([5, seed])
+    spacing = 1.0 / int(rng.integers(12, 20))
+    block = [1.0, rng.uniform(0.1, 0.4)] if rng.uniform() < 0.5 else [rng.uniform(0.2, 0.5), rng.uniform(0.4, 0.8)]
+    fluid = [{"low": [0.0, 0.0], "high": block}]
+    for number in range(int(rng.integers(1, 4))):
+        radius = spacing * rng.uniform(0.8, 4.0)
+        height = block[1] + radius + spacing * (2 + 10 * number)
+        velocity = [rng.uniform(-0.5, 0.5), -rng.uniform(0.0, 2.0)]
+        fluid.append({"center": [rng.uniform(0.25, 0.75), height], "radius": radius, "velocity": velocity})
+    return from_plain(
+        {
+            "model": "sph", "duration": 1.5, "frame_every": 0.05, "spacing": spacing, "gravity": [0.0, -1.0],
+            "liquid": {"density": 1.0}, "tank": {"high": [1.0, 4.0], "top": OPEN}, "fluid": fluid,
+            "method": {"pressure_force": "corrected", "jitter": float(rng.choice([0.0, 0.1]))},
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", range(6))
+def test_splashes_hold_with_completed_gradients_and_the_usual_damping(seed):
+    scene = splashing(seed)
+    assert acoustic_damping_of(scene) == USUAL_DAMPING
+    assert gained(list(simulate(scene))) < 1e-4
 
 
 def stretched(model, region=None):

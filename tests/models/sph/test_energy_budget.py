@@ -297,3 +297,17 @@ def test_the_work_of_dummies_is_what_the_energies_gain(force, walls, gravity, bo
 def elastic(parameters, state):
     """The elastic energy of the liquid."""
     return energies(parameters, state, 0.0, 0.0)["elastic_energy"]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_all_work_in_an_undriven_tank_is_that_of_the_numerical_method(walls):
+    last = list(ecume.simulate(tank(walls=walls)))[-1].numbers
+    assert last["injected_work"] != 0.0
+    assert last["numerical_work"] == pytest.approx(last["injected_work"], rel=1e-9)
+
+
+@pytest.mark.compiled
+def test_the_work_of_a_moving_side_is_not_numerical():
+    last = list(ecume.simulate(with_side(tank(jitter=0.0), "left", motion=PUSH)))[-1].numbers
+    assert last["injected_work"] - last["numerical_work"] > 10.0 * abs(last["numerical_work"])

@@ -129,7 +129,8 @@ def test_lists_look_further_where_the_liquid_is_fast():
 def test_the_guard_turns_velocities_back_with_the_positions(count):
     parameters = SPH.parameters(tank(jitter=0.0))
     position, velocity = np.tile([[0.5], [-0.01]], count), np.tile([[0.2], [-1.0]], count)
-    hits = reflect_particles(parameters.boundary.guard, position, velocity, np.zeros_like(velocity), 0.02)
+    met = reflect_particles(parameters.boundary.guard, position, velocity, np.zeros_like(velocity), 0.02)
     np.testing.assert_allclose(velocity, np.tile([[0.2], [0.5]], count))
     np.testing.assert_allclose(position[1], 0.005, atol=1e-3)
-    assert hits.sum() == count
+    assert met.hits.sum() == count
+    np.testing.assert_allclose(met.change, np.tile([[0.0], [1.5]], count))

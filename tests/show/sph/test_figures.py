@@ -1,5 +1,6 @@
 """Figures of a liquid show what the frames hold, with units."""
 
+import math
 import re
 
 import numpy as np
@@ -86,3 +87,48 @@ def test_gauges_are_drawn_by_kind_over_time(frames):
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
     with pytest.raises(BadInput, match="no gauges"):
         figures.gauges(frames, scene)
+
+
+def beside(height, solids, **more):
+    """A still column of liquid of this height beside solids, and the scene."""
+    scene = scene_of(fluid=[{"low": [0.0, 0.0], "high": [2.0, height]}], **solids, **more)
+    axes = [0.05 * (np.arange(40) + 0.5), 0.05 * (np.arange(round(height / 0.05)) + 0.5)]
+    position = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
+    full, x, y = frame_of(), *position.T
+    disc = np.hypot(x - 1.0, y - 0.3) < 0.2 if "obstacles" in solids else (np.abs(x - 1.0) < 0.2) & (y > 0.3)
+    count = int((~disc).sum())
+    arrays = {
+        "position": position[~disc],
+        "velocity": np.zeros((count, 2)),
+        "pressure": 9810.0 * (height - y[~disc]),
+        "density": np.full(count, 1000.0),
+        "mass": np.full(count, 2.5),
+        "species": np.zeros(count, np.int64),
+    }
+    numbers = {**full.numbers, "body0_x": 1.0, "body0_y": 0.5, "body0_angle": 0.0}
+    return scene, [full._replace(arrays=arrays, numbers=numbers)]
+
+
+DISC = {"obstacles": [{"center": [1.0, 0.3], "radius": 0.2}]}
+FLOAT = {"bodies": [{"low": [0.8, 0.3], "high": [1.2, 0.7], "density": 500.0}]}
+
+
+@pytest.mark.parametrize("solids", [DISC, FLOAT])
+def test_the_exact_column_stands_as_high_as_the_liquid_beside_solids(solids):
+    """Half of the float is under water, and the disc all of it."""
+    scene, still = beside(0.5, solids, gravity=[0.0, -9.81])
+    solid = math.pi * 0.2**2 if "obstacles" in solids else 0.4 * 0.2
+    level = (still[0].arrays["mass"].sum() / 1000.0 + solid) / 2.0
+    (axes,) = figures.pressure(still, scene).axes
+    _, column = (line.get_data() for line in axes.lines)
+    assert axes.get_ylabel() == "height (mm)"
+    assert column[1].max() == pytest.approx(1000.0 * level, rel=3e-3)
+
+
+@pytest.mark.parametrize("solids", [DISC, FLOAT])
+def test_the_surface_does_not_run_around_solids(solids):
+    scene, still = beside(0.5, solids)
+    (axes,) = figures.surface(still, scene).axes
+    across, heights = np.concatenate([line.get_data() for line in axes.lines[:-1]], axis=1)
+    assert heights == pytest.approx(0.5, abs=0.03)
+    assert (np.abs(across - 1.0) < 0.15).any() == ("obstacles" in solids)

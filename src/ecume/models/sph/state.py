@@ -99,6 +99,12 @@ class State(NamedTuple):
     """
     passive_image: Integers = np.zeros((0, 0), np.int64)
     """(d, C) the same of passive particles"""
+    struck: Array = np.zeros((0, 6))
+    """(names, 6) N and N m: the mean force and torque of reflected particles on walls and obstacles in the last step;
+    (0, 6) in runs of former versions
+    """
+    numerical: Array = np.zeros(2)
+    """the part of `budget` that is the work of the numerical method: of density diffusion and of compressed dummies"""
 
 
 class CellLists(NamedTuple):
@@ -172,6 +178,8 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         budget=np.zeros(2),
         image=np.zeros((*shape, count)[:2], np.int64),
         passive_image=np.zeros((*shape, passive)[:2], np.int64),
+        struck=np.zeros((len(parameters.boundary.names), 6)),
+        numerical=np.zeros(2),
     )
 
 

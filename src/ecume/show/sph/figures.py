@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ecume.analysis.fields import Profile, free_surface, velocity_profile, walls_of, with_pressures
+from ecume.analysis.fields import Profile, velocity_profile, with_pressures
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.laws.states import column_height, column_pressure
@@ -26,8 +26,9 @@ from ecume.show.curves import (
     samples_of,
     titled,
 )
+from ecume.show.sph.liquid import free_lines, walls_at
 from ecume.show.sph.picture import DERIVED, liquid_picture
-from ecume.show.sph.solids import rectangle
+from ecume.show.sph.solids import rectangle, solid_cells
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -53,7 +54,7 @@ def pressure(frames: Frames, scene: SphScene) -> Figure:
         axes = drawn.add_subplot(title=titled(f"Pressure at {last.time:.4g} s", scene))
         dots: dict[str, Any] = {"color": PALETTE[5], "markersize": 2.0, "markeredgewidth": 0.0, "label": "particles"}
         axes.plot(pressures.factor * last.arrays["pressure"], lengths.factor * height, "o", **dots)
-        bottom = _bottom(scene)
+        bottom = walls_at(scene, last)[0][1]
         column = lengths.factor * (bottom + depth[-1] - depth)
         axes.plot(pressures.factor * exact, column, color=INK, label="exact column at rest")
         axes.set(xlabel=f"gauge pressure ({pressures.unit})", ylabel=f"height ({lengths.unit})")
@@ -107,20 +108,31 @@ def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
     return frame.arrays["position"][:, 1], -float(pull[1])
 
 
-def _bottom(scene: SphScene) -> float:
-    return float(scene.tank.low[1])
-
-
 def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]:
-    """Depths and pressures of as much liquid, at rest all over the tank's floor."""
+    """Depths and pressures of as much liquid, at rest all over the tank's floor, beside the solids that stand in it.
+
+    What is solid below the level is as good as liquid there, so that the level is a fixed point: each solid raises it,
+    and a higher level may wet more of the solid.
+    """
     from ecume.models.sph.setup.building import material_of
 
     material = material_of(scene)
-    floor = np.delete(np.array(scene.tank.high) - np.array(scene.tank.low), 1)
-    load = float(frame.arrays["mass"].sum() / np.prod(floor))
-    laws = weight, material.density, material.sound_speed, material.exponent
-    depth = np.linspace(0.0, column_height(load, *laws), POINTS)
+    low, high = walls_at(scene, frame)
+    floor = float(np.prod(np.delete(high - low, 1)))
+    height, volume = solid_cells(scene, frame, (low, high))
+    mass, laws = float(frame.arrays["mass"].sum()), (weight, material.density, material.sound_speed, material.exponent)
+    level = column_height(mass / floor, *laws)
+    for _ in range(LEVELS):
+        wet = float(volume[height < low[1] + level].sum())
+        before, level = level, column_height((mass + material.density * wet) / floor, *laws)
+        if level <= before * (1.0 + CLOSE):
+            break
+    depth = np.linspace(0.0, level, POINTS)
     return depth, np.array([column_pressure(down, *laws) for down in depth])
+
+
+LEVELS, CLOSE = 1000, 1e-9
+"""Of the search for a level: steps at most, and the part of the level by which the last one rises."""
 
 
 FRONTS = (("right", "front", "front, largest x"), ("top", "top", "top, largest y"))
@@ -209,8 +221,8 @@ def surface(frames: Frames, scene: SphScene) -> Figure:
     """The outline of the liquid at several instants."""
     if len(scene.tank.low) != 2:
         raise BadInput("outlines are drawn of liquids in 2D; this one is in 3D")
-    walls, chosen = walls_of(scene.tank), _instants(frames, INSTANTS)
-    outlines = [free_surface(frame, scene.spacing, walls) for frame in chosen]
+    chosen = _instants(frames, INSTANTS)
+    outlines = [free_lines(scene, frame) for frame in chosen]
     if not any(outlines):
         raise BadInput("the liquid fills the tank: it has no free surface")
     corners = rectangle(scene.tank.low, scene.tank.high)
@@ -221,7 +233,7 @@ def surface(frames: Frames, scene: SphScene) -> Figure:
         for frame, lines, color in zip(chosen, outlines, PALETTE, strict=False):
             _lines(axes, lines, scale, color, f"{frame.time:.4g} s")
         closed = scale.factor * corners[[0, 1, 2, 3, 0]]
-        if np.isfinite([*walls.low, *walls.high]).any():
+        if any(getattr(scene.tank, side).kind != "open" for side in SIDES[:4]):
             axes.plot(*closed.T, color=RIM, linewidth=0.8, linestyle=":")
         axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})")
         legend_outside(axes)

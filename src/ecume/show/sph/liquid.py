@@ -247,6 +247,21 @@ def surface_of(
     return Surface(region_of(liquid, grid, scene.spacing, solids_in(scene, frame)), grid)
 
 
+def free_lines(scene: SphScene, frame: Frame) -> list[Array]:
+    """The free surface of a frame in 2D as lines, (K, 2) each (m): they end at walls and at solids."""
+    lines = surface_of(scene, frame, np.zeros((len(frame.arrays["position"]), 0))).lines()
+    solid = solids_in(scene, frame)
+    return lines if solid is None else [piece for line in lines for piece in outside_of(solid, line)]
+
+
+def outside_of(solid: Inside, line: Array) -> list[Array]:
+    """The pieces of a line (K, 2) outside of solids."""
+    inside = solid(line)
+    ends = np.flatnonzero(inside[1:] != inside[:-1]) + 1
+    pieces = np.split(line, ends)
+    return [piece for piece, hidden in zip(pieces, inside[[0, *ends]], strict=True) if not hidden and len(piece) > 1]
+
+
 def liquid_in(frame: Frame, spacing: float, values: Array) -> Liquid:
     """The particles of a frame with values of (N, k), each with its volume."""
     position = frame.arrays["position"]
@@ -259,12 +274,11 @@ def room_of(
     scene: SphScene, frame: Frame, position: Array, window: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array]:
     """The corners of the tank where its walls are now; at open sides as far as the liquid reaches."""
-    low, high = (np.array(corner, dtype=float) for corner in (scene.tank.low, scene.tank.high))
+    low, high = walls_at(scene, frame)
     reach = SUPPORT * SMOOTHING * scene.spacing
     for number, side in enumerate(SIDES[: 2 * len(low)]):
         axis, first = number // 2, number % 2 == 0
         corner = low if first else high
-        corner[axis] += frame.numbers.get(f"{side}_position", 0.0)
         if getattr(scene.tank, side).kind not in OPEN or not len(position):
             continue
         end = float(position[:, axis].min() if first else position[:, axis].max()) + (-reach if first else reach)
@@ -272,6 +286,14 @@ def room_of(
             end = max(end, window[0][axis] - reach) if first else min(end, window[1][axis] + reach)
         corner[axis] = end
     return low, np.maximum(high, low + scene.spacing)
+
+
+def walls_at(scene: SphScene, frame: Frame) -> tuple[Array, Array]:
+    """The corners of the tank where its sides are in a frame."""
+    low, high = (np.array(corner, dtype=float) for corner in (scene.tank.low, scene.tank.high))
+    for number, side in enumerate(SIDES[: 2 * len(low)]):
+        (low, high)[number % 2][number // 2] += frame.numbers.get(f"{side}_position", 0.0)
+    return low, high
 
 
 def solids_in(scene: SphScene, frame: Frame) -> Inside | None:

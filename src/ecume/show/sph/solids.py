@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 THICK = 0.4
 """Of a side that moves, in spacings."""
+FINE = 0.25
+"""Width of the cells of solids, in spacings."""
 
 
 def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame], list[Array]] | None:
@@ -49,16 +51,41 @@ def lines_of(body: Any, flat: bool) -> int:
 
 def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> list[Array]:
     """A body at its position: its outline in 2D; in 3D a circle, or the edges of a box."""
-    shape, at = shape_of(body), {key: value for key, value in frame.numbers.items() if key.startswith(f"body{number}_")}
-    name = f"body{number}"
-    middle = np.array([at[f"{name}_{axis}"] for axis in "xyz"[: len(shape.middle())]])
+    shape = shape_of(body)
+    middle, turn = placed(number, frame, len(shape.middle()))
     if camera is None:
-        turn = rotation(at[f"{name}_angle"])
         return [middle + corners(shape) @ turn.T]
     if isinstance(shape, Ball):
         return [ball_outline(middle, shape.radius, camera)]
-    turn = turned([at[f"{name}_q{part}"] for part in "wxyz"])
     return [seen(middle + edge @ turn.T, camera) for edge in edges(shape)]
+
+
+def solid_cells(scene: SphScene, frame: Frame, tank: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Heights (m) and volumes of cells that fill the obstacles and bodies of a frame between the corners of a tank,
+    each place once.
+    """
+    low, high = tank
+    heights, volumes, earlier = [np.zeros(0)], [np.zeros(0)], list[shapes.Shape]()
+    for number, spec in enumerate((*scene.obstacles, *scene.bodies), -len(scene.obstacles)):
+        shape = drawn_shape(spec) if number < 0 else shape_of(spec)
+        points, volume, _ = shape.cells(FINE * scene.spacing)
+        if number >= 0:
+            middle, turn = placed(number, frame, len(low))
+            points = middle + points @ turn.T
+        inside = ((points > low) & (points < high)).all(axis=1) & shapes.apart(points, earlier)
+        heights.append(points[inside, 1])
+        volumes.append(volume[inside])
+        earlier += [shape] if number < 0 else []
+    return np.concatenate(heights), np.concatenate(volumes)
+
+
+def placed(number: int, frame: Frame, dimension: int) -> tuple[Array, Array]:
+    """Where the middle of a body is in a frame, and its rotation since the start."""
+    name, read = f"body{number}", frame.numbers
+    middle = np.array([read[f"{name}_{axis}"] for axis in "xyz"[:dimension]])
+    if dimension == 2:
+        return middle, rotation(read[f"{name}_angle"])
+    return middle, turned([read[f"{name}_q{part}"] for part in "wxyz"])
 
 
 def ball_outline(middle: Array, radius: float, camera: Array) -> Array:
@@ -69,13 +96,17 @@ def ball_outline(middle: Array, radius: float, camera: Array) -> Array:
 
 def shape_of(body: Any) -> shapes.Shape:
     """About its middle."""
-    if body.vertices:
-        shape: shapes.Shape = Polygon(np.array(body.vertices))
-    elif body.radius is not None:
-        shape = Ball(np.array(body.center), body.radius)
-    else:
-        shape = Box(np.array(body.low), np.array(body.high))
+    shape = drawn_shape(body)
     return shape.carried(-shape.middle())
+
+
+def drawn_shape(spec: Any) -> shapes.Shape:
+    """A solid as the scene has it."""
+    if spec.vertices:
+        return Polygon(np.array(spec.vertices))
+    if spec.radius is not None:
+        return Ball(np.array(spec.center), spec.radius)
+    return Box(np.array(spec.low), np.array(spec.high))
 
 
 def corners(shape: shapes.Shape) -> Array:

@@ -48,17 +48,39 @@ def flag_outside(position: Array, kind: Integers, number: Array, radius: float, 
         out[i] = gap < radius
 
 
-def reflect_particles(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Integers:
-    """Repeat the drift of particles that are outside after it, with reflections, in place; returns (K,) hits by
-    surface.
-    """
+class Repelled(NamedTuple):
+    """Particles that a wall, obstacle or body repels."""
+
+    owner: int
+    """of the repulsion: a place in `Boundary.names`"""
+    who: Integers
+    """(n,)"""
+    push: Array
+    """(d, n) m/s^2"""
+
+
+class Reflected(NamedTuple):
+    """Particles that were outside after a drift."""
+
+    hits: Integers
+    """(K,) by surface"""
+    who: Integers
+    """(n,)"""
+    outside: Array
+    """(d, n) m, where they were"""
+    change: Array
+    """(d, n) m/s, of their velocities"""
+
+
+def reflect_particles(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Reflected:
+    """Repeat the drift of particles that are outside after it, with reflections, in place."""
     hits = np.zeros(len(guard.owner), np.int64)
     out = np.zeros(position.shape[1], np.bool_)
-    if not len(hits):
-        return hits
-    flag_outside(position, guard.sheet.kind, guard.sheet.number, guard.radius, out)
-    if not out.any():
-        return hits
+    if len(hits):
+        flag_outside(position, guard.sheet.kind, guard.sheet.number, guard.radius, out)
+    found = Reflected(hits, np.flatnonzero(out), position[:, out], np.zeros((len(position), int(out.sum()))))
+    if not len(found.who):
+        return found
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)
     v = before.T.copy()  # a copy in any case: columns that were picked may lie the other way round in memory
@@ -71,7 +93,37 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
         _push_inside(guard, x[i], v[i], hits)
     position[:, out] = x.T
     velocity[:, out] += v.T - before
-    return hits
+    found.change[...] = v.T - before
+    return found
+
+
+def impulses(guard: Guard, met: Reflected) -> list[Repelled]:
+    """The changes of velocity by each wall or obstacle, as pushes over a second: of a particle in a corner of the tank,
+    each side has the component along its own normal.
+    """
+    kind, number, d = guard.sheet.kind, guard.sheet.number, len(met.outside)
+    deep = np.zeros((3, len(met.who)))
+    deep[:d] = met.outside
+    nearest = np.array([worst_gap(kind, number, (x, y, z), 0.0)[1] for x, y, z in deep.T.tolist()], np.int64)
+    left, found = met.change.copy(), list[Repelled]()
+    for k in np.flatnonzero((kind[:, 0] == PLANE) & (kind[:, 2] == 0)):
+        normal = number[k, :d]
+        beside = (product(normal, met.outside) - number[k, SIZE] < guard.radius) & (nearest != k)
+        part = normal[:, None] * (product(normal, left) * beside)
+        left -= part
+        found.append(Repelled(int(guard.owner[k]), met.who, part))
+    for owner in np.unique(guard.owner[nearest]):
+        found.append(Repelled(int(owner), met.who, left * (guard.owner[nearest] == owner)))
+    return found
+
+
+def add_impulses(now: Parameters, state: State, met: Reflected) -> None:
+    """Add the force and torque of reflected particles on walls and obstacles, as means over the present step."""
+    if now.boundary.guard.reach == 0.0 or not len(met.who) or not state.struck.size:
+        return
+    for each in impulses(now.boundary.guard, met):
+        force, torque = repulsion_load(now, state, each)
+        state.struck[each.owner] += np.concatenate([force, torque]) / now.time_step
 
 
 def _as_before(packed: Sheet, time: float) -> Sheet:
@@ -103,17 +155,6 @@ def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
 
 FASTEST = 0.1
 """In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
-
-
-class Repelled(NamedTuple):
-    """Particles that a wall, obstacle or body repels."""
-
-    owner: int
-    """of the repulsion: a place in `Boundary.names`"""
-    who: Integers
-    """(n,)"""
-    push: Array
-    """(d, n) m/s^2"""
 
 
 @spread

@@ -23,7 +23,7 @@ from ecume.models.sph.boundaries.rigid_bodies import (
     largest_displacement,
     move_bodies,
 )
-from ecume.models.sph.boundaries.walls import reflect_particles
+from ecume.models.sph.boundaries.walls import add_impulses, reflect_particles
 from ecume.models.sph.fields import number
 from ecume.models.sph.integration.particle_loops import (
     correct,
@@ -84,6 +84,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         divisions = divisions_needed(parameters, state)
         if divisions > MOST_DIVISIONS:
             return DIVERGED
+        state.struck[...] = 0.0
         for _ in range(divisions):
             set_buffer_pressures(parameters, state)
             began = power_of_base_excitation(parameters, state) + float(state.budget[RATE]), bool(state.ready[0])
@@ -202,10 +203,11 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
         inside = expel_liquid(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
         state.tally[GUARD_HITS] += inside
     before = state.velocity.copy() if now.drives else state.velocity
-    hits = reflect_particles(guard, state.position, state.velocity, state.transport, time)
-    np.add.at(state.hits, guard.owner, hits)
-    state.tally[GUARD_HITS] += hits.sum()
-    if now.drives and hits.any():
+    met = reflect_particles(guard, state.position, state.velocity, state.transport, time)
+    np.add.at(state.hits, guard.owner, met.hits)
+    state.tally[GUARD_HITS] += met.hits.sum()
+    add_impulses(now, state, met)
+    if now.drives and met.hits.any():
         state.budget[WORK] += reflection_work(now, state, before)
 
 

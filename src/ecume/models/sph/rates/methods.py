@@ -8,14 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from ecume.laws import diffusion, viscous
 from ecume.models.sph.fields import ConstantDensity, EquationOfState, Fields, Floats, Tait
 from ecume.models.sph.rates.corrections import (
+    completion_factors,
     sum_corrected_continuity,
     sum_corrected_friction,
     sum_corrected_pressure,
 )
 from ecume.models.sph.rates.sums import sum_friction, sum_radial_friction, sum_transported_pressure
+from ecume.units import Array
 
 Law = Callable[..., float]
 Loop = Callable[..., None]
@@ -60,6 +64,10 @@ class PressureForce(NamedTuple):
     """largest coefficient of the acoustic damping with which the usual time step is stable; zero: takes none"""
     continuity: Loop | None = None
     """the equation of continuity to which it is adjoint; None: `sums.sum_continuity`"""
+
+    def damping_shares(self, fields: Fields, count: int) -> Array:
+        """(N,) the part of the acoustic damping that each of the first particles has: less with completed gradients."""
+        return np.ones(count) if self.continuity is None else completion_factors(fields, count) ** -2.0
 
 
 class Friction(NamedTuple):
@@ -106,7 +114,7 @@ PRESSURE_FORCES: Mapping[str, PressureForce] = {
         per_volume=True,
         transported=False,
         loop=sum_corrected_pressure,
-        most_damping=0.5,
+        most_damping=2.0,
         continuity=sum_corrected_continuity,
     ),
 }

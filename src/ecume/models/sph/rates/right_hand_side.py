@@ -311,7 +311,7 @@ def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = Fals
         rate = (rates.continuity + rates.diffusion) / density**3
     else:
         rate = rates.continuity + rates.diffusion / density
-    damping[:count] = parameters.bulk_viscosity * rate
+    damping[:count] = parameters.bulk_viscosity * parameters.pressure_force.damping_shares(fields, count) * rate
     _copy_to_images(workspace, damping)
     if len(lists.counts) > count:
         read_damping(fields.table, damping, count, lists, parameters.constants)

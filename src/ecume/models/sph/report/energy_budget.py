@@ -103,9 +103,17 @@ def subset(state: State, who: Any) -> State:
 def has_external_work(parameters: Parameters) -> bool:
     """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
-    diffuses = parameters.density_diffusion.excess is not None
     outside = parameters.base_excitation is not None or forces_work(parameters) or around.any()
-    return bool(diffuses or outside or may_lose_liquid(parameters))
+    return bool(has_numerical_work(parameters) or outside or may_lose_liquid(parameters))
+
+
+NUMERICAL = "numerical_work"
+"""The part of the injected work that the numerical method does."""
+
+
+def has_numerical_work(parameters: Parameters) -> bool:
+    """Whether density diffusion, a volume that is kept, or dummies do work."""
+    return parameters.density_diffusion.excess is not None or parameters.fixed_volume or dummies_work(parameters)
 
 
 def forces_work(parameters: Parameters) -> bool:
@@ -140,8 +148,10 @@ def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspac
         return
     fields, rates, count = workspace.fields, workspace.rates, len(state.density)
     rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.thickening
-    laws = parameters.material.sound_speed, parameters.bulk_viscosity
-    state.budget[WORK] += diffusion_work(*rows, state.zone, *laws, time)
+    damping = parameters.bulk_viscosity * parameters.pressure_force.damping_shares(fields, count)
+    work = diffusion_work(*rows, state.zone, parameters.material.sound_speed, damping, time)
+    state.budget[WORK] += work
+    state.numerical[WORK] += work
 
 
 @compiled
@@ -153,7 +163,7 @@ def diffusion_work(
     thickening: Array,
     zone: Integers,
     sound_speed: float,
-    bulk_viscosity: float,
+    bulk_viscosity: Array,
     time: float,
 ) -> float:
     """sum_i m_i p/rho^2 (drho/dt of diffusion) dt (J), with the pressure in the middle of the change of density, and
@@ -163,7 +173,7 @@ def diffusion_work(
     for i in range(len(mass)):
         if zone[i] == 0:
             middle = pressure[i] + 0.5 * sound_speed * sound_speed * thickening[i] * time
-            middle += bulk_viscosity * thickening[i] / density[i]
+            middle += bulk_viscosity[i] * thickening[i] / density[i]
             total += mass[i] / (density[i] * density[i]) * middle * diffusion[i] * time
     return total
 
@@ -180,11 +190,13 @@ def add_work(
         state.budget[RATE] = 0.0
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
-        rate = power_of_forces(instant(parameters, state), state, workspace)
+        rate, numerical = powers_of_forces(instant(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_base_excitation(parameters, state)
     state.budget[WORK] += 0.5 * ((before if known else before + rate) + after) * time
     state.budget[RATE] = rate
+    state.numerical[WORK] += 0.5 * ((float(state.numerical[RATE]) if known else numerical) + numerical) * time
+    state.numerical[RATE] = numerical
 
 
 def power_of_base_excitation(parameters: Parameters, state: State) -> float:
@@ -199,8 +211,13 @@ def power_of_base_excitation(parameters: Parameters, state: State) -> float:
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Power of moving sides, of buffers and of laws of the user (W), from a filled workspace."""
-    power = 0.0
+    """Power of moving sides, of buffers, of dummies and of laws of the user (W), from a filled workspace."""
+    return powers_of_forces(now, state, workspace)[0]
+
+
+def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+    """The power of all forces from outside, and the part of dummies that are compressed (W)."""
+    power, compressing = 0.0, 0.0
     if workspace.user_acceleration is not None:
         inside = state.zone == 0
         power += float(np.sum((state.mass * (workspace.user_acceleration * state.velocity).sum(axis=0))[inside]))
@@ -209,9 +226,10 @@ def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> floa
     if len(moving_dummies(now)):
         power += power_of_moving_dummies(now, workspace)
     if dummies_work(now):
-        power += power_of_dummies(now, state, workspace)
+        compressing = power_of_dummies(now, state, workspace)
+        power += compressing
     power += power_on_bodies(now, state, workspace)
-    return power + power_of_buffers(now, state, workspace) if now.gates else power
+    return power + power_of_buffers(now, state, workspace) if now.gates else power, compressing
 
 
 def moving_sides(now: Parameters) -> Integers:

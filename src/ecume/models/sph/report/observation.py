@@ -36,7 +36,14 @@ from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
 from ecume.models.sph.rates.right_hand_side import damp_sound, fill
 from ecume.models.sph.rates.surface_tension import surface_energy
-from ecume.models.sph.report.energy_budget import energies, has_external_work, has_unbudgeted_work, liquid_alone
+from ecume.models.sph.report.energy_budget import (
+    NUMERICAL,
+    energies,
+    has_external_work,
+    has_numerical_work,
+    has_unbudgeted_work,
+    liquid_alone,
+)
 from ecume.models.sph.setup.choices import filled, held_pull
 from ecume.models.sph.setup.shapes import part_of as part_of_space
 from ecume.models.sph.state import (
@@ -387,7 +394,9 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         units |= dict.fromkeys(of_solver(parameters, state), "1")
     if has_external_work(parameters):
         listed[INJECTED] = float(state.budget[WORK])
-    units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
+    if has_numerical_work(parameters):
+        listed[NUMERICAL] = float(state.numerical[WORK])
+    units |= {name: "J" for name in (INJECTED, NUMERICAL, "bodies_energy") if name in listed}
     box = {name: side for name, side in zip(BOX_SIDES, periods.tolist(), strict=False) if side > 0.0}
     listed, units = listed | box, units | dict.fromkeys(box, "m") | {name: "1" for name in arrays if name == "image"}
     units = in_dimension({**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units}, parameters.dimension)
@@ -426,6 +435,7 @@ def of_solids(
     more = [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]
     exchanged = exchanged_loads(parameters, state, workspace)
     more += [(parameters.boundary.names[owner], *load) for owner, load in exchanged.items()]
+    more += [(parameters.boundary.names[owner], struck[:3], struck[3:]) for owner, struck in enumerate(state.struck)]
     for name, force, torque in loads(parameters, workspace):
         force = sum((own for owner, own, _ in more if owner == name), start=force)
         torque = sum((own for owner, _, own in more if owner == name), start=torque)
