@@ -57,7 +57,20 @@ def summed_inside(function: Function) -> Function:
 
 def threaded(function: Function) -> Function:
     """The same, with `prange` over threads."""
-    return _dispatcher(function, cache=True, parallel=True)
+    if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
+        return function
+    made: Any = Threaded(function, {"parallel": True}, cache=True)
+    kept: Function = made
+    return kept
+
+
+class Threaded(Dispatcher):
+    """A loop over threads. Compiled code that calls it is called from Python where `require_threads` was."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it."""
+        require_threads()
+        return super().__call__(*arguments)
 
 
 FEW = 4000
@@ -79,11 +92,15 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_note_fork)
 
 
-def _require_threads() -> None:
-    """Raise RuntimeError in a process that was forked after threads had started: there they do not exist, and the
-    library that waits for them ends the process, or waits for ever.
+SEVERAL = 2000
+"""Particles from which on a step of some model has loops over threads."""
+
+
+def require_threads(particles: int = SEVERAL) -> None:
+    """Raise RuntimeError in a process that was forked after threads had started, for as many particles as need threads:
+    they do not exist there, and the library that waits for them ends the process, or waits for ever.
     """
-    if _FORKED:
+    if _FORKED and particles >= SEVERAL:
         raise RuntimeError(
             "this process was forked from one that had started threads; start workers with "
             'multiprocessing.get_context("spawn"), or fork them before the first simulation'
@@ -108,7 +125,7 @@ class Spread:
         """Run the one or the other."""
         if array.shape[-1] < FEW:
             return self.alone(array, *arguments)
-        _require_threads()
+        require_threads()
         return self.together(array, *arguments)
 
 
@@ -143,7 +160,7 @@ class Shared(Dispatcher):
         """Run the one or the other."""
         if self.size(*arguments) < FEW:
             return super().__call__(*arguments)
-        _require_threads()
+        require_threads()
         return self.together(*arguments)
 
 

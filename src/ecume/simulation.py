@@ -102,6 +102,8 @@ def moments(
     per_frame = parameters.steps_per_frame
     # Adaptive steps before the end need a place of their own on the clock.
     total = last_step(scene, per_frame, least=2 if model.adaptive else 1)
+    if not 0 <= (begun := int(state.step[0])) <= total:
+        raise BadInput(f"the state of the checkpoint is at step {begun}; expected 0 to {total}")
     clock = None if sampled is None else sample_clock(scene, model, per_frame)
     last = BEFORE if sampled is None else sampled
     while True:
@@ -141,6 +143,9 @@ class Integration:
     """The open loop of one simulation: a workspace that grows, and how many steps fit into the patience."""
 
     def __init__(self, model: Model, parameters: Any, state: Any, patience: float) -> None:
+        from ecume._jit import require_threads
+
+        require_threads(max(state.position.shape, default=0))
         self.model, self.parameters, self.state, self.patience = model, parameters, state, patience
         self.room = 1.0
         self.batch = 1

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from ecume.models import MODELS
-from ecume.models.model import Model
+from ecume.models.model import Layout, Model
 from ecume.scenes.common import Common
 from ecume.scenes.load import SCENES
 from ecume.scenes.quantities import STRICT
@@ -108,6 +108,7 @@ def model() -> Model:
         advance=advance,
         observe=observe,
         diagnosis=diagnosis,
+        layout=lambda scene, given, state: Layout(start(scene, given)),
         extended=lambda laws: model(),
         summary=lambda scene: [],
     )
@@ -117,6 +118,7 @@ def stand_alone() -> None:
     """Put the toy among the models, and nothing in the place of Numba, so that a process starts at once."""
     jit = types.ModuleType("ecume._jit")
     jit.use_threads = lambda count: count or 1  # type: ignore[attr-defined]
+    jit.require_threads = lambda particles: None  # type: ignore[attr-defined]
     sys.modules["ecume._jit"] = jit
     MODELS["toy"] = model()
     SCENES["toy"] = ToyScene

@@ -443,20 +443,51 @@ class SumFile:
         self._file.close()
 
 
+SINGLE, BLOCK = ("last", "bytes", "crc", "count"), ("mean", "squares", "least", "largest")
+"""Whole numbers of the position of a sampling, and the numbers of an average that is not complete."""
+LARGEST_COUNT = 2.0**53
+
+
+def misfit(kept: Kept) -> str:
+    """Why arrays are not the position of a sampling; empty where they are one."""
+    names = {*SINGLE[:3], "count", "block_time", *BLOCK} if "count" in kept else set(SINGLE[:3])
+    if kept.keys() | {"crc"} != names:
+        return "its samples have other parts than a run writes"
+    counts = [kept[name] for name in SINGLE if name in kept]
+    if any(one.shape != (1,) or not BEFORE <= one[0] <= LARGEST_COUNT or one[0] % 1 for one in counts):
+        return "the counts of its samples are not whole numbers"
+    if "count" in kept and (kept["block_time"].shape != (1,) or kept["count"][0] < 0.0):
+        return "its average of samples is none"
+    if len({kept[name].shape for name in BLOCK if name in kept} | {(0,)}) > 2 or any(
+        kept[one].ndim != 1 for one in BLOCK if one in kept
+    ):
+        return "its average of samples has several sizes"
+    return ""
+
+
 def missing_rows(home: RunDirectory, kept: Kept) -> str:
     """The fault of a checkpoint whose samples are not on the disk, or are damaged; empty where all are there."""
     if not kept:
         return ""
+    if fault := misfit(kept):
+        return fault
     size = int(kept["bytes"][0])
     if size > (home.samples.stat().st_size if home.samples.exists() else 0):
         return "samples before it are missing"
-    if "crc" not in kept:
+    if "crc" not in kept or not size:
         return ""
     with storing(home.samples), opened(home.samples, "r", home.path) as file:
         crc, left = sum_of(b"", identity_of(home)), size
         while left > 0 and (part := file.read(min(left, LONGEST))):
             crc, left = zlib.crc32(part, crc), left - len(part)
-    return "" if crc == int(kept["crc"][0]) else "samples before it are damaged"
+        if crc != int(kept["crc"][0]):
+            return "samples before it are damaged"
+        file.seek(0)
+        try:
+            width = len(read_heading(file.readline().decode())[0])
+        except ValueError as error:
+            return f"samples before it are damaged: {error}"
+    return "" if kept.get("mean", np.zeros(width)).shape == (width,) else "its average of samples has another size"
 
 
 def _row(step: int, cells: Iterable[float]) -> str:

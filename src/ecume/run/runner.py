@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import math
 import os
 import time
 import warnings
@@ -396,6 +397,12 @@ class _Session:
     def _begin(self, moment: Moment) -> None:
         from ecume._jit import use_threads
 
+        expected = math.ceil(moment.step / moment.parameters.steps_per_frame)
+        if self._recording.frames != expected:
+            raise StorageError(
+                f"{self._home.checkpoints}: damaged: the newest checkpoint is at step {moment.step} and says "
+                f"{self._recording.frames} frames; expected {expected}. Remove it to continue from an earlier one"
+            )
         policy = self._options.on_violation or manifest_of(self._home).get("on_violation", POLICIES[0])
         model = _model(self._scene, self._options.engine)
         invariants = model.invariants(self._scene, moment.parameters) * (not self._options.imported)

@@ -26,6 +26,7 @@ from ecume.scenes.faults import echo
 from ecume.scenes.tables import text_of
 from ecume.show.style import INK, PALETTE, legend_outside, plain, style
 from ecume.trajectories.records import storing, write_whole
+from ecume.trajectories.tables import write_rows
 from ecume.units import Array, factor
 
 INCH = 0.0254
@@ -91,9 +92,7 @@ def written_data(drawn: Figure, out: Path) -> Path:
     if not rows:
         raise BadInput("--data: this figure is a picture without curves; `ecume export --to csv` writes the frames")
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("panel", "series", "x_axis", "y_axis", "x", "y"))
-    writer.writerows(rows)
+    write_rows(text, [("panel", "series", "x_axis", "y_axis", "x", "y"), *rows])
     with storing(out):
         out.parent.mkdir(parents=True, exist_ok=True)
         write_whole(out, text.getvalue())

@@ -6,7 +6,6 @@ The runner of a sweep: all missing points, one after the other or on many worker
 from __future__ import annotations
 
 import contextlib
-import csv
 import inspect
 import io
 import math
@@ -38,7 +37,7 @@ from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measur
 from ecume.sweep.spec import process_of
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import storing, write_whole
-from ecume.trajectories.tables import library
+from ecume.trajectories.tables import library, write_rows
 
 if TYPE_CHECKING:
     from pandas import DataFrame as PandasFrame
@@ -245,12 +244,8 @@ def write_table(sweeping: Sweeping) -> Path:
 
 def as_csv(rows: Sequence[Row]) -> str:
     """Rows as text; numbers to the last digit."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]) if rows else [], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(
-        {name: repr(value) if isinstance(value, float) else value for name, value in row.items()} for row in rows
-    )
+    text, names = io.StringIO(), list(rows[0]) if rows else []
+    write_rows(text, [names, *([row.get(name) for name in names] for row in rows)])
     return text.getvalue()
 
 

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import base64
 import contextlib
-import csv
 import io
 import json
 import os
@@ -37,6 +36,7 @@ from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd import SIDES
 from ecume.trajectories.reader import ExportedFrames, open_trajectory
 from ecume.trajectories.records import replacing, storing
+from ecume.trajectories.tables import write_cells, write_rows
 
 if TYPE_CHECKING:
     import h5py
@@ -303,22 +303,23 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
 def write_csv(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """One long table: frame, time, particle, then each component of each array, with its unit."""
     names, units = list(trajectory[0].arrays), trajectory[0].units
-    table = csv.writer(_Text(file), lineterminator="\n")
-    table.writerow(["frame", "time [s]", "particle", *_headings(trajectory[0], names, units)])
+    text = _Text(file)
+    write_rows(text, [["frame", "time [s]", "particle", *_headings(trajectory[0], names, units)]])
     for number, frame in enumerate(trajectory):
         columns = [column.tolist() for name in names for column in _components(frame.arrays[name])]
         particles = zip(*columns, strict=True)
-        table.writerows([number, frame.time, particle, *row] for particle, row in enumerate(particles))
+        write_cells(text, ([number, frame.time, particle, *row] for particle, row in enumerate(particles)))
 
 
 def write_numbers(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """A table of what is known of each frame as a whole: frame, time, then each of its numbers, with its unit."""
     first = trajectory[0]
     heads = [f"{name} [{first.units[name]}]" if first.units.get(name, "1") != "1" else name for name in first.numbers]
-    table = csv.writer(_Text(file), lineterminator="\n")
-    table.writerow(["frame", "time [s]", *heads])
-    for number, frame in enumerate(trajectory):
-        table.writerow([number, frame.time, *(frame.numbers[name] for name in first.numbers)])
+    write_rows(text := _Text(file), [["frame", "time [s]", *heads]])
+    rows = enumerate(trajectory)
+    write_cells(
+        text, ([number, frame.time, *(frame.numbers[name] for name in first.numbers)] for number, frame in rows)
+    )
 
 
 def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
@@ -424,8 +425,9 @@ def _xyz_box(frame: Frame) -> str:
 
 def _legend(species: Sequence[str]) -> str:
     """The chemical element that stands for each species."""
-    named = ", ".join(f"{_symbol(kind)}: {name}" for kind, name in enumerate(species)).replace('"', "'")
-    return f'Species="{named}" ' if named else ""
+    named = ", ".join(f"{_symbol(kind)}: {' '.join(name.split())}" for kind, name in enumerate(species))
+    plain = named.replace('"', "'")
+    return f'Species="{plain}" ' if named else ""
 
 
 def _symbol(kind: int) -> str:

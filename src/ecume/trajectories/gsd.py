@@ -18,6 +18,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import zlib
 from collections.abc import Mapping, Sequence
 from io import FileIO
@@ -226,6 +227,8 @@ MOST_FRAMES = 2**40
 """Of a trajectory."""
 WIDEST, DEEPEST = 1000, 4
 """Components of an array, and axes of them."""
+NAME, LABEL = re.compile(r"[A-Za-z0-9_]{1,200}"), re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,200}")
+"""Names of arrays and of numbers, as scenes may name them; units, and names of species."""
 Chunks = dict[str, NDArray[Any]]
 """What stands in a file under each name: two-dimensional arrays."""
 
@@ -258,6 +261,9 @@ def header_of(frame: Frame, first: int, species: Sequence[str] = (), *, single: 
             raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; expected float64 or int64")
     if "time" in frame.numbers:
         raise BadInput("a number of a frame is called time; the time is what a frame has besides")
+    for name in (*arrays, *frame.numbers):
+        if not NAME.fullmatch(name):
+            raise BadInput(f"the name {name!r} of a frame: expected at most 200 letters, digits and underscores")
     if single:
         arrays = {name: (SINGLE if kind == "<f8" else kind, shape) for name, (kind, shape) in arrays.items()}
     return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species), omitted_from(frame))
@@ -294,6 +300,10 @@ def _require_possible(header: Header) -> None:
     """Raise ValueError for a header that no run writes."""
     if not 0 <= header.first < MOST_FRAMES or "position" not in header.arrays:
         raise ValueError("no such frames")
+    if not all(map(NAME.fullmatch, (*header.arrays, *header.numbers, *header.units, *header.omitted))):
+        raise ValueError("no such names")
+    if not all(map(LABEL.fullmatch, (*header.units.values(), *header.species))):
+        raise ValueError("no such units or species")
     for kind, shape in header.arrays.values():
         wide = all(type(side) is int and 0 < side <= WIDEST for side in shape)
         if kind not in ("<f8", "<i8", SINGLE) or len(shape) > DEEPEST or not wide:

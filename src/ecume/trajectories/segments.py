@@ -10,18 +10,19 @@ killed process wrote after the last whole frame belongs to no frame; it is repor
 from __future__ import annotations
 
 import contextlib
-import mmap
+import itertools
 import os
 import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from io import FileIO
 from pathlib import Path
-from typing import Any, NamedTuple, Self, cast
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._plain_files import opened, place_of, read_at, require_memory
+from ecume._plain_files import AT_ONCE, opened, place_of, read_at, require_memory
 from ecume.errors import StorageError
 from ecume.trajectories import gsd
 from ecume.trajectories.frame import Frame
@@ -71,30 +72,29 @@ class Segment:
 
     def unproven(self) -> Iterator[int]:
         """The frames whose checksums do not fit their bytes, as `chunks` finds them, without an array for each chunk:
-        the bytes are read where they are.
+        the bytes are read piece by piece.
         """
-        with mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ) as mapped, memoryview(mapped) as data:
-            first: dict[int, tuple[bytes, int, int]] = {}
-            entries = self.index.entries
-            fields = (entries[name].tolist() for name in ("name", "rows", "columns", "location"))
-            rows = list(zip(*fields, entries["type"].tolist(), gsd.sizes(entries).tolist(), strict=True))
-            names = self.index.names
-            order = sorted((name, number) for number, name in enumerate(names) if name != CHECKSUM)
-            numbers = [names.index(name) for name in gsd.number_names(self.header) if name in names]
-            seal = names.index(CHECKSUM)
-            crowded = gsd.size_of(entries) > len(data)
-            for frame in range(self.frames):
-                found = dict(first)
-                if crowded and gsd.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
-                    yield frame
-                    continue
-                for name, count, wide, start, kind, size in rows[self._starts[frame] : self._starts[frame + 1]]:
-                    head = f"{names[name]} {TYPES[kind].str} {(count, wide)}".encode()
-                    found[name] = (head, start, start + size)
-                if not frame:
-                    first = found
-                if not _fits(data, found, [number for _, number in order], numbers, seal):
-                    yield frame
+        first: dict[int, tuple[bytes, int, int]] = {}
+        entries = self.index.entries
+        fields = (entries[name].tolist() for name in ("name", "rows", "columns", "location"))
+        rows = list(zip(*fields, entries["type"].tolist(), gsd.sizes(entries).tolist(), strict=True))
+        names = self.index.names
+        order = sorted((name, number) for number, name in enumerate(names) if name != CHECKSUM)
+        numbers = [names.index(name) for name in gsd.number_names(self.header) if name in names]
+        seal = names.index(CHECKSUM)
+        crowded = gsd.size_of(entries) > self.size()
+        for frame in range(self.frames):
+            found = dict(first)
+            if crowded and gsd.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
+                yield frame
+                continue
+            for name, count, wide, start, kind, size in rows[self._starts[frame] : self._starts[frame + 1]]:
+                head = f"{names[name]} {TYPES[kind].str} {(count, wide)}".encode()
+                found[name] = (head, start, start + size)
+            if not frame:
+                first = found
+            if not _fits(self._file, found, [number for _, number in order], numbers, seal):
+                yield frame
 
     def frame(self, number: int) -> Frame:
         """A frame. Raises StorageError where it is damaged."""
@@ -110,10 +110,9 @@ class Segment:
     def numbers(self) -> NDArray[np.void]:
         """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
         names = gsd.number_names(self.header)
-        size = self.size()
-        data = np.memmap(cast(Any, self._file), np.uint8, "r", shape=(size,))
-        raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
-        sums = data[self._places(CHECKSUM)[:, None] + np.arange(4, 8)].view("<u4")[:, 0]
+        places = np.stack([self._places(name) for name in (*names, CHECKSUM)], axis=1)
+        cells = _gathered(self._file, places)
+        raw, sums = cells[:, :-1].reshape(self.frames, NUMBER * len(names)), cells[:, -1, 4:].copy().view("<u4")[:, 0]
         for frame, (row, wanted) in enumerate(zip(raw, sums, strict=True)):
             if zlib.crc32(row.tobytes()) != wanted:
                 raise StorageError(self.damage(frame))
@@ -128,7 +127,7 @@ class Segment:
             raise StorageError(self.damage(0))
         places = np.full(self.frames, entries["location"][0], np.int64)
         places[entries["frame"].astype(np.int64)] = entries["location"]
-        return np.minimum(places, self.size() - 8)
+        return places
 
     def _at(self, frame: int) -> Chunks:
         entries = self.index.entries[self._starts[frame] : self._starts[frame + 1]]
@@ -161,8 +160,32 @@ class Segment:
         self._file.close()
 
 
+NUMBER = 8
+"""Bytes of a number, and of the checksums of a frame."""
+NEAR = 256
+"""Bytes between two numbers that are read at once."""
+
+
+def _gathered(file: FileIO, places: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """The eight bytes at each of these places, zeros beyond the end of the file. They are copied from the file, since a
+    mapped file that another process makes shorter ends this one.
+    """
+    once, inverse = np.unique(places, return_inverse=True)
+    begins = np.append(True, np.diff(once) > NEAR)
+    parts, shift = [], np.zeros(len(once), np.int64)
+    bounds, size = [*np.flatnonzero(begins).tolist(), len(once)], 0
+    for first, last in itertools.pairwise(bounds):
+        start, count = int(once[first]), int(once[last - 1] - once[first]) + NUMBER
+        parts.append(read_at(file, start, count).ljust(count, b"\0"))
+        shift[first:last] = size - start
+        size += count
+    data = np.frombuffer(b"".join(parts), np.uint8)
+    cells: NDArray[np.uint8] = data[(once + shift)[inverse.reshape(places.shape)][..., None] + np.arange(NUMBER)]
+    return cells
+
+
 def _fits(
-    data: memoryview,
+    file: FileIO,
     found: Mapping[int, tuple[bytes, int, int]],
     order: Sequence[int],
     numbers: Sequence[int],
@@ -173,11 +196,13 @@ def _fits(
     for name in order:
         if name in found:
             head, start, end = found[name]
-            crc = zlib.crc32(data[start:end], zlib.crc32(head, crc))
+            crc = zlib.crc32(head, crc)
+            for at in range(start, end, AT_ONCE):
+                crc = zlib.crc32(read_at(file, at, min(end - at, AT_ONCE)), crc)
     if seal not in found or any(name not in found for name in numbers):
         return False
-    own = zlib.crc32(b"".join(data[found[name][1] : found[name][2]] for name in numbers))
-    return bytes(data[found[seal][1] : found[seal][2]]) == struct.pack("<2I", crc, own)
+    own = zlib.crc32(b"".join(read_at(file, found[name][1], found[name][2] - found[name][1]) for name in numbers))
+    return read_at(file, found[seal][1], found[seal][2] - found[seal][1]) == struct.pack("<2I", crc, own)
 
 
 class GrowingSegment:

@@ -1,10 +1,12 @@
-"""Frames as tables of other libraries: a column per component of an array."""
+"""Tables: frames as tables of other libraries, a column per component of an array, and rows as CSV."""
 
 from __future__ import annotations
 
+import csv
 import importlib
-from collections.abc import Sequence
-from typing import Any
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,37 @@ from ecume.trajectories.frame import Frame
 
 Columns = dict[str, NDArray[Any]]
 AXES = "xyz"
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""Spreadsheets evaluate cells that begin with these."""
+QUANTITY = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?( [\w/^*.°%]+)?|[+-]?(inf|nan)")
+"""Text that begins with a sign and is no formula."""
+
+
+class Written(Protocol):
+    """What text is written to."""
+
+    def write(self, text: str, /) -> object:
+        """Take this text."""
+
+
+def write_rows(file: Written, rows: Iterable[Iterable[object]]) -> None:
+    """Write rows as CSV, with text that no spreadsheet evaluates."""
+    csv.writer(file, lineterminator="\n").writerows([cell(value) for value in row] for row in rows)
+
+
+def write_cells(file: Written, rows: Iterable[Iterable[float]]) -> None:
+    """Write rows of numbers as CSV."""
+    csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+def cell(value: object) -> object:
+    """A value as it may stand in CSV: what a spreadsheet would evaluate begins with an apostrophe.
+
+    >>> [cell(value) for value in ("=1+1", "-1.5e-3 mm", "-a", -2.0)]
+    ["'=1+1", '-1.5e-3 mm', "'-a", -2.0]
+    """
+    evaluated = isinstance(value, str) and value.startswith(FORMULA) and not QUANTITY.fullmatch(value)
+    return f"'{value}" if evaluated else value
 
 
 def library(name: str) -> Any:
