@@ -1,4 +1,4 @@
-"""Templates whose values are changed, through `check` and ten steps: an answer within ten seconds, and no traceback."""
+"""Templates that are changed, through `check` and ten steps: an answer in ten seconds and 1 GB, and no traceback."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import copy
 import json
 import math
+import os
 import random
 import resource
 import signal
@@ -23,9 +24,12 @@ from ecume.scenes.load import load_and_examine
 from ecume.scenes.templates import folder as templates
 from ecume.simulation import Integration
 
-from .trials import Outcome, Trial, ended, forked, times
+from .inputs import VALUES, mutant
+from .trials import CHILDREN, Outcome, Trial, forked, times
 
 STEPS = 10
+LARGEST_MEMORY = 1e9
+"""Resident bytes, those of Python and its libraries included."""
 LIMIT = 10
 """Seconds of processor time for a scene."""
 COMPILING = 300
@@ -48,18 +52,90 @@ def mutated_values(scale: float, folder: Path) -> Outcome:
     numba.config.THREADING_LAYER = "workqueue"  # others end the processes that are forked
     use_threads(1)
     for plain in known.values():
-        stepped(plain)  # what is compiled is compiled once, and forked
+        stepped(toml_of(plain))  # what is compiled is compiled once, and forked
     for _ in range(tried):
         name = chance.choice(list(known))
         changed = mutated(known[name], chance)
-        code = ended(forked(lambda changed=changed: bounded(changed, LIMIT)))
-        if code in OUT_OF_TIME:  # a change may select functions that were never compiled: that is done once, and stored
-            ended(forked(lambda changed=changed: bounded(changed, COMPILING)))
-            code = ended(forked(lambda changed=changed: bounded(changed, LIMIT)))
-        survived += code == 0
-        if code:
-            missed.append(f"{name}: {code}: {differences(known[name], changed)}")
+        verdict = tried_within(toml_of(changed))
+        survived += not verdict
+        if verdict:
+            missed.append(f"{name}: {verdict}: {differences(known[name], changed)}")
     return Outcome(tried, survived, "; ".join(missed[:5]) or "each ended with an answer")
+
+
+def mutated_scenes(scale: float, folder: Path) -> Outcome:
+    """Keys, tables and bytes of a template: removed, doubled, taken from another one, replaced by anything."""
+    chance, tried, survived, missed = random.Random(26), times(scale, 10_000), 0, []
+    texts = [path.read_text(encoding="utf-8") for path in sorted(Path(str(templates())).glob("*.toml"))]
+    known = [tomllib.loads(text) for text in texts]
+    numba.config.THREADING_LAYER = "workqueue"  # others end the processes that are forked
+    use_threads(1)
+    for plain in known:
+        stepped(toml_of(plain))  # what is compiled is compiled once, and forked
+    for number in range(tried):
+        if chance.random() < SHARE_OF_BYTES:
+            text = mutant(chance.choice(texts).encode(), chance).decode(errors="replace")
+        else:
+            text = toml_of(rearranged(chance.choice(known), known, chance))
+        verdict = tried_within(text)
+        survived += not verdict
+        if verdict:
+            missed.append(f"{number}: {verdict}")
+            (folder.parent / f"{folder.name}-{number}.toml").write_text(text, encoding="utf-8")
+    return Outcome(tried, survived, "; ".join(missed[:5]) or "each ended with an answer")
+
+
+SHARE_OF_BYTES = 0.3
+"""Of the scenes whose text is changed, as against their tables."""
+
+
+def rearranged(plain: dict[str, Any], others: list[dict[str, Any]], chance: random.Random) -> dict[str, Any]:
+    """A scene with one to three other keys or tables."""
+    changed = copy.deepcopy(plain)
+    for _ in range(chance.randint(1, 3)):
+        places = list(places_of(changed))
+        table, key = chance.choice(places)
+        donor = chance.choice([other for other in others if other.get("model") == plain.get("model")])
+        given, there = chance.choice(list(places_of(donor)))
+        kind = chance.randrange(6)
+        if kind == 0:
+            del table[key]
+        elif kind == 1:
+            table[key] = chance.choice(VALUES)
+        elif kind == 2:
+            table[key] = copy.deepcopy(given[there])
+        elif kind == 3 and isinstance(table, dict) and isinstance(given, dict):
+            table[there] = copy.deepcopy(given[there])
+        elif kind == 4 and isinstance(table[key], list) and table[key]:
+            table[key] = [*table[key], copy.deepcopy(chance.choice(table[key]))]
+        elif kind == 5 and is_quantity(table[key]):
+            table[key] = multiplied(table[key], chance.choice(FACTORS))
+    return changed
+
+
+def places_of(plain: Any) -> Iterator[tuple[Any, Any]]:
+    """Each table or list of a scene with each key of it."""
+    for key, value in list(plain.items() if isinstance(plain, dict) else enumerate(plain)):
+        yield plain, key
+        if isinstance(value, (dict, list)):
+            yield from places_of(value)
+
+
+def tried_within(text: str) -> str:
+    """What was wrong with the answer to a scene; empty where it came in time, with little memory."""
+    code, memory = _ended(forked(lambda: bounded(text, LIMIT)))
+    if code in OUT_OF_TIME or memory > LARGEST_MEMORY:
+        # A change may select functions that were never compiled: that is done once, and stored.
+        _ended(forked(lambda: bounded(text, COMPILING)))
+        code, memory = _ended(forked(lambda: bounded(text, LIMIT)))
+    return str(code) if code else f"{memory / 1e9:.2f} GB" if memory > LARGEST_MEMORY else ""
+
+
+def _ended(child: int) -> tuple[int, float]:
+    """Wait for a process; its exit code, or minus the signal that killed it, and its largest memory (bytes)."""
+    _, status, used = os.wait4(child, 0)
+    CHILDREN.discard(child)
+    return os.waitstatus_to_exitcode(status), 1024.0 * used.ru_maxrss
 
 
 def numbers_of(plain: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
@@ -114,11 +190,11 @@ def differences(one: Any, other: Any) -> str:
     return ", ".join(f"{'.'.join(map(str, path))} = {there.get(path)}" for path in changed)
 
 
-def bounded(plain: dict[str, Any], limit: int) -> None:
+def bounded(text: str, limit: int) -> None:
     """A scene in this process, with bounded processor time (s)."""
     resource.setrlimit(resource.RLIMIT_CPU, (spent() + limit, spent() + limit))
     signal.alarm(20 * limit)
-    stepped(plain)
+    stepped(text)
 
 
 def spent() -> int:
@@ -127,14 +203,14 @@ def spent() -> int:
     return math.ceil(used.ru_utime + used.ru_stime)
 
 
-def stepped(plain: dict[str, Any]) -> None:
+def stepped(text: str) -> None:
     """What `check` reports of a scene, then its first steps."""
     try:
         with contextlib.chdir(str(templates())):
-            scene = load_and_examine(toml_of(plain), [], lambda scene: MODELS[scene.model].summary(scene))
+            scene = load_and_examine(text, [], lambda scene: MODELS[scene.model].summary(scene))
         model = MODELS[scene.model]
         parameters = model.parameters(scene)
-        if counted(plain) > LARGEST:
+        if sum(getattr(species, "count", 0) or 0 for species in getattr(scene, "particles", ())) > LARGEST:
             return
         state = model.start(scene, parameters)
         if len(state.position) <= LARGEST:
@@ -144,11 +220,6 @@ def stepped(plain: dict[str, Any]) -> None:
             integration.observe()
     except EcumeError:  # an answer
         return
-
-
-def counted(plain: dict[str, Any]) -> float:
-    """How many particles a scene asks for by number, beside those that fill a region."""
-    return sum(table.get("count", 0) for table in plain.get("particles", ()))
 
 
 def toml_of(plain: dict[str, Any]) -> str:
@@ -167,4 +238,11 @@ def value_of(value: Any) -> str:
     return json.dumps(value)
 
 
-TRIALS = (Trial("R24 mutated values", "numbers of templates changed, check and ten steps", mutated_values),)
+TRIALS = (
+    Trial("R24 mutated values", "numbers of templates changed, check and ten steps", mutated_values),
+    Trial(
+        "R26 mutated scenes, in full",
+        "keys, tables and bytes of templates changed, check and ten steps",
+        mutated_scenes,
+    ),
+)

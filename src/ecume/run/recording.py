@@ -457,7 +457,7 @@ def misfit(kept: Kept) -> str:
     if any(one.shape != (1,) or not BEFORE <= one[0] <= LARGEST_COUNT or one[0] % 1 for one in counts):
         return "the counts of its samples are not whole numbers"
     if "count" in kept and (kept["block_time"].shape != (1,) or kept["count"][0] < 0.0):
-        return "its average of samples is none"
+        return "its average of samples has no count or time"
     if len({kept[name].shape for name in BLOCK if name in kept} | {(0,)}) > 2 or any(
         kept[one].ndim != 1 for one in BLOCK if one in kept
     ):
