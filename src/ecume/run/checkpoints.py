@@ -370,7 +370,7 @@ def _misfit(stored: Mapping[str, NDArray[Any]], derived: Mapping[str, NDArray[An
 
 
 FARTHEST, ROUNDING = 0.5, 1e-3
-"""How far a constant may be from the one derived here: relative to its value, and to the largest of its array. Libraries and
+"""How far a constant may be from the one derived here, relative to its value and to the largest of its array. Other
 processors change last digits, and fits of them up to 3e-5; what differs more was never derived from this scene.
 """
 
