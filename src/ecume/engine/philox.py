@@ -54,9 +54,10 @@ PAIRS = 1 << 16
 
 
 @compiled_inside
-def counter_of_pair(first: int, second: int, when: int) -> Words:
-    """The counter of a pair of particles, or of a particle and a wall, and a step."""
-    return int(first) & WORD, int(when) & WORD, int(second) & WORD, PAIRS + ((int(when) >> 32) & 0xFFFF)
+def counter_of_pair(first: int, second: int, when: int, turn: int) -> Words:
+    """The counter of a pair of particles, or of a particle and a wall, a step, and their turns in this step."""
+    what = PAIRS * (1 + (int(turn) & 0x7FFF)) + ((int(when) >> 32) & 0xFFFF)
+    return int(first) & WORD, int(when) & WORD, int(second) & WORD, what
 
 
 @compiled_inside

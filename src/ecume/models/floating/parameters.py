@@ -256,7 +256,7 @@ class Workspace(NamedTuple):
     restitution: Array
     """(N,) the restitution of each float in a collision"""
     stages: Array
-    """(5, N, 2) of the Runge-Kutta scheme"""
+    """(5, N, 2) of the Runge-Kutta scheme; see also `DRIVEN`"""
     travel: Array
     """(1,) m: the longest possible displacement in this step"""
     ready: Integers
@@ -283,6 +283,9 @@ def make_state(position: Array, velocity: Array) -> State:
         skin=np.zeros(1),
     )
 
+
+DRIVEN = 1
+"""The index in `Workspace.stages` of the midstep velocities without noise, of Brownian floats."""
 
 FIRST_GUESS = 64
 """Number of neighbors per float for which a first workspace has room."""

@@ -344,7 +344,7 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             foot = plus(plus(x, share, way), -radius if after < 0.0 else -0.5 * (gap + after) - radius, normal)
             if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
                 continue
-            draw = uniforms(counter_of_pair(i, piece, int(state.step[0])), parameters.seed)[0]
+            draw = uniforms(counter_of_pair(i, piece, int(state.step[0]), 0), parameters.seed)[0]
             end = diffusion.reflected_gain(after - gap, variance, -math.log(draw))
             if end > after:
                 way = plus(way, end - after, normal)

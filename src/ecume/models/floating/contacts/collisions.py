@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled, compiled_inside, composed, selected
+from ecume._jit import compiled, compiled_inside, composed, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact import impulse_solvers
@@ -28,14 +28,13 @@ from ecume.engine.contact.contacts import Bodies, Contacts, Memory
 from ecume.engine.contact.friction import FrictionRows, Motion
 from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.contact.torque_contacts import TorqueContacts
-from ecume.engine.philox import counter_of_pair, uniforms
-from ecume.engine.walls import wall_distance
-from ecume.laws import diffusion, drag, flotation
-from ecume.laws.diffusion import reflected_gain
+from ecume.laws import drag, flotation
+from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import (
     COLLISIONS,
     DEEPEST,
+    DRIVEN,
     SWEEPS,
     UNCONVERGED,
     Parameters,
@@ -49,8 +48,6 @@ from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
-
-admit(diffusion)
 
 
 class Friction(NamedTuple):
@@ -235,6 +232,8 @@ class Solver(NamedTuple):
     """load_spins(part, own, parameters, state, last): spins after their kick; `last` at the end of a step"""
     store_spins: Callable[..., None]
     """store_spins(part, own, parameters, state, last): store spins, and advance angles, in the state"""
+    collide_by_noise: Callable[..., None]
+    """collide_by_noise(part, parameters, state, workspace): collisions of Brownian floats, and bounds of the solve"""
 
 
 def _solver(kind: type) -> Solver:
@@ -254,6 +253,8 @@ remember = selected(lambda kind: _solver(kind).remember)
 load_spins = selected(lambda kind: _solver(kind).load_spins)
 
 store_spins = selected(lambda kind: _solver(kind).store_spins)
+
+collide_by_noise = selected(lambda kind: _solver(kind).collide_by_noise)
 
 
 @compiled_inside
@@ -387,7 +388,40 @@ def no_spins(part: Any, own: Any, parameters: Parameters, state: State, last: bo
     """Do nothing: smooth surfaces exert no torques."""
 
 
-SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins)
+@compiled
+def free_shares(parameters: Parameters, contacts: Contacts) -> Array:
+    """The velocities of both floats of each contact by opposite unit forces, without interaction through the liquid."""
+    gain, share = parameters.kick.gain, np.zeros((contacts.total[0], 2))
+    for row in range(len(share)):
+        i, j = contacts.first[row], contacts.second[row]
+        share[row, 0] = gain[i]
+        if j < len(gain):
+            share[row, 1] = gain[j]
+    return share
+
+
+@compiled
+def collide_smoothly(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Let Brownian floats collide on their paths; only lasting contacts are left to the solve."""
+    contacts, velocity, gain = workspace.contacts, workspace.midstep_velocity, parameters.kick.gain
+    share, driven = free_shares(parameters, contacts), workspace.stages[DRIVEN]
+    found = collide_on_paths(parameters, state, contacts, (velocity, driven), share)
+    for i in range(len(found.push)):
+        velocity[i, 0] += gain[i] * found.push[i, 0]
+        velocity[i, 1] += gain[i] * found.push[i, 1]
+    require_distances(parameters, state, contacts, velocity, share, found.lasting)
+
+
+@compiled
+def collide_together(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Leave all contacts of Brownian floats to the solve, which adds friction to them."""
+    contacts = workspace.contacts
+    lasting = np.ones(len(parameters.floats.radius), np.int64)
+    share = free_shares(parameters, contacts)
+    require_distances(parameters, state, contacts, workspace.midstep_velocity, share, lasting)
+
+
+SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins, collide_smoothly)
 
 SOLVERS: dict[type, Solver] = {
     Impulses: SMOOTH,
@@ -399,6 +433,7 @@ SOLVERS: dict[type, Solver] = {
         remember_friction,
         load_friction_spins,
         store_friction_spins,
+        collide_together,
     ),
 }
 """By the type of the part."""
@@ -456,8 +491,7 @@ def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State,
     bounce(part, own, parameters, state, workspace)
     require_gaps(part.overlapping, parameters, contacts)
     if parameters.drift.thermal > 0.0:
-        mobilities = free_mobilities(parameters, contacts)
-        reflect_noise(parameters, state, contacts, workspace.midstep_velocity, mobilities)
+        collide_by_noise(part, parameters, state, workspace)
     solve_contacts(part, own, parameters, state, workspace, workspace.midstep_velocity)
     add_rows(state.velocity, workspace.midstep_velocity)
     store_spins(part, own, parameters, state, False)
@@ -487,63 +521,6 @@ def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts |
     for row in range(contacts.total[0]):
         free = overlapping and contacts.second[row] < len(parameters.floats.radius)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
-
-
-@compiled
-def reflect_noise(
-    parameters: Parameters, state: State, contacts: Contacts, velocity: Array, mobility_of: Array
-) -> None:
-    """Require that pairs which thermal noise brings together end their step apart, as reflected Brownian motions do.
-
-    Noise carries floats into one another in almost each step near contact. To stop them at contact would leave them
-    there: the gap at the end of the step is that of `reflected_gain` [lepingle1995]. `mobility_of`: the relative
-    velocity of each pair by opposite unit forces (m/(N s)).
-    """
-    drift, time = parameters.drift, parameters.time_step
-    touching.normal_velocities(contacts, velocity, contacts.scratch)
-    for row in range(contacts.total[0]):
-        variance, gap = 2.0 * drift.thermal * mobility_of[row] * time, max(contacts.gap[row], 0.0)
-        after, ahead, across = free_gap(parameters, state, contacts, row, velocity)
-        # Beyond this, paths meet with a probability below exp(-40).
-        if contacts.bound[row] > -np.inf and (after <= 0.0 or gap * after < 20.0 * variance):
-            i, j = contacts.first[row], contacts.second[row]
-            draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0])), drift.seed)[0]
-            end = reflected_gain(after - gap, variance, -math.log(draw))
-            moved = time * contacts.scratch[row]
-            if ahead > 0.0:
-                # As far along the normal as leads to this gap, beside the motion across it.
-                target = end + ahead - moved - contacts.gap[row]
-                contacts.bound[row] = (math.sqrt(max(target**2 - across**2, 0.0)) - ahead + moved) / time
-            else:
-                contacts.bound[row] = (moved + end - after) / time
-
-
-@compiled
-def free_gap(
-    parameters: Parameters, state: State, contacts: Contacts, row: int, velocity: Array
-) -> tuple[float, float, float]:
-    """The gap of a contact at the end of the step without contacts, and for two floats the vector between their centers
-    then: its parts along and across the normal (m). At walls these are zero.
-    """
-    i, j, time, radius = contacts.first[row], contacts.second[row], parameters.time_step, parameters.floats.radius
-    if j >= len(radius):
-        x, y = state.position[i, 0] + time * velocity[i, 0], state.position[i, 1] + time * velocity[i, 1]
-        return wall_distance(parameters.walls, j - len(radius), x, y)[0] - radius[i], 0.0, 0.0
-    x, y = contacts.normal[row, 0], contacts.normal[row, 1]
-    across = time * (x * (velocity[j, 1] - velocity[i, 1]) - y * (velocity[j, 0] - velocity[i, 0]))
-    touch = radius[i] + radius[j]
-    ahead = touch + contacts.gap[row] + time * contacts.scratch[row]
-    return math.sqrt(ahead**2 + across**2) - touch, ahead, across
-
-
-@compiled
-def free_mobilities(parameters: Parameters, contacts: Contacts) -> Array:
-    """The relative mobility of each pair of floats that do not interact through the liquid."""
-    gain, found = parameters.kick.gain, np.empty(contacts.total[0])
-    for row in range(len(found)):
-        i, j = contacts.first[row], contacts.second[row]
-        found[row] = gain[i] + (gain[j] if j < len(gain) else 0.0)
-    return found
 
 
 @compiled

@@ -32,7 +32,8 @@ from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
 from ecume.laws.ewald import smooth_curvature, smooth_flow, spline_correction
 from ecume.laws.pair_mobility import rotne_prager
-from ecume.models.floating.contacts.collisions import clear_impulses, memory_of, reflect_noise
+from ecume.models.floating.contacts.collisions import clear_impulses, memory_of
+from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
 from ecume.models.floating.coupled.mobility import (
     CoupledKicks,
     CoupledScratch,
@@ -43,9 +44,10 @@ from ecume.models.floating.coupled.mobility import (
     fill_current,
     fill_normals,
     gather_contacts,
+    store_driven,
     store_velocities,
 )
-from ecume.models.floating.parameters import SWEEPS, UNCONVERGED, Parameters, Parts, Scratch, State, Workspace
+from ecume.models.floating.parameters import DRIVEN, SWEEPS, UNCONVERGED, Parameters, Parts, Scratch, State, Workspace
 from ecume.units import Array
 
 admit(pair_mobility, ewald)
@@ -430,9 +432,10 @@ def fastest_on_grid(
     own.grid[:] = [grid]
     motion.load[:] = workspace.force.ravel()
     motion.motion[:] = flow_product(grid, workspace.force).ravel()
-    if kicks.thermal > 0.0:
-        motion.motion[:] += kicks.thermal * flow_divergence(grid, state.position).ravel()
     fill_current(motion, parameters, state)
+    if kicks.thermal > 0.0:
+        store_driven(motion, workspace)
+        motion.motion[:] += kicks.thermal * flow_divergence(grid, state.position).ravel()
     return float(fastest_motion(motion))
 
 
@@ -469,10 +472,17 @@ def collide_on_grid(
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
     contacts, memory = workspace.contacts, memory_of(state)
     gather_contacts(parameters, state, workspace)
-    set_pair_weights(contacts, state.position, own.grid[0].radius, own.grid[0].unit)
+    grid, motion = own.grid[0], own.motion
+    share = pair_shares(contacts, state.position, grid.radius, grid.unit)
+    contacts.weight[: len(share)] = 1.0 / share.sum(axis=1)
     if parameters.drift.thermal > 0.0:
-        mobilities = 1.0 / contacts.weight[: int(contacts.total[0])]
-        reflect_noise(parameters, state, contacts, workspace.midstep_velocity, mobilities)
+        paths = workspace.midstep_velocity, workspace.stages[DRIVEN]
+        found = collide_on_paths(parameters, state, contacts, paths, share)
+        if len(found.push):
+            motion.load[:] += found.push.ravel()
+            motion.motion[:] += flow_product(grid, found.push).ravel()
+            store_velocities(motion, state, workspace)
+        require_distances(parameters, state, contacts, workspace.midstep_velocity, share, found.lasting)
     wanted = begin_contacts(parameters, state, workspace)
     if wanted.target > 0.0:
         push_on_grid(own, parameters, state, workspace, wanted)
@@ -507,13 +517,15 @@ def push_on_grid(own: GridScratch, parameters: Parameters, state: State, workspa
 
 
 @compiled
-def set_pair_weights(contacts: Contacts, position: Array, radius: Array, unit: float) -> None:
-    """Set the effective mass of each contact: force over the relative velocity that it gives to its two bodies."""
-    for row in range(contacts.total[0]):
+def pair_shares(contacts: Contacts, position: Array, radius: Array, unit: float) -> Array:
+    """The velocities of both bodies of each contact by opposite unit forces, as if no others were there."""
+    share = np.zeros((contacts.total[0], 2))
+    for row in range(len(share)):
         i, j = contacts.first[row], contacts.second[row]
-        closing = 1.0 / radius[i]
+        share[row, 0] = unit / radius[i]
         if j < len(radius):
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-            along = rotne_prager(math.sqrt(x * x + y * y), radius[i], radius[j])[1]
-            closing += 1.0 / radius[j] - 2.0 * along
-        contacts.weight[row] = 1.0 / (unit * closing)
+            along = unit * rotne_prager(math.sqrt(x * x + y * y), radius[i], radius[j])[1]
+            share[row, 0] -= along
+            share[row, 1] = unit / radius[j] - along
+    return share

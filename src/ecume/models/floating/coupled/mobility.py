@@ -41,9 +41,9 @@ from ecume.models.floating.contacts.collisions import (
     friction_of,
     goal_of,
     memory_of,
-    reflect_noise,
     require_gaps,
 )
+from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
 from ecume.models.floating.forces.films import (
     MOST_ITERATIONS,
     TOLERANCE,
@@ -55,7 +55,17 @@ from ecume.models.floating.forces.films import (
 )
 from ecume.models.floating.forces.flow_and_noise import current_at
 from ecume.models.floating.options import Built
-from ecume.models.floating.parameters import SWEEPS, UNCONVERGED, WORK, Parameters, Parts, Scratch, State, Workspace
+from ecume.models.floating.parameters import (
+    DRIVEN,
+    SWEEPS,
+    UNCONVERGED,
+    WORK,
+    Parameters,
+    Parts,
+    Scratch,
+    State,
+    Workspace,
+)
 from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
@@ -212,10 +222,19 @@ def fastest_coupled(
         own.load[2 * i], own.load[2 * i + 1] = workspace.force[i, 0], workspace.force[i, 1]
     own.load[2 * count :] = 0.0
     multiply(own.mobility, own.load, own.motion)
-    if part.thermal > 0.0:
-        add_divergence(part, state.position, own.motion)
     fill_current(own, parameters, state)
+    if part.thermal > 0.0:
+        store_driven(own, workspace)
+        add_divergence(part, state.position, own.motion)
     return fastest_motion(own)
+
+
+@compiled
+def store_driven(own: CoupledScratch, workspace: Workspace) -> None:
+    """Store the velocities by forces and the current, without noise and the drift kT div M that belongs to it."""
+    for i in range(len(own.current)):
+        for axis in range(2):
+            workspace.stages[DRIVEN, i, axis] = own.motion[2 * i + axis] + own.current[i, axis]
 
 
 @compiled
@@ -350,8 +369,7 @@ def collide_coupled(
     contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
     gather_contacts(parameters, state, workspace)
     if parameters.drift.thermal > 0.0:
-        mobilities = closing_mobilities(own.mobility, len(own.current), contacts)
-        reflect_noise(parameters, state, contacts, workspace.midstep_velocity, mobilities)
+        collide_coupled_paths(part, own, parameters, state, workspace)
     goal = begin_contacts(parameters, state, workspace)
     if goal.target > 0.0:
         rows = dense_rows_of(part, contacts, parameters, len(own.motion))
@@ -375,20 +393,43 @@ def collide_coupled(
 
 
 @compiled
-def closing_mobilities(mobility: Array, count: int, contacts: Contacts) -> Array:
-    """The relative velocity of each pair by opposite unit forces along its normal; walls are at rest."""
-    found = np.empty(contacts.total[0])
-    for row in range(len(found)):
-        i, j, total = contacts.first[row], contacts.second[row], 0.0
+def collide_coupled_paths(
+    part: CoupledImpulses, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Let Brownian floats collide on their paths, without friction, and move all floats by these collisions."""
+    contacts, count = workspace.contacts, len(own.current)
+    share, lasting = closing_shares(own.mobility, count, contacts), np.ones(count, np.int64)
+    if len(part.inertia) == 0:
+        motion = workspace.midstep_velocity, workspace.stages[DRIVEN]
+        found = collide_on_paths(parameters, state, contacts, motion, share)
+        lasting = found.lasting
+        if len(found.push) > 0:
+            load, moved = np.zeros(len(own.motion)), np.zeros(len(own.motion))
+            for i in range(count):
+                load[2 * i], load[2 * i + 1] = found.push[i, 0], found.push[i, 1]
+            multiply(own.mobility, load, moved)
+            for entry in range(len(moved)):
+                own.load[entry] += load[entry]
+                own.motion[entry] += moved[entry]
+            store_velocities(own, state, workspace)
+    require_distances(parameters, state, contacts, workspace.midstep_velocity, share, lasting)
+
+
+@compiled
+def closing_shares(mobility: Array, count: int, contacts: Contacts) -> Array:
+    """The velocities of both floats of each contact by opposite unit forces along its normal; walls are at rest."""
+    share = np.zeros((contacts.total[0], 2))
+    for row in range(len(share)):
+        i, j, normal = contacts.first[row], contacts.second[row], contacts.normal
         for one in range(2):
             for other in range(2):
-                both = mobility[2 * i + one, 2 * i + other]
+                along = normal[row, one] * normal[row, other]
+                share[row, 0] += along * mobility[2 * i + one, 2 * i + other]
                 if j < count:
-                    both += mobility[2 * j + one, 2 * j + other]
-                    both -= mobility[2 * i + one, 2 * j + other] + mobility[2 * j + one, 2 * i + other]
-                total += contacts.normal[row, one] * both * contacts.normal[row, other]
-        found[row] = total
-    return found
+                    mutual = along * mobility[2 * i + one, 2 * j + other]
+                    share[row, 0] -= mutual
+                    share[row, 1] += along * mobility[2 * j + one, 2 * j + other] - mutual
+    return share
 
 
 @compiled

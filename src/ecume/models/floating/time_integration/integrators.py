@@ -45,6 +45,7 @@ from ecume.models.floating.forces.flow_and_noise import current_at, straight_cur
 from ecume.models.floating.forces.interactions import evaluate
 from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import (
+    DRIVEN,
     WORK,
     Kick,
     Parameters,
@@ -240,6 +241,7 @@ def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace
     else:
         kick_floats(parameters, state, workspace.force, 0.0 if parameters.scheme.half_kicks else 0.5)
         if parameters.drift.thermal > 0.0:
+            copy_rows(workspace.stages[DRIVEN], state.velocity)
             add_noise(parameters, state.velocity, int(state.step[0]))
         copy_rows(workspace.midstep_velocity, state.velocity)
 

@@ -1,0 +1,326 @@
+"""Collisions of Brownian floats within a step: event-driven Brownian dynamics [scala2007; scala2013].
+
+In a step each float moves along a straight line, by the sum of its displacements by forces and by noise. Where two
+paths meet, their relative velocity along the normal is reflected, as in elastic collisions of masses that are inversely
+proportional to the mobilities. Such billiards conserve the volume of configurations and the distribution of the noise:
+without forces every allowed configuration stays equally likely, for any number of floats and any time step. With forces
+the gap after a collision is that of a reflected Brownian motion with drift: see `diffusion.reflected_gap`. Means
+converge with the first order in the time step, as in schemes that reflect at one wall [bossy2004].
+
+Floats that are pressed together by much more than kT per step collide without end. These lasting contacts, and all
+floats that collide with them in the same step, are solved together as impulses, with the gaps of `reflected_gain` for
+each pair. For simultaneous contacts these push too far: the largest of a sum is at most the sum of the largest.
+
+Floats that interact through the liquid: in a collision only the two floats move, with the mobilities of the pair. The
+mean forces of all collisions then move all floats, which makes some approach a little too far. Their overlaps are
+reflected by the impulses at the end of the step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, compiled
+from ecume.engine.cells import Integers
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact.contacts import Contacts
+from ecume.engine.contact.event_queue import make_event_queue, schedule
+from ecume.engine.philox import counter_of_pair, uniforms
+from ecume.engine.walls import is_circle, wall_distance
+from ecume.laws import diffusion
+from ecume.laws.diffusion import reflected_gain, reflected_gap
+from ecume.models.floating.parameters import Parameters, State
+from ecume.units import Array
+
+admit(diffusion)
+
+MOST_HITS = 12
+"""Collisions of a float in one step; with more it is in lasting contact."""
+
+LASTING = 1.0
+"""Approach by forces in one step, over the standard deviation of that by noise, above which a contact lasts."""
+
+
+class Paths(NamedTuple):
+    """Straight paths of floats since their last collision in this step."""
+
+    since: Array
+    """(N,) s: the time of this collision in the step"""
+    moved: Array
+    """(N, 2) m: the displacement until then"""
+    velocity: Array
+    """(N, 2) m/s: the velocity from then on"""
+    hits: Integers
+    """(N,) collisions in this step"""
+    lasting: Integers
+    """(N,) 1 for floats in lasting contact"""
+
+
+class Bounces(NamedTuple):
+    """The result of all collisions of a step."""
+
+    push: Array
+    """(N, 2) N: the mean force of collisions on each float; (0, 2) if no floats collide"""
+    lasting: Integers
+    """(N,) 1 for floats in lasting contact"""
+
+
+@compiled
+def collide_on_paths(
+    parameters: Parameters, state: State, contacts: Contacts, motion: tuple[Array, Array], share: Array
+) -> Bounces:
+    """Let floats collide on their paths of this step. `motion`: (N, 2) velocities with and without noise (m/s);
+    `share`: (rows, 2) the velocities of both floats of a contact by opposite unit forces along its normal (m/(N s)).
+    """
+    total, count = contacts.total[0], len(parameters.floats.radius)
+    time, free = parameters.time_step, motion[0]
+    queue = make_event_queue(total)
+    paths = Paths(
+        np.zeros(count), np.zeros((count, 2)), free[:count].copy(), np.zeros(count, np.int64), np.zeros(count, np.int64)
+    )
+    touching.normal_velocities(contacts, free, contacts.scratch)
+    for row in range(total):
+        # Two discs stay apart if the plane between them is not crossed.
+        if contacts.bound[row] > -np.inf and (
+            contacts.second[row] >= count or contacts.gap[row] + time * contacts.scratch[row] < 0.0
+        ):
+            schedule(queue, row, meeting_time(parameters, state, contacts, paths, row))
+    if queue.size[0] == 0:
+        return Bounces(np.zeros((0, 2)), paths.lasting)
+    first, rows = contacts_of_floats(contacts, count)
+    push, met, meetings = np.zeros((count, 2)), np.zeros(total, np.int64), 0
+    while queue.size[0] > 0:
+        row = queue.heap[0]
+        when = queue.time[row]
+        i, j = contacts.first[row], contacts.second[row]
+        met[row], meetings = 1, meetings + 1
+        if lasts(parameters, contacts, paths, row, (motion[1], share)):
+            paths.lasting[i] = 1
+            if j < count:
+                paths.lasting[j] = 1
+        else:
+            reflect_pair(parameters, state, contacts, paths, (row, meetings, when), (motion[1], share, push))
+        for place in range(first[i], first[i + 1]):
+            schedule(queue, rows[place], meeting_time(parameters, state, contacts, paths, rows[place]))
+        if j < count:
+            for place in range(first[j], first[j + 1]):
+                schedule(queue, rows[place], meeting_time(parameters, state, contacts, paths, rows[place]))
+    spread_lasting(contacts, met, paths.lasting)
+    for i in range(count):
+        if paths.lasting[i] > 0:
+            push[i, 0], push[i, 1] = 0.0, 0.0
+    return Bounces(push, paths.lasting)
+
+
+@compiled
+def contacts_of_floats(contacts: Contacts, count: int) -> tuple[Integers, Integers]:
+    """The contacts of each float: those of float i are rows[first[i]:first[i + 1]]."""
+    total, one, other = contacts.total[0], contacts.first, contacts.second
+    first, rows = np.zeros(count + 2, np.int64), np.empty(2 * total, np.int64)
+    for row in range(total):
+        first[one[row] + 2] += 1
+        if other[row] < count:
+            first[other[row] + 2] += 1
+    for i in range(count):
+        first[i + 2] += first[i + 1]
+    for row in range(total):
+        rows[first[one[row] + 1]] = row
+        first[one[row] + 1] += 1
+        if other[row] < count:
+            rows[first[other[row] + 1]] = row
+            first[other[row] + 1] += 1
+    return first[: count + 1], rows
+
+
+@compiled
+def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths: Paths, row: int) -> float:
+    """When the two bodies of a contact meet on their paths (s); infinite if not in this step, or if a contact lasts."""
+    i, j, radius, time = contacts.first[row], contacts.second[row], parameters.floats.radius, parameters.time_step
+    if paths.lasting[i] > 0 or contacts.bound[row] == -np.inf:
+        return math.inf
+    if j >= len(radius):
+        when = time_of_wall(parameters, state, paths, i, j - len(radius))
+    elif paths.lasting[j] > 0:
+        return math.inf
+    else:
+        begin = max(paths.since[i], paths.since[j])
+        x, y = pair_at(contacts, paths, row, radius[i] + radius[j], begin)
+        u, v = paths.velocity[j, 0] - paths.velocity[i, 0], paths.velocity[j, 1] - paths.velocity[i, 1]
+        closing, beyond = x * u + y * v, x * x + y * y - (radius[i] + radius[j]) ** 2
+        when = begin + first_root(closing, beyond, u * u + v * v)
+    return when if when < time else math.inf
+
+
+@compiled
+def first_root(half: float, last: float, square: float) -> float:
+    """The first positive t with square t^2 + 2 half t + last = 0, where this falls; zero if it is negative already."""
+    if half >= 0.0:
+        return math.inf
+    if last <= 0.0:
+        return 0.0
+    root = half * half - square * last
+    return last / (math.sqrt(root) - half) if root > 0.0 else math.inf
+
+
+@compiled
+def time_of_wall(parameters: Parameters, state: State, paths: Paths, i: int, number: int) -> float:
+    """When a float meets a wall on its path (s)."""
+    walls, u, v = parameters.walls, paths.velocity[i, 0], paths.velocity[i, 1]
+    x, y = state.position[i, 0] + paths.moved[i, 0], state.position[i, 1] + paths.moved[i, 1]
+    if is_circle(walls, number):
+        outward, room = x * u + y * v, (walls.disc_radius - parameters.floats.radius[i]) ** 2 - x * x - y * y
+        square = u * u + v * v
+        if square == 0.0 or (room < 0.0 and outward <= 0.0):
+            return math.inf
+        ahead = (math.sqrt(max(outward * outward + square * room, 0.0)) - outward) / square
+        return float(paths.since[i] + max(ahead, 0.0))
+    distance, in_x, in_y = wall_distance(walls, number, x, y)
+    closing = -(u * in_x + v * in_y)
+    return (
+        float(paths.since[i] + max(distance - parameters.floats.radius[i], 0.0) / closing)
+        if closing > 0.0
+        else math.inf
+    )
+
+
+@compiled
+def pair_at(contacts: Contacts, paths: Paths, row: int, touch: float, when: float) -> tuple[float, float]:
+    """The vector between the centers of two floats at this time of the step (m)."""
+    i, j, apart = contacts.first[row], contacts.second[row], touch + contacts.gap[row]
+    since_i, since_j, moved, velocity = when - paths.since[i], when - paths.since[j], paths.moved, paths.velocity
+    x = apart * contacts.normal[row, 0] + moved[j, 0] + since_j * velocity[j, 0]
+    y = apart * contacts.normal[row, 1] + moved[j, 1] + since_j * velocity[j, 1]
+    return x - moved[i, 0] - since_i * velocity[i, 0], y - moved[i, 1] - since_i * velocity[i, 1]
+
+
+@compiled
+def lasts(parameters: Parameters, contacts: Contacts, paths: Paths, row: int, given: tuple[Array, Array]) -> bool:
+    """Whether forces press two bodies together for longer than noise can separate them in a step."""
+    i, j, count = contacts.first[row], contacts.second[row], len(parameters.floats.radius)
+    driven, share = given
+    x, y = contacts.normal[row, 0], contacts.normal[row, 1]
+    approach = x * driven[i, 0] + y * driven[i, 1]
+    if j < count:
+        approach -= x * driven[j, 0] + y * driven[j, 1]
+    most = max(paths.hits[i], paths.hits[j] if j < count else 0)
+    time, mobility = parameters.time_step, share[row, 0] + share[row, 1]
+    return bool(
+        most >= MOST_HITS or approach * time > LASTING * math.sqrt(2.0 * parameters.drift.thermal * mobility * time)
+    )
+
+
+@compiled
+def reflect_pair(
+    parameters: Parameters,
+    state: State,
+    contacts: Contacts,
+    paths: Paths,
+    event: tuple[int, int, float],
+    given: tuple[Array, Array, Array],
+) -> None:
+    """Reflect the velocities of two bodies, whose `event` is a contact, its number in the step, and the time."""
+    (row, meetings, when), (driven, share, push), radius = event, given, parameters.floats.radius
+    i, j, time, thermal = contacts.first[row], contacts.second[row], parameters.time_step, parameters.drift.thermal
+    advance_path(paths, i, when)
+    velocity, left, count = paths.velocity, time - when, len(radius)
+    if j < count:
+        advance_path(paths, j, when)
+        x, y = pair_at(contacts, paths, row, radius[i] + radius[j], when)
+        apart = math.sqrt(x * x + y * y)
+        x, y = x / apart, y / apart
+        speed = x * (velocity[j, 0] - velocity[i, 0]) + y * (velocity[j, 1] - velocity[i, 1])
+        forced = x * (driven[j, 0] - driven[i, 0]) + y * (driven[j, 1] - driven[i, 1])
+    else:
+        place_x, place_y = state.position[i, 0] + paths.moved[i, 0], state.position[i, 1] + paths.moved[i, 1]
+        _, in_x, in_y = wall_distance(parameters.walls, j - count, place_x, place_y)
+        x, y = -in_x, -in_y
+        speed, forced = -x * velocity[i, 0] - y * velocity[i, 1], -x * driven[i, 0] - y * driven[i, 1]
+    mobility = share[row, 0] + share[row, 1]
+    draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), meetings), parameters.drift.seed)[0]
+    variance = 2.0 * thermal * mobility * time
+    end = reflected_gap(-speed * left, (forced - speed) * time, forced * time, variance, draw)
+    force = (end / left - speed) / mobility
+    for axis, along in ((0, x), (1, y)):
+        velocity[i, axis] -= share[row, 0] * force * along
+        push[i, axis] -= force * along * left / time
+        if j < count:
+            velocity[j, axis] += share[row, 1] * force * along
+            push[j, axis] += force * along * left / time
+    paths.hits[i] += 1
+    if j < count:
+        paths.hits[j] += 1
+
+
+@compiled
+def advance_path(paths: Paths, i: int, when: float) -> None:
+    """Move a float along its path to this time of the step."""
+    for axis in range(2):
+        paths.moved[i, axis] += (when - paths.since[i]) * paths.velocity[i, axis]
+    paths.since[i] = when
+
+
+@compiled
+def spread_lasting(contacts: Contacts, met: Integers, lasting: Integers) -> None:
+    """Mark all floats that collided with lasting ones in this step, and so on."""
+    spreads = lasting.max() > 0
+    while spreads:
+        spreads = False
+        for row in range(contacts.total[0]):
+            i, j = contacts.first[row], contacts.second[row]
+            if met[row] > 0 and j < len(lasting) and lasting[i] != lasting[j]:
+                lasting[i], lasting[j], spreads = 1, 1, True
+
+
+@compiled
+def require_distances(
+    parameters: Parameters, state: State, contacts: Contacts, velocity: Array, share: Array, lasting: Integers
+) -> None:
+    """Set the bounds of the relative velocities of all contacts, from the velocities after the collisions: in lasting
+    contacts the gaps of reflected motions, in others that floats end apart.
+    """
+    time, count = parameters.time_step, len(parameters.floats.radius)
+    touching.normal_velocities(contacts, velocity, contacts.scratch)
+    for row in range(contacts.total[0]):
+        i, j, gap = contacts.first[row], contacts.second[row], max(contacts.gap[row], 0.0)
+        if contacts.bound[row] == -np.inf:
+            continue
+        pressed = lasting[i] > 0 or (j < count and lasting[j] > 0)
+        variance = 2.0 * parameters.drift.thermal * (share[row, 0] + share[row, 1]) * time
+        after, ahead, across = free_gap(parameters, state, contacts, row, velocity)
+        moved = time * contacts.scratch[row]
+        # Beyond this, paths meet with a probability below exp(-40).
+        if pressed and (after <= 0.0 or gap * after < 20.0 * variance):
+            draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), 0), parameters.drift.seed)[0]
+            end = reflected_gain(after - gap, variance, -math.log(draw))
+        elif after < 0.0:
+            end = -after
+        else:
+            contacts.bound[row] = min(contacts.bound[row], contacts.scratch[row])
+            continue
+        if ahead > 0.0:
+            # As far along the normal as leads to this gap, beside the motion across it.
+            target = end + ahead - moved - contacts.gap[row]
+            contacts.bound[row] = (math.sqrt(max(target**2 - across**2, 0.0)) - ahead + moved) / time
+        else:
+            contacts.bound[row] = (moved + end - after) / time
+
+
+@compiled
+def free_gap(
+    parameters: Parameters, state: State, contacts: Contacts, row: int, velocity: Array
+) -> tuple[float, float, float]:
+    """The gap of a contact at the end of the step without contacts, and for two floats the vector between their centers
+    then: its parts along and across the normal (m). At walls these are zero.
+    """
+    i, j, time, radius = contacts.first[row], contacts.second[row], parameters.time_step, parameters.floats.radius
+    if j >= len(radius):
+        x, y = state.position[i, 0] + time * velocity[i, 0], state.position[i, 1] + time * velocity[i, 1]
+        return wall_distance(parameters.walls, j - len(radius), x, y)[0] - radius[i], 0.0, 0.0
+    x, y = contacts.normal[row, 0], contacts.normal[row, 1]
+    across = time * (x * (velocity[j, 1] - velocity[i, 1]) - y * (velocity[j, 0] - velocity[i, 0]))
+    touch = radius[i] + radius[j]
+    ahead = touch + contacts.gap[row] + time * contacts.scratch[row]
+    return math.sqrt(ahead**2 + across**2) - touch, ahead, across
