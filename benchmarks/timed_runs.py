@@ -25,10 +25,14 @@ def heavy_spheres(placement: str) -> Any:
     return load_scene(f"{head}{WATER}[[particles]]\n{HEAVY}{placement}")
 
 
+STOKES = ("hydrodynamics.drag=stokes", "hydrodynamics.added_mass=false")
+"""The drag that LAMMPS has, too, and that recorded times are of."""
+
+
 def cereal_bowl(count: int) -> Any:
-    """The template's bowl with so many cereals."""
+    """The template's bowl with so many cereals, and Stokes's drag."""
     text = (files("ecume") / "templates" / "cereal-bowl.toml").read_text(encoding="utf-8")
-    return load_scene(text, [f"particles[0].count={count}"])
+    return load_scene(text, [f"particles[0].count={count}", *STOKES])
 
 
 class TimedRun:

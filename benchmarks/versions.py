@@ -31,7 +31,10 @@ class Case(NamedTuple):
 
 
 CASES = {
-    "bowl": Case("cereal-bowl", ("frame_every=3 s", "duration=120 s")),
+    "bowl": Case(
+        "cereal-bowl",
+        ("frame_every=3 s", "duration=120 s", "hydrodynamics.drag=stokes", "hydrodynamics.added_mass=false"),
+    ),
     "crowd": Case("colloids", ("particles[0].count=2000", "dish.radius=1.7 mm", "frame_every=10 s", "duration=1000 s")),
     "cube": Case("dam-break-3d", ("spacing=1.4 cm", "frame_every=10 ms", "duration=600 ms")),
     "packing": Case(

@@ -160,11 +160,8 @@ def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
     assert of(scene) != of(changed)
 
 
-OF_TABLES = "particles.", "rows."
-
-
 def as_rows(plain):
-    """The same scene, its floats one by one; None if they have no positions of their own."""
+    """The same scene, its floats one by one, as tables and runs give them; None if they have no positions."""
     if not all(species.get("positions") for species in plain["particles"]):
         return None
     rows = []
@@ -177,20 +174,75 @@ def as_rows(plain):
     return plain | {"particles": [], "rows": [*rows, *plain.get("rows", [])]}
 
 
-PLACED = "positions", "velocity", "velocities", "placement", "count", "spacing", "center", "ring_radius"
-"""Keys of a species that rows say by their own positions and velocities."""
-ROWWISE = [path for path, effect in EFFECTS["floating"].EFFECTS.items()
-           if not path.startswith(OF_TABLES) and effect.shows == RUN]  # fmt: skip
+PLACED = (
+    "positions", "velocity", "velocities", "placement", "count", "spacing", "center", "ring_radius", "low", "high",
+    "radii", "sizes",
+)  # fmt: skip
+"""Keys of a species that the other way says by positions, velocities and radii."""
+
+
+def as_count(plain):
+    """The same scene, its floats placed by the program; None if a key gives each float something of its own."""
+    if plain.get("rows") or plain.get("waves", {}).get("headings"):
+        return None
+    particles = []
+    for species in plain["particles"]:
+        count = len(species.get("positions") or []) or species.get("count", 1)
+        told = {key: value for key, value in species.items() if key not in PLACED}
+        particles.append(told | {"count": count, "velocity": species.get("velocity", (0.0, 0.0))})
+    return plain | {"particles": particles}
+
+
+def as_placed(plain):
+    """The same scene, tracers or spheres where their first frame shows them, with the radii that it shows."""
+    frame, particles = frames_of(plain)[0], []
+    for number, species in enumerate(plain["particles"]):
+        mine = frame.arrays["species"] == number
+        told = {key: value for key, value in species.items() if key not in PLACED}
+        for key, name in (("positions", "position"), ("radii", "radius"), ("velocities", "velocity")):
+            if name in frame.arrays and (key != "velocities" or "velocity" in species):
+                told[key] = frame.arrays[name][mine].tolist()
+        particles.append({key: value for key, value in told.items() if key != "radius" or "radii" not in told})
+    return plain | {"particles": particles}
+
+
+def as_particles(plain):
+    """The same tank, its liquid particle by particle, as tables and runs give it."""
+    frame, regions = frames_of(plain)[0], []
+    names = {"positions": "position", "velocities": "velocity", "densities": "density", "masses": "mass"}
+    for number, region in enumerate(plain["fluid"]):
+        mine = frame.arrays["species"] == number
+        told = {key: region[key] for key in ("color",) if key in region}
+        regions.append(told | {"particles": {key: frame.arrays[name][mine].tolist() for key, name in names.items()}})
+    return plain | {"fluid": regions}
+
+
+WAYS = {
+    "floating": {"rows": as_rows, "count": as_count}, "soft": {"placed": as_placed}, "tracers": {"placed": as_placed},
+    "sph": {"particles": as_particles},
+}  # fmt: skip
+"""Other ways in which the particles of a scene can be given; tables and runs are read as one of them."""
+OF_TABLES = "particles.", "rows.", "fluid."
+OTHERWISE = [
+    (model, way, path)
+    for model, ways in WAYS.items()
+    for way in ways
+    for path, effect in EFFECTS[model].EFFECTS.items()
+    if not path.startswith(OF_TABLES) and effect.shows == RUN
+]
 
 
 @pytest.mark.sampled(6)
-@pytest.mark.parametrize("path", ROWWISE)
-def test_changing_a_key_alone_shows_in_floats_that_are_given_one_by_one(path):
-    if not PLAIN:
-        pytest.skip("runs plain")
-    scene, changed = (as_rows(each) for each in both("floating", path))
+@pytest.mark.parametrize(("model", "way", "path"), OTHERWISE)
+def test_changing_a_key_alone_shows_whichever_way_particles_are_given(model, way, path):
+    if FITS[model] != PLAIN:
+        pytest.skip("runs plain" if FITS[model] else "runs compiled")
+    given = both(model, path)
+    # The particles of both scenes are those of the first, so that only the key differs.
+    scene = WAYS[model][way](given[0])
     if scene is None:
-        pytest.skip("its floats are placed by the key itself or at random")
+        pytest.skip("a key of this scene needs the positions that it gives")
+    changed = merged(scene, change(model, path, EFFECTS[model].EFFECTS[path].value))
     assert (refusal(scene), refusal(changed)) == ("", "")
     assert recorded(scene) != recorded(changed)
 

@@ -5,14 +5,17 @@ import math
 import numpy as np
 import pytest
 from scipy.stats import norm
-from tests.models.floating.test_noise_at_contact import DISCS, RADIUS
 
+from ecume.engine.contact import contacts as touching
 from ecume.laws.diffusion import reflected_gap
 from ecume.models import MODELS
-from ecume.models.floating.contacts.thermal_collisions import collide_on_paths
+from ecume.models.floating.contacts.collisions import contact_bodies, free_shares, require_gaps
+from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
+from tests.models.floating.test_noise_at_contact import DISCS, RADIUS
 
+ALONE = Flow(np.zeros(0), 0.0)
 pytestmark = pytest.mark.filterwarnings("ignore:overflow encountered")  # philox, by design
 
 
@@ -35,7 +38,7 @@ def scene_of(places, radii, around, more="", duration=1.0):
     """Hard discs without attraction, some of another size, and thermal noise."""
     text = DISCS.format(around=around, duration=duration, every=duration, places="[]")
     particles = "".join(
-        f'[[particles]]\nname = "s{k}"\nradius = {radius * RADIUS}\ndensity = 1000.0\ncontact_angle = 1.5707963267948966\n'
+        f'[[particles]]\nname = "s{k}"\nradius = {radius * RADIUS}\ndensity = 1000.0\ncontact_angle = "90 deg"\n'
         f"positions = {[[float(x) * RADIUS for x in place]]}\n"
         for k, (place, radius) in enumerate(zip(places, radii, strict=True))
     )
@@ -43,15 +46,12 @@ def scene_of(places, radii, around, more="", duration=1.0):
     return load_scene(text[:begin] + particles + text[end:] + more)
 
 
-def contacts_at(scene, velocity):
-    """The parameters, the state and all contacts of the first step, with these velocities (N + walls, 2)."""
+def contacts_at(scene):
+    """The parameters, the state, all contacts of the first step, and the shares of both floats in each."""
     model = MODELS["floating"]
     parameters = model.parameters(scene)
     state = model.start(scene, parameters)
     workspace = model.workspace(parameters, state, 1.0)
-    from ecume.engine.contact import contacts as touching
-    from ecume.models.floating.contacts.collisions import contact_bodies, free_shares, require_gaps
-
     touching.gather(workspace.contacts, workspace.candidates, state.position, contact_bodies(parameters), RADIUS)
     require_gaps(False, parameters, workspace.contacts)
     return parameters, state, workspace.contacts, free_shares(parameters, workspace.contacts)
@@ -63,13 +63,14 @@ def test_collisions_exert_opposite_forces_and_leave_no_overlap(seed):
     spots = np.array([[x, y] for x in range(4) for y in range(3)]) * 2.04 + 0.03 * dice.random((12, 2))
     radii = dice.choice([1.0, 0.8], 12)
     scene = scene_of(spots - spots.mean(axis=0), radii, "")
-    parameters, state, contacts, share = contacts_at(scene, None)
+    parameters, state, contacts, share = contacts_at(scene)
     time, mass = parameters.time_step, 1.0 / parameters.kick.gain
-    speed = 0.15 * RADIUS / time
+    speed = 0.3 * RADIUS / time
     velocity = speed * dice.normal(size=(12, 2)) / np.sqrt(mass / mass.max())[:, None]
     still = np.zeros_like(velocity)
-    bounces = collide_on_paths(parameters, state, contacts, (velocity, still), share)
-    assert len(bounces.push) and not bounces.lasting.any()
+    bounces = collide_on_paths(parameters, state, contacts, (velocity, still), share, ALONE)
+    assert len(bounces.push) > 0
+    assert not bounces.lasting.any()
     assert bounces.push.sum(axis=0) == pytest.approx(np.zeros(2), abs=1e-12 * np.abs(bounces.push).max())
     after = state.position + time * (velocity + parameters.kick.gain[:, None] * bounces.push)
     apart = after[:, None] - after[None]
@@ -79,10 +80,10 @@ def test_collisions_exert_opposite_forces_and_leave_no_overlap(seed):
 
 def test_a_collision_without_forces_is_elastic_for_masses_that_are_inverse_to_the_mobilities():
     scene = scene_of([[-1.01, 0.0], [0.81, 0.0]], [1.0, 0.8], "")
-    parameters, state, contacts, share = contacts_at(scene, None)
+    parameters, state, contacts, share = contacts_at(scene)
     time, gain = parameters.time_step, parameters.kick.gain
     velocity = np.array([[0.05, 0.0], [-0.03, 0.0]]) * RADIUS / time
-    bounces = collide_on_paths(parameters, state, contacts, (velocity, np.zeros((2, 2))), share)
+    bounces = collide_on_paths(parameters, state, contacts, (velocity, np.zeros((2, 2))), share, ALONE)
     left = 1.0 - 0.02 / 0.08
     after = velocity + gain[:, None] * bounces.push / left
     assert (velocity[:, 0] ** 2 / gain).sum() == pytest.approx((after[:, 0] ** 2 / gain).sum())
@@ -91,12 +92,12 @@ def test_a_collision_without_forces_is_elastic_for_masses_that_are_inverse_to_th
 
 def test_lasting_contacts_are_left_to_the_solver():
     scene = scene_of([[-1.001, 0.0], [1.001, 0.0]], [1.0, 1.0], "")
-    parameters, state, contacts, share = contacts_at(scene, None)
+    parameters, state, contacts, share = contacts_at(scene)
     spread = math.sqrt(2.0 * parameters.drift.thermal * share[0].sum() * parameters.time_step)
     fast = spread / parameters.time_step
     for driven, lasting in ((0.4 * fast, 0), (0.6 * fast, 1)):
         velocity = np.array([[driven, 0.0], [-driven, 0.0]])
-        bounces = collide_on_paths(parameters, state, contacts, (velocity, velocity), share)
+        bounces = collide_on_paths(parameters, state, contacts, (velocity, velocity), share, ALONE)
         assert bounces.lasting.tolist() == [lasting, lasting]
         assert (np.abs(bounces.push).max() > 0.0) == (not lasting)
 

@@ -29,7 +29,7 @@ from ecume.engine.contact.friction import FrictionRows, Motion
 from ecume.engine.contact.impulse_solvers import Goal
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.laws import drag, flotation
-from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
+from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import (
     COLLISIONS,
@@ -405,7 +405,7 @@ def collide_smoothly(part: Any, parameters: Parameters, state: State, workspace:
     """Let Brownian floats collide on their paths; only lasting contacts are left to the solve."""
     contacts, velocity, gain = workspace.contacts, workspace.midstep_velocity, parameters.kick.gain
     share, driven = free_shares(parameters, contacts), workspace.stages[DRIVEN]
-    found = collide_on_paths(parameters, state, contacts, (velocity, driven), share)
+    found = collide_on_paths(parameters, state, contacts, (velocity, driven), share, Flow(np.zeros(0), 0.0))
     for i in range(len(found.push)):
         velocity[i, 0] += gain[i] * found.push[i, 0]
         velocity[i, 1] += gain[i] * found.push[i, 1]

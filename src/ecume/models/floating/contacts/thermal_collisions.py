@@ -11,9 +11,9 @@ Floats that are pressed together by much more than kT per step collide without e
 floats that collide with them in the same step, are solved together as impulses, with the gaps of `reflected_gain` for
 each pair. For simultaneous contacts these push too far: the largest of a sum is at most the sum of the largest.
 
-Floats that interact through the liquid: in a collision only the two floats move, with the mobilities of the pair. The
-mean forces of all collisions then move all floats, which makes some approach a little too far. Their overlaps are
-reflected by the impulses at the end of the step.
+Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, and all that
+could touch one of them in this step by the flow. The mean forces of all collisions then move the others. What these
+bring into contact is reflected by the impulses at the end of the step.
 """
 
 from __future__ import annotations
@@ -30,12 +30,13 @@ from ecume.engine.contact.contacts import Contacts
 from ecume.engine.contact.event_queue import make_event_queue, schedule
 from ecume.engine.philox import counter_of_pair, uniforms
 from ecume.engine.walls import is_circle, wall_distance
-from ecume.laws import diffusion
+from ecume.laws import diffusion, pair_mobility
 from ecume.laws.diffusion import reflected_gain, reflected_gap
+from ecume.laws.pair_mobility import rotne_prager
 from ecume.models.floating.parameters import Parameters, State
 from ecume.units import Array
 
-admit(diffusion)
+admit(diffusion, pair_mobility)
 
 MOST_HITS = 12
 """Collisions of a float in one step; with more it is in lasting contact."""
@@ -59,6 +60,15 @@ class Paths(NamedTuple):
     """(N,) 1 for floats in lasting contact"""
 
 
+class Flow(NamedTuple):
+    """How floats move one another through the liquid."""
+
+    radius: Array
+    """(N,) m: see `CoupledKicks`; (0,) if they do not"""
+    unit: float
+    """1/(3 pi viscosity)"""
+
+
 class Bounces(NamedTuple):
     """The result of all collisions of a step."""
 
@@ -70,7 +80,7 @@ class Bounces(NamedTuple):
 
 @compiled
 def collide_on_paths(
-    parameters: Parameters, state: State, contacts: Contacts, motion: tuple[Array, Array], share: Array
+    parameters: Parameters, state: State, contacts: Contacts, motion: tuple[Array, Array], share: Array, flow: Flow
 ) -> Bounces:
     """Let floats collide on their paths of this step. `motion`: (N, 2) velocities with and without noise (m/s);
     `share`: (rows, 2) the velocities of both floats of a contact by opposite unit forces along its normal (m/(N s)).
@@ -92,27 +102,82 @@ def collide_on_paths(
         return Bounces(np.zeros((0, 2)), paths.lasting)
     first, rows = contacts_of_floats(contacts, count)
     push, met, meetings = np.zeros((count, 2)), np.zeros(total, np.int64), 0
+    changed, last = np.empty(count, np.int64), np.zeros(count, np.int64)
     while queue.size[0] > 0:
         row = queue.heap[0]
         when = queue.time[row]
-        i, j = contacts.first[row], contacts.second[row]
         met[row], meetings = 1, meetings + 1
+        changes = bodies_around(contacts, (first, rows), row, (changed, last), meetings, len(flow.radius) > 0)
         if lasts(parameters, contacts, paths, row, (motion[1], share)):
-            paths.lasting[i] = 1
-            if j < count:
-                paths.lasting[j] = 1
+            for place in range(2 if contacts.second[row] < count else 1):
+                paths.lasting[changed[place]] = 1
         else:
-            reflect_pair(parameters, state, contacts, paths, (row, meetings, when), (motion[1], share, push))
-        for place in range(first[i], first[i + 1]):
-            schedule(queue, rows[place], meeting_time(parameters, state, contacts, paths, rows[place]))
-        if j < count:
-            for place in range(first[j], first[j + 1]):
+            force = reflect_pair(parameters, state, contacts, paths, (row, meetings, when), (motion[1], share, push))
+            if len(flow.radius) > 0:
+                carry(flow, state.position, contacts, paths, row, when, force, changed[2:changes])
+        for number in range(changes):
+            for place in range(first[changed[number]], first[changed[number] + 1]):
                 schedule(queue, rows[place], meeting_time(parameters, state, contacts, paths, rows[place]))
     spread_lasting(contacts, met, paths.lasting)
     for i in range(count):
         if paths.lasting[i] > 0:
             push[i, 0], push[i, 1] = 0.0, 0.0
     return Bounces(push, paths.lasting)
+
+
+@compiled
+def bodies_around(
+    contacts: Contacts,
+    around: tuple[Integers, Integers],
+    row: int,
+    found: tuple[Integers, Integers],
+    meetings: int,
+    further: bool,
+) -> int:
+    """List the floats that a collision moves: the two of the contact, or the one at a wall, and `further` all that have
+    a contact with them. Returns their number. `found`: the list, and the last collision that listed each float.
+    """
+    (changed, last), (first, rows), count = found, around, len(found[0])
+    i, j = contacts.first[row], contacts.second[row]
+    changed[0], last[i], total = i, meetings, 1
+    if j < count:
+        changed[1], last[j], total = j, meetings, 2
+    if not further or j >= count:
+        return total
+    for one in (i, j):
+        for place in range(first[one], first[one + 1]):
+            for other in (contacts.first[rows[place]], contacts.second[rows[place]]):
+                if other < count and last[other] != meetings:
+                    changed[total], last[other] = other, meetings
+                    total += 1
+    return total
+
+
+@compiled
+def carry(
+    flow: Flow,
+    position: Array,
+    contacts: Contacts,
+    paths: Paths,
+    row: int,
+    when: float,
+    force: tuple[float, float],
+    others: Integers,
+) -> None:
+    """Change the velocities of other floats by the flow that the force of a collision drives: it acts on the second
+    float, its opposite on the first.
+    """
+    for k in others:
+        advance_path(paths, k, when)
+        for one, sign in ((contacts.first[row], -1.0), (contacts.second[row], 1.0)):
+            x, y = position[k, 0] - position[one, 0], position[k, 1] - position[one, 1]
+            distance = math.sqrt(x * x + y * y)
+            across, along = rotne_prager(distance, flow.radius[one], flow.radius[k])
+            x, y = x / distance, y / distance
+            push = x * force[0] + y * force[1]
+            for axis, towards in ((0, x), (1, y)):
+                moved = across * force[axis] + (along - across) * push * towards
+                paths.velocity[k, axis] += sign * flow.unit * moved
 
 
 @compiled
@@ -220,8 +285,10 @@ def reflect_pair(
     paths: Paths,
     event: tuple[int, int, float],
     given: tuple[Array, Array, Array],
-) -> None:
-    """Reflect the velocities of two bodies, whose `event` is a contact, its number in the step, and the time."""
+) -> tuple[float, float]:
+    """Reflect the velocities of two bodies, whose `event` is a contact, its number in the step, and the time. Returns
+    the force on the second one until the end of the step (N).
+    """
     (row, meetings, when), (driven, share, push), radius = event, given, parameters.floats.radius
     i, j, time, thermal = contacts.first[row], contacts.second[row], parameters.time_step, parameters.drift.thermal
     advance_path(paths, i, when)
@@ -252,6 +319,7 @@ def reflect_pair(
     paths.hits[i] += 1
     if j < count:
         paths.hits[j] += 1
+    return force * x, force * y
 
 
 @compiled

@@ -43,6 +43,7 @@ from ecume.models.floating.coupled.mobility import (
     fastest_motion,
     fill_current,
     fill_normals,
+    flow_of,
     gather_contacts,
     store_driven,
     store_velocities,
@@ -407,7 +408,9 @@ class GridScratch(NamedTuple):
 def make_grid_scratch(part: GridKicks) -> GridScratch:
     """Return the workspace."""
     count = len(part.kicks.radius)
-    motion = CoupledScratch(np.zeros((0, 0)), np.zeros(2 * count), np.zeros(2 * count), np.zeros((count, 2)))
+    motion = CoupledScratch(
+        np.zeros((0, 0)), np.zeros(2 * count), np.zeros(2 * count), np.zeros((count, 2)), flow_of(part.kicks)
+    )
     return GridScratch(motion, [])
 
 
@@ -477,7 +480,7 @@ def collide_on_grid(
     contacts.weight[: len(share)] = 1.0 / share.sum(axis=1)
     if parameters.drift.thermal > 0.0:
         paths = workspace.midstep_velocity, workspace.stages[DRIVEN]
-        found = collide_on_paths(parameters, state, contacts, paths, share)
+        found = collide_on_paths(parameters, state, contacts, paths, share, motion.flow)
         if len(found.push):
             motion.load[:] += found.push.ravel()
             motion.motion[:] += flow_product(grid, found.push).ravel()

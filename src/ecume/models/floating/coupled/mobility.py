@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, composed
+from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers, mobility_contacts
 from ecume.engine.contact.contacts import Contacts, Memory
@@ -43,7 +44,7 @@ from ecume.models.floating.contacts.collisions import (
     memory_of,
     require_gaps,
 )
-from ecume.models.floating.contacts.thermal_collisions import collide_on_paths, require_distances
+from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
 from ecume.models.floating.forces.films import (
     MOST_ITERATIONS,
     TOLERANCE,
@@ -98,13 +99,20 @@ class CoupledScratch(NamedTuple):
     """(M,) velocities and spins"""
     current: Array
     """(N, 2) m/s: the velocity of the liquid far from the floats"""
+    flow: Flow
+    """for collisions"""
+
+
+def flow_of(part: CoupledKicks) -> Flow:
+    """How collisions of floats move their neighbors."""
+    return Flow(part.radius, 1.0 / (3.0 * math.pi * part.viscosity))
 
 
 def make_coupled_scratch(part: CoupledKicks) -> CoupledScratch:
     """Return the workspace."""
     count = len(part.radius)
     size = 2 * count + len(part.spin)
-    return CoupledScratch(np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros((count, 2)))
+    return CoupledScratch(np.zeros((size, size)), np.zeros(size), np.zeros(size), np.zeros((count, 2)), flow_of(part))
 
 
 def coupled_memory(part: CoupledKicks) -> float:
@@ -398,10 +406,11 @@ def collide_coupled_paths(
 ) -> None:
     """Let Brownian floats collide on their paths, without friction, and move all floats by these collisions."""
     contacts, count = workspace.contacts, len(own.current)
-    share, lasting = closing_shares(own.mobility, count, contacts), np.ones(count, np.int64)
+    share = closing_shares(own.mobility, count, contacts)
+    lasting: Integers = np.ones(count, np.int64)
     if len(part.inertia) == 0:
         motion = workspace.midstep_velocity, workspace.stages[DRIVEN]
-        found = collide_on_paths(parameters, state, contacts, motion, share)
+        found = collide_on_paths(parameters, state, contacts, motion, share, own.flow)
         lasting = found.lasting
         if len(found.push) > 0:
             load, moved = np.zeros(len(own.motion)), np.zeros(len(own.motion))
