@@ -199,10 +199,10 @@ def as_placed(plain):
     for number, species in enumerate(plain["particles"]):
         mine = frame.arrays["species"] == number
         told = {key: value for key, value in species.items() if key not in PLACED}
-        for key, name in (("positions", "position"), ("radii", "radius"), ("velocities", "velocity")):
-            if name in frame.arrays and (key != "velocities" or "velocity" in species):
-                told[key] = frame.arrays[name][mine].tolist()
-        particles.append({key: value for key, value in told.items() if key != "radius" or "radii" not in told})
+        wanted = {"positions": "position"}
+        wanted |= {"radii": "radius"} if "radius" not in species else {}
+        wanted |= {"velocities": "velocity"} if "velocity" in species or "velocities" in species else {}
+        particles.append(told | {key: frame.arrays[name][mine].tolist() for key, name in wanted.items()})
     return plain | {"particles": particles}
 
 
@@ -223,12 +223,20 @@ WAYS = {
 }  # fmt: skip
 """Other ways in which the particles of a scene can be given; tables and runs are read as one of them."""
 OF_TABLES = "particles.", "rows.", "fluid."
+ELSEWHERE = {
+    "count": ("contacts.", "hydrodynamics.lubrication."),  # floats at random do not meet in so short a run
+    # It draws the places; and walls that no tracer meets in so short a run.
+    "placed": ("seed", "tank.low", "tank.high", "tank.radius", "tank.vertices"),
+    # They place the particles, or give them densities.
+    "particles": ("seed", "spacing", "method.jitter", "method.packing", "method.initial_pressure"),
+}
+"""Keys that have no effect with particles given this way."""
 OTHERWISE = [
     (model, way, path)
     for model, ways in WAYS.items()
     for way in ways
     for path, effect in EFFECTS[model].EFFECTS.items()
-    if not path.startswith(OF_TABLES) and effect.shows == RUN
+    if not path.startswith((*OF_TABLES, *ELSEWHERE.get(way, ()))) and effect.shows == RUN
 ]
 
 
@@ -243,8 +251,9 @@ def test_changing_a_key_alone_shows_whichever_way_particles_are_given(model, way
     if scene is None:
         pytest.skip("a key of this scene needs the positions that it gives")
     changed = merged(scene, change(model, path, EFFECTS[model].EFFECTS[path].value))
-    assert (refusal(scene), refusal(changed)) == ("", "")
-    assert recorded(scene) != recorded(changed)
+    assert refusal(scene) == ""
+    # Places that the change puts outside are refused, which shows it, too.
+    assert refusal(changed) or recorded(scene) != recorded(changed)
 
 
 def files(plain, folder):

@@ -19,7 +19,7 @@ from ecume.models.floating.coupled.mobility import (
     subtract_far_field,
 )
 from ecume.models.floating.forces.films import find_films
-from ecume.models.floating.setup.hydrodynamic_interaction import ReynoldsWarning
+from ecume.models.floating.setup.hydrodynamic_interaction import GasWarning, ReynoldsWarning
 from ecume.models.floating.setup.scene_parameters import memory_estimate
 from ecume.models.floating.time_integration.integration import forces_at
 from tests.models import begun
@@ -266,6 +266,13 @@ def test_a_warning_has_the_reynolds_number_of_fast_floats():
     body = f"[[particles]]\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.5\n{MOTION}"
     with pytest.warns(ReynoldsWarning, match="Reynolds number of [0-9]+"):
         FLOATING.parameters(scene_of(WATER + body))
+
+
+def test_a_liquid_above_the_liquid_is_a_warning_with_the_factor_of_the_drag():
+    text = WATER.replace("[liquid]\n", "[liquid]\ngas_density = 770.0\n", 1)
+    body = "[[particles]]\nradius = 1e-4\ndensity = 1050.0\ncontact_angle = 1.5\n"
+    with pytest.warns(GasWarning, match=r"gas_density: got 770 .* the factor is 1 \+ eta_above/eta"):
+        FLOATING.parameters(scene_of(text + body))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from ecume.models.floating.parameters import make_state
 from ecume.models.floating.record import FLOATING
 from ecume.models.floating.time_integration.integration import WIDEST, skin_for
-from ecume.models.model import DIVERGED
+from ecume.models.model import DIVERGED, DONE
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, scene_of
 from tests.models.floating.random_scenes import outcome
@@ -59,6 +59,17 @@ def test_lists_of_fast_floats_have_a_wider_skin_and_a_resumed_run_has_the_same()
     FLOATING.advance(parameters, other, again, 5)
     FLOATING.advance(parameters, state, scratch, 5)
     assert all(np.array_equal(one, two) for one, two in zip(state, other, strict=True))
+
+
+def test_a_tail_of_the_random_force_is_no_divergence():
+    # The force exceeds nine standard deviations once in 1e19 steps; five, once in two million.
+    body = f"[[particles]]\n{BEAD}count = 3\n[activity]\nforce = 1e-9\npersistence = 0.2\n{OVERDAMPED}"
+    scene = scene_of(WATER + body, duration=1.0, frame_every=0.5)
+    parameters = FLOATING.parameters(scene)
+    for tail in (5.0, 7.0, 9.0):
+        state = FLOATING.start(scene, parameters)
+        state.active[0, 0] = tail
+        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 20) == DONE
 
 
 def test_the_skin_holds_two_steps_of_fast_floats():

@@ -49,6 +49,21 @@ def test_what_there_is_nothing_of_is_said(name):
         MEASURES[name](still, load_scene(SCENE))
 
 
+def test_the_mean_square_displacement_of_a_long_run_in_a_cell_is_that_of_all_frames():
+    # 25 mm/s in a cell of 10 cm, 1,200 frames a second apart: more frames than are drawn, less than half a side each.
+    frames = [
+        Frame(
+            float(n), {"position": np.array([[0.025 * n % 0.1, 0.04]]), "radius": np.full(1, 1e-3)},
+            {"box_width": 0.1, "box_height": 0.08}, {},
+        )
+        for n in range(1200)
+    ]  # fmt: skip
+    (line,) = MEASURES["displacement"](frames, load_scene(SCENE)).axes[0].lines[:1]
+    lag, square = (np.asarray(values) for values in line.get_data())
+    assert lag.max() > 800.0
+    assert square == pytest.approx((0.025 * lag) ** 2, rel=1e-6)
+
+
 def test_centers_reach_a_radius_less_far_than_the_dish():
     scene = load_scene(SCENE)
     assert region_of(frames_of(0.0)[0], scene).radius == pytest.approx(0.019)
