@@ -67,6 +67,19 @@ def digest(function: Any, classes: Iterable[type], beginning: str) -> str:
     return whole.hexdigest()[:32]
 
 
+def exact_digest(function: Any) -> str | None:
+    """The same for a function of a user, or one around it, whatever its arguments are; None where it names what cannot
+    be described: no text stands for what users write.
+    """
+    whole = hashlib.sha256()
+    try:
+        for line in _lines(function, ()):
+            whole.update(line.encode("utf-8", "surrogatepass") + b"\0")
+    except UnknownThingError:
+        return None
+    return whole.hexdigest()[:32]
+
+
 @cache
 def package_digest() -> str:
     """Of all text of the package."""
@@ -123,13 +136,17 @@ _descriptions: dict[int, tuple[Any, Description]] = {}
 
 
 def _described(one: Any) -> Description:
-    """Made once in a process: what compiled code names must not change while it runs."""
-    if id(one) not in _descriptions:
-        named: list[Any] = []
-        describe = _class if isinstance(one, type) else _function if isinstance(one, FunctionType) else _dispatcher
-        text = f"{_full_name(one)} = {describe(one, named)}"
-        _descriptions[id(one)] = one, Description(text, tuple(named))
-    return _descriptions[id(one)][1]
+    """Made once in a process for what the package has: it must not change while it runs. What users write is described
+    each time, since a session may change it between runs.
+    """
+    if id(one) in _descriptions:
+        return _descriptions[id(one)][1]
+    named: list[Any] = []
+    describe = _class if isinstance(one, type) else _function if isinstance(one, FunctionType) else _dispatcher
+    found = Description(f"{_full_name(one)} = {describe(one, named)}", tuple(named))
+    if _module_of(one).partition(".")[0] == PACKAGE.name and "<locals>" not in _full_name(one):
+        _descriptions[id(one)] = one, found
+    return found
 
 
 def _dispatcher(one: Any, named: list[Any]) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from ecume.engine import ffmpeg as ffmpeg_program
 from ecume.errors import BadInput, StorageError
 from ecume.show import movies
 
@@ -101,12 +102,12 @@ def test_without_ffmpeg_an_mp4_becomes_a_webp(tmp_path, monkeypatch):
 
 
 def test_ffmpeg_is_looked_for_on_the_path_first(monkeypatch):
-    monkeypatch.setattr(movies.shutil, "which", lambda name: f"/somewhere/{name}")
+    monkeypatch.setattr(ffmpeg_program.shutil, "which", lambda name: f"/somewhere/{name}")
     assert movies.ffmpeg() == "/somewhere/ffmpeg"
 
 
 def test_a_machine_without_the_package_has_no_ffmpeg(monkeypatch):
-    monkeypatch.setattr(movies.shutil, "which", lambda name: None)
+    monkeypatch.setattr(ffmpeg_program.shutil, "which", lambda name: None)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     assert movies.ffmpeg() is None
 

@@ -222,6 +222,70 @@ FitFolder = Annotated[
 ]
 
 
+FilmFile = Annotated[Path, typer.Argument(metavar="FILM", help="Film of the experiment.", show_default=False)]
+Diameter = Annotated[
+    str,
+    typer.Option("--diameter", metavar="SIZE", help="Diameter of an object in pixels: '12 px'.", show_default=False),
+]
+ObjectCount = Annotated[
+    int | None,
+    typer.Option("--count", min=1, metavar="N", help="Number of objects; default: all found.", show_default=False),
+]
+Dark = Annotated[bool, typer.Option("--dark", help="Objects are darker than the liquid.")]
+Box = Annotated[
+    tuple[int, int, int, int] | None,
+    typer.Option(
+        "--box", metavar="LEFT TOP WIDTH HEIGHT", help="Part of the pictures to search, in pixels.", show_default=False
+    ),
+]
+TrackTable = Annotated[
+    Path | None,
+    typer.Option("-o", "--out", metavar="FILE.csv", help="Table of tracks; default: FILM.csv.", show_default=False),
+]
+OverlaidFilm = Annotated[
+    Path | None,
+    typer.Option(
+        "--film", metavar="FILM", help="Film of the tracks; the simulation is drawn on it.", show_default=False
+    ),
+]
+
+
+def track(
+    film: FilmFile,
+    diameter: Diameter,
+    count: ObjectCount = None,
+    dark: Dark = False,
+    box: Box = None,
+    rate: Rate = None,
+    out: TrackTable = None,
+    quiet: Quiet = False,
+) -> None:
+    """Track round objects in a film, for `ecume fit`.
+
+    Positions are in pixels from the lower left corner, y upward. A film that is slower than reality needs --rate.
+
+    Examples: `ecume track bowl.mp4 --diameter "12 px" --count 2`
+    · `ecume track bowl.mp4 --diameter 31 --dark --box 100 80 640 480 --rate 120`
+    """
+    from ecume.fitting.films import Search, film_tracks, table_of_tracks
+    from ecume.trajectories.records import write_whole
+
+    found = film_tracks(film, Search(_pixels(diameter), count, dark, box), rate)
+    there = out or Path(f"{film.stem}.csv")
+    write_whole(there, table_of_tracks(found))
+    if not quiet:
+        echo(f"{found.position.shape[1]} objects in {len(found.times)} pictures; wrote {there}")
+
+
+def _pixels(text: str) -> float:
+    """A number of pixels: `12` or `12 px`. Raises BadInput."""
+    word = text.strip().removesuffix("pixels").removesuffix("px").strip()
+    try:
+        return float(word)
+    except ValueError:
+        raise BadInput(f"--diameter: got {text!r}; expected a number of pixels such as '12 px'") from None
+
+
 def fit(
     tracks: TrackFiles,
     scene: SceneFile,
@@ -233,6 +297,7 @@ def fit(
     start: StartOf = "positions",
     until: Until = None,
     laws: Laws = None,
+    film: OverlaidFilm = None,
     out: FitFolder = None,
     quiet: Quiet = False,
 ) -> None:
@@ -244,6 +309,7 @@ def fit(
     Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
     · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`
     · `ecume fit bead-a.txt bead-b.txt --scene two-spheres.toml --free viscosity`
+    · `ecume fit bowl.csv --scene two-spheres.toml --free surface_tension --pixel "20 um" --film bowl.mp4`
     """
     from ecume.fitting import Camera, picked, read_tracks
     from ecume.fitting import fit as fitted
@@ -251,6 +317,8 @@ def fit(
     from ecume.units import with_prefix
 
     camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
+    if film is not None and camera.pixel is None:
+        raise BadInput("--film: needs --pixel, the size of a pixel, and a table in pixels as of `ecume track`")
     measured = read_tracks(tracks, camera)
     if only is not None:
         measured = picked(measured, _words(only))
@@ -258,6 +326,12 @@ def fit(
     found = fitted(measured, scene, _words(free), start=start, until=latest, extra_laws=own)
     directory = out or FITS / tracks[0].stem
     keep(found, directory)
+    if film is not None and camera.pixel is not None:
+        from ecume.show.overlay import Scale, overlay
+
+        drawn = overlay(film, found, Scale(camera.pixel, origin, rate), directory / "overlay.mp4")
+        if not quiet:
+            echo(f"wrote {drawn}")
     if not quiet:
         print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
         echo(f"noise: {with_prefix(found.noise, 'm', 3)}; {directory} contains the fitted scene and a figure")
@@ -308,4 +382,4 @@ def plain_of(found: Fit) -> dict[str, Any]:
     }
 
 
-VERBS = (sweep, fit)
+VERBS = (sweep, track, fit)

@@ -12,18 +12,23 @@ Parts of space that no formula describes: inside a closed surface of triangles, 
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import length, product
 from ecume.engine.cells import Integers
-from ecume.engine.shapes import Cells, Flags, fitted_cells, scaled_to, whole_within
+from ecume.engine.nearest_triangles import nearest_triangles
+from ecume.engine.shapes import Cells, Flags, fitted_cells, round_up, scaled_to, whole_within
 from ecume.engine.walls import Walls, is_circle, wall_distance
+from ecume.errors import BadInput
 from ecume.units import Array
 
 DIRECTIONS = 7
@@ -374,6 +379,10 @@ COLUMNS = 300
 """Along each side of the box around shells that overlap: rays that measure the volume of what they enclose together,
 within about 1e-4.
 """
+ON_SURFACE, ON_AXES = 1e-12, 1e-9
+"""Of the size of a mesh: a point this close is on its surface. Of the moments of inertia: products that are rounding
+errors.
+"""
 OVERLAP, SAME = 1e-4, 1e-9
 """The part of a volume from which on shells overlap, and of the height below which two crossings are one."""
 
@@ -475,13 +484,13 @@ class Mesh(NamedTuple):
         """Of the tetrahedra between the first corner and each triangle (divergence theorem). Of shells that overlap, of
         the parts of many parallel rays that are inside.
         """
-        length, several, cell = self._lengths()
-        if several > OVERLAP * length:
-            return length * cell
-        corners = self.triangles - self.triangles[0, 0]
-        return abs(float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum())) / 6.0
+        return _volume_of(self.triangles.tobytes())[0]
 
-    def _lengths(self) -> tuple[float, float, float]:
+    def overlaps(self) -> bool:
+        """Whether shells of it overlap."""
+        return _volume_of(self.triangles.tobytes())[1]
+
+    def lengths(self) -> tuple[float, float, float]:
         """Of parallel rays along z, a grid of them: the length inside, that inside of more than one shell, and the area
         that each stands for. Rays through an edge meet both of its triangles, of which one counts.
         """
@@ -511,6 +520,101 @@ class Mesh(NamedTuple):
         """All of it, or no formula."""
         return whole_within(self, low, high)
 
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Distance and normal of the nearest triangle, edge or corner."""
+        which, place = nearest_triangles(self.triangles, points)
+        away = points - place
+        gap = np.sqrt((away**2).sum(axis=1))
+        inside = self.inside(points)
+        # On the surface itself there is no way: the triangle's own normal is it.
+        on = gap < ON_SURFACE * float(np.abs(self.triangles).max())
+        flat = np.where(on[:, None], self._normals()[which], away / np.where(gap > 0.0, gap, 1.0)[:, None])
+        return np.where(inside, -gap, gap), np.where((inside & ~on)[:, None], -flat, flat)
+
+    def rim(self, spacing: float) -> Array:
+        """The corners of all triangles, cut into pieces no longer than the spacing."""
+        corners = self._pieces(spacing)[0].reshape(-1, 3)
+        close = 1e-9 * float(np.ptp(corners, axis=0).max())
+        rim: Array = corners[np.unique(np.round(corners / close), axis=0, return_index=True)[1]]
+        return rim
+
+    def panels(self, spacing: float) -> tuple[Array, Array, Array]:
+        """The pieces of all triangles."""
+        pieces, whole = self._pieces(spacing)
+        return pieces.mean(axis=1), self._normals()[whole], _areas(pieces)
+
+    def middle(self) -> Array:
+        """The centroid, from the tetrahedra between the first corner and each triangle."""
+        origin = self.triangles[0, 0]
+        corners = self.triangles - origin
+        six = _determinants(corners)
+        center: Array = origin + (six[:, None] * corners.sum(axis=1)).sum(axis=0) / (4.0 * six.sum())
+        return center
+
+    def surface(self) -> float:
+        """The triangles."""
+        return float(_areas(self.triangles).sum())
+
+    def inertia(self) -> Array:
+        """The principal moments of inertia, in the order of `axes`."""
+        return self._principal()[0]
+
+    def axes(self) -> Array:
+        """(3, 3) the principal axes of inertia, one a column; those of the coordinates where all are principal."""
+        return self._principal()[1]
+
+    def thickness(self) -> float:
+        """The least width of the convex hull across one of its faces."""
+        normals = np.unique(np.round(ConvexHull(self.triangles.reshape(-1, 3)).equations[:, :3], 6), axis=0)
+        return float(np.ptp(product(self.triangles.reshape(-1, 3), normals.T), axis=0).min())
+
+    def carried(self, way: Array) -> Mesh:
+        """Every corner."""
+        return Mesh(self.triangles + way)
+
+    def turned(self, turn: Array) -> Mesh:
+        """The same in the axes that are the columns of a matrix (3, 3)."""
+        return Mesh(product(self.triangles.reshape(-1, 3), turn).reshape(-1, 3, 3))
+
+    def _sense(self) -> float:
+        """1 if the corners turn counterclockwise as seen from outside, else -1."""
+        return 1.0 if float(_determinants(self.triangles - self.triangles[0, 0]).sum()) >= 0.0 else -1.0
+
+    def _normals(self) -> Array:
+        """(T, 3) unit normals, outward; zero of a triangle without an area."""
+        corner = self.triangles[:, 0]
+        normal = self._sense() * np.cross(self.triangles[:, 1] - corner, self.triangles[:, 2] - corner)
+        size = np.sqrt((normal**2).sum(axis=1))[:, None]
+        return np.asarray(normal / np.where(size > 0.0, size, 1.0))
+
+    def _pieces(self, spacing: float) -> tuple[Array, Integers]:
+        """Triangles (S, 3, 3) no longer than the spacing that each triangle is cut into, and the number of that one."""
+        edges = np.sqrt(((self.triangles - np.roll(self.triangles, 1, axis=1)) ** 2).sum(axis=2)).max(axis=1)
+        counts = np.array([round_up(float(edge), spacing) for edge in edges])
+        pieces, whole = [], []
+        for count in np.unique(counts):
+            mine = np.flatnonzero(counts == count)
+            shares = _cut_triangle(int(count))
+            pieces.append(np.einsum("pcv,tvd->tpcd", shares, self.triangles[mine]).reshape(-1, 3, 3))
+            whole.append(np.repeat(mine, len(shares)))
+        return np.concatenate(pieces), np.concatenate(whole)
+
+    def _principal(self) -> tuple[Array, Array]:
+        """Moments about the centroid for unit mass and their axes, from the tetrahedra."""
+        corners = self.triangles - self.middle()
+        six, total = _determinants(corners), corners.sum(axis=1)
+        # The integral of x_a x_b over a tetrahedron with one corner at the origin is 6 V (sum of x x^T of its corners,
+        # plus that of their sum) / 120.
+        second = np.einsum("t,tva,tvb->ab", six, corners, corners) + np.einsum("t,ta,tb->ab", six, total, total)
+        second /= 20.0 * six.sum()
+        tensor = np.trace(second) * np.eye(3) - second
+        if np.abs(tensor - np.diag(np.diag(tensor))).max() < ON_AXES * np.trace(tensor):
+            return np.diag(tensor).copy(), np.eye(3)
+        moments, axes = np.linalg.eigh(tensor)
+        if float(np.linalg.det(axes)) < 0.0:
+            axes[:, 0] *= -1.0
+        return moments, axes
+
     def _crossings(self, points: Array, direction: Array) -> Iterator[Crossings]:
         """Where the rays from points cross triangles, some points at a time; of a ray, those in the bucket it is in.
 
@@ -538,6 +642,81 @@ class Mesh(NamedTuple):
             hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > 0.0)
             yield Crossings(ray[hit], distance[hit], np.where(volume[k[hit]] > 0.0, -1, 1))
             first = last
+
+
+@functools.lru_cache(maxsize=32)
+def _volume_of(data: bytes) -> tuple[float, bool]:
+    """The volume of a mesh, and whether its shells overlap; kept, since bodies need it at each step."""
+    mesh = Mesh(np.frombuffer(data).reshape(-1, 3, 3))
+    if _shells(mesh.triangles) > 1:
+        length, several, cell = mesh.lengths()
+        if several > OVERLAP * length:
+            return length * cell, True
+    return abs(float(_determinants(mesh.triangles - mesh.triangles[0, 0]).sum())) / 6.0, False
+
+
+def _shells(triangles: Array) -> int:
+    """The number of closed surfaces that share no edge."""
+    corners = triangles.reshape(-1, 3)
+    close = SAME * float(np.ptp(corners, axis=0).max())
+    place = np.unique(np.round(corners / close), axis=0, return_inverse=True)[1].reshape(-1, 3)
+    ends = np.sort(np.concatenate([place[:, [0, 1]], place[:, [1, 2]], place[:, [2, 0]]]), axis=1)
+    edge = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
+    face, count = np.tile(np.arange(len(triangles)), 3), len(triangles) + int(edge.max()) + 1
+    links = coo_array((np.ones(len(face)), (face, len(triangles) + edge)), (count, count))
+    return int(connected_components(links, directed=False)[0])
+
+
+def _areas(triangles: Array) -> Array:
+    """(T,) the areas of triangles."""
+    edge, other = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    return 0.5 * np.asarray(np.sqrt((np.cross(edge, other) ** 2).sum(axis=1)))
+
+
+def _determinants(corners: Array) -> Array:
+    """(T,) six times the volumes of the tetrahedra between the origin and each triangle."""
+    return np.asarray((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum(axis=1))
+
+
+def _cut_triangle(count: int) -> Array:
+    """(count^2, 3, 3) the barycentric coordinates of the corners of equal pieces of a triangle."""
+    pieces = []
+    for row in range(count):
+        for column in range(count - row):
+            a, b, c = (row, column), (row + 1, column), (row, column + 1)
+            pieces.append((a, b, c))
+            if column + row < count - 1:
+                pieces.append((b, (row + 1, column + 1), c))
+    place = np.array(pieces) / count
+    return np.concatenate([1.0 - place.sum(axis=2, keepdims=True), place], axis=2)
+
+
+def hull_of(points: Array) -> Mesh:
+    """The convex hull of points (N, 3). Raises BadInput for points in one plane."""
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError) as error:
+        raise BadInput(f"got {len(points)} points without a volume; expected four or more") from error
+    triangles = points[hull.simplices]
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    inward = (normal * hull.equations[:, :3]).sum(axis=1) < 0.0
+    triangles[inward] = triangles[inward][:, ::-1]
+    return Mesh(triangles)
+
+
+ROUND_SIDES = 64
+"""Of the prism that stands for a cylinder."""
+
+
+def cylinder_of(center: Array, radius: float, axis: Array) -> Mesh:
+    """A cylinder about its center with an axis from one end to the other, as a prism of the same volume."""
+    along = axis / length(axis)
+    one = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
+    one /= length(one)
+    angle = 2.0 * np.pi * np.arange(ROUND_SIDES) / ROUND_SIDES
+    wide = radius * math.sqrt(2.0 * np.pi / ROUND_SIDES / math.sin(2.0 * np.pi / ROUND_SIDES))
+    circle = wide * (np.cos(angle)[:, None] * one + np.sin(angle)[:, None] * np.cross(along, one))
+    return hull_of(center + np.concatenate([circle - 0.5 * axis, circle + 0.5 * axis]))
 
 
 class Cloud(NamedTuple):

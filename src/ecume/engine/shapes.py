@@ -474,6 +474,84 @@ class Polygon(NamedTuple):
         return found
 
 
+class Hollow(NamedTuple):
+    """A block with a hole in it."""
+
+    hole: Shape
+    low: Array
+    high: Array
+
+    def bounds(self) -> tuple[Array, Array]:
+        """The corners of the block."""
+        return self.low, self.high
+
+    def extent_along(self, direction: Array) -> float:
+        """That of the block."""
+        return Box(self.low, self.high).extent_along(direction)
+
+    def inside(self, points: Array) -> Flags:
+        """Outside of the hole."""
+        return ~self.hole.inside(points)
+
+    def way_out(self, points: Array, direction: Array) -> Array:
+        """To the end of the block; a hole on the way is not seen."""
+        return Box(self.low, self.high).way_out(points, direction)
+
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """Those outside of the hole of a lattice that fits the block."""
+        around = fitted_cells(self.low, self.high, spacing)
+        return scaled_to(around.those(self.inside(around.centers)), self.volume())
+
+    def faces(self) -> Array:
+        """None: those of the block are not in the liquid."""
+        return np.zeros((0, len(self.low)))
+
+    def volume(self) -> float:
+        """That of the block less that of the hole in it."""
+        hole = self.hole.volume_within(self.low, self.high)
+        box = Box(self.low, self.high)
+        return box.volume() - (_sampled_volume(box, self.hole, ()) if hole is None else hole)
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """All of it, or no formula."""
+        return whole_within(self, low, high)
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Those of the hole, the other way round."""
+        gap, normal = self.hole.nearest(points)
+        return -gap, -normal
+
+    def rim(self, spacing: float) -> Array:
+        """That of the hole."""
+        return self.hole.rim(spacing)
+
+    def panels(self, spacing: float) -> tuple[Array, Array, Array]:
+        """Those of the hole that are in the block, the other way round."""
+        points, normals, areas = self.hole.panels(spacing)
+        within = ((points > self.low) & (points < self.high)).all(axis=1)
+        return points[within], -normals[within], areas[within]
+
+    def middle(self) -> Array:
+        """That of the block."""
+        return Box(self.low, self.high).middle()
+
+    def surface(self) -> float:
+        """That of the hole."""
+        return self.hole.surface()
+
+    def inertia(self) -> Array:
+        """None: it never turns."""
+        return np.full(3, np.inf)
+
+    def thickness(self) -> float:
+        """That of the block."""
+        return Box(self.low, self.high).thickness()
+
+    def carried(self, way: Array) -> Hollow:
+        """Block and hole."""
+        return Hollow(self.hole.carried(way), self.low + way, self.high + way)
+
+
 def _cut(vertices: Array, above: Array) -> Array:
     """What of a polygon is above a line, from each corner's height over it."""
     kept = []

@@ -258,6 +258,16 @@ def andrade(source: str, at_room: float, activation: float) -> Callable[[float],
     return value
 
 
+def milk_surface_tension(temperature: Temperature) -> SurfaceTension:
+    """Surface tension of whole and skim milk, 18 to 135 degrees Celsius, with a residual of 2.1 mN/m. [bertsch1983].
+
+    >>> round(milk_surface_tension(293.15) * 1e3, 1)
+    52.4
+    """
+    t = temperature - ICE_POINT
+    return 1e-3 * (55.6 + t * (-0.163 + 1.8e-4 * t))
+
+
 STANDARD_SALINITY = 0.035
 SALINITIES = 0.025, 0.040
 """Where all correlations for seawater hold."""
@@ -368,8 +378,8 @@ LIQUIDS: dict[str, Correlations] = {
     # Of kitchens: typical values; a given bottle differs by 5 % in density and tension, and by more in viscosity.
     "milk": Correlations(
         278.15, 313.15,
-        line("walstra2006", 1029.0, -0.3), andrade("walstra2006", 2.1e-3, 2060.0),
-        line("walstra2006", 0.047, -1.5e-4), line("walstra2006", 1510.0, 2.3),
+        line("walstra2006", 1029.0, -0.37), andrade("walstra2006", 2.1e-3, 2060.0),
+        milk_surface_tension, line("walstra2006", 1510.0, 2.3),
     ),
     "soapy water": Correlations(
         283.15, 313.15,  # with sodium dodecyl sulfate above the concentration at which micelles form

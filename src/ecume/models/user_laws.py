@@ -9,12 +9,14 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import compiled_once
+from ecume._dependencies import exact_digest
+from ecume._jit import compiled, compiled_once, plainly
 from ecume.errors import BadInput, Fault, SceneError, nearest
 
 if TYPE_CHECKING:
@@ -27,6 +29,33 @@ MOST_LAWS = 60
 """Laws are the bits of an integer."""
 
 Function = Callable[..., Any]
+
+
+Law = TypeVar("Law", bound=Callable[..., Any])
+KEY = 32
+"""Letters of a digest."""
+
+
+def compiled_for_laws(function: Law) -> Law:
+    """Compile a function from the user, or one around it. It is kept on disk, unless it names what cannot be described,
+    under a name that says what it is: code of other processes is linked by names, and users call their laws alike.
+    """
+    if not isinstance(function, FunctionType) or (key := exact_digest(function)) is None:
+        return compiled_once(function)
+    own = FunctionType(
+        function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__
+    )
+    own.__kwdefaults__, own.__module__ = function.__kwdefaults__, function.__module__
+    own.__qualname__ = f"{function.__qualname__}_{key}"
+    made: Any = compiled(own)
+    kept: Law = made
+    return kept
+
+
+def key_of(function: Any) -> str | None:
+    """The digest in the name of a function that is compiled for laws; None without one."""
+    key = getattr(plainly(function), "__qualname__", "").rpartition("_")[2]
+    return key if len(key) == KEY else None
 
 
 class BoundLaw(NamedTuple):
@@ -134,14 +163,14 @@ def sum_of_pair_laws(laws: Sequence[BoundLaw], joined: Function) -> Function:
     """
     total = _no_force
     for bit, law in enumerate(laws):
-        total = _added(compiled_once(law.function), law.constants, 1 << bit, (total, joined))
+        total = _added(compiled_for_laws(law.function), law.constants, 1 << bit, (total, joined))
     return total
 
 
 def _added(law: Function, constants: tuple[float, ...], flag: int, others: tuple[Function, Function]) -> Function:
     rest, joined = others
 
-    @compiled_once
+    @compiled_for_laws
     def both(distance: float, own: Any, mask: int) -> float:
         force: float = rest(distance, own, mask)
         if mask & flag:
@@ -151,7 +180,7 @@ def _added(law: Function, constants: tuple[float, ...], flag: int, others: tuple
     return both
 
 
-@compiled_once
+@compiled_for_laws
 def _no_force(distance: float, own: Any, mask: int) -> float:
     return 0.0
 
@@ -162,7 +191,7 @@ def sum_of_external_laws(laws: Sequence[BoundLaw], joined: Function) -> Function
     """
     total = _no_acceleration
     for bit, law in enumerate(laws):
-        total = _accelerating(compiled_once(law.function), law.constants, 1 << bit, (total, joined))
+        total = _accelerating(compiled_for_laws(law.function), law.constants, 1 << bit, (total, joined))
     return total
 
 
@@ -171,7 +200,7 @@ def _accelerating(
 ) -> Function:
     rest, joined = others
 
-    @compiled_once
+    @compiled_for_laws
     def both(position: Any, velocity: Any, time: float, own: Any, mask: int, out: Any) -> None:
         rest(position, velocity, time, own, mask, out)
         if mask & flag:
@@ -182,7 +211,7 @@ def _accelerating(
     return both
 
 
-@compiled_once
+@compiled_for_laws
 def _no_acceleration(position: Any, velocity: Any, time: float, own: Any, mask: int, out: Any) -> None:
     pass
 
@@ -197,13 +226,13 @@ def _triple_of(rows: Any, i: int) -> tuple[float, float, float]:
 
 def row_as_tuple(dimensions: int) -> Function:
     """Return a compiled function (rows, i) -> row i as a tuple."""
-    return compiled_once(_pair_of if dimensions == 2 else _triple_of)
+    return compiled_for_laws(_pair_of if dimensions == 2 else _triple_of)
 
 
 def called(law: BoundLaw, *arguments: Any) -> Any:
     """The value of a law, compiled. Raises BadInput with what the compiler or the function complains of."""
     try:
-        return compiled_once(law.function)(*arguments)
+        return compiled_for_laws(law.function)(*arguments)
     except Exception as error:  # a user's function may raise anything, and so may its compilation
         said = [line for line in str(error).splitlines() if line.strip() and not line.startswith("Failed in nopython")]
         why = said[0].strip() if said else type(error).__name__
@@ -255,7 +284,7 @@ def energy_between(force: Function) -> Function:
     """
     nodes, weights = NODES, WEIGHTS
 
-    @compiled_once
+    @compiled_for_laws
     def energy(near: float, far: float, own: Any, mask: int) -> float:
         width, total = math.log(far / near) / PANELS, 0.0
         for panel in range(PANELS):

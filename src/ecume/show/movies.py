@@ -11,7 +11,6 @@ import contextlib
 import itertools
 import math
 import os
-import shutil
 import subprocess
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -23,6 +22,7 @@ from typing import IO, TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from ecume.engine.ffmpeg import ffmpeg
 from ecume.errors import BadInput, StorageError
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import USUAL, WIDE, Aim, Eye, Picture, Pixels, Size, aimed
@@ -53,20 +53,6 @@ CODECS = {
 """Video codecs by kind of file, best first; the last one is part of every ffmpeg, or of nearly every one."""
 PICTURES = ".png"
 """Numbered pictures in place of a movie."""
-
-
-def ffmpeg() -> str | None:
-    """The path of an ffmpeg: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
-    found = shutil.which("ffmpeg")
-    if found is not None:
-        return found
-    try:
-        from imageio_ffmpeg import get_ffmpeg_exe
-
-        path: str = get_ffmpeg_exe()
-    except (ImportError, RuntimeError):  # the package is optional, and has no program for every machine
-        return None
-    return path
 
 
 def writable(out: Path) -> Path:

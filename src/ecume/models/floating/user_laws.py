@@ -6,6 +6,7 @@ Its forces are added to those of the scene; its energy is the integral of the fo
 
 from __future__ import annotations
 
+import collections
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled_once, of_this_process
+from ecume._jit import of_this_process
 from ecume.engine.cells import Integers, nearest
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
@@ -32,7 +33,9 @@ from ecume.models.floating.time_integration.step_size import FINE, RAFT_NEIGHBOR
 from ecume.models.user_laws import (
     PAIR,
     BoundLaw,
+    compiled_for_laws,
     energy_between,
+    key_of,
     masks_of,
     require_force,
     require_kinds,
@@ -56,7 +59,7 @@ class FloatPair(NamedTuple):
     constants: tuple[float, ...]
 
 
-@compiled_once
+@compiled_for_laws
 def joined(own: PairParameters, constants: Any) -> FloatPair:
     """The parameters of a law."""
     return FloatPair(
@@ -74,12 +77,25 @@ FIELDS = ("mask", "species", "radius", "charge", "cutoff", "length", "tension")
 """Of a part: (S, S) laws of each pair of species; (N,) properties of floats; lengths (m), surface tension (N/m)."""
 
 NUMBERS = itertools.count()
+KEPT = "UserLaws_"
 """Compiled code identifies a type by its name: other laws need another name."""
 
 
+def __getattr__(name: str) -> Any:
+    """The class of the constants of laws, by a name with their digest: code on the disk looks for it here."""
+    if not name.startswith(KEPT):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _kept(name)
+
+
+def _kept(name: str) -> Any:
+    if name not in globals():
+        globals()[name] = collections.namedtuple(name, FIELDS, module=__name__)
+    return globals()[name]
+
+
 def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
-    """Return the interaction of these laws, whose compilation takes seconds per process. Raises BadInput for what is no
-    such law.
+    """Return the interaction of these laws. Raises BadInput for what is no such law.
 
     A law is the same when i and j are exchanged. Faults are reported before the time step is compiled.
     """
@@ -88,7 +104,9 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
         require_force(law, DISTANCES, FloatPair(*ONE, law.constants), FloatPair(*OTHER, law.constants))
     total = sum_of_pair_laws(laws, joined)
     potential = _sum_of_energies(energy_between(total))
-    constants = of_this_process(f"UserLaws{next(NUMBERS)}", FIELDS)
+    add_forces = _adding(total)
+    key = key_of(add_forces)
+    constants = _kept(KEPT + key) if key else of_this_process(f"UserLaws{next(NUMBERS)}", FIELDS)
 
     def make(parameters: Parameters, scene: FloatingScene) -> Built:
         if parameters.single:
@@ -112,7 +130,7 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
         return float(potential(part, state.position, workspace.lists)), 0.0
 
     row = Interaction(
-        path="extra_laws", name="a user law", constants=constants, make=make, add_forces=_adding(total), energy=energy,
+        path="extra_laws", name="a user law", constants=constants, make=make, add_forces=add_forces, energy=energy,
         gives=ROUND | {"pair sum", "undulations", "grid", "superposed", "no torques"},
         needs={
             "reciprocal": "its sum counts each pair once",
@@ -126,7 +144,7 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
 def _adding(total: Any) -> Any:
     """Return the loop over pairs of neighbors, each once."""
 
-    @compiled_once
+    @compiled_for_laws
     def add_forces(
         part: Any, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
     ) -> None:
@@ -157,7 +175,7 @@ def _adding(total: Any) -> Any:
 def _sum_of_energies(energy: Any) -> Any:
     """Return the sum of the energies of all pairs (J), zero at the cutoff."""
 
-    @compiled_once
+    @compiled_for_laws
     def sum_of_energies(part: Any, position: Array, lists: NeighborLists) -> float:
         # The sorted positions of the lists are those of the last forces.
         order, rows, sum_of_pairs = lists.cells.order, lists.rows, 0.0

@@ -13,14 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled_once
 from ecume._portable import exp, log
 from ecume.errors import BadInput
 from ecume.models.model import Model
 from ecume.models.soft.contacts.user_forces import INTERVALS, Tables, log_gaps, table_of
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.report.check_report import advice
-from ecume.models.user_laws import PAIR, BoundLaw, masks_of, require_force, require_kinds
+from ecume.models.user_laws import PAIR, BoundLaw, compiled_for_laws, masks_of, require_force, require_kinds
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array, with_prefix
 
@@ -89,7 +88,7 @@ def _forces(law: BoundLaw, pair: SpherePair, ends: Array, parameters: Parameters
     given = pair._replace(constants=law.constants)
     swapped = SpherePair(pair.radius_j, pair.radius_i, pair.modulus_j, pair.modulus_i, law.constants)
     require_force(law, [part * float(parameters.radius.min()) for part in TESTED], given, swapped)
-    function, gaps = compiled_once(law.function), exp(log_gaps(ends, 2))
+    function, gaps = compiled_for_laws(law.function), exp(log_gaps(ends, 2))
     force = np.array([_number(function, float(gap), given) for gap in gaps])
     bad = np.flatnonzero(~np.isfinite(force))
     if len(bad):

@@ -97,6 +97,8 @@ class Bodies(NamedTuple):
     """the first of their dummies: all after it are bodies', too"""
     obstacles: tuple[Shape, ...]
     obstacle_rims: tuple[Array, ...]
+    drawn: tuple[int, ...]
+    """those obstacles that the guard has no surfaces of"""
 
 
 class Drive(NamedTuple):

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import compiled_once
 from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.invariants import Invariant
@@ -29,6 +28,7 @@ from ecume.models.user_laws import (
     EXTERNAL,
     PAIR,
     BoundLaw,
+    compiled_for_laws,
     flags_of,
     masks_of,
     require_acceleration,
@@ -78,13 +78,13 @@ class One(NamedTuple):
     density: float
 
 
-@compiled_once
+@compiled_for_laws
 def joined_pair(own: Two, constants: Any) -> LiquidPair:
     """The parameters of a pair law."""
     return LiquidPair(own.mass_i, own.mass_j, own.density_i, own.density_j, own.spacing, constants)
 
 
-@compiled_once
+@compiled_for_laws
 def joined_particle(own: One, constants: Any) -> LiquidParticle:
     """The parameters of an external law."""
     return LiquidParticle(own.mass, own.density, constants)
@@ -159,7 +159,7 @@ def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
 def _pair_loop(total: Callable[..., float]) -> Callable[..., None]:
     """Return the loop over all neighbors of each particle."""
 
-    @compiled_once
+    @compiled_for_laws
     def loop(
         position: Floats,
         lists: Lists,
@@ -196,7 +196,7 @@ def _external_loop(laws: Sequence[BoundLaw], dimension: int) -> Callable[..., No
     """Return the loop over particles."""
     total, row = sum_of_external_laws(laws, joined_particle), row_as_tuple(dimension)
 
-    @compiled_once
+    @compiled_for_laws
     def loop(
         position: Array, velocity: Array, mass: Array, density: Array, flags: Integers, time: float, out: Array
     ) -> None:

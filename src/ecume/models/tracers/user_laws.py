@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled_once
 from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
 from ecume.models.actions import with_injected_work
@@ -22,6 +21,7 @@ from ecume.models.tracers.parameters import Bodies, Parameters, State, Workspace
 from ecume.models.user_laws import (
     EXTERNAL,
     BoundLaw,
+    compiled_for_laws,
     flags_of,
     require_acceleration,
     require_kinds,
@@ -59,7 +59,7 @@ class Own(NamedTuple):
     friction: float
 
 
-@compiled_once
+@compiled_for_laws
 def joined(own: Own, constants: Any) -> Tracer:
     """The parameters of a law."""
     return Tracer(own.radius, own.density, own.mass, own.friction, constants)
@@ -106,7 +106,7 @@ def _midpoint_loop(total: Callable[..., None], dimensions: int) -> Callable[...,
     """
     row = row_as_tuple(dimensions)
 
-    @compiled_once
+    @compiled_for_laws
     def loop(
         position: Array, velocity: Array, bodies: Bodies, flags: Integers, when: tuple[float, float], external: Array
     ) -> None:

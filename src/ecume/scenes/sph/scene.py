@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Annotated, Literal, Self
 
@@ -88,9 +89,6 @@ class RegionSpec(ShapeSpec):
     particles: ParticlesSpec | None = None
     """Individual particles from a table or another run, instead of a shape. Effect: replaces the lattice of
     particles."""
-    triangles: tuple[tuple[Place, Place, Place], ...] = ()
-    """The triangles of a closed surface (m), in 3D only. Example: `[[[0,0,0],[1,0,0],[0,1,0]]]`. Effect: determines
-    the shape."""
     velocity: Motion | None = None
     """The initial velocity of the region (m/s). Effect: moves the region as a whole."""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
@@ -106,7 +104,7 @@ class RegionSpec(ShapeSpec):
     """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
     def _further(self) -> dict[str, bool]:
-        return {"particles": self.particles is not None, "triangles": bool(self.triangles)}
+        return {"particles": self.particles is not None}
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -307,9 +305,9 @@ def _too_thin(scene: SphScene) -> Complaints:
 def _smallest_extent(spec: ShapeSpec) -> float:
     """Of the box around a shape (m)."""
     if spec.radius is not None:
-        return 2.0 * spec.radius
-    if spec.vertices:
-        return min(extent(values) for values in zip(*spec.vertices, strict=True))
+        return min([2.0 * spec.radius, *([math.hypot(*spec.axis)] if spec.axis else [])])
+    if corners := spec.vertices or tuple(itertools.chain.from_iterable(spec.triangles)):
+        return min(extent(values) for values in zip(*corners, strict=True))
     return min((b - a for a, b in zip(spec.low or (), spec.high or (), strict=False)), default=math.inf)
 
 
@@ -319,15 +317,16 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
         value = getattr(spec, key, None)
         if value and len(value) != dimension:
             found.append(((key,), f"got {len(value)} numbers; the tank has {dimension} dimensions"))
+    for key, corners in (("vertices", spec.vertices), ("triangles", spec.triangles and spec.triangles[0])):
+        if corners and len(corners[0]) != dimension:
+            found.append(((key,), f"has corners of {len(corners[0])} numbers; the tank has {dimension} dimensions"))
+    if spec.axis is not None and (dimension == 2 or len(spec.axis) != 3):
+        found.append((("axis",), "is of a cylinder: expected 3 numbers, in a tank of three dimensions"))
     if isinstance(spec, RegionSpec) and any(len(row) != dimension for row in spec.velocity_gradient):
         counts = ", ".join(str(len(row)) for row in spec.velocity_gradient)
         found.append((("velocity_gradient",), f"got rows of {counts} numbers; expected {dimension} in each"))
     if isinstance(spec, RegionSpec) and spec.particles is not None:
         found += particle_faults(spec.particles, dimension)
-    if isinstance(spec, RegionSpec) and spec.triangles and dimension == 2:
-        found.append((("triangles",), "a surface is for tanks in three dimensions"))
-    if spec.vertices and dimension == 3:
-        found.append((("vertices",), "a polygon is for tanks in two dimensions"))
     if isinstance(spec, BodySpec) and (wrong := BODY_MASS.fault(spec.mass, dimension)):
         found.append((("mass",), wrong))
     if isinstance(spec, BodySpec) and isinstance(spec.spin, tuple) and dimension == 2:

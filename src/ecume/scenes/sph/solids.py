@@ -16,7 +16,6 @@ from ecume.scenes.quantities import (
     STRICT,
     BodyMass,
     Color,
-    Coordinate,
     Count,
     Motion,
     Place,
@@ -43,7 +42,7 @@ def above_fault(low: Sequence[float] | None, high: Sequence[float] | None) -> st
     return ""
 
 
-def area_of(vertices: Sequence[tuple[float, float]]) -> float:
+def area_of(vertices: Sequence[tuple[float, ...]]) -> float:
     """The area of a polygon (m^2), negative where it is clockwise.
 
     >>> area_of([(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)])
@@ -66,12 +65,19 @@ class ShapeSpec:
     """The lowest corner of a box (m), together with `high`. Effect: moves the sides of the box."""
     high: Place | None = None
     """The highest corner of a box (m), together with `low`. Effect: moves the sides of the box."""
-    vertices: tuple[tuple[Coordinate, Coordinate], ...] = ()
-    """The corners of a polygon (m), in 2D only. Effect: determines the shape."""
+    vertices: tuple[Place, ...] = ()
+    """The corners of a polygon in order (m); in 3D those of a convex body, such as a ramp, in any order. Effect:
+    determines the shape."""
+    triangles: tuple[tuple[Place, Place, Place], ...] = ()
+    """The triangles of a closed surface (m), in 3D only. Example: `[[[0,0,0],[1,0,0],[0,1,0]]]`. Effect: determines
+    the shape."""
     center: Place | None = None
-    """The center of a disc or sphere (m), together with `radius`. Effect: shifts the shape."""
+    """The center of a disc, sphere or cylinder (m), together with `radius`. Effect: shifts the shape."""
     radius: Size | None = None
-    """The radius of a disc or sphere (m), together with `center`. Effect: enlarges the shape."""
+    """The radius of a disc, sphere or cylinder (m), together with `center`. Effect: enlarges the shape."""
+    axis: Place | None = None
+    """The way from one end of a cylinder to the other (m), with `center` and `radius`, in 3D only. Example:
+    `["0 m", "20 cm", "0 m"]`. Effect: turns a sphere into a cylinder of this length."""
 
     def _further(self) -> dict[str, bool]:
         """Other ways to give a shape, and whether they were taken."""
@@ -80,9 +86,9 @@ class ShapeSpec:
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
         shapes = [self.low is not None or self.high is not None, bool(self.vertices), self.radius is not None]
-        further = self._further()
+        further = {"triangles": bool(self.triangles), **self._further()}
         if sum(shapes) + sum(further.values()) != 1:
-            known = ["low and high", "vertices", "center and radius", *further]
+            known = ["low and high", "vertices", "center and radius", "outline_from", *further]
             raise Inconsistent([((), f"expected exactly one shape: {', or '.join(known)}")])
         if shapes[0] and (self.low is None or self.high is None or len(self.low) != len(self.high)):
             raise Inconsistent([((), "a box needs low and high, of the same dimension")])
@@ -91,20 +97,37 @@ class ShapeSpec:
             raise Inconsistent([(("high",), flat)])
         if shapes[2] and self.center is None:
             raise Inconsistent([((), "a disc needs its center as well")])
-        if shapes[1] and len(self.vertices) < 3:
-            raise Inconsistent([(("vertices",), f"got {len(self.vertices)}; a polygon has at least 3")])
-        if (
-            self.vertices
-            and abs(area_of(self.vertices)) <= THINNEST * max(map(extent, zip(*self.vertices, strict=True))) ** 2
-        ):
-            raise Inconsistent([(("vertices",), "enclose no area; expected the corners of a polygon, in order")])
+        if self.axis is not None and not (self.radius is not None and any(self.axis)):
+            raise Inconsistent([(("axis",), "is of a cylinder; expected a vector, with center and radius")])
+        if fault := _corner_fault(self.vertices):
+            raise Inconsistent([(("vertices",), fault)])
         return self
+
+
+def _corner_fault(vertices: Sequence[tuple[float, ...]]) -> str:
+    """What is wrong with the corners of a shape; empty without a fault."""
+    if not vertices:
+        return ""
+    dimension = len(vertices[0])
+    if any(len(corner) != dimension for corner in vertices):
+        return "have different dimensions"
+    if len(vertices) <= dimension:
+        least = f"a {'polygon' if dimension == 2 else 'body'} has at least {dimension + 1}"
+        return f"got {len(vertices)}; {least}"
+    if dimension == 2 and abs(area_of(vertices)) <= THINNEST * max(map(extent, zip(*vertices, strict=True))) ** 2:
+        return "enclose no area; expected the corners of a polygon, in order"
+    return ""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ObstacleSpec(ShapeSpec):
-    """Something solid that stands in the tank. A polygon must be convex: put others together of several."""
+    """Something solid that stands in the tank. In a file it may also be `outline_from = "FILE"` (STL in 3D, DXF in
+    2D).
+    """
 
+    hollow: Switch = False
+    """Whether the shape is a hole in a block that fills the tank, as of a basin, and not the solid itself. Example:
+    `true`. Effect: liquid is inside of the shape, not around it."""
     slip: Slip | None = None
     """The slip at the surface: `free` or `no-slip`; by default `no-slip` where `liquid.viscosity` is
     given. Effect:
@@ -121,7 +144,9 @@ class ObstacleSpec(ShapeSpec):
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class BodySpec(ShapeSpec):
-    """A rigid body that floats, sinks and collides. A polygon must be convex. In a plane it is one meter deep."""
+    """A rigid body that floats, sinks and collides; in 2D it is one meter deep. In a file it may also be
+    `outline_from = "FILE"` (STL in 3D, DXF in 2D).
+    """
 
     density: PositiveDensity | None = None
     """The density of the body (kg/m^3), instead of its mass. Effect: bodies denser than the liquid sink."""

@@ -1,4 +1,4 @@
-"""Liquid from other sources than the scene itself: a table, a drawn outline, a frame of another run.
+"""Liquid and solids from other sources than the scene itself: a table, a drawing, a frame of another run.
 
 Reading a scene's file turns these keys into particles, vertices or triangles, so that the scene alone says everything.
 """
@@ -17,8 +17,9 @@ from pydantic import model_validator
 
 from ecume.errors import install
 from ecume.scenes.common import dataclass
-from ecume.scenes.faults import Complaints, Inconsistent, echo
+from ecume.scenes.faults import Complaints, Inconsistent, Path, echo
 from ecume.scenes.quantities import BODY_MASS, FARTHEST, STRICT, BodyMass, Motion, Place, PositiveDensity
+from ecume.scenes.sph.tank import SIDES
 from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of
 
 
@@ -87,19 +88,54 @@ def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
         given = raw.pop(RUN)
         follow = _from_file(raw, given, folder) if not isinstance(given, str) else None
         faults += followed((RUN,), _start_from, raw, given, folder) if follow is None else follow
-    regions = raw.get("fluid")
-    for index, region in enumerate(regions if isinstance(regions, list) else []):
-        if not isinstance(region, dict):
-            continue
-        path = ("fluid", index)
-        if TABLE in region:
-            faults += followed((*path, TABLE), _particles_from, region, region.pop(TABLE), folder)
-        if OUTLINE in region:
-            faults += followed((*path, OUTLINE), _outline_from, region, region.pop(OUTLINE), folder)
-        elif UNIT in region:
-            region.pop(UNIT)
-            faults.append(((*path, UNIT), "says nothing without outline_from"))
-    return faults
+    for name in DRAWN_TABLES:
+        pieces = raw.get(name)
+        for index, piece in enumerate(pieces if isinstance(pieces, list) else []):
+            if not isinstance(piece, dict):
+                continue
+            if TABLE in piece and name == "fluid":
+                faults += followed((name, index, TABLE), _particles_from, piece, piece.pop(TABLE), folder)
+            faults += outline_followed(piece, (name, index), folder)
+    return faults + _tank_from(raw, folder)
+
+
+WALL_BEYOND = 4.0
+"""In spacings: the sides of a tank around a drawn basin are this far from it, so that all of its walls are drawn."""
+
+
+def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
+    """A tank of any shape: a block around the drawing with a hole in it. Its sides that are open cut the drawing."""
+    tank = raw.get("tank")
+    if not isinstance(tank, dict) or not {OUTLINE, UNIT} & tank.keys():
+        return []
+    basin: dict[str, Any] = {key: tank.pop(key) for key in (OUTLINE, UNIT) if key in tank}
+    if faults := outline_followed(basin, ("tank",), folder):
+        return faults
+    points = basin.get("vertices") or list(itertools.chain.from_iterable(basin["triangles"]))
+    spacing = _length(raw.get("spacing"))
+    beyond = WALL_BEYOND * spacing if isinstance(spacing, (int, float)) else 0.0
+    for key, first, end in (("low", 0, min), ("high", 1, max)):
+        sides = [tank.get(side) for side in SIDES[first::2]]
+        pads = [0.0 if isinstance(side, dict) and side.get("kind", "wall") != "wall" else beyond for side in sides]
+        sign = 1.0 if first else -1.0
+        ends = [end(values) + sign * pad for values, pad in zip(zip(*points, strict=True), pads, strict=False)]
+        tank.setdefault(key, ends)
+    raw["obstacles"] = [{**basin, "hollow": True}, *raw.get("obstacles", [])]
+    return []
+
+
+DRAWN_TABLES = ("fluid", "obstacles", "bodies")
+"""Whose shapes may come from a drawing."""
+
+
+def outline_followed(piece: dict[str, Any], path: Path, folder: Folder) -> Complaints:
+    """Put the outline that a piece of a scene names into it; what is wrong with it comes back."""
+    if OUTLINE in piece:
+        return followed((*path, OUTLINE), _outline_from, piece, piece.pop(OUTLINE), folder)
+    if UNIT in piece:
+        piece.pop(UNIT)
+        return [((*path, UNIT), "says nothing without outline_from")]
+    return []
 
 
 def _there(folder: Folder, name: str) -> Folder:

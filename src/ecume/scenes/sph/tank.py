@@ -215,7 +215,9 @@ def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TankSpec:
-    """A rectangular tank."""
+    """A rectangular tank. In a file it may also be `outline_from = "FILE"` (STL in 3D, DXF in 2D), the outline of the
+    room inside: a block around it, with this hole, becomes the first obstacle.
+    """
 
     low: Place = ()
     """The lowest corner of the tank (m); by default the origin. Effect: moves the walls."""

@@ -309,7 +309,7 @@ class TankPage:
             "colors": _coded(np.clip(255.0 * values / most, 0.0, 255.0).astype(np.uint8)),
             "coloring": self.color,
             "most": most,
-            "solids": [_solid(shape) for shape in tank.scene.obstacles],
+            "solids": [_solid(shape, tank.scene.tank) for shape in tank.scene.obstacles],
             "opened": tank.opened,
             "wall": tank.pushed,
             "leaning": tank.leaning,
@@ -337,9 +337,9 @@ def _coded(values: Any) -> str:
     return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
-def _solid(spec: Any) -> list[list[float]]:
+def _solid(spec: Any, tank: Any) -> list[list[float]]:
     """Corners; of a disc so many that it is round."""
-    shape = outline(spec)
+    shape = outline(spec, tank)
     if isinstance(shape, Round):
         angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
         shape = np.array([shape.x, shape.y]) + shape.radius * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -18,7 +18,16 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Eye, Size, Species, Wires, wires_of
 from ecume.show.sph.liquid import Water
-from ecume.show.sph.solids import ball_outline, mover_colors, movers_of, outline, rectangle
+from ecume.show.sph.solids import (
+    ball_outline,
+    drawn_shape,
+    edges,
+    is_ball,
+    mover_colors,
+    movers_of,
+    outline,
+    rectangle,
+)
 from ecume.show.sph.water import WaterImage
 from ecume.show.style import INK, PALETTE, RIM
 from ecume.show.tank import BODY, Coloring, Setting, Tank, colored, seen, stand_apart
@@ -190,7 +199,7 @@ def setting_of(scene: SphScene) -> Setting:
         scene.title,
         None if nothing_around else corners,
         walls=walls,
-        bodies=[outline(solid) for solid in scene.obstacles],
+        bodies=[outline(solid, scene.tank) for solid in scene.obstacles],
         body_colors=[solid.color or BODY for solid in scene.obstacles],
         kinds=regions(scene),
         inside=AIR,
@@ -241,8 +250,10 @@ def setting_in_space(scene: SphScene, eye: Eye) -> Setting:
 
 def solid_lines(solid: Any, camera: Array) -> list[Array]:
     """An obstacle in 3D as projected: the edges of a box, the outline of a ball."""
-    if solid.radius is not None:
+    if is_ball(solid):
         return [ball_outline(np.array(solid.center), solid.radius, camera)]
+    if solid.low is None:
+        return [seen(edge, camera) for edge in edges(drawn_shape(solid))]
     return [edge for part in wires_of(solid.low, solid.high, camera) for edge in part]
 
 

@@ -46,7 +46,12 @@ def mover_colors(scene: SphScene, usual: str, flat: bool) -> list[str]:
 
 def lines_of(body: Any, flat: bool) -> int:
     """The number of lines that a body is drawn with: a box in 3D has twelve edges."""
-    return 1 if flat or body.radius is not None else 12
+    return 1 if flat or is_ball(body) else len(edges(shape_of(body)))
+
+
+def is_ball(solid: Any) -> bool:
+    """Whether it is a disc or a sphere."""
+    return solid.radius is not None and getattr(solid, "axis", None) is None
 
 
 def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> list[Array]:
@@ -100,13 +105,18 @@ def shape_of(body: Any) -> shapes.Shape:
     return shape.carried(-shape.middle())
 
 
-def drawn_shape(spec: Any) -> shapes.Shape:
-    """A solid as the scene has it."""
-    if spec.vertices:
-        return Polygon(np.array(spec.vertices))
-    if spec.radius is not None:
-        return Ball(np.array(spec.center), spec.radius)
-    return Box(np.array(spec.low), np.array(spec.high))
+def drawn_shape(solid: Any) -> shapes.Shape:
+    """A solid where the scene has it."""
+    if is_ball(solid):
+        return Ball(np.array(solid.center), solid.radius)
+    if solid.vertices and len(solid.vertices[0]) == 2:
+        return Polygon(np.array(solid.vertices))
+    if solid.low is not None:
+        return Box(np.array(solid.low), np.array(solid.high))
+    from ecume.engine.outlines import hull_of  # meshes need the compiler, other shapes do not
+    from ecume.models.sph.setup.shapes import shape_of as whole
+
+    return whole(solid) if hasattr(solid, "triangles") else hull_of(np.array(solid.vertices))
 
 
 def corners(shape: shapes.Shape) -> Array:
@@ -121,10 +131,35 @@ def corners(shape: shapes.Shape) -> Array:
 
 
 def edges(shape: shapes.Shape) -> list[Array]:
-    """The twelve edges of a box, (2, 3) each."""
+    """The edges of a solid in 3D, (2, 3) each: of a mesh the sharp ones, or all where none is sharp."""
+    triangles = getattr(shape, "triangles", None)
+    if triangles is not None:
+        return _edges_of_mesh(triangles)
     low, high = shape.bounds()
     points = np.array([[(low, high)[bit >> axis & 1][axis] for axis in range(3)] for bit in range(8)])
     return [points[[one, one | 1 << axis]] for axis in range(3) for one in range(8) if not one >> axis & 1]
+
+
+SHARP = np.cos(np.radians(20.0))
+"""The cosine of the angle between two faces from which on the edge between them is drawn."""
+MOST_EDGES = 400
+
+
+def _edges_of_mesh(triangles: Array) -> list[Array]:
+    size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    corners = np.round(triangles.reshape(-1, 3) / (1e-7 * size))
+    places = np.unique(corners, axis=0, return_inverse=True)[1].reshape(-1, 3)
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    ends = np.sort(np.concatenate([places[:, [0, 1]], places[:, [1, 2]], places[:, [2, 0]]]), axis=1)
+    lines = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    pairs = np.flatnonzero((ends[order][1:] == ends[order][:-1]).all(axis=1))
+    face = np.tile(np.arange(len(triangles)), 3)[order]
+    bend = (normal[face[pairs]] * normal[face[pairs + 1]]).sum(axis=1)
+    kept = order[pairs[bend < SHARP]]
+    kept = kept if len(kept) else order[pairs]
+    return list(lines[kept[:: -(-len(kept) // MOST_EDGES)]])
 
 
 def rotation(angle: float) -> Array:
@@ -156,10 +191,20 @@ def rectangle(low: Any, high: Any) -> Array:
     return np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
 
 
-def outline(shape: Any) -> Shape:
-    """A shape of the scene as it is drawn."""
-    if shape.vertices:
-        return np.array(shape.vertices)
-    if shape.radius is not None:
-        return Round(shape.center[0], shape.center[1], shape.radius)
-    return rectangle(shape.low, shape.high)
+def outline(solid: Any, tank: Any) -> Shape:
+    """A solid of a scene in 2D as it is drawn. A hollow one is the tank, with a seam to the hole and back."""
+    if solid.radius is not None:
+        whole: Shape = Round(solid.center[0], solid.center[1], solid.radius)
+    else:
+        whole = np.array(solid.vertices) if solid.vertices else rectangle(solid.low, solid.high)
+    if not getattr(solid, "hollow", False):
+        return whole
+    hole = corners(drawn_shape(solid)) if not isinstance(whole, Round) else _circle(whole)
+    block, ring = rectangle(tank.low, tank.high), np.vstack([hole, hole[:1]])
+    turn = float(np.sum(hole[:, 0] * np.roll(hole[:, 1], -1) - np.roll(hole[:, 0], -1) * hole[:, 1]))
+    return np.vstack([block, block[:1], ring[::-1] if turn > 0.0 else ring, block[:1]])
+
+
+def _circle(one: Round) -> Array:
+    around: Array = np.array([one.x, one.y]) + one.radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])[:-1]
+    return around

@@ -16,7 +16,7 @@ from ecume.engine.shapes import Shape
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import View
 from ecume.show.sph.liquid import SMOOTHING, SUPPORT, Counts, Grid, Region, grid_in, liquid_in, region_of, room_of
-from ecume.show.sph.solids import shape_of, turned
+from ecume.show.sph.solids import drawn_shape, shape_of, turned
 from ecume.show.style import LIQUID_COLORS
 from ecume.show.tank import BODY
 from ecume.trajectories.frame import Frame
@@ -57,19 +57,13 @@ class Solid(NamedTuple):
 
 def solids_of(scene: SphScene, frame: Frame) -> list[Solid]:
     """Obstacles where they stand, bodies where the frame has them."""
-    found = [Solid(shape_of(one), middle_of(one), np.eye(3), color_of(one)) for one in scene.obstacles]
+    drawn = [(drawn_shape(one), color_of(one)) for one in scene.obstacles if not one.hollow]
+    found = [Solid(shape.carried(-shape.middle()), shape.middle(), np.eye(3), color) for shape, color in drawn]
     for number, body in enumerate(scene.bodies):
         at = {part: frame.numbers[f"body{number}_{part}"] for part in ("x", "y", "z", "qw", "qx", "qy", "qz")}
         turn = turned([at[f"q{part}"] for part in "wxyz"])
         found.append(Solid(shape_of(body), np.array([at[axis] for axis in "xyz"]), turn, color_of(body)))
     return found
-
-
-def middle_of(solid: Any) -> Array:
-    """The center of an obstacle."""
-    ends = (solid.low, solid.high) if solid.radius is None else (solid.center, solid.center)
-    middle: Array = np.mean(ends, axis=0)
-    return middle
 
 
 def color_of(solid: Any) -> str:
@@ -79,12 +73,21 @@ def color_of(solid: Any) -> str:
 
 def solid_level(solids: list[Solid], grid: Grid) -> tuple[Array, Counts]:
     """The depth inside the nearest solid in every cell (m; negative: outside), and which solid it is."""
-    points = grid.points()
-    depths = [-one.shape.nearest((points - one.middle) @ one.turn)[0] for one in solids]
+    depths = [_depth(one, grid.points(), float(grid.cell.max())) for one in solids]
     if not depths:
         return np.zeros((0, 0, 0)), np.zeros((0, 0, 0), np.int64)
     stacked = np.array(depths)
     return stacked.max(axis=0).reshape(grid.shape), stacked.argmax(axis=0).reshape(grid.shape)
+
+
+def _depth(solid: Solid, points: Array, margin: float) -> Array:
+    """(N,) how deep points are in a solid; of those outside of the box around it, how far outside of that."""
+    own = (points - solid.middle) @ solid.turn
+    low, high = solid.shape.bounds()
+    depth: Array = -np.maximum(low - own, own - high).max(axis=1)
+    near = depth > -margin
+    depth[near] = -solid.shape.nearest(own[near])[0]
+    return depth
 
 
 class Scenery(NamedTuple):

@@ -20,7 +20,16 @@ from ecume.show.floating.surface import outlines_in, sheet, surface, typical_men
 from ecume.show.picture import Species, edges_of, species
 from ecume.show.soft.packing import WIDE, links_of, reached
 from ecume.show.sph.picture import EDGES, FULL, regions, usual_color
-from ecume.show.sph.solids import edges, rectangle, rotation, shape_of, side_line, turned
+from ecume.show.sph.solids import (
+    drawn_shape,
+    edges,
+    is_ball,
+    rectangle,
+    rotation,
+    shape_of,
+    side_line,
+    turned,
+)
 from ecume.show.sph.water import water_color
 from ecume.show.style import liquid_color, scale_for
 from ecume.show.tank import Round
@@ -131,8 +140,8 @@ def circle(middle: Array, radius: float) -> Array:
     return points
 
 
-BALL_LINES, BOX_LINES = 3, 12
-"""The number of lines of a solid in 3D."""
+BALL_LINES = 3
+"""The number of lines of a ball in 3D."""
 
 
 def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
@@ -194,7 +203,8 @@ def _filled(scene: Any, low: Array, high: Array) -> Filled:
 
 def _mover_colors(scene: Any, low: Array) -> list[str | None]:
     """The colors of bodies, line by line; moving sides come after them, and have none."""
-    lines = [1 if len(low) == 2 else BALL_LINES if body.radius is not None else BOX_LINES for body in scene.bodies]
+    flat = len(low) == 2
+    lines = [1 if flat else BALL_LINES if is_ball(body) else len(edges(shape_of(body))) for body in scene.bodies]
     return [body.color for body, count in zip(scene.bodies, lines, strict=True) for _ in range(count)]
 
 
@@ -222,10 +232,12 @@ def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
 
 def _solid(solid: Any) -> list[Line]:
     """An obstacle; three circles for a ball in 3D."""
-    if solid.radius is not None:
+    if is_ball(solid):
         return _ball(np.array(solid.center), solid.radius)
-    if solid.vertices:
+    if solid.vertices and len(solid.vertices[0]) == 2:
         return [Line(np.array(solid.vertices), closed=True)]
+    if solid.low is None:
+        return [Line(edge) for edge in edges(drawn_shape(solid))]
     low, high = np.array(solid.low), np.array(solid.high)
     return [Line(rectangle(low, high), closed=True)] if len(low) == 2 else [Line(edge) for edge in edges_of(low, high)]
 
@@ -246,7 +258,7 @@ def _body(body: Any, number: int, frame: Frame) -> list[Array]:
         lines = [np.vstack([circle(np.zeros(2), body.radius), np.zeros(2)])] if body.radius is not None else None
         return [middle + line @ turn.T for line in lines or [one.points for one in _solid_of(shape)]]
     turn = turned([frame.numbers[f"{name}q{part}"] for part in "wxyz"])
-    parts = [one.points for one in _ball(np.zeros(3), body.radius)] if body.radius is not None else edges(shape)
+    parts = [one.points for one in _ball(np.zeros(3), body.radius)] if is_ball(body) else edges(shape)
     return [middle + part @ turn.T for part in parts]
 
 

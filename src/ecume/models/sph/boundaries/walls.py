@@ -9,6 +9,9 @@ Images and dummies exert no pressure where a particle coincides with its image, 
 continuity keeps no memory of how close a thin layer is. Without repulsion, a layer of one particle would rest on the
 guard.
 
+Particles that come into an obstacle which is no box, ball or convex polygon are moved to the nearest point of its
+surface, as at bodies; such obstacles do not brake impacts.
+
 Impacts: liquid that approaches a wall or an obstacle is braked by the dissipation of the Riemann problem at the wall,
 summed over the half-space behind it, which depends on the distance alone. Images complete the sums of liquid that
 surrounds a particle; the first particles of a jet have few neighbors and therefore few images, which would brake them
@@ -33,7 +36,7 @@ from ecume.laws import wall_forces
 from ecume.models.sph.boundaries.forces_on_solids import total
 from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.models.sph.parameters import Guard, Parameters
-from ecume.models.sph.state import State
+from ecume.models.sph.state import GUARD_HITS, State
 from ecume.units import Array
 
 admit(wall_forces)
@@ -195,6 +198,49 @@ def repel_from_walls(parameters: Parameters, state: State) -> None:
         repel(state.position, *guard.sheet[:2], guard.reach, speed_of(parameters), state.acceleration)
 
 
+def repel_from_drawn(parameters: Parameters, state: State) -> None:
+    """Add the present repulsion by drawn obstacles."""
+    for number in parameters.bodies.drawn:
+        leaning = repelled_by_drawn(parameters, state, number)
+        state.acceleration[:, leaning.who] += leaning.push
+
+
+def drawn_owner(parameters: Parameters, number: int) -> int:
+    """The place of an obstacle in `Boundary.names`."""
+    return 2 * parameters.dimension + number
+
+
+def repelled_by_drawn(parameters: Parameters, state: State, number: int) -> Repelled:
+    """Particles repelled by an obstacle of which the guard has no surfaces."""
+    reach = parameters.boundary.guard.reach
+    near, gap, normal = close_to(parameters, state, number, reach)
+    push = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap]
+    return Repelled(drawn_owner(parameters, number), near, np.array(push) * normal.T)
+
+
+def close_to(parameters: Parameters, state: State, number: int, reach: float) -> tuple[Integers, Array, Array]:
+    """Particles less than `reach` outside of an obstacle: which, their gaps, and the normals there (n, d)."""
+    shape = parameters.bodies.obstacles[number]
+    low, high = shape.bounds()
+    position = state.position.T
+    around = np.flatnonzero(((position > low - reach) & (position < high + reach)).all(axis=1))
+    gap, normal = shape.nearest(position[around])
+    near = gap < reach
+    return around[near], gap[near], normal[near]
+
+
+def expel_from_drawn(parameters: Parameters, state: State) -> None:
+    """Move liquid in drawn obstacles to their surfaces, stop its approach, and count it."""
+    guard, d = parameters.boundary.guard, parameters.dimension
+    for number in parameters.bodies.drawn:
+        inside, gap, normal = close_to(parameters, state, number, guard.radius)
+        state.position[:, inside] += (guard.radius - gap) * normal.T
+        approach = np.minimum((state.velocity[:, inside] * normal.T).sum(axis=0), 0.0)
+        state.velocity[:, inside] -= approach * normal.T
+        state.hits[2 * d + number] += len(inside)
+        state.tally[GUARD_HITS] += len(inside)
+
+
 def repel_from_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:
     """Add the repulsion by bodies; returns the opposite force and torque on each body, (B, 3)."""
     bodies = len(parameters.bodies.shapes)
@@ -229,6 +275,7 @@ def all_repelled(parameters: Parameters, state: State) -> list[Repelled]:
         return []
     for owner in np.unique(guard.owner):
         found.append(repelled_by_wall(parameters, state, int(owner)))
+    found += [repelled_by_drawn(parameters, state, number) for number in parameters.bodies.drawn]
     return found + [repelled_by_body(parameters, state, body) for body in range(len(parameters.bodies.shapes))]
 
 

@@ -23,7 +23,7 @@ from ecume.models.sph.boundaries.rigid_bodies import (
     largest_displacement,
     move_bodies,
 )
-from ecume.models.sph.boundaries.walls import add_impulses, reflect_particles
+from ecume.models.sph.boundaries.walls import add_impulses, expel_from_drawn, reflect_particles
 from ecume.models.sph.fields import number
 from ecume.models.sph.integration.particle_loops import (
     correct,
@@ -202,6 +202,7 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
         state.budget[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
         inside = expel_liquid(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
         state.tally[GUARD_HITS] += inside
+    expel_from_drawn(now, state)
     before = state.velocity.copy() if now.drives else state.velocity
     met = reflect_particles(guard, state.position, state.velocity, state.transport, time)
     np.add.at(state.hits, guard.owner, met.hits)

@@ -23,7 +23,7 @@ from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, tota
 from ecume.models.sph.boundaries.open_boundaries import hold_buffers
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
-from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_walls
+from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats, number
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Parameters
@@ -371,6 +371,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         parameters.friction.loop(*_summed(parameters, workspace), rates.table)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     repel_from_walls(parameters, state)
+    repel_from_drawn(parameters, state)
     brake_at_walls(parameters, state)
     _push_bodies(parameters, state, workspace)
     if parameters.tension != "none":

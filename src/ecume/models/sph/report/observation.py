@@ -31,7 +31,14 @@ from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_n
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
-from ecume.models.sph.boundaries.walls import Repelled, all_braked, all_repelled, energy_of, repulsion_load
+from ecume.models.sph.boundaries.walls import (
+    Repelled,
+    all_braked,
+    all_repelled,
+    drawn_owner,
+    energy_of,
+    repulsion_load,
+)
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
 from ecume.models.sph.rates.right_hand_side import damp_sound, fill
@@ -444,24 +451,41 @@ def of_solids(
         units |= dict.fromkeys((key for key in numbers if key.startswith(f"{name}_force")), "N")
         units |= dict.fromkeys((key for key in numbers if key.startswith(f"{name}_torque")), "N*m")
     names = parameters.boundary.names
-    guarded = {names[k] for k in parameters.boundary.guard.owner}
+    drawn = [drawn_owner(parameters, number) for number in parameters.bodies.drawn]
+    guarded = {names[k] for k in (*parameters.boundary.guard.owner, *drawn)}
     numbers |= {f"{name}_hits": float(state.hits[k]) for k, name in enumerate(names) if name in guarded}
     for body in range(len(parameters.bodies.shapes)):
-        numbers |= pose_of(state, body, axes, turns)
+        numbers |= pose_of(state, body, (axes, turns), parameters.bodies.pose[3:, body])
     for side, drive in parameters.drives:
         numbers[f"{names[side]}_position"] = float(drive_at(drive, float(state.clock[0]))[0][0])
     return numbers, {name: units.get(name) or BODY_UNITS.get(name.split("_", 1)[1], "1") for name in numbers}
 
 
-def pose_of(state: State, body: int, axes: str, turns: str) -> dict[str, float]:
-    """Position, velocity, orientation and spin of a body; the orientation is an angle in 2D, a quaternion in 3D."""
-    pose, move, name = state.pose[:, body], state.motion[:, body], f"body{body}"
+def pose_of(state: State, body: int, names: tuple[str, str], start: Array) -> dict[str, float]:
+    """Position, velocity, orientation and spin of a body; the orientation is an angle in 2D, a quaternion in 3D, as
+    turned since the start. names = (axes of positions, axes of rotation).
+    """
+    (axes, turns), pose, move, name = names, state.pose[:, body], state.motion[:, body], f"body{body}"
     found = {f"{name}_{axis}": float(pose[k]) for k, axis in enumerate(axes)}
     found |= {f"{name}_velocity_{axis}": float(move[k]) for k, axis in enumerate(axes)}
     found |= {f"{name}_spin_{axis}": float(move[3 + "xyz".index(axis)]) for axis in turns}
     if len(axes) == 2:
         return {**found, f"{name}_angle": 2.0 * math.atan2(pose[6], pose[3])}
-    return {**found, **{f"{name}_q{part}": float(pose[3 + k]) for k, part in enumerate("wxyz")}}
+    since = turned_since(pose[3:], start)
+    return {**found, **{f"{name}_q{part}": float(since[k]) for k, part in enumerate("wxyz")}}
+
+
+def turned_since(now: Array, start: Array) -> Array:
+    """The quaternion q that turned `start` into `now`: q = now start*."""
+    (a, b, c, d), (w, x, y, z) = now, start
+    return np.array(
+        [
+            a * w + b * x + c * y + d * z,
+            b * w - a * x - c * z + d * y,
+            c * w - a * y + b * z - d * x,
+            d * w - a * z - b * y + c * x,
+        ]
+    )
 
 
 def of_solver(parameters: Parameters, state: State) -> dict[str, float]:

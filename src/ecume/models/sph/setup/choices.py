@@ -35,7 +35,7 @@ from ecume.models.sph.rates.methods import (
 )
 from ecume.models.sph.rates.right_hand_side import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
-from ecume.models.sph.setup.shapes import part_of, shape_of
+from ecume.models.sph.setup.shapes import part_of, solid_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import FluidSpec, SphScene
 from ecume.scenes.sph.sources import ParticlesSpec
@@ -235,7 +235,7 @@ def _lacking(room: tuple[Any, ...], spacing: float) -> float:
     """The volume that neither liquid nor solids fill, over that of the tank (see `full`)."""
     tank, fluid, solids, single = room
     box = Box(np.array(tank.low), np.array(tank.high))
-    parts = [*(part_of(region, spacing) for region in fluid), *(shape_of(spec) for spec in solids)]
+    parts = [*(part_of(region, spacing) for region in fluid), *(solid_of(spec, tank) for spec in solids)]
     return 1.0 - (covered_volume(box, parts) + float(single)) / float(box.volume())
 
 

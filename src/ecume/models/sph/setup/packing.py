@@ -28,7 +28,7 @@ from ecume.engine.shapes import Cells, Flags, Part, Shape, apart
 from ecume.laws.incompressible import tensile_weight
 from ecume.laws.kernels import Kernel
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of
-from ecume.models.sph.setup.shapes import dummies_of, gaps_to, obstacle_dummies, part_of, shape_of
+from ecume.models.sph.setup.shapes import dummies_of, gaps_to, obstacle_dummies, part_of, shape_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import STANDOFF, imaging_sides, layers_around, side_of
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
@@ -131,7 +131,7 @@ def _solid_particles(scene: SphScene, support: float) -> list[tuple[Array, Array
 def _beyond(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
     """The lattice of each drawn region, continued through its free surface."""
     parts = [part_of(spec, scene.spacing) for spec in scene.fluid]
-    solids = [shape_of(spec) for spec in (*scene.obstacles, *scene.bodies)]
+    solids = solids_of(scene)
     found: list[tuple[Array, Array]] = []
     for spec, part in zip(scene.fluid, parts, strict=True):
         if spec.particles is not None:

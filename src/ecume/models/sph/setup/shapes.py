@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.outlines import Cloud, Mesh
-from ecume.engine.shapes import Ball, Box, Flags, Part, Polygon, Shape, apart, round_up
-from ecume.scenes.sph import RegionSpec, ShapeSpec, SphScene
+from ecume.engine.outlines import Cloud, Mesh, cylinder_of, hull_of
+from ecume.engine.shapes import Ball, Box, Flags, Hollow, Part, Polygon, Shape, apart, round_up
+from ecume.scenes.sph import BodySpec, ObstacleSpec, RegionSpec, ShapeSpec, SphScene, TankSpec
 from ecume.units import Array
 
 CLEARANCE = 0.25
@@ -16,24 +18,63 @@ CLEARANCE = 0.25
 
 
 def shape_of(spec: ShapeSpec) -> Shape:
-    """A region of the scene as a part of space."""
+    """A shape of the scene as a part of space. Raises BadInput for corners in one plane."""
+    if spec.triangles:
+        return _mesh(spec.triangles)
     if spec.vertices:
-        return Polygon(np.array(spec.vertices))
+        corners = np.array(spec.vertices)
+        return Polygon(corners) if corners.shape[1] == 2 else hull_of(corners)
+    if spec.radius is not None and spec.axis is not None:
+        return cylinder_of(np.array(spec.center), spec.radius, np.array(spec.axis))
     if spec.radius is not None:
         return Ball(np.array(spec.center), spec.radius)
     return Box(np.array(spec.low), np.array(spec.high))
+
+
+@functools.lru_cache(maxsize=16)
+def _mesh(triangles: tuple[tuple[tuple[float, ...], ...], ...]) -> Mesh:
+    """Of many triangles this takes a while."""
+    return Mesh(np.array(triangles))
+
+
+def solid_of(spec: ObstacleSpec | BodySpec, tank: TankSpec) -> Shape:
+    """An obstacle or a body as a part of space."""
+    shape, hollow = shape_of(spec), isinstance(spec, ObstacleSpec) and spec.hollow
+    return Hollow(shape, np.array(tank.low), np.array(tank.high)) if hollow else shape
+
+
+def obstacles_of(scene: SphScene) -> list[Shape]:
+    """All obstacles."""
+    return [solid_of(spec, scene.tank) for spec in scene.obstacles]
+
+
+class OwnAxes(NamedTuple):
+    """A body about its middle and in its principal axes."""
+
+    shape: Shape
+    turn: Array
+    """(3, 3) from the principal axes to those of the tank"""
+
+
+def in_own_axes(shape: Shape) -> OwnAxes:
+    """A body as its equations of motion need it. All shapes but meshes are drawn along their axes."""
+    centered = shape.carried(-shape.middle())
+    if isinstance(centered, Mesh):
+        turn = centered.axes()
+        return OwnAxes(centered.turned(turn), turn)
+    return OwnAxes(centered, np.eye(3))
 
 
 def part_of(region: RegionSpec, spacing: float) -> Part:
     """The region of the liquid as a part of space."""
     if region.particles is not None:
         return Cloud(np.array(region.particles.positions), spacing)
-    return Mesh(np.array(region.triangles)) if region.triangles else shape_of(region)
+    return shape_of(region)
 
 
 def solids_of(scene: SphScene) -> list[Shape]:
     """Obstacles, then bodies as they start."""
-    return [shape_of(spec) for spec in (*scene.obstacles, *scene.bodies)]
+    return [*obstacles_of(scene), *(shape_of(spec) for spec in scene.bodies)]
 
 
 def gaps_to(solids: Sequence[Shape], points: Array) -> Array:
@@ -68,8 +109,7 @@ def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array
     """Dummies of each obstacle, without those in an earlier one or outside of the tank."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     found, earlier = [], list[Shape]()
-    for spec in scene.obstacles:
-        shape = shape_of(spec)
+    for shape in obstacles_of(scene):
         cut = _cut_rows(shape, (low, high), scene.spacing, support) if len(low) == 2 else None
         points, volume = dummies_of(shape, scene.spacing, support) if cut is None else cut
         stays = apart(points, earlier) & ((points > low) & (points < high)).all(axis=1)

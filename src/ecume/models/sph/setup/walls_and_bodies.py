@@ -6,17 +6,27 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from ecume._portable import length
+from ecume._portable import length, product
 from ecume.engine.cells import Integers, Sides
-from ecume.engine.shapes import Ball, Polygon, Shape, fitted_axis
+from ecume.engine.outlines import Mesh
+from ecume.engine.shapes import Ball, Box, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate
-from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
+from ecume.models.sph.setup.shapes import (
+    OwnAxes,
+    dummies_of,
+    in_own_axes,
+    obstacle_dummies,
+    obstacles_of,
+    shape_of,
+    solids_of,
+)
 from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array, with_prefix
 
@@ -75,7 +85,8 @@ def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dumm
         points, volume = dummies_of(shape, scene.spacing, support)
         viscosity = material.viscosity * holds(spec, scene)
         owner = first + len(scene.obstacles) + index
-        pieces.append(dummies_at(points - shape.middle(), volume, viscosity, owner))
+        turn = in_own_axes(shape).turn[: points.shape[1], : points.shape[1]]
+        pieces.append(dummies_at(product(points - shape.middle(), turn), volume, viscosity, owner))
     return pieces
 
 
@@ -184,7 +195,7 @@ break.
 
 
 def guard_of(scene: SphScene, support: float) -> Guard:
-    """All sides that are walls, and all obstacles."""
+    """All sides that are walls, and the obstacles that have surfaces (see `has_surfaces`)."""
     pieces, owner, own = [], list[int](), list[Any]()
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     for number, name in enumerate(SIDES[: 2 * len(low)]):
@@ -193,8 +204,10 @@ def guard_of(scene: SphScene, support: float) -> Guard:
             pieces.append(planes([high if number % 2 else low], [normal]))
             owner.append(number)
             own.append(getattr(scene.tank, name))
-    for index, spec in enumerate(scene.obstacles):
-        pieces.append(_obstacle(shape_of(spec), f"obstacles[{index}]"))
+    for index, (spec, shape) in enumerate(zip(scene.obstacles, obstacles_of(scene), strict=True)):
+        if not has_surfaces(shape):
+            continue
+        pieces.append(_obstacle(shape, f"obstacles[{index}]"))
         owner += [2 * len(low) + index] * len(pieces[-1].kind)
         own += [spec] * len(pieces[-1].kind)
     walls = together(*pieces) if pieces else box(low.tolist(), high.tolist())._replace(**_nothing(len(low)))
@@ -237,6 +250,13 @@ def _nothing(dimension: int) -> dict[str, Any]:
         "velocity": np.zeros((0, 3)),
         "face": np.zeros((0, 2), np.int64),
     }
+
+
+def has_surfaces(shape: Shape) -> bool:
+    """Whether a shape is a box, a ball or a convex polygon: few surfaces turn particles back. Particles in others are
+    moved to the nearest point of the surface.
+    """
+    return isinstance(shape, (Ball, Box)) or (isinstance(shape, Polygon) and shape.convex())
 
 
 def _obstacle(shape: Shape, path: str) -> Surfaces:
@@ -319,26 +339,35 @@ TOUCHING = 1e-3
 def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
     """The bodies of a scene, as they start."""
     _require_possible(scene)
-    shapes = [shape_of(spec) for spec in scene.bodies]
-    centered = tuple(shape.carried(-shape.middle()) for shape in shapes)
+    shapes, obstacles = [shape_of(spec) for spec in scene.bodies], obstacles_of(scene)
+    own = [in_own_axes(shape) for shape in shapes]
+    centered = tuple(each.shape for each in own)
     mass = np.array([mass_of(spec, shape) for spec, shape in zip(scene.bodies, shapes, strict=True)])
-    inertia = np.array([shape.inertia() for shape in shapes]).reshape(-1, 3).T
+    inertia = np.array([shape.inertia() for shape in centered]).reshape(-1, 3).T
     if len(scene.tank.low) == 2:
         inertia = inertia * np.array([[0.0], [0.0], [1.0]])
     first = len(boundary.names) - len(shapes)
     return Bodies(
         shapes=centered,
         rims=tuple(_wide(shape.rim(0.5 * scene.spacing)) for shape in centered),
-        pose=np.array([[*_wide(shape.middle()[None])[0], *UPRIGHT] for shape in shapes]).reshape(-1, 7).T.copy(),
+        pose=np.array([_pose(*pair) for pair in zip(shapes, own, strict=True)]).reshape(-1, 7).T.copy(),
         motion=np.array([_motion(spec) for spec in scene.bodies]).reshape(-1, 6).T.copy(),
         mass=mass,
         inertia=np.ascontiguousarray(mass * inertia),
         restitution=np.array([spec.restitution for spec in scene.bodies]),
         friction=np.array([spec.friction for spec in scene.bodies]),
         first=int(np.count_nonzero(boundary.dummies.owner < first)),
-        obstacles=tuple(shape_of(spec) for spec in scene.obstacles),
-        obstacle_rims=tuple(_wide(shape_of(spec).rim(0.5 * scene.spacing)) for spec in scene.obstacles),
+        obstacles=tuple(obstacles),
+        obstacle_rims=tuple(_wide(shape.rim(0.5 * scene.spacing)) for shape in obstacles),
+        drawn=tuple(number for number, shape in enumerate(obstacles) if not has_surfaces(shape)),
     )
+
+
+def _pose(shape: Shape, own: OwnAxes) -> list[float]:
+    """The middle of a body, and the quaternion of its principal axes."""
+    turn = own.turn
+    upright = UPRIGHT if (turn == np.eye(3)).all() else np.roll(Rotation.from_matrix(turn).as_quat(), 1).tolist()
+    return [*_wide(shape.middle()[None])[0], *upright]
 
 
 def _require_possible(scene: SphScene) -> None:
@@ -352,16 +381,26 @@ def _require_possible(scene: SphScene) -> None:
         if (ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any():
             faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; expected a body inside it"))
     faults += _overlaps(scene)
+    for name, shape in _named(scene):
+        if isinstance(shape, Mesh) and shape.overlaps():
+            faults.append(Fault(name, "has shells that overlap; unite them where they were drawn"))
     if scene.bodies and scene.method.pressure_split == "modified":
         faults.append(Fault("method.pressure_split", "got 'modified'; bodies need the whole pressure: use 'none'"))
     if faults:
         raise SceneError(faults)
 
 
+def _named(scene: SphScene) -> list[tuple[str, Shape]]:
+    """Obstacles and bodies with their places in the scene."""
+    names = [f"obstacles[{n}]" for n in range(len(scene.obstacles))]
+    names += [f"bodies[{n}]" for n in range(len(scene.bodies))]
+    return list(zip(names, solids_of(scene), strict=True))
+
+
 def _overlaps(scene: SphScene) -> list[Fault]:
     """Faults of bodies that start inside an obstacle or an earlier body, beyond rounding."""
     faults, slack = [], TOUCHING * scene.spacing
-    solids = [(f"obstacles[{n}]", shape_of(spec)) for n, spec in enumerate(scene.obstacles)]
+    solids = _named(scene)[: len(scene.obstacles)]
     for index, spec in enumerate(scene.bodies):
         mine = shape_of(spec)
         for name, other in solids:

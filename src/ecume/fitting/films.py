@@ -1,0 +1,175 @@
+"""Tracks of round objects in a film: read with ffmpeg, located and linked with trackpy.
+
+Objects are located in each picture as maxima of brightness, to a part of a pixel by the center of brightness around
+them, and linked from picture to picture by their displacements, as in [crocker1996].
+"""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import math
+import os
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.engine.ffmpeg import film_of, pictures_of
+from ecume.errors import BadInput, install
+from ecume.fitting.tracks import LEAST
+from ecume.units import Array
+
+Picture = NDArray[np.uint8]
+"""(rows, columns) brightness."""
+SEEN = 0.5
+"""Of the pictures: an object that is found in fewer is none."""
+MASK = 1.25
+"""Diameters: the part of the picture whose center of brightness is taken."""
+USUAL = 11
+"""Pixels: larger objects are looked for in a picture that is made smaller until they have this diameter."""
+ROUNDS, STILL = 20, 1e-3
+"""Centers are taken again until they move less than this (pixels)."""
+MOST_PICTURES = 20_000
+
+
+class Search(NamedTuple):
+    """What is looked for."""
+
+    diameter: float
+    """of an object, pixels"""
+    objects: int | None = None
+    """how many: those that are brightest; by default all that are found in half of the pictures"""
+    dark: bool = False
+    """whether objects are darker than what is around them"""
+    box: tuple[int, int, int, int] | None = None
+    """left, top, width, height of the part of the pictures to look at, pixels"""
+    reach: float | None = None
+    """the longest displacement from picture to picture, pixels; by default half a diameter"""
+
+
+class FilmTracks(NamedTuple):
+    """Objects of a film over its pictures."""
+
+    times: Array
+    """(T,) s"""
+    position: Array
+    """(T, N, 2) pixels from the lower left corner, y upward; not a number where an object was not found"""
+    size: tuple[int, int]
+    """width and height of the pictures"""
+
+
+def film_tracks(path: str | os.PathLike[str], search: Search, rate: float | None = None) -> FilmTracks:
+    """The tracks of objects in a film; `rate` is that of its pictures in real time (1/s), by default the film's own.
+    Raises BadInput where no object is seen in half of the pictures.
+    """
+    if not 2.0 <= search.diameter <= 1000.0:
+        raise BadInput(f"diameter: got {search.diameter:g} pixels; expected 2 to 1000")
+    facts = film_of(path)
+    size = facts.width, facts.height
+    left, top, width, height = search.box or (0, 0, *size)
+    if left < 0 or top < 0 or width < 1 or height < 1 or left + width > size[0] or top + height > size[1]:
+        raise BadInput(f"box: got {left}, {top}, {width}, {height}; the pictures have {size[0]} x {size[1]} pixels")
+    found = [
+        _objects(picture[top : top + height, left : left + width], search)
+        for picture in itertools.islice(pictures_of(path), MOST_PICTURES)
+    ]
+    if len(found) < LEAST:
+        raise BadInput(f"{path}: has {len(found)} pictures; expected {LEAST} or more")
+    position = _linked(found, search)
+    if not position.shape[1]:
+        raise BadInput(
+            f"{path}: no object of {search.diameter:g} pixels is in half of the pictures; see --dark and --box"
+        )
+    # From rows and columns of a part of the picture to x and y of the whole.
+    position = np.stack([left + position[:, :, 0], size[1] - 1 - top - position[:, :, 1]], axis=2)
+    return FilmTracks(np.arange(len(found)) / (rate or facts.rate), position, size)
+
+
+def _objects(picture: Picture, search: Search) -> Array:
+    """(n, 3) of a picture: column, row and brightness of each object.
+
+    Large objects are looked for in a smaller picture, in which they have no details. The center is then that of the
+    brightness beyond that around the object.
+    """
+    trackpy = _library("trackpy")
+    shrink = max(1, int(search.diameter / USUAL))
+    light = -picture.astype(np.float64) if search.dark else picture.astype(np.float64)
+    small = _shrunk(light - light.min(), shrink)
+    diameter = 2 * max(1, round(0.5 * (search.diameter / shrink - 1.0))) + 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # on empty pictures and on versions of its own libraries
+        found = trackpy.locate(small, diameter, topn=search.objects)
+    places = (np.asarray(found[["x", "y"]], np.float64) + 0.5) * shrink - 0.5
+    centers = np.array([_centered(light, place, search.diameter) for place in places]).reshape(-1, 2)
+    return np.column_stack([centers, np.asarray(found["mass"], np.float64)])
+
+
+def _shrunk(light: Array, shrink: int) -> Array:
+    """Means of squares of pixels."""
+    rows, columns = (side // shrink * shrink for side in light.shape)
+    return light[:rows, :columns].reshape(rows // shrink, shrink, columns // shrink, shrink).mean(axis=(1, 3))
+
+
+def _centered(light: Array, place: Array, diameter: float) -> Array:
+    """The center of the brightness above the threshold half way between what is around an object and its middle."""
+    reach = MASK * 0.5 * diameter
+    for _ in range(ROUNDS):
+        low = np.maximum(np.ceil(place - reach).astype(np.int64), 0)
+        high = np.minimum(np.floor(place + reach).astype(np.int64) + 1, light.shape[::-1])
+        part = light[low[1] : high[1], low[0] : high[0]]
+        x, y = np.arange(low[0], high[0]) - place[0], np.arange(low[1], high[1])[:, None] - place[1]
+        away = np.sqrt(x**2 + y**2)
+        rim, core = (away > 0.55 * diameter) & (away < reach), away < 0.25 * diameter
+        if not rim.any() or not core.any():
+            return place
+        around, inside = float(np.median(part[rim])), float(np.median(part[core]))
+        height = (part - around) / max(inside - around, 1e-9)
+        weight = np.clip(2.0 * height - 0.5, 0.0, 1.0) * (away < reach)
+        total = float(weight.sum())
+        if total <= 0.0:
+            return place
+        shift = np.array([float((weight * x).sum()), float((weight * y).sum())]) / total
+        place = place + shift
+        if float(np.abs(shift).max()) < STILL:
+            break
+    return place
+
+
+def _linked(found: list[Array], search: Search) -> Array:
+    """(T, N, 2) columns and rows of the objects that are found in half of the pictures, the brightest first."""
+    import pandas
+
+    trackpy = _library("trackpy")
+    trackpy.quiet()
+    frame = np.repeat(np.arange(len(found)), [len(one) for one in found])
+    table = pandas.DataFrame(np.concatenate(found), columns=["x", "y", "mass"]).assign(frame=frame)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        linked = trackpy.link(table, search.reach or 0.5 * search.diameter, memory=3)
+    particle = np.asarray(linked["particle"], np.int64)
+    who, count = np.unique(particle, return_counts=True)
+    whole = who[count >= SEEN * len(found)]
+    mass, place = np.asarray(linked["mass"]), np.asarray(linked[["x", "y"]])
+    whole = np.array(sorted(whole, key=lambda one: -float(mass[particle == one].mean())), np.int64)[: search.objects]
+    position = np.full((len(found), len(whole), 2), math.nan)
+    for number, one in enumerate(whole):
+        mine = particle == one
+        position[np.asarray(linked["frame"])[mine], number] = place[mine]
+    return position
+
+
+def table_of_tracks(tracks: FilmTracks) -> str:
+    """The tracks as a table that `ecume fit` reads."""
+    lines = ["t [s],x [px],y [px],id"]
+    for time, row in zip(tracks.times.tolist(), tracks.position.tolist(), strict=True):
+        lines += [f"{time!r},{x:.4f},{y:.4f},{number}" for number, (x, y) in enumerate(row) if math.isfinite(x)]
+    return "\n".join(lines) + "\n"
+
+
+def _library(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise BadInput(f"films need {name}, which is not installed: {install('track')}") from None
