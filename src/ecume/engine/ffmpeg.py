@@ -56,7 +56,7 @@ def film_of(path: str | os.PathLike[str]) -> Film:
 
 
 def pictures_of(path: str | os.PathLike[str], form: str = "gray") -> Iterator[NDArray[np.uint8]]:
-    """The pictures of a film, (rows, columns), or (rows, columns, 3) for "rgb24". Raises BadInput for what is none."""
+    """The pictures of a film, (rows, columns), or (rows, columns, 3) for "rgb24". Raises BadInput for other files."""
     facts, depth = film_of(path), DEPTHS[form]
     shape = (facts.height, facts.width) if depth == 1 else (facts.height, facts.width, depth)
     size = facts.height * facts.width * depth

@@ -24,7 +24,7 @@ from ecume.units import Array
 Picture = NDArray[np.uint8]
 """(rows, columns) brightness."""
 SEEN = 0.5
-"""Of the pictures: an object that is found in fewer is none."""
+"""Of the pictures: what is found in fewer is not taken for an object."""
 MASK = 1.25
 """Diameters: the part of the picture whose center of brightness is taken."""
 USUAL = 11
@@ -61,7 +61,7 @@ class FilmTracks(NamedTuple):
 
 
 def film_tracks(path: str | os.PathLike[str], search: Search, rate: float | None = None) -> FilmTracks:
-    """The tracks of objects in a film; `rate` is that of its pictures in real time (1/s), by default the film's own.
+    """The tracks of objects in a film; `rate` is that of its pictures in real time (1/s), by default that of the film.
     Raises BadInput where no object is seen in half of the pictures.
     """
     if not 2.0 <= search.diameter <= 1000.0:
@@ -99,7 +99,7 @@ def _objects(picture: Picture, search: Search) -> Array:
     small = _shrunk(light - light.min(), shrink)
     diameter = 2 * max(1, round(0.5 * (search.diameter / shrink - 1.0))) + 1
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # on empty pictures and on versions of its own libraries
+        warnings.simplefilter("ignore")  # on empty pictures and on versions of libraries
         found = trackpy.locate(small, diameter, topn=search.objects)
     places = (np.asarray(found[["x", "y"]], np.float64) + 0.5) * shrink - 0.5
     centers = np.array([_centered(light, place, search.diameter) for place in places]).reshape(-1, 2)
@@ -109,7 +109,8 @@ def _objects(picture: Picture, search: Search) -> Array:
 def _shrunk(light: Array, shrink: int) -> Array:
     """Means of squares of pixels."""
     rows, columns = (side // shrink * shrink for side in light.shape)
-    return light[:rows, :columns].reshape(rows // shrink, shrink, columns // shrink, shrink).mean(axis=(1, 3))
+    means = light[:rows, :columns].reshape(rows // shrink, shrink, columns // shrink, shrink).mean(axis=(1, 3))
+    return np.asarray(means)
 
 
 def _centered(light: Array, place: Array, diameter: float) -> Array:
