@@ -27,6 +27,8 @@ INFLOW = {"tank": {"left": {"kind": "inflow", "speed": 0.2, "level": 0.5},
 SHAKE = {"base_excitation": {"amplitude": [0.5, 0.0], "frequency": 1.0}}
 TABULATED = {"base_excitation": {"times": [0.0, 0.1], "accelerations": [[0.0, 0.0], [0.5, 0.0]]}}
 FAST = {"fluid": [{"velocity": [0.0, -8.0]}], "tank": {"walls": "reflect"}}
+CYLINDER = {"center": [0.5, 0.5, 0.5], "radius": 0.2, "axis": [0.0, 0.4, 0.0]}
+UPRIGHT_CYLINDER = {"low": None, "high": None, "velocity": None, **CYLINDER}
 OBSTACLE = {"obstacles": [{"low": [0.4, 0.0], "high": [0.6, 0.3]}]}
 ROUND_OBSTACLE = {"obstacles": [{"center": [0.5, 0.1], "radius": 0.15}]}
 BODY = {"bodies": [{"low": [0.3, 0.4], "high": [0.7, 0.8], "density": 0.5}]}
@@ -83,6 +85,7 @@ EFFECTS = {
         [[[0.9 * x for x in corner] for corner in face] for face in TETRAHEDRON],
         **{**DEEP, "fluid": [{"low": None, "high": None, "velocity": None, "triangles": TETRAHEDRON}]},
     ),
+    "fluid.axis": of([0.0, 0.5, 0.0], **{**DEEP, "fluid": [UPRIGHT_CYLINDER]}),
     "fluid.velocity": of([0.2, 0.0]),
     "fluid.velocity_gradient": of([[0.1, 0.0], [0.0, -0.1]]),
     "fluid.flow": of("poiseuille"),
@@ -120,6 +123,12 @@ EFFECTS = {
     ),
     "obstacles.center": of([0.55, 0.1], **ROUND_OBSTACLE),
     "obstacles.radius": of(0.2, **ROUND_OBSTACLE),
+    "obstacles.triangles": of(
+        [[[0.9 * x for x in corner] for corner in face] for face in TETRAHEDRON],
+        **{**DEEP, "obstacles": [{"triangles": TETRAHEDRON}]},
+    ),
+    "obstacles.axis": of([0.0, 0.5, 0.0], **{**DEEP, "obstacles": [CYLINDER]}),
+    "obstacles.hollow": of(True, obstacles=[{"vertices": [[0.5, -0.1], [1.1, -0.1], [1.1, 1.0], [0.5, 1.0]]}]),
     "obstacles.slip": of(
         "no-slip", **{**OBSTACLE, "obstacles": [{**OBSTACLE["obstacles"][0], "slip": "free"}]}, **VISCOUS
     ),
@@ -134,6 +143,11 @@ EFFECTS = {
         [[0.3, 0.4], [0.6, 0.4], [0.5, 0.8]],
         bodies=[{"vertices": [[0.3, 0.4], [0.7, 0.4], [0.5, 0.8]], "density": 0.5}],
     ),
+    "bodies.triangles": of(
+        [[[0.9 * x for x in corner] for corner in face] for face in TETRAHEDRON],
+        **{**DEEP, "bodies": [{"triangles": TETRAHEDRON, "density": 0.5}]},
+    ),
+    "bodies.axis": of([0.0, 0.5, 0.0], **{**DEEP, "bodies": [{**CYLINDER, "density": 0.5}]}),
     "bodies.center": of([0.55, 0.6], **ROUND_BODY),
     "bodies.radius": of(0.15, **ROUND_BODY),
     "bodies.density": of(0.8, **BODY),
