@@ -46,6 +46,10 @@ LEAST_PER_CYCLE, COARSE = 20, 1e-3
 """Steps in a cycle of what oscillates, at this tolerance or a larger one: a sine is to be as accurate as gaps are."""
 AFTER_JUMP = 1e-6
 """Of the time between frames: the first step after a jump, whose relaxation the steps before say nothing of."""
+PER_AGE = 16.0
+"""Times the tolerance, to the power 1/(p + 1): the longest step over the time since a jump. What a jump leaves relaxes
+at all rates, that of the widest films first, whose gaps hardly change, so that their error says nothing of the work.
+"""
 NARROW = 0.5
 """Of the reach of films: a gap below it that had no film before was come upon in too long a step."""
 NEARLY = 1e-9
@@ -242,9 +246,20 @@ def _tick(parameters: Parameters, before: int, time: float) -> int:
 
 
 def _longest(parameters: Parameters, now: float) -> float:
-    """A part of a cycle, where something oscillates: films say nothing of what is to come."""
-    pace = float(parameters.protocol.waves[interval_at(parameters.protocol, now), 2])
-    return math.tau / pace / steps_per_cycle(parameters) if pace > 0.0 else math.inf
+    """A part of a cycle, where something oscillates: films say nothing of what is to come. After a jump, or a start
+    under a stress, a part of the time since then.
+    """
+    protocol, interval = parameters.protocol, interval_at(parameters.protocol, now)
+    pace, age = float(protocol.waves[interval, 2]), now - float(protocol.times[interval])
+    cycle = math.tau / pace / steps_per_cycle(parameters) if pace > 0.0 else math.inf
+    leaps = protocol.jumps[interval] and (interval > 0 or any(rules_at(protocol, interval)))
+    return min(cycle, step_per_age(parameters) * age) if leaps and age > 0.0 else cycle
+
+
+def step_per_age(parameters: Parameters) -> float:
+    """The longest step after a jump, over the time since."""
+    order = SCHEMES[parameters.scheme].tableau.order
+    return float((PER_AGE * parameters.tolerance) ** (1.0 / (order + 1.0)))
 
 
 def steps_per_cycle(parameters: Parameters) -> float:
