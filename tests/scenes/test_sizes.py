@@ -16,10 +16,12 @@ FRAME = {"duration": 1e-3, "frame_every": 1e-3, "liquid": {"viscosity": 1.0}}
 SPECIES = {
     "soft": {"modulus": 1e4},
     "tracers": {"density": 1100.0},
+    "floating": {"density": 1100.0, "contact_angle": 1.5},
 }
 REGION = {
     "soft": {"cell": {"size": [1.0, 1.0], "volume_fraction": 0.6}, "rotation": True},
     "tracers": {"tank": {"high": [0.1, 0.1]}},
+    "floating": {"dish": {"radius": 0.1}},
 }
 
 
@@ -118,10 +120,95 @@ def test_a_file_with_a_diameter_of_each_particle_gives_each_its_own(model, tmp_p
         "sizes\n\n4 atoms\n1 atom types\n\n0 0.016 xlo xhi\n0 0.016 ylo yhi\n-0.001 0.001 zlo zhi\n\nAtoms # sphere\n\n"
     )
     (tmp_path / "sizes.data").write_text(head + "\n".join(rows) + "\n")
-    region = 'cell.size = ["16 mm", "16 mm"]' if model == "soft" else 'tank.high = ["16 mm", "16 mm"]'
-    own = "modulus = 1e4" if model == "soft" else "density = 1000"
+    region = {
+        "soft": 'cell.size = ["16 mm", "16 mm"]',
+        "tracers": 'tank.high = ["16 mm", "16 mm"]',
+        "floating": 'dish.radius = "3 cm"',
+    }[model]
+    own = "\n".join(f"{key} = {value}" for key, value in SPECIES[model].items())
     (tmp_path / "scene.toml").write_text(
         f'model = "{model}"\nduration = 1e-3\nframe_every = 1e-3\nliquid.viscosity = 1.0\n{region}\n'
         f'start_from = {{ file = "sizes.data", length_unit = "1 m" }}\n[[particles]]\n{own}\n'
     )
     assert radii(load_scene(tmp_path / "scene.toml")) == pytest.approx(0.001 + 5e-5 * np.arange(4))
+
+
+@pytest.mark.parametrize("model", SPECIES)
+def test_a_histogram_is_read_from_a_table_with_units(model, tmp_path):
+    (tmp_path / "sieve.csv").write_text("diameter [mm],weight\n2,3\n4,1\n")
+    own = "\n".join(f"{key} = {value}" for key, value in SPECIES[model].items())
+    region = {
+        "soft": "cell = { size = [1, 1], volume_fraction = 0.6 }", "tracers": "tank.high = [0.1, 0.1]",
+        "floating": "dish.radius = 0.1",
+    }[model]  # fmt: skip
+    text = (
+        f'model = "{model}"\nduration = 1e-3\nframe_every = 1e-3\nliquid.viscosity = 1.0\n{region}\n'
+        f'[[particles]]\ncount = 20\n{own}\nradius = {{ distribution = "histogram", file = "FILE" }}\n'
+    )
+    (tmp_path / "scene.toml").write_text(text.replace("FILE", "sieve.csv"))
+    scene = load_scene(tmp_path / "scene.toml")
+    assert sorted(radii(scene)) == pytest.approx([1e-3] * 15 + [2e-3] * 5)
+    assert from_plain(to_plain(scene)) == scene
+    for content, says in (("size\n1\n", "no such column"), ("radius,diameter\n1,2\n", "either a column radius or"),
+                          ("weight\n1\n", "either a column radius or")):  # fmt: skip
+        (tmp_path / "bad.csv").write_text(content)
+        (tmp_path / "bad.toml").write_text(text.replace("FILE", "bad.csv"))
+        with pytest.raises(SceneError, match=says):
+            load_scene(tmp_path / "bad.toml")
+    (tmp_path / "bad.toml").write_text(text.replace("FILE", "none.csv"))
+    with pytest.raises(SceneError, match=r"radius\.file: 'none.csv' does not exist"):
+        load_scene(tmp_path / "bad.toml")
+
+
+def mixed(model, *species, **more):
+    return from_plain(
+        {"model": model, "particles": [SPECIES[model] | one for one in species]} | FRAME | REGION[model] | more
+    )
+
+
+@pytest.mark.parametrize("model", SPECIES)
+@pytest.mark.parametrize("share", [0.2, 0.5])
+def test_a_share_of_the_volume_says_how_many_particles_there_are(model, share):
+    small = {"radius": {"distribution": "lognormal", "mean": 5e-4, "spread": 0.3}, "volume_share": share}
+    scene = mixed(model, {"radius": 1e-3, "count": 30}, small)
+    frame, power = next(iter(simulate(scene))), 2 if model == "soft" else 3
+    volume = frame.arrays["radius"] ** power
+    part = volume[frame.arrays["species"] == 1].sum() / volume.sum()
+    assert part == pytest.approx(share, rel=0.03)
+    assert from_plain(to_plain(scene)) == scene
+
+
+@pytest.mark.parametrize("model", SPECIES)
+def test_shares_that_say_too_little_or_too_much_are_refused(model):
+    ball = {"radius": 1e-3}
+    with pytest.raises(SceneError, match=r"volume_share: .* expected a count, or positions, of at least one"):
+        mixed(model, ball | {"volume_share": 0.5})
+    with pytest.raises(SceneError, match=r"the shares sum to 1\.1"):
+        mixed(model, ball | {"count": 3}, ball | {"volume_share": 0.6}, ball | {"volume_share": 0.5})
+    with pytest.raises(SceneError, match="got 7, and volume_share makes 3 particles"):
+        mixed(model, ball | {"count": 3}, ball | {"volume_share": 0.5, "count": 7})
+    with pytest.raises(SceneError, match="volume_share: makes 0 particles"):
+        mixed(model, ball | {"count": 1}, ball | {"volume_share": 0.1})
+
+
+def test_floats_of_one_species_have_each_their_own_weight_and_charge():
+    sizes = {"distribution": "uniform", "mean": 1e-3, "spread": 0.3}
+    scene = scene_of("floating", sizes, count=6, seed=4)
+    parameters = MODELS["floating"].parameters(scene)
+    alone = [
+        MODELS["floating"].parameters(scene_of("floating", float(radius), count=1))
+        for radius in parameters.floats.radius
+    ]
+    for name in ("mass", "charge", "relaxation_time"):
+        wanted = [getattr(one.floats, name)[0] for one in alone]
+        assert getattr(parameters.floats, name) == pytest.approx(wanted, rel=1e-12), name
+    rows = {name: value for name, value, _ in MODELS["floating"].summary(scene)}
+    assert rows["mean radius"] == "1 mm"
+
+
+def test_a_shape_has_one_size():
+    with pytest.raises(SceneError, match="shape: has one size"):
+        scene_of("floating", [1e-3, 2e-3], count=2, particles=[
+            {"radius": [1e-3, 2e-3], "density": 1100.0, "contact_angle": 1.5, "count": 2,
+             "shape": {"kind": "ellipsoid", "width": 5e-4}}
+        ])  # fmt: skip

@@ -112,7 +112,11 @@ def summary_line(home: RunDirectory) -> str:
         return ""
     kept = read(home, home.watch, WATCH)
     rows, work = kept.get("invariants", []), _work(kept.get("energy", {}), kept.get("energy_unit", "J"))
-    broken = [f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g})" for row in rows if not row["held"]]
+    broken = [
+        f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g}: {row['says']})"
+        for row in rows
+        if not row["held"]
+    ]
     if broken:
         return f"{BROKEN}: {', '.join(broken)}{work}"
     held = ", ".join(f"{row['name']} ({_shown(row['worst'])} of {row['limit']:g})" for row in rows)

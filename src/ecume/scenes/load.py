@@ -46,6 +46,7 @@ from ecume.scenes.floating import FloatingScene
 from ecume.scenes.floating.sources import RUN as START
 from ecume.scenes.floating.sources import SOURCES, rows_from
 from ecume.scenes.quantities import Measured
+from ecume.scenes.sizes import follow_sizes
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
 from ecume.scenes.tables import NotText, text_of
@@ -464,9 +465,9 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
     if raw.get("model") == "floating":
         from ecume.scenes.floating.surroundings import follow_current
 
-        return follow_current(raw, folder)
+        return [*follow_sizes(raw, folder), *follow_current(raw, folder)]
     if raw.get("model") in ("soft", "tracers"):
-        return _started(raw, folder)
+        return [*follow_sizes(raw, folder), *_started(raw, folder)]
     if raw.get("model") != "sph":
         return []
     from ecume.scenes.sph.sources import follow_sources

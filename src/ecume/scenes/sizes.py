@@ -2,27 +2,33 @@
 
 `radius` of a species is a length, a list with one radius per particle, or a table: a distribution with its mean and
 spread. A species keeps the mean in `radius`, the list in `radii` and the table in `sizes`.
+
+The number of particles of a species may follow from its share of the volume of all.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path as Folder
 from statistics import NormalDist
-from typing import Annotated, Any, Literal, Protocol, Self
+from typing import Annotated, Any, Literal, Protocol, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
 from pydantic_core import ArgsKwargs
 
 from ecume.scenes.common import dataclass
-from ecume.scenes.faults import Complaints, Inconsistent
-from ecume.scenes.quantities import STRICT, Radius
+from ecume.scenes.faults import Complaints, Inconsistent, Path
+from ecume.scenes.quantities import MOST_PARTICLES, STRICT, Radius
+from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, followed, lines_of, require_there, text_of
 from ecume.units import Array, Number, Unit
 
 Spread = Annotated[Number, Field(gt=0.0, le=1.0)]
 Cut = Annotated[Number, Field(ge=0.5, le=6.0)]
 Weight = Annotated[Number, Field(ge=0.0, le=1e15)]
+Share = Annotated[Number, Field(gt=0.0, lt=1.0)]
 LEAST = 0.01
 """Of the mean: no radius of a distribution is smaller."""
 
@@ -45,7 +51,8 @@ class SizeSpec:
     """The number of standard deviations from the mean beyond which there are no radii; of the logarithm for
     `lognormal`. Effect: small values cut the tails."""
     radii: tuple[Radius, ...] = ()
-    """The radii of a histogram (m). Effect: particles have these radii only."""
+    """The radii of a histogram (m), given here or in a table, `file = "sizes.csv"`, with a column `radius` or
+    `diameter` and perhaps `weight`, units in its head as in `diameter [um]`. Effect: these are the only radii."""
     weights: tuple[Weight, ...] = ()
     """The number of particles of each radius of a histogram, in proportion; by default equal. Effect: larger weights
     give more particles of that radius."""
@@ -179,3 +186,104 @@ def list_faults(species: Sized, count: int) -> Complaints:
     if species.radii and len(species.radii) != count:
         return [(("radius",), f"got {len(species.radii)} radii; expected one for each of {count} particles")]
     return []
+
+
+class Shared(Sized, Protocol):
+    """A species whose number may follow from its share of the volume."""
+
+    @property
+    def count(self) -> int | None:
+        """The number of particles, if it is known."""
+
+    @property
+    def positions(self) -> Sequence[Any]:
+        """The place of each particle, if they are given."""
+
+    @property
+    def volume_share(self) -> float | None:
+        """The part of the volume of all particles, if the number follows from it."""
+
+
+Species = TypeVar("Species", bound=Shared)
+
+
+def shared_out(particles: Sequence[Species], power: int) -> tuple[Species, ...]:
+    """Species with the number of particles that follows from each share of the volume. Raises Inconsistent. A particle
+    fills the volume of a sphere, radius to the power 3, or in a layer an area, to the power 2.
+    """
+    shares = [one.volume_share or 0.0 for one in particles]
+    if not any(shares):
+        return tuple(particles)
+    volume = sum(
+        _number(one) * mean_power(one, power, _number(one))
+        for one, share in zip(particles, shares, strict=True)
+        if not share
+    )
+    last = max(index for index, share in enumerate(shares) if share)
+    if not volume > 0.0:
+        cause = "is a part of the volume of all; expected a count, or positions, of at least one species"
+        raise Inconsistent([(("particles", last, "volume_share"), cause)])
+    if sum(shares) >= 1.0:
+        cause = f"the shares sum to {sum(shares):g}; expected less than 1, the rest being counted species"
+        raise Inconsistent([(("particles", last, "volume_share"), cause)])
+    whole = volume / (1.0 - sum(shares))
+    numbers = [
+        round(share * whole / mean_power(one, power, MANY)) for one, share in zip(particles, shares, strict=True)
+    ]
+    wrong = [
+        fault
+        for index, (one, share) in enumerate(zip(particles, shares, strict=True))
+        for fault in (_faults_of_share(index, one.count, numbers[index]) if share else [])
+    ]
+    if wrong:
+        raise Inconsistent(wrong)
+    return tuple(
+        dataclasses.replace(one, count=number) if share else one  # type: ignore[type-var]
+        for one, share, number in zip(particles, shares, numbers, strict=True)
+    )
+
+
+def _number(species: Shared) -> int:
+    """How many particles of a species there are: its count, or that of its positions."""
+    return species.count or len(species.positions)
+
+
+MANY = 1000
+"""Particles of which the mean volume of a distribution is taken where their number is to follow."""
+
+
+def _faults_of_share(index: int, count: int | None, number: int) -> Complaints:
+    if not 1 <= number <= MOST_PARTICLES:
+        cause = f"makes {number} particles; expected 1 to {MOST_PARTICLES:.0e}"
+        return [(("particles", index, "volume_share"), cause)]
+    if count not in (None, 0, number):
+        cause = f"got {count}, and volume_share makes {number} particles; expected one of the two"
+        return [(("particles", index, "count"), cause)]
+    return []
+
+
+SIZE_COLUMNS = {"radius": "m", "diameter": "m", "weight": "1"}
+"""The columns of a table of sizes, and their SI units."""
+
+
+def follow_sizes(raw: Mapping[str, Any], folder: Folder) -> list[tuple[Path, str]]:
+    """Put the radii and weights of the table that `file` of a histogram names in its place; the faults of the files."""
+    species = raw.get("particles")
+    found: list[tuple[Path, str]] = []
+    for index, one in enumerate(species if isinstance(species, list) else []):
+        radius = one.get("radius") if isinstance(one, dict) else None
+        if isinstance(radius, dict) and "file" in radius:
+            found += followed(("particles", index, "radius", "file"), _histogram, radius, radius.pop("file"), folder)
+    return found
+
+
+def _histogram(radius: dict[str, Any], name: str, folder: Folder) -> None:
+    """The radii and weights of a table. Raises ValueError."""
+    path = beside(folder, name)
+    require_there(path, folder)
+    lines = [line.values for line in lines_of(text_of(path, MOST_BYTES), SIZE_COLUMNS, required=())]
+    if len({"radius", "diameter"} & lines[0].keys()) != 1:
+        raise TableFaults(["line 1: expected either a column radius or a column diameter"])
+    radius["radii"] = [values["radius"] if "radius" in values else 0.5 * values["diameter"] for values in lines]
+    if "weight" in lines[0]:
+        radius["weights"] = [values["weight"] for values in lines]

@@ -147,11 +147,11 @@ def followed(
     return []
 
 
-def lines_of(text: str, known: Mapping[str, str] = COLUMNS) -> list[Line]:
+def lines_of(text: str, known: Mapping[str, str] = COLUMNS, required: Sequence[str] = ("x", "y")) -> list[Line]:
     """The lines of a table, whose columns are among the `known`. Raises TableFaults."""
     cells = _cells(text)
     number, head = next(cells, (1, []))
-    columns = _columns(number, head, known)
+    columns = _columns(number, head, known, required)
     faults: list[str] = []
     lines = [_line(number, row, columns, faults) for number, row in cells]
     if not lines:
@@ -174,7 +174,7 @@ def _cells(text: str) -> Iterator[tuple[int, list[str]]]:
         raise TableFaults([f"line {reader.line_num}: {error}"]) from None
 
 
-def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list[Column]:
+def _columns(number: int, head: Sequence[str], known: Mapping[str, str], required: Sequence[str]) -> list[Column]:
     """The columns of the head. Raises TableFaults."""
     columns, faults = [], []
     for cell in head:
@@ -184,7 +184,7 @@ def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list
             faults.append(f"line {number}, column {echo(cell.strip())}: {fault}")
     names = [column.name for column in columns]
     faults += [f"line {number}: column {name} appears twice" for name in known if names.count(name) > 1]
-    faults += [f"line {number}: no column {name}" for name in ("x", "y") if not faults and name not in names]
+    faults += [f"line {number}: no column {name}" for name in required if not faults and name not in names]
     if faults:
         raise TableFaults(faults)
     return columns

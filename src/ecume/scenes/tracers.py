@@ -29,7 +29,7 @@ from ecume.scenes.quantities import (
     Switch,
     Velocity,
 )
-from ecume.scenes.sizes import SizeSpec, list_faults, sized
+from ecume.scenes.sizes import Share, SizeSpec, list_faults, shared_out, sized
 from ecume.units import ROOM, Acceleration, Unit
 
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
@@ -91,6 +91,9 @@ class ParticleSpec:
     particle its own size."""
     sizes: SizeSpec | None = None
     """The distribution of radii, as a table in `radius` is kept. Effect: gives the particles different sizes."""
+    volume_share: Share | None = None
+    """The part of the volume of all particles that this species is, instead of its count; at least one species
+    has a count. Example: `"30 %"`. Effect: sets the number of particles."""
     density: PositiveDensity
     """The density of each sphere (kg/m^3). Effect: spheres denser than the liquid settle, others rise."""
     positions: tuple[Point, ...] = ()
@@ -123,7 +126,9 @@ class ParticleSpec:
         if len(self.velocities) not in (0, len(self.positions)):
             message = f"got {len(self.velocities)}; there are {len(self.positions)} positions"
             raise Inconsistent([(("velocities",), message)])
-        if not self.count:
+        if self.volume_share is not None and (self.positions or self.radii):
+            raise Inconsistent([(("volume_share",), "got a list, which says how many; expected one of both")])
+        if not self.count and self.volume_share is None:
             object.__setattr__(self, "count", len(self.positions) or len(self.radii) or 1)
         if wrong := list_faults(self, self.count):
             raise Inconsistent(wrong)
@@ -320,7 +325,7 @@ class TracersScene(Common):
     def _consistent(self) -> Self:
         named = tuple(
             dataclasses.replace(species, name=species.name or f"particle-{index}")
-            for index, species in enumerate(self.particles, 1)
+            for index, species in enumerate(shared_out(self.particles, 3), 1)
         )
         object.__setattr__(self, "particles", named)
         complaints = [*_population(self), *_coordinates(self), *_newcomers(self)]

@@ -6,6 +6,7 @@ The last part is the figure of a fit: where objects were and where the simulatio
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -290,6 +291,33 @@ def samples(frames: Frames, scene: Scene) -> Figure:
             _curve(axes, found, name)
         panels[0].set_title(titled(_title(found), scene))
         panels[-1].set(xlabel="time (s)", xlim=span(found.times))
+    return drawn
+
+
+CLASSES = 30
+"""Of sizes, at most."""
+
+
+def sizes(frames: Frames, scene: Scene) -> Figure:
+    """The sizes of the particles at the end: the part of their number and of their volume in each class of radii."""
+    radius = np.asarray(frames[-1].arrays["radius"], float).ravel()
+    scale, spread = scale_for(float(radius.max()), "m"), float(radius.std() / radius.mean())
+    low, high = float(radius.min()), float(radius.max())
+    around = 0.05 * high if high - low < 1e-9 * high else 0.0
+    edges = np.linspace(low - around, high + around, 1 + min(CLASSES, max(5, round(math.sqrt(len(radius))))))
+    rows = [(np.ones(len(radius)), INK, "of the number"), (radius**3, PALETTE[1], "of the volume")]
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel=f"radius ({scale.unit})", title=titled("Sizes", scene))
+        for weights, color, label in rows:
+            part, _ = np.histogram(radius, edges, weights=weights / weights.sum())
+            axes.stairs(100.0 * part, scale.factor * edges, color=color, label=label)
+        axes.axvline(
+            scale.factor * float(radius.mean()), color=MUTED, linewidth=0.8, label=f"mean, spread {spread:.1%}"
+        )
+        axes.set_ylabel("part in each class (%)")
+        axes.set_ylim(bottom=0.0)
+        axes.legend()
     return drawn
 
 

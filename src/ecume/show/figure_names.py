@@ -22,6 +22,7 @@ FIGURE_NAMES = {
         "raft-sizes",
         "topologies",
         "transitions",
+        "sizes",
         "samples",
     ),
     "sph": (
@@ -37,7 +38,7 @@ FIGURE_NAMES = {
         "gauges",
         "samples",
     ),
-    "tracers": ("energies", "displacement", "heights", "profile", "hits", "samples"),
+    "tracers": ("energies", "displacement", "heights", "profile", "hits", "sizes", "samples"),
     "soft": (
         "gaps",
         "forces",
@@ -56,6 +57,7 @@ FIGURE_NAMES = {
         "creep",
         "moduli",
         "packing",
+        "sizes",
         "samples",
     ),
 }

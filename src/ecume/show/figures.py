@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
-from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time, samples
+from ecume.show.curves import Frames, energies, kinetic_energy, number_over_time, samples, sizes
 from ecume.show.figure_names import FIGURE_NAMES, NUMBER
 from ecume.show.floating.figures import FLOATING_FIGURES
 from ecume.show.publishing import Finish, finished
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from ecume.scenes.load import Scene
 
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
-    "floating": {**FLOATING_FIGURES, "samples": samples},
+    "floating": {**FLOATING_FIGURES, "sizes": sizes, "samples": samples},
     "sph": {**SPH_FIGURES, "samples": samples},
-    "tracers": {**TRACER_FIGURES, "samples": samples},
-    "soft": {**SOFT_FIGURES, "samples": samples},
+    "tracers": {**TRACER_FIGURES, "sizes": sizes, "samples": samples},
+    "soft": {**SOFT_FIGURES, "sizes": sizes, "samples": samples},
 }
 """By model, then by the name that `ecume plot --what` takes."""
 

@@ -34,6 +34,15 @@ ROW = {"rows": [{"x": 6e-3, "y": 0.0, "radius": 1e-3, "density": 600.0, "contact
 TURNING_ROW = {"rows": [{"x": 6e-3, "y": 0.0, "radius": 1e-3, "density": 600.0, "contact_angle": 1.2,
                          "shape": {"kind": "ellipsoid", "width": 1.2e-3}}]}  # fmt: skip
 DISH = {"dish": {"radius": 0.01, "contact_angle": 1.0}}
+SHARED = {
+    "particles": [
+        {"positions": None, "volume_share": 0.5},
+        {"radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "count": 3},
+    ],
+    "dish": {"radius": 0.02},
+}
+SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 1e-3, "spread": 0.1}}]}
+HISTOGRAM = {"particles": [{"sizes": {"distribution": "histogram", "radii": [9e-4, 1e-3], "weights": [1.0, 1.0]}}]}
 IMPACT = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [0.0, 0.0]]}]}
 WALL_IMPACT = {"particles": [{"velocity": [20.0, 2.0]}], **DISH}
 MOVED = {"dish": {"radius": 0.01, "contact_angle": 1.0, "motion": {"amplitude": 1e-3, "frequency": 2.0}}}
@@ -96,6 +105,14 @@ EFFECTS = {
     "particles.density": of(500.0),
     "particles.contact_angle": of(1.0),
     "particles.placement": of("lattice", REFUSED, **RING),
+    "particles.radii": of([9e-4, 9.5e-4, 1e-3]),
+    "particles.sizes.distribution": of("uniform", **SIZES),
+    "particles.sizes.mean": of(9.7e-4, **SIZES),
+    "particles.sizes.spread": of(0.04, **SIZES),
+    "particles.sizes.truncate": of(1.0, **SIZES),
+    "particles.sizes.radii": of([9e-4, 9.7e-4], **HISTOGRAM),
+    "particles.sizes.weights": of([1.0, 9.0], **HISTOGRAM),
+    "particles.volume_share": of(0.3, **SHARED),
     "particles.positions": of([[0.0, 0.0], [2.7e-3, 2e-4], [-4e-4, 2.7e-3]]),
     "particles.velocity": of([0.01, 0.0]),
     "particles.velocities": of([[0.0, 0.0], [0.01, 0.0], [0.0, 0.0]]),

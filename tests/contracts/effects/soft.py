@@ -30,6 +30,7 @@ WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}]}
 LOOSE = {"positions": None, "force": None, "count": 4}
 SCATTERED = {"particles": [LOOSE, LOOSE], "cell": {"size": [6.5, 6.5]}, **SHEAR}
 
+SHARED = {"particles": [{**LOOSE, "count": None, "volume_share": 0.5}, LOOSE], "cell": {"size": [6.5, 6.5]}, **SHEAR}
 SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 0.98, "spread": 0.02}}]}
 HISTOGRAM = {"particles": [{"sizes": {"distribution": "histogram", "radii": [0.9, 0.98], "weights": [1.0, 1.0]}}]}
 
@@ -66,6 +67,7 @@ EFFECTS = {
     "particles.sizes.truncate": of(1.0, **SIZES),
     "particles.sizes.radii": of([0.9, 0.97], **HISTOGRAM),
     "particles.sizes.weights": of([1.0, 9.0], **HISTOGRAM),
+    "particles.volume_share": of(0.4, **SHARED),
     "particles.modulus": of(2.0),
     "particles.density": of(1.2, **FALLING),
     "particles.positions": of([[0.0, 1.06], [2.05, 1.07]]),

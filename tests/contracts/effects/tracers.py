@@ -12,6 +12,7 @@ SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 1.9e-4, "spr
 HISTOGRAM = {
     "particles": [{"count": 2, "sizes": {"distribution": "histogram", "radii": [1.8e-4, 2e-4], "weights": [1.0, 1.0]}}]
 }
+SHARED = {"particles": [{"count": None, "volume_share": 0.5}, {"radius": 2e-4, "density": 2500.0, "count": 3}]}
 FAST = {"particles": [{"velocity": [2.0, 0.5]}], "hydrodynamics": {"drag": "none"}}
 OBSTACLE = {"obstacles": [{"low": [0.009, 0.0], "high": [0.011, 0.016]}], **FAST}
 DISC = {"obstacles": [{"center": [0.01, 0.008], "radius": 0.004}], **FAST}
@@ -58,6 +59,7 @@ EFFECTS = {
     "particles.sizes.truncate": of(1.0, **SIZES),
     "particles.sizes.radii": of([0.00018, 0.000194], **HISTOGRAM),
     "particles.sizes.weights": of([1.0, 9.0], **HISTOGRAM),
+    "particles.volume_share": of(0.3, **SHARED),
     "particles.density": of(3000.0),
     "particles.positions": of([[0.005, 0.005], [0.008, 0.006]], **PLACED),
     "particles.low": of([0.01, 0.008], particles=[{"low": [0.005, 0.004], "high": [0.018, 0.014]}]),

@@ -9,6 +9,7 @@ from ecume.models.soft import SOFT
 from ecume.models.soft.report.check_report import (
     doubts,
     forces,
+    largest_deflection,
     pressed_force,
     sheared_force,
     steps_of,
@@ -17,6 +18,7 @@ from ecume.models.soft.report.check_report import (
 )
 from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
+from ecume.validation import rheology
 
 pytestmark = pytest.mark.compiled
 
@@ -161,3 +163,12 @@ def test_a_sine_strains_by_four_amplitudes_a_cycle():
     wave = {"frequency": 0.5, "amplitude": 0.01}
     parameters = SOFT.parameters(packing(protocol=[{"time": 0.0, "oscillation": wave}]))
     assert strain_of(parameters, 4.0) == pytest.approx(2 * 4 * 0.01)
+
+
+@pytest.mark.parametrize(("rate", "measured"), [(0.025, 0.14), (0.25, 0.18), (2.5, 0.27), (25.0, 0.42)])
+def test_deflections_beyond_hertzs_law_are_foreseen(rate, measured):
+    scene = rheology.scene_of(rate, 1)
+    parameters = SOFT.parameters(scene)
+    typical = typical_pair(scene, parameters, SOFT.start(scene, parameters))
+    assert largest_deflection(scene, parameters, typical) == pytest.approx(measured, rel=0.5)
+    assert any("beyond the range of Hertz's law" in row[2] for row in doubts(scene, parameters, typical))

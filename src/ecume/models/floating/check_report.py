@@ -19,11 +19,12 @@ from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of,
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, DRAG_LAWS, Parameters, distinct_rows, part_of
 from ecume.models.floating.setup.hydrodynamic_interaction import HYDRODYNAMICS, hydrodynamics_of, touching_reynolds
 from ecume.models.floating.setup.initial_state import start
-from ecume.models.floating.setup.kinds import FloatKind, float_kinds
+from ecume.models.floating.setup.kinds import FloatKind, float_kinds, given_floats
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
 from ecume.models.liquids import liquid_of
+from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene
 from ecume.units import duration_text, range_with_prefix, size_text, with_prefix
@@ -74,6 +75,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_drag(parameters, scene),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
+        *sizes_rows(parameters.floats.radius),
         *_summary_of_cell(parameters),
         *_summary_of_steps(parameters, scene),
         ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
@@ -211,9 +213,8 @@ def _step_remark(time_step: float, good: float) -> str:
 def _summary_of_species(scene: FloatingScene) -> list[Row]:
     """The lines of each species; the floats of a table may differ from row to row."""
     members: dict[str, dict[FloatKind, int]] = {name: {} for name, _ in scene.kinds}
-    owners = [(species.name, species.count) for species in scene.particles]
-    owners += [(row.species_name, 1) for row in scene.rows]
-    for (name, count), kind in zip(owners, float_kinds(scene), strict=True):
+    for (_, given, count), kind in zip(given_floats(scene), float_kinds(scene), strict=True):
+        name = given.species_name
         members[name][kind] = members[name].get(kind, 0) + count
     return [row for name, found in members.items() for row in _summary_of(name, found, scene)]
 

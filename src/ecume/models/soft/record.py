@@ -107,6 +107,7 @@ def summary(scene: SoftScene) -> list[Row]:
 # --- What soft spheres must not lose: the balance of forces on each, the films between them, and energy
 
 
+DEEP_CONTACT = "the largest of a contact, over the smaller radius, beyond which the contact laws are inaccurate"
 UNBALANCED = 1e-7
 """Of the typical force: steps leave less than a tenth of it, but where deflections are lost in rounding."""
 LOOSE = 5.0
@@ -121,7 +122,7 @@ def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
     return [
         Invariant("gap", "whether any is closed", 0.0, _closed),
         Invariant("force balance", balance, UNBALANCED, _left),
-        Invariant("deflection", "the largest of a contact, over the smaller radius", LARGE, _deflected),
+        Invariant("deflection", DEEP_CONTACT, LARGE, _deflected),
         Invariant(ENERGY, "what its budget misses, over what moved", most_missing(parameters), _missing),
     ]
 

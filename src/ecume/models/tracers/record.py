@@ -14,6 +14,7 @@ from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
+from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
@@ -139,6 +140,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
+        *sizes_rows(parameters.bodies.radius),
         *through_solids(scene, parameters),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),

@@ -48,6 +48,7 @@ from ecume.scenes.quantities import (
     Undulation,
     Velocity,
 )
+from ecume.scenes.sizes import Share, SizeSpec, list_faults, mean_power, shared_out, sized
 from ecume.units import Length
 
 Rise = Annotated[Length, Field(ge=-1e-2, le=1e-2)]
@@ -171,8 +172,17 @@ class FloatSpec:
     """The number of floats; by default one, or the number of positions. Effect: forces cost more time than in
     proportion to it, except with a grid."""
     radius: Radius
-    """The radius of each sphere or disc (m); of other shapes that of the circumscribed circle. Effect: the capillary
-    charge of a small sphere grows as the third power of it, the attraction as the sixth."""
+    """The radius of each sphere or disc (m); of other shapes that of the circumscribed circle. A list has one per
+    float, a table a distribution with the keys `distribution`, `mean` and `spread`. Effect: the capillary charge of a
+    small sphere grows as the third power of it, the attraction as the sixth."""
+    radii: tuple[Radius, ...] = ()
+    """One radius per float (m), as a list in `radius` is kept. Example: `["1 mm", "1.2 mm"]`. Effect: gives each float
+    its own size."""
+    sizes: SizeSpec | None = None
+    """The distribution of radii, as a table in `radius` is kept. Effect: gives the floats different sizes."""
+    volume_share: Share | None = None
+    """The part of the volume of all particles that this species is, instead of its count; at least one species
+    has a count. Example: `"30 %"`. Effect: sets the number of particles."""
     density: PositiveDensity
     """The density of each float (kg/m^3). Effect: light floats raise the surface, heavy ones depress it; equal signs
     attract each other, opposite signs repel. Too dense floats sink and are refused."""
@@ -220,13 +230,23 @@ class FloatSpec:
         """The name of its species, as a row has it."""
         return self.name
 
+    @property
+    def sized(self) -> bool:
+        """Whether its floats have different radii."""
+        return bool(self.radii) or self.sizes is not None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sized(cls, raw: Any) -> Any:
+        return sized(raw)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        complaints = [*_wetting(self), *_layout(self), *_figure(self)]
+        complaints = [*_wetting(self), *_layout(self), *_figure(self), *_sizes(self)]
         if complaints:
             raise Inconsistent(complaints)
-        if not self.count:
-            object.__setattr__(self, "count", len(self.positions) or 1)
+        if not self.count and self.volume_share is None:
+            object.__setattr__(self, "count", len(self.positions) or len(self.radii) or 1)
         return self
 
 
@@ -303,6 +323,18 @@ def _figure(species: FloatSpec | FloatRow) -> Complaints:
         return []
     twice = [(("shape",), "got shape and disc; expected only one of them")] if species.disc is not None else []
     return [*twice, *fitting(species.shape, species.radius)]
+
+
+def _sizes(species: FloatSpec) -> Complaints:
+    """Only round floats have a distribution of sizes or a share of the volume, that of spheres."""
+    found = list_faults(species, species.count or len(species.positions) or len(species.radii))
+    if species.sized and species.shape is not None:
+        found.append((("shape",), "has one size; expected one radius, or rows with a shape each"))
+    if species.volume_share is not None and (species.shape is not None or species.disc is not None):
+        found.append((("volume_share",), "is that of spheres; expected a count"))
+    elif species.volume_share is not None and (species.positions or species.radii):
+        found.append((("volume_share",), "got a list, which says how many; expected one of both"))
+    return found
 
 
 def _layout(species: FloatSpec) -> Complaints:
@@ -410,7 +442,8 @@ class FloatingScene(Common):
         (width, height), asked = self.cell.size, self.cell.area_fraction
         if asked is None:
             return width, height
-        covered = math.pi * sum(one.radius**2 * getattr(one, "count", 1) for one in self.given)
+        covered = math.pi * sum(mean_power(one, 2, one.count) * one.count for one in self.particles)
+        covered += math.pi * sum(row.radius**2 for row in self.rows)
         factor = math.sqrt(covered / asked / (width * height))
         return factor * width, factor * height
 
@@ -428,7 +461,7 @@ class FloatingScene(Common):
     def _consistent(self) -> Self:
         named = tuple(
             dataclasses.replace(species, name=species.name or f"float-{index}")
-            for index, species in enumerate(self.particles, 1)
+            for index, species in enumerate(shared_out(self.particles, 3), 1)
         )
         object.__setattr__(self, "particles", named)
         for part, laws in THEORIES[self.theory].items():

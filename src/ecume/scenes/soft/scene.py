@@ -27,7 +27,7 @@ from ecume.scenes.quantities import (
     Switch,
     downwards,
 )
-from ecume.scenes.sizes import SizeSpec, list_faults, mean_power, sized
+from ecume.scenes.sizes import Share, SizeSpec, list_faults, mean_power, shared_out, sized
 from ecume.scenes.soft.protocol import (
     STRESS,
     StageSpec,
@@ -192,6 +192,9 @@ class SphereSpec:
     count: Count | None = None
     """The number of spheres at random positions in the cell, instead of positions. Effect: run time grows faster
     than in proportion to it."""
+    volume_share: Share | None = None
+    """The part of the volume of all particles that this species is (in 2D of the area), instead of its count; at least
+    one species has a count. Example: `"30 %"`. Effect: sets the number of particles."""
     force: ForceVector | None = None
     """The external force on each sphere (N), at load 1. Effect: moves the spheres; the forces must be balanced."""
     torque: TorqueVector | None = None
@@ -212,10 +215,13 @@ class SphereSpec:
 
     @model_validator(mode="after")
     def _placed(self) -> Self:
-        if bool(self.positions) == (self.count is not None):
+        given = self.count is not None or self.volume_share is not None
+        if bool(self.positions) == given:
             came = "both" if self.positions else "neither"
             raise Inconsistent([((), f"expected either positions or count; got {came}")])
-        if wrong := list_faults(self, self.number):
+        if self.volume_share is not None and self.radii:
+            raise Inconsistent([(("volume_share",), "got a list of radii, which says how many; expected one of both")])
+        if wrong := list_faults(self, self.number or len(self.radii)):
             raise Inconsistent(wrong)
         return self
 
@@ -380,6 +386,7 @@ class SoftScene(Common):
     def _consistent(self) -> Self:
         if self.gravity is not None:
             object.__setattr__(self, "gravity", downwards(self.gravity, dimensions_of(self)))
+        object.__setattr__(self, "particles", shared_out(self.particles, dimensions_of(self)))
         complaints = [
             *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self), *_cutoff(self),
         ]  # fmt: skip

@@ -15,6 +15,7 @@ from ecume.laws import drag, flotation
 from ecume.models.floating.parameters import Floats
 from ecume.models.floating.shaped.shapes import Figure, Given, floating_shape, round_figure
 from ecume.models.liquids import liquid_of
+from ecume.scenes.sizes import radii_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ def float_kinds(scene: FloatingScene) -> list[FloatKind]:
     faults: list[Fault] = []
     found: list[FloatKind] = []
     known: dict[Any, FloatKind | BadInput] = {}
-    for where, given in _given(scene):
+    for where, given, _ in given_floats(scene):
         key = (given.radius, given.density, given.contact_angle, given.surface_energies, given.disc, given.shape)
         if key not in known:
             try:
@@ -154,17 +155,35 @@ def float_kinds(scene: FloatingScene) -> list[FloatKind]:
     return found
 
 
-def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
-    tables = [(f"particles[{k}]", given) for k, given in enumerate(scene.particles)]
-    return [*tables, *((f"rows[{k}]", row) for k, row in enumerate(scene.rows))]
+def given_floats(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow, int]]:
+    """What gives floats, each with its path and the number of its equal floats: tables of species, of which those with
+    several sizes stand once for each float, and rows.
+    """
+    found: list[tuple[str, FloatSpec | FloatRow, int]] = []
+    for place, species in enumerate(scene.particles):
+        path = f"particles[{place}]"
+        if not species.sized:
+            found.append((path, species, species.count))
+            continue
+        radius = radii_of(species, species.count, (scene.seed, place)).tolist()
+        single = {one: _alone(species, one) for one in set(radius)}
+        found += [(path, single[one], 1) for one in radius]
+    return [*found, *((f"rows[{k}]", row, 1) for k, row in enumerate(scene.rows))]
+
+
+def _alone(species: FloatSpec, radius: float) -> FloatSpec:
+    """A species of one float of this radius (m)."""
+    return dataclasses.replace(
+        species, radius=radius, count=1, positions=(), velocities=(), radii=(), sizes=None, volume_share=None
+    )
 
 
 def floats_of(scene: FloatingScene) -> Floats:
     """The properties of all floats: first the tables, then the rows."""
-    kinds = float_kinds(scene)
-    counts = [given.count for _, given in _given(scene)]
+    kinds, entries = float_kinds(scene), given_floats(scene)
+    counts = [count for _, _, count in entries]
     names = [kind.name for kind in scene.kinds]
-    species = [names.index(given.species_name) for _, given in _given(scene)]
+    species = [names.index(given.species_name) for _, given, _ in entries]
 
     def each(of: Callable[[FloatKind], float]) -> Array:
         return np.repeat(np.array([of(kind) for kind in kinds]), counts)
@@ -184,13 +203,16 @@ def floats_of(scene: FloatingScene) -> Floats:
 
 def moments_of(scene: FloatingScene) -> Array:
     """The magnetic moments of all floats (A m^2)."""
-    counts = [given.count for _, given in _given(scene)]
-    return np.repeat(np.array([given.magnetic_moment for _, given in _given(scene)]), counts)
+    entries = given_floats(scene)
+    moments = np.array([given.magnetic_moment for _, given, _ in entries])
+    return np.repeat(moments, [count for _, _, count in entries])
 
 
 def distinct_kinds(scene: FloatingScene) -> tuple[list[FloatKind], Integers]:
     """The distinct kinds of floats, and the number of the kind of each float."""
     found = float_kinds(scene)
-    counts = [given.count for _, given in _given(scene)]
-    kinds = list(dict.fromkeys(found))
-    return kinds, np.repeat(np.array([kinds.index(kind) for kind in found], dtype=np.int64), counts)
+    counts = [count for _, _, count in given_floats(scene)]
+    number: dict[FloatKind, int] = {}
+    for kind in found:
+        number.setdefault(kind, len(number))
+    return list(number), np.repeat(np.array([number[kind] for kind in found], dtype=np.int64), counts)

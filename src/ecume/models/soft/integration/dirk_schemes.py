@@ -84,11 +84,12 @@ class TimeScheme:
     refinement: float
     """the power of one over the tolerance with which they grow"""
     seconds: float
-    """of a step for each film"""
+    """of a step for each film, with the tries that fail: `tr-bdf2` solves 13 systems in a step, `esdirk4` 29, in 25 to
+    65 iterations each"""
 
 
 SCHEMES = {
-    "esdirk4": TimeScheme(esdirk4(), esdirk4, relaxing=31.0, straining=600.0, refinement=0.14, seconds=1.9e-5),
-    "tr-bdf2": TimeScheme(tr_bdf2(), tr_bdf2, relaxing=35.0, straining=1000.0, refinement=0.25, seconds=7.5e-6),
+    "esdirk4": TimeScheme(esdirk4(), esdirk4, relaxing=31.0, straining=1500.0, refinement=0.14, seconds=5.5e-5),
+    "tr-bdf2": TimeScheme(tr_bdf2(), tr_bdf2, relaxing=35.0, straining=3300.0, refinement=0.25, seconds=1.9e-5),
 }
 """Schemes for `integration.integrator`."""

@@ -233,7 +233,8 @@ def largest_line(values: Array) -> float:
     return largest
 
 
-MOST_ITERATIONS = 12
+MOST_ITERATIONS = 24
+"""Where films and surfaces change regime, the first ten to fifteen iterations look for the side of the kink."""
 BALANCE = 1e-9
 """The largest force that may be left on a sphere, over the largest there is, or what may be missing of a stress."""
 CLOSE, LIKELY = 1e-10, 0.1

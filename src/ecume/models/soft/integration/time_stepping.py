@@ -48,7 +48,7 @@ AFTER_JUMP = 1e-6
 """Of the time between frames: the first step after a jump, whose relaxation the steps before say nothing of."""
 PER_AGE = 16.0
 """Times the tolerance, to the power 1/(p + 1): the longest step over the time since a jump. What a jump leaves relaxes
-at all rates, that of the widest films first, whose gaps hardly change, so that their error says nothing of the work.
+at all rates, that of the widest films first, whose gaps change little, so that their error says nothing of the work.
 """
 NARROW = 0.5
 """Of the reach of films: a gap below it that had no film before was come upon in too long a step."""

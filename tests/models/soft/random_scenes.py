@@ -1,0 +1,443 @@
+"""Random scenes of soft spheres, drawn from what users draw: clusters, cells, walls, and every option of each.
+
+`python -m tests.models.soft.random_scenes 0 500` runs those of 500 seeds, and each again with its spheres in another
+order, rotated, and continued from its middle.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+import warnings
+from collections import Counter
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ecume.analysis.rheology import stress_tensor
+from ecume.errors import Diverged, EcumeError, SceneError
+from ecume.models.soft import SOFT
+from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.soft import SIDES, dimensions_of, sides_of
+from ecume.simulation import moments
+
+MOST_STEPS = 1500
+"""A run that takes more is given up: "slow"."""
+ROUNDED = 1e-10
+"""Of modulus times radius squared: smaller forces are rounding of positions, and so are their energies."""
+
+
+def draw(dice):
+    """The tables of a scene."""
+    radius, modulus, viscosity = (float(10.0 ** dice.uniform(*powers)) for powers in ((-6, -2), (3, 6), (-3, 1)))
+    dimensions = int(dice.choice([2, 2, 3]))
+    place = str(dice.choice(["cluster", "cell", "cell", "cell", "walls"]))
+    plain = {
+        "model": "soft", "seed": int(dice.integers(1000)), "liquid": {"viscosity": viscosity},
+        "rotation": bool(dice.random() < 0.6), "films": films(dice, radius, modulus, viscosity),
+        "hydrodynamics": {"drag": str(dice.choice(["none", "stokes"]))},
+        "integration": integration(dice),
+    }  # fmt: skip
+    plain["particles"] = spheres(dice, radius, modulus)
+    plain["long_range_forces"] = long_range(dice, radius, modulus)
+    if plain["films"]["surface"] == "bubble" or dice.random() < 0.1:
+        plain["liquid"]["surface_tension"] = modulus * radius
+    rate = modulus / viscosity * float(10.0 ** dice.uniform(-6, -3))
+    strain = float(dice.choice([0.01, 0.03, 0.1]))
+    plain["duration"] = strain / rate
+    plain["frame_every"] = plain["duration"] / 4.0
+    {"cluster": cluster, "cell": cell, "walls": walls}[place](
+        dice, plain, (radius, modulus, dimensions), (rate, strain)
+    )
+    return plain
+
+
+def films(dice, radius, modulus, viscosity):
+    """The contact laws."""
+    found = {
+        "surface": str(dice.choice(["hertz", "hertz", "hertz", "bubble"])),
+        "interface": str(
+            dice.choice(["rigid", "rigid", "rigid", "half-mobile", "mobile", "drop", "elastohydrodynamic"])
+        ),
+        "prefactors": str(dice.choice(["paper", "physical"])),
+        "tangential_law": str(dice.choice(["potential", "potential", "secant"])),
+    }
+    found |= {"output": "vectors"}
+    if dice.random() < 0.3:
+        found["friction"] = str(dice.choice(["coulomb", "critical-load"]))
+        found |= {"roughness": radius * float(dice.choice([0.01, 0.05])), "friction_coefficient": 0.3}
+        found["critical_load"] = 1e-5 * modulus * radius**2
+    if dice.random() < 0.3:
+        found["tension_law"] = str(dice.choice(["gap", "symmetric", "cavitation"]))
+        found["cavitation_pressure"] = 0.05 * modulus
+    if dice.random() < 0.2:
+        found["cutoff"] = radius * float(dice.uniform(0.2, 0.8))
+    return found
+
+
+def integration(dice):
+    """The scheme, its tolerance and the solver."""
+    return {
+        "integrator": str(dice.choice(["esdirk4", "tr-bdf2"])),
+        "tolerance": float(dice.choice([1e-3, 1e-4, 1e-6])),
+        "solver": str(dice.choice(["auto", "auto", "dense", "direct", "iterative"])),
+    }
+
+
+def long_range(dice, radius, modulus):
+    """The force across the films."""
+    law, strength = str(dice.choice(["none", "none", "steric", "dlvo"])), modulus * radius**2
+    if law == "steric":
+        part = float(10.0 ** dice.uniform(-5, -3))
+        return {"law": law, "steric_strength": part * strength, "steric_length": 0.01 * radius}
+    if law == "dlvo":
+        length = 0.01 * radius
+        return {
+            "law": law, "hamaker_constant": 1e-7 * strength * length, "double_layer_strength": 1e-4 * strength,
+            "debye_length": length, "smallest_separation": 0.01 * length,
+        }  # fmt: skip
+    return {"law": law}
+
+
+def spheres(dice, radius, modulus):
+    """One or two species, equal or with a distribution of sizes."""
+    found = []
+    for number in range(int(dice.choice([1, 2, 2]))):
+        own = radius * (1.0 if number == 0 else float(dice.uniform(0.6, 1.0)))
+        one = {"radius": own, "modulus": modulus * float(dice.choice([1.0, 3.0])), "count": int(dice.integers(1, 5))}
+        if dice.random() < 0.2:
+            kind = str(dice.choice(["normal", "lognormal", "uniform"]))
+            one["radius"] = {"distribution": kind, "mean": own, "spread": float(dice.uniform(0.05, 0.3))}
+        found.append(one)
+    found[0]["count"] += 2
+    return found
+
+
+def cluster(dice, plain, sizes, course):
+    """A few spheres side by side, which forces or torques move; or which settle on a wall."""
+    radius, modulus, dimensions = sizes
+    count, gap = 2 + int(dice.integers(4)), radius * float(10.0 ** dice.uniform(-3, -0.7))
+    step = 2.0 * radius + gap
+    lattice = np.array([(i + 0.5 * (j % 2), 0.87 * j, 0.0) for j in range(3) for i in range(3)])
+    places = step * (lattice[dice.permutation(9)[:count]])[:, :dimensions]
+    places[:, 1] += radius + gap
+    force = dice.normal(size=(count, dimensions)) * modulus * radius**2 * float(10.0 ** dice.uniform(-6, -3))
+    settles = dice.random() < 0.3
+    if plain["hydrodynamics"]["drag"] == "none" and not settles:
+        force -= force.mean(axis=0)
+        arm = places - places.mean(axis=0)
+        if plain["rotation"] and dimensions == 2:
+            moment = float((arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
+            size = float((arm**2).sum())
+            force -= moment / size * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        elif plain["rotation"]:
+            force = arm * (force[0, 0] / radius)
+            force -= force.mean(axis=0)
+    if settles:
+        plain["walls"] = [{"side": "bottom", "position": 0.0}]
+        if dice.random() < 0.5:
+            plain["gravity"] = 9.81
+            plain["liquid"]["density"] = 1000.0
+            force *= 0.0
+        else:
+            force[:, 1] = -np.abs(force[:, 1])
+    plain["particles"] = [
+        {"radius": radius * (1.0 if dice.random() < 0.7 else float(dice.uniform(0.7, 1.0))), "modulus": modulus,
+         "density": min(1000.0 + 1e-3 * modulus / 9.81 / radius, 9e4), "positions": [place.tolist()],
+         "force": pull.tolist()}
+        for place, pull in zip(places, force, strict=True)
+    ]  # fmt: skip
+    if "gravity" not in plain:
+        for one in plain["particles"]:
+            del one["density"]
+    if plain["rotation"] and dice.random() < 0.4 and plain["hydrodynamics"]["drag"] == "stokes":
+        plain["particles"][0]["torque"] = [1e-6 * modulus * radius**3] * (1 if dimensions == 2 else 3)
+    if dice.random() < 0.3:
+        plain["protocol"] = [{"time": 0.0, "load": 0.0}, {"time": 0.3 * plain["duration"], "load": 1.0}]
+
+
+def cell(dice, plain, sizes, course):
+    """A periodic cell that is sheared and sized, by values or by stresses."""
+    radius, modulus, dimensions = sizes
+    rate, strain = course
+    filled = float(dice.choice([0.5, 0.65, 0.75, 0.8])) * (1.0 if dimensions == 2 else 0.7)
+    plain["cell"] = {"size": [1.0, float(dice.choice([1.0, 0.8])), 1.0][:dimensions], "volume_fraction": filled}
+    stress = modulus * float(10.0 ** dice.uniform(-5, -2.5)) * (radius if dimensions == 2 else 1.0)
+    first, last = {"time": 0.0}, {"time": plain["duration"]}
+    shear = str(dice.choice(["none", "strain", "shear_rate", "shear_stress", "oscillation", "jump", "rate_steps"]))
+    if shear == "strain":
+        last["strain"] = strain
+    elif shear == "shear_rate":
+        first["shear_rate"] = rate * float(dice.choice([1.0, -1.0]))
+    elif shear == "shear_stress":
+        first["shear_stress"] = 0.3 * stress
+    elif shear == "oscillation":
+        first["oscillation"] = {"frequency": 2.0 / plain["duration"], "amplitude": 0.1 * strain}
+    elif shear == "rate_steps":
+        first["rate_steps"] = {"rates": [rate, 3.0 * rate], "strain": 0.5 * strain}
+    size = str(dice.choice(["none", "scale", "height_rate", "normal_stress", "pressure"]))
+    if size == "scale":
+        last["scale"] = 1.0 - 0.2 * strain
+    elif size == "height_rate":
+        first["height_rate"] = -0.2 * rate
+    elif size != "none":
+        first[size] = stress
+    plain["protocol"] = [first]
+    if last.keys() - {"time"}:
+        plain["protocol"].append(last)
+    if shear == "jump":
+        middle = 0.4 * plain["duration"]
+        plain["protocol"] = [first, {"time": middle}, {"time": middle, "strain": 0.1 * strain}]
+    if plain["hydrodynamics"]["drag"] == "stokes" and dice.random() < 0.2:
+        plain["gravity"] = 9.81
+        plain["liquid"]["density"] = 1000.0
+        for one in plain["particles"]:
+            one["density"] = min(1000.0 + 1e-4 * modulus / 9.81 / radius, 9e4)
+
+
+def walls(dice, plain, sizes, course):
+    """A cell between a bottom and a top that moves or yields."""
+    radius, modulus, dimensions = sizes
+    rate, _ = course
+    cell(dice, plain, sizes, course)
+    plain["protocol"] = []
+    stress = modulus * float(10.0 ** dice.uniform(-5, -3)) * (radius if dimensions == 2 else 1.0)
+    bottom, top = {"side": "bottom"}, {"side": "top"}
+    drive = str(dice.choice(["glide", "press", "pull", "still"]))
+    if drive == "glide":
+        top["velocity"] = [rate * 6.0 * radius, 0.0, 0.0][:dimensions]
+    if drive in ("press", "pull"):
+        top["pressure"] = stress
+    if drive == "pull":
+        top["shear_stress"] = 0.3 * stress
+    if dice.random() < 0.3:
+        bottom["modulus"] = modulus
+    plain["walls"] = [bottom, top]
+
+
+def explicit(scene):
+    """The same scene with all places and radii given. Raises SceneError."""
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    plain, first = to_plain(scene), 0
+    from ecume.models.soft.setup import places
+
+    position = places(scene, parameters)
+    for one in plain["particles"]:
+        count = one.pop("count", None) or len(one["positions"])
+        for key in ("sizes", "radii"):
+            one.pop(key, None)
+        last = first + count
+        one["radius"], one["positions"] = parameters.radius[first:last].tolist(), position[first:last].tolist()
+        first = last
+    if scene.cell is not None:
+        plain["cell"] = {"size": list(sides_of(scene))}
+    del state
+    return plain
+
+
+def reordered(plain, dice):
+    """The spheres of each species, and the species, in another order; and the order."""
+    counts = [len(one["positions"]) for one in plain["particles"]]
+    ends = np.cumsum([0, *counts])
+    kinds = dice.permutation(len(counts))
+    order, particles = [], []
+    for kind in kinds:
+        one, mixed = plain["particles"][kind], dice.permutation(counts[kind])
+        particles.append(
+            one | {"positions": [one["positions"][k] for k in mixed], "radius": [one["radius"][k] for k in mixed]}
+        )
+        order += [int(ends[kind] + k) for k in mixed]
+    return plain | {"particles": particles}, np.array(order)
+
+
+OPPOSITE = {"left": "right", "right": "left", "bottom": "top", "top": "bottom", "front": "front", "back": "back"}
+
+
+def turned(plain, dice, dimensions):
+    """The scene rotated: by any angle without a cell and walls, else by half a turn about z; and the matrix."""
+    free = not (plain.get("cell") or plain.get("walls") or plain.get("gravity"))
+    turn = Rotation.random(random_state=int(dice.integers(2**31))) if free else Rotation.from_euler("z", math.pi)
+    if dimensions == 2 and free:
+        turn = Rotation.from_euler("z", float(dice.uniform(0.3, 3.0)))
+    matrix = turn.as_matrix()[:dimensions, :dimensions]
+    if not free:
+        matrix = np.round(matrix)
+    shift = np.zeros(dimensions)
+    if plain.get("cell"):
+        shift[:2] = plain["cell"]["size"][:2]
+    found = dict(plain)
+    found["particles"] = [_turned_species(one, turn, matrix, shift) for one in plain["particles"]]
+    if plain.get("gravity"):
+        found["gravity"] = (matrix @ np.array(plain["gravity"])).tolist()
+    if plain.get("walls"):
+        found["walls"] = [_turned_wall(wall, matrix, shift) for wall in plain["walls"]]
+    return found, matrix
+
+
+def _turned_species(one, turn, matrix, shift):
+    new = dict(one)
+    new["positions"] = [(matrix @ np.array(place) + shift).tolist() for place in one["positions"]]
+    if one.get("force") is not None:
+        new["force"] = (matrix @ np.array(one["force"])).tolist()
+    if one.get("torque") is not None and len(one["torque"]) == 3:
+        new["torque"] = turn.apply(one["torque"]).tolist()
+    return new
+
+
+def _turned_wall(wall, matrix, shift):
+    new = dict(wall, side=OPPOSITE[wall["side"]])
+    axis = SIDES[wall["side"]][0]
+    if wall.get("position") is not None:
+        new["position"] = float(matrix[axis, axis] * wall["position"] + shift[axis])
+    if wall.get("velocity") is not None:
+        new["velocity"] = (matrix @ np.array(wall["velocity"])).tolist()
+    if wall.get("shear_stress") is not None:
+        new["shear_stress"] = -wall["shear_stress"]
+    return new
+
+
+class Slow(Exception):
+    """More steps than a test may take."""
+
+
+def copied(state):
+    """A state that nothing moves on."""
+    return state._replace(**{name: value.copy() for name, value in state._asdict().items() if hasattr(value, "copy")})
+
+
+def run(scene, state=None, keep=()):
+    """The frames of a scene, and copies of the state at the given frames."""
+    frames, states = [], {}
+    for moment in moments(scene, state=state):
+        if moment.frame is not None:
+            if len(frames) in keep:
+                states[len(frames)] = copied(moment.state)
+            frames.append(moment.frame)
+        if moment.taken > MOST_STEPS:
+            raise Slow
+    return frames, states
+
+
+def faults(scene, frames):
+    """What a run does not keep: the balance of forces, imposed stresses, symmetry, and the energy budget."""
+    found, tolerance = {}, scene.integration.tolerance
+    first, last = frames[0].numbers, frames[-1].numbers
+    worst = max(frame.numbers["imbalance"] for frame in frames)
+    if not worst < 1e-6:
+        found["balance"] = worst
+    if not all(np.isfinite(value).all() for frame in frames for value in (frame.arrays["position"],)):
+        found["finite"] = math.nan
+    if scene.cell is not None and scene.protocol:
+        stage = scene.protocol[0]
+        for name in ("shear_stress", "normal_stress", "pressure"):
+            wanted = getattr(stage, name)
+            if wanted is not None:
+                missing = max(abs(frame.numbers[name] / wanted - 1.0) for frame in frames)
+                if not missing < 1e-6:
+                    found[name] = missing
+    if scene.cell is not None and not scene.walls and scene.rotation and scene.hydrodynamics.drag == "none":
+        for frame in frames:
+            tensor = stress_tensor(frame)
+            lean = float(np.abs(tensor - tensor.T).max() / max(np.abs(tensor).max(), rounding_of(scene)["pressure"]))
+            if lean > 1e-6:
+                found["symmetry"] = lean
+    spent = last["dissipated_work"] + last.get("size_work", 0.0) + last["total_energy"] - first["total_energy"]
+    scale = abs(last["dissipated_work"]) + abs(last["total_energy"]) + abs(first["total_energy"])
+    missing = abs(last["injected_work"] - spent) / max(scale, rounding_of(scene)["total_energy"])
+    if not missing < 20.0 * max(tolerance, 1e-4):
+        found["power"] = missing
+    return found
+
+
+SHARED = ("dissipated_work", "total_energy", "smallest_gap", "largest_compression", "shear_stress", "pressure")
+"""Numbers of a frame that depend neither on the order of spheres nor on the direction of the axes."""
+
+
+def rounding_of(scene):
+    """What rounding of positions leaves in each number."""
+    radius = max(one.radius for one in scene.particles)
+    force = ROUNDED * max(one.modulus for one in scene.particles) * radius**2
+    stress = force / radius ** (dimensions_of(scene) - 1)
+    return {
+        "dissipated_work": force * radius, "total_energy": force * radius, "smallest_gap": 1e-12 * radius,
+        "largest_compression": force, "shear_stress": stress, "pressure": stress,
+    }  # fmt: skip
+
+
+def unlike(scene, ours, theirs, matrix=None, order=None):
+    """The largest relative difference of two runs: of their numbers in all frames and, without a cell, of displacements
+    over the radius.
+    """
+    found, rounding = 0.0, rounding_of(scene)
+    for name in SHARED:
+        one, two = (np.array([frame.numbers.get(name, 0.0) for frame in frames]) for frames in (ours, theirs))
+        found = max(found, float(np.abs(one - two).max() / max(np.abs(one).max(), rounding[name])))
+    if scene.cell is not None:
+        return found
+    start, end = (frame.arrays["position"] for frame in (ours[0], ours[-1]))
+    moved, others = end - start, theirs[-1].arrays["position"] - theirs[0].arrays["position"]
+    moved = moved if order is None else moved[order]
+    moved = moved if matrix is None else moved @ matrix.T
+    if scene.hydrodynamics.drag == "none" and not scene.walls:
+        moved, others = moved - moved.mean(axis=0), others - others.mean(axis=0)
+    return max(found, float(np.abs(moved - others).max()) / max(one.radius for one in scene.particles))
+
+
+def outcome(seed):
+    """How the run of a random scene ends, and what it does not keep: a word, and a table."""
+    dice = np.random.default_rng(seed)
+    plain = draw(dice)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            plain = explicit(from_plain(plain))
+            scene = from_plain(plain)
+        except SceneError as error:
+            return "refused", {"reason": str(error)}
+        try:
+            frames, states = run(scene, keep=(2,))
+        except Slow:
+            return "slow", {}
+        except (Diverged, EcumeError) as error:
+            return "ended", {"reason": str(error)}
+        found = faults(scene, frames)
+        dimensions = dimensions_of(scene)
+        for name, change in (("order", reordered), ("rotation", turned)):
+            changed, how = change(plain, dice) if name == "order" else change(plain, dice, dimensions)
+            try:
+                again = run(from_plain(changed))[0]
+            except (Slow, EcumeError) as error:
+                found[name] = str(error) or "slow"
+                continue
+            more = {"order": how} if name == "order" else {"matrix": how}
+            difference = unlike(scene, frames, again, **more)
+            # Steps judge the components of directions, and rounding decides which fail: both within the tolerance.
+            if not difference < 30.0 * scene.integration.tolerance:
+                found[name] = difference
+        if states:
+            resumed = run(scene, state=states[2])[0]
+            same = all(np.array_equal(resumed[-1].arrays[key], frames[-1].arrays[key], equal_nan=True)
+                       for key in frames[-1].arrays)  # fmt: skip
+            if not same or resumed[-1].numbers != frames[-1].numbers:
+                found["restart"] = 1.0
+    return "done", found
+
+
+def main(first, last):
+    """Print how many scenes of a range of seeds ran, and what those did not keep."""
+    counts = Counter()
+    for seed in range(first, last):
+        began = time.perf_counter()
+        word, found = outcome(seed)
+        counts[word] += 1
+        for name in found:
+            counts[f"{word}: {name}"] += 1
+        if word != "done" or found:
+            print(seed, word, found, round(time.perf_counter() - began, 1), flush=True)
+    print(dict(counts), flush=True)
+
+
+if __name__ == "__main__":
+    main(*(int(word) for word in sys.argv[1:3]))
