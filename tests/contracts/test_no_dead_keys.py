@@ -226,7 +226,7 @@ OF_TABLES = "particles.", "rows.", "fluid."
 ELSEWHERE = {
     "count": ("contacts.", "hydrodynamics.lubrication."),  # floats at random do not meet in so short a run
     # It draws the places; and walls that no tracer meets in so short a run.
-    "placed": ("seed", "tank.low", "tank.high", "tank.radius", "tank.vertices"),
+    "placed": ("seed", "cell.minimum_gap", "tank.low", "tank.high", "tank.radius", "tank.vertices"),
     # They place the particles, or give them densities.
     "particles": ("seed", "spacing", "method.jitter", "method.packing", "method.initial_pressure"),
 }

@@ -1,11 +1,13 @@
-"""Brownian floats at contact and at walls: distances as in equilibrium, where each allowed place is equally likely."""
+"""Brownian floats at contact and at walls: distances as in equilibrium, where each allowed place is equally likely, or
+as likely as its energy says.
+"""
 
 import numpy as np
 import pytest
 
 import ecume
 from ecume.scenes.load import load_scene
-from tests.oracles.hard_discs import gap_counts, monte_carlo
+from tests.oracles.hard_discs import gap_counts, lattice, monte_carlo
 
 RADIUS, SIDE = 1e-6, 6.0
 DISCS = """\
@@ -65,3 +67,24 @@ def test_gaps_of_two_discs_are_those_of_equilibrium_from_contact_on():
     # Places are forgotten within two seconds: some 450 independent ones.
     assert counts == pytest.approx(shares_in_a_cell(edges), rel=0.15)
     assert np.mean(gap < 1e-3) < 3.0 * np.pi * 4e-3 / (SIDE**2 - 4.0 * np.pi)
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+def test_a_hundred_discs_have_the_pair_distribution_and_the_pressure_of_monte_carlo():
+    side, edges = np.sqrt(100 * np.pi / 0.3), np.array([0.0, 0.01, 0.03, 0.05, 0.1, 0.2])
+    places = ((lattice(100, side) - side / 2.0) * RADIUS).tolist()
+    cell = f"[cell]\nsize = [{side * RADIUS}, {side * RADIUS}]"
+    text = DISCS.format(around=cell, duration=600.0, every=0.1, places=places)
+    frames = [frame.arrays["position"] / RADIUS for frame in ecume.simulate(load_scene(text))]
+    found = gap_counts(np.array(frames[20:]), side, edges)
+    # Two thousand configurations of Monte Carlo are within 2 %.
+    assert found == pytest.approx(gap_counts(monte_carlo(100, side, 12_000, 1), side, edges), rel=0.06)
+    # The pressure over that of an ideal gas is 1 + 2 eta g at contact: (1 - 7 eta/16)/(1 - eta)^2 by Henderson.
+    contact = (found / ideal_counts(100, side, edges))[:3].mean()
+    assert contact == pytest.approx((1.0 - 7.0 * 0.3 / 16.0) / 0.7**2, rel=0.03)
+
+
+def ideal_counts(count, side, edges):
+    """The number of pairs in each bin of gaps if they were placed independently."""
+    return count * (count - 1) / 2.0 * np.pi * np.diff((2.0 + edges) ** 2) / side**2

@@ -112,7 +112,7 @@ def collide_on_paths(
             for place in range(2 if contacts.second[row] < count else 1):
                 paths.lasting[changed[place]] = 1
         else:
-            force = reflect_pair(parameters, state, contacts, paths, (row, meetings, when), (motion[1], share, push))
+            force = reflect_pair(parameters, state, contacts, paths, (row, when), (motion[1], share, push))
             if len(flow.radius) > 0:
                 carry(flow, state.position, contacts, paths, row, when, force, changed[2:changes])
         for number in range(changes):
@@ -283,13 +283,13 @@ def reflect_pair(
     state: State,
     contacts: Contacts,
     paths: Paths,
-    event: tuple[int, int, float],
+    event: tuple[int, float],
     given: tuple[Array, Array, Array],
 ) -> tuple[float, float]:
-    """Reflect the velocities of two bodies, whose `event` is a contact, its number in the step, and the time. Returns
+    """Reflect the velocities of two bodies, whose `event` is a contact and the time. Returns
     the force on the second one until the end of the step (N).
     """
-    (row, meetings, when), (driven, share, push), radius = event, given, parameters.floats.radius
+    (row, when), (driven, share, push), radius = event, given, parameters.floats.radius
     i, j, time, thermal = contacts.first[row], contacts.second[row], parameters.time_step, parameters.drift.thermal
     advance_path(paths, i, when)
     velocity, left, count = paths.velocity, time - when, len(radius)
@@ -306,7 +306,7 @@ def reflect_pair(
         x, y = -in_x, -in_y
         speed, forced = -x * velocity[i, 0] - y * velocity[i, 1], -x * driven[i, 0] - y * driven[i, 1]
     mobility = share[row, 0] + share[row, 1]
-    draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), meetings), parameters.drift.seed)[0]
+    draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), 1), parameters.drift.seed)[0]
     variance = 2.0 * thermal * mobility * time
     end = reflected_gap(-speed * left, (forced - speed) * time, forced * time, variance, draw)
     force = (end / left - speed) / mobility
