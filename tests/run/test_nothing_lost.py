@@ -115,6 +115,12 @@ def test_each_damage_is_named_and_computed_again_or_refused(made: RunDirectory, 
             assert not [fault for fault in again if not any(one in fault for one in NO_NUMBERS)], what
 
 
+def test_damages_reach_each_file_that_a_run_can_have(made: RunDirectory) -> None:
+    """A new kind of file is protected, or it fails here."""
+    there = {path.name for path in made.path.iterdir()} | {"DONE.json", "FAILED.json", "scene.toml"}
+    assert {part.name for part in (*made.parts(), made.lock)} == there
+
+
 def test_each_file_that_is_removed_is_named(made: RunDirectory, tmp_path: Path) -> None:
     """But for the lock and what was exported, which a run can do without."""
     for path in files_of(made.path):

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from tests.sweep.four_bowls import ALONE
+from tests.sweep.four_bowls import ALONE, BOWLS
 
 from ecume.cli.output import counted
 from ecume.errors import BadInput, EcumeError, StorageError
@@ -133,28 +133,75 @@ def test_a_number_is_measured_again_where_what_its_function_uses_has_changed(fil
     assert [row["unknown"] for row in first + second] == list(range(8))
 
 
-def changed(path, place):
-    content = bytearray(path.read_bytes())
-    content[place] = ord("7") if content[place] != ord("7") else ord("3")
-    path.write_bytes(content)
+def damaged(content, chosen):
+    """With another digit, another bit, or without its end."""
+    changed, way = bytearray(content), chosen.random()
+    digits = [place for place, one in enumerate(content) if chr(one).isdigit()]
+    if way < 0.6 and digits:
+        place = chosen.choice(digits)
+        changed[place] = chosen.choice([one for one in b"0123456789" if one != content[place]])
+    elif way < 0.8:
+        changed[chosen.randrange(len(content))] ^= 1 << chosen.randrange(8)
+    else:
+        del changed[chosen.randrange(len(content)) :]
+    return bytes(changed)
 
 
-def test_each_changed_digit_beside_the_runs_is_named_or_made_again(file, tmp_path):
-    """And each file of another point."""
+DAMAGES = 25
+"""By default; `ECUME_DAMAGES=1000` tries as many."""
+
+
+def test_each_damage_to_a_file_of_a_sweep_is_named_or_made_again(file, tmp_path):
+    """Four in five to files beside the runs; no table has another number, before or after the sweep is issued again."""
     sweep(file, tmp_path / "out", ALONE)
     truth, chosen = open_sweep(tmp_path / "out").table(), random.Random(1)
-    beside = [path for path in (tmp_path / "out").rglob("*") if path.is_file() and "run" not in path.parts]
+    table = (tmp_path / "out" / "table.csv").read_bytes()
+    files = sorted(path for path in (tmp_path / "out").rglob("*") if path.is_file() and path.stat().st_size)
+    beside = [path for path in files if "run" not in path.parts]
     names = {path.name for path in beside}
     assert names == {"points.json", "sweep.toml", "point.json", "measures.json", "table.csv"}
-    for path in beside * int(os.environ.get("ECUME_DAMAGES", 1)):
-        before = path.read_bytes()
-        digits = [place for place, one in enumerate(before) if chr(one).isdigit()]
-        changed(path, chosen.choice(digits))
-        for again in (lambda: None, lambda: sweep(file, tmp_path / "out", ALONE)):
-            with contextlib.suppress(EcumeError):
-                again()
-                assert open_sweep(tmp_path / "out").table() == truth, path
-        path.write_bytes(before)
+    for number in range(int(os.environ.get("ECUME_DAMAGES", DAMAGES))):
+        home = tmp_path / f"copy{number}"
+        shutil.copytree(tmp_path / "out", home)
+        path = home / chosen.choice(beside if number % 5 else files).relative_to(tmp_path / "out")
+        path.write_bytes(damaged(path.read_bytes(), chosen))
+        with contextlib.suppress(EcumeError):
+            assert open_sweep(home).table() == truth, path
+        with contextlib.suppress(EcumeError):
+            sweep(file, home, ALONE)
+            assert open_sweep(home).table() == truth, path
+            assert (home / "table.csv").read_bytes() == table, path
+        shutil.rmtree(home)
+
+
+def test_each_file_of_another_sweep_is_named_or_made_again(file, tmp_path):
+    """Of a sweep of the same points with another duration."""
+    sweep(file, tmp_path / "out", ALONE)
+    truth = open_sweep(tmp_path / "out").table()
+    file.write_text(file.read_text().replace('"0.2 s"', '"0.3 s"'))
+    sweep(file, tmp_path / "other", ALONE)
+    here, there = (sorted((tmp_path / name / "points").iterdir()) for name in ("out", "other"))
+    for name in ("points.json", "sweep.toml"):
+        before = (tmp_path / "out" / name).read_bytes()
+        shutil.copy(tmp_path / "other" / name, tmp_path / "out" / name)
+        with contextlib.suppress(EcumeError):
+            states = open_sweep(tmp_path / "out").states()
+            assert states == ["missing"] * 4 or open_sweep(tmp_path / "out").table() == truth, name
+        (tmp_path / "out" / name).write_bytes(before)
+    for name in ("measures.json", "run"):
+        shutil.move(here[0] / name, tmp_path / name)
+        (shutil.copytree if name == "run" else shutil.copy)(there[0] / name, here[0] / name)
+        (here[0] / "measures.json").unlink(missing_ok=name == "run")
+        with contextlib.suppress(EcumeError):
+            assert name == "measures.json"
+            assert open_sweep(tmp_path / "out").table() == truth
+        shutil.rmtree(here[0] / name, ignore_errors=True)
+        shutil.move(tmp_path / name, here[0] / name)
+
+
+def test_each_file_of_another_point_is_named(file, tmp_path):
+    sweep(file, tmp_path / "out", ALONE)
+    truth = open_sweep(tmp_path / "out").table()
     points = sorted((tmp_path / "out" / "points").iterdir())
     for name in ("measures.json", "run"):
         here, there = points[0] / name, points[1] / name
@@ -189,6 +236,30 @@ def test_files_that_no_sweep_wrote_are_not_replaced(file, tmp_path):
     with pytest.raises(BadInput, match="was not written by a sweep"):
         sweep(file, tmp_path / "out", ALONE)
     assert (tmp_path / "out" / "points.json").read_text() == "[]"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "--output=/home/someone/.bashrc",
+        "--wrap='touch X'",
+        "--prolog=x",
+        "-o x",
+        "--account=me --output=x",
+        "--error=x",
+    ],
+)
+def test_a_sweep_asks_a_cluster_for_resources_only(file, tmp_path, line):
+    """It may be anyone's: no line of it names a file or a program."""
+    for given in (f'lines = ["{line}"]', 'partition = "p --output=x"'):
+        file.write_text(f"{BOWLS}\n[cluster]\n{given}\n")
+        with pytest.raises(BadInput, match=r"cluster\..*expected"):
+            load_sweep(file)
+
+
+def test_a_sweep_may_ask_a_cluster_for_an_account(file, tmp_path):
+    file.write_text(f'{BOWLS}\n[cluster]\npartition = "long-1"\nlines = ["--account=me", "--gres=gpu:a100:1"]\n')
+    assert load_sweep(file).cluster.lines == ("--account=me", "--gres=gpu:a100:1")
 
 
 def test_a_folder_with_a_line_break_gives_no_job_script(file, tmp_path):

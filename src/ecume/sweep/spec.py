@@ -238,11 +238,31 @@ class Sampling:
     axes: Annotated[tuple[SampledAxis, ...], Field(min_length=1)]
 
 
+REQUESTS = (
+    "account|begin|clusters|comment|constraint|core-spec|cores-per-socket|cpu-freq|cpus-per-gpu|deadline|dependency|"
+    "exclude|exclusive|gpu-bind|gpu-freq|gpus|gpus-per-node|gpus-per-socket|gpus-per-task|gres|gres-flags|hint|job-name|"
+    "licenses|mail-type|mail-user|mem-per-cpu|mem-per-gpu|mincpus|nice|nodelist|nodes|ntasks|ntasks-per-node|"
+    "oversubscribe|priority|qos|reservation|sockets-per-node|spread-job|switches|threads-per-core|time-min|tmp|wckey"
+)
+"""Options of sbatch that ask for resources. A sweep may come from anyone: options that name files and programs, such as
+`--output` and `--prolog`, are left to the command line of sbatch.
+"""
+Request = Annotated[
+    Text,
+    AfterValidator(
+        like(
+            rf"--({REQUESTS})(=[\w.,:@/*+&|!()\[\]-]+)?",
+            'an option of sbatch for resources, such as "--account=me"; others can be given to sbatch itself',
+        )
+    ),
+]
+
+
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Cluster:
     """The resources of a job on a cluster, for `--slurm` and `--array`."""
 
-    partition: Text = ""
+    partition: Annotated[Text, AfterValidator(like(r"[\w.,:-]*", "the name of a partition"))] = ""
     walltime: Annotated[
         str, AfterValidator(like(r"[0-9]{1,4}:[0-5][0-9]:[0-5][0-9]", 'hours:minutes:seconds, such as "01:30:00"'))
     ] = "01:00:00"
@@ -251,8 +271,8 @@ class Cluster:
     """of each job"""
     jobs: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 4
     """at once, at most; one core each"""
-    lines: tuple[Text, ...] = ()
-    """further `#SBATCH` options, such as `--account=me`"""
+    lines: tuple[Request, ...] = ()
+    """further `#SBATCH` options for resources, such as `--account=me`"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ecume._columns import RECORD
 from ecume._plain_files import memory_limit
 from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
@@ -145,6 +146,8 @@ def particles_expected(scene: SphScene) -> float:
 
 COPIES = 3
 """Of the arrays of a frame, while it is written."""
+SCALARS = 15
+"""Other numbers of a particle: seven of its state, two places in lists, four in cells, two earlier rates."""
 
 
 def bytes_per_particle(scene: SphScene) -> float:
@@ -153,7 +156,8 @@ def bytes_per_particle(scene: SphScene) -> float:
     reach = 1.1 * kernel_of(scene).support * smoothing_of(scene)
     neighbors = likely_neighbors(dimension, reach / scene.spacing)
     frame = 2 * dimension + 8
-    return 8.0 * (FIELDS + RATES + 5 * dimension + 5 + COPIES * frame) + 4.0 * neighbors
+    vectors = 7 * dimension  # five of the state, one in the cells, and the last acceleration
+    return 8.0 * (FIELDS + RATES + RECORD + vectors + SCALARS + COPIES * frame) + 4.0 * neighbors
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
