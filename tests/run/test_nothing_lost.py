@@ -27,6 +27,7 @@ from ecume.run.directory import manifest_of, read, write
 from ecume.run.lock import handled
 from ecume.run.manifest import write_crate
 from ecume.run.user_code import entries
+from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.trajectories.exports import export
 from ecume.trajectories.reader import open_trajectory
@@ -387,3 +388,7 @@ def test_a_simulation_that_needs_threads_is_refused_after_a_fork(
     assert len(list(simulate(scene(duration=0.02)))) == 3
     with pytest.raises(RuntimeError, match="spawn"):
         next(simulate(scene(count=_jit.SEVERAL)))
+    floats = 'radius = "0.5 mm"\ndensity = 600\ncontact_angle = "70 deg"\nplacement = "lattice"\nspacing = "1.5 mm"'
+    head = 'model = "floating"\nduration = "1 ms"\nframe_every = "1 ms"\n[dish]\nradius = "60 mm"\n[[particles]]\n'
+    with pytest.raises(RuntimeError, match="spawn"):  # lists of neighbors are made before the first step
+        next(simulate(load_scene(f"{head}count = {_jit.SEVERAL}\n{floats}\n")))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ecume._jit import require_threads
 from ecume.engine.cells import Integers, into_box, no_periods, periods_of
 from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
@@ -314,6 +315,7 @@ def _overlapping(
     capacity = 64 * len(which)
     lists, candidates = make_lists(len(which), 2, capacity, periods), contacts.make_candidates(len(which), capacity)
     reach = 2.0 * float(radius.max())
+    require_threads(len(which))
     if not (build(lists, places, reach) and list_candidates(candidates, lists, radius, 0.0)):
         return [Fault("particles", f"more than {capacity} pairs of floats overlap")]
     faults = []
