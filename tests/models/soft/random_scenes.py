@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 from ecume.analysis.rheology import stress_tensor
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models.soft import SOFT
+from ecume.models.soft.record import most_missing
 from ecume.scenes.load import from_plain, to_plain
 from ecume.scenes.soft import SIDES, dimensions_of, sides_of
 from ecume.simulation import moments
@@ -322,7 +323,7 @@ def run(scene, state=None, keep=()):
 
 def faults(scene, frames):
     """What a run does not keep: the balance of forces, imposed stresses, symmetry, and the energy budget."""
-    found, tolerance = {}, scene.integration.tolerance
+    found = {}
     first, last = frames[0].numbers, frames[-1].numbers
     worst = max(frame.numbers["imbalance"] for frame in frames)
     if not worst < 1e-6:
@@ -344,9 +345,9 @@ def faults(scene, frames):
             if lean > 1e-6:
                 found["symmetry"] = lean
     spent = last["dissipated_work"] + last.get("size_work", 0.0) + last["total_energy"] - first["total_energy"]
-    scale = abs(last["dissipated_work"]) + abs(last["total_energy"]) + abs(first["total_energy"])
-    missing = abs(last["injected_work"] - spent) / max(scale, rounding_of(scene)["total_energy"])
-    if not missing < 20.0 * max(tolerance, 1e-4):
+    moved = abs(last["dissipated_work"]) + abs(last["total_energy"]) + abs(last["contact_work"])
+    missing = abs(last["injected_work"] - spent) / max(moved, rounding_of(scene)["total_energy"])
+    if not missing < most_missing(SOFT.parameters(scene)):
         found["power"] = missing
     return found
 
@@ -371,9 +372,11 @@ def unlike(scene, ours, theirs, matrix=None, order=None):
     over the radius.
     """
     found, rounding = 0.0, rounding_of(scene)
+    moved = max(abs(ours[-1].numbers[name]) for name in ("dissipated_work", "total_energy", "injected_work"))
     for name in SHARED:
         one, two = (np.array([frame.numbers.get(name, 0.0) for frame in frames]) for frames in (ours, theirs))
-        found = max(found, float(np.abs(one - two).max() / max(np.abs(one).max(), rounding[name])))
+        scale = max(np.abs(one).max(), rounding[name], moved if name.endswith(("work", "energy")) else 0.0)
+        found = max(found, float(np.abs(one - two).max() / scale))
     if scene.cell is not None:
         return found
     start, end = (frame.arrays["position"] for frame in (ours[0], ours[-1]))

@@ -23,13 +23,13 @@ from ecume.models.liquids import material_of
 from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.contacts.connected_pieces import UNBALANCED, loose_spheres, pieces
-from ecume.models.soft.contacts.contact_list import neighbors, open_all, wall_gaps
+from ecume.models.soft.contacts.contact_list import box_in, neighbors, newcomers, open_all, wall_gaps
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, drive_at, protocol_of, rules_at
-from ecume.models.soft.report.balance_report import floppy, unbalanced, unborne, unmet_wall
+from ecume.models.soft.report.balance_report import floppy, remedies, unbalanced, unborne, unmet_wall
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.scenes.sizes import radii_of
@@ -328,6 +328,23 @@ def _balance(parameters: Parameters, state: State) -> None:
         raise SceneError([Fault(*_without_balance(parameters, state, at, path))])
     accept(scratch.step)
     store(parameters, state, scratch.step)
+    if cause := rolled_into(parameters, state):
+        raise SceneError([Fault(path, cause)])
+
+
+def rolled_into(parameters: Parameters, state: State) -> str:
+    """A sentence on spheres that are where others are, after forces have moved them at constant gaps: without drag,
+    nothing resists rolling around one film. Empty where there is room.
+    """
+    known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
+    pair, _, between = newcomers(parameters, state.position, box_in(parameters, state), known)
+    overlap = parameters.radius[pair].sum(axis=1) - np.linalg.norm(between, axis=1)
+    if not (overlap >= 0.0).any():
+        return ""
+    first, second = pair[int(np.argmax(overlap))]
+    moved = "roll" if parameters.torque.shape[1] else "move"
+    cause = f"forces {moved} spheres around their films at once, with no film resisting, until {first} is in {second}"
+    return f"{cause}; {remedies(parameters)}"
 
 
 def _without_balance(

@@ -225,7 +225,13 @@ def left_over(step: Step) -> float:
     """
     forces = (step.answers.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
-    rounding = ROUNDING * stiffest(step.answers.stiffness, step.pairs.radius_sum)
+    # As in `newton.imbalance`: places are known to the last digits of themselves, not of the distances between them.
+    far = 2.0 * float(np.abs(step.bodies.position).max(initial=0.0))
+    touches = all_walls(step.walls).touches
+    rounding = ROUNDING * max(
+        stiffest(step.answers.stiffness, step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)),
+        stiffest(touches.stiffness, touches.radius + far),
+    )
     return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0
 
 

@@ -1,0 +1,69 @@
+"""Stress or rate: a packing that creeps at the mean stress of its flow at a given rate flows at which rate?
+
+`python docs/studies/stress_or_rate.py 60 240` shears that many spheres near jamming, some minutes for 60 and an hour
+for 960, and adds the rows to `recorded-stress-or-rate.csv` beside this file.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from ecume.analysis.rheology import over_seeds, steady_state
+from ecume.analysis.series import Mean
+from ecume.simulation import simulate
+from ecume.trajectories.frame import Frame
+from ecume.validation.rheology import sheared
+
+RECORDED = Path(__file__).parent / "recorded-stress-or-rate.csv"
+START, FRACTION = 0.80, 0.84
+"""Volume fractions: of the start, and after a pre-shear to a strain of 1."""
+RATE = 0.8
+"""1/s, 1.6e-5 of modulus over viscosity."""
+STRAINS = {60: 10.0, 240: 8.0, 960: 4.0}
+"""After the pre-shear, by the number of spheres."""
+SEEDS = {60: (1, 2, 3), 240: (1,), 960: (1,)}
+FRAMES, TRANSIENT = 60, 0.2
+"""Frames per unit of strain; the part of creep that is left out."""
+
+
+def frames_of(spheres: int, seed: int, stress: float | None = None) -> list[Frame]:
+    """A pre-shear, and then a flow at the rate, or at a stress (N/m)."""
+    strain = STRAINS[spheres]
+    after = {"time": 1.0 / RATE, "scale": math.sqrt(START / FRACTION)}
+    protocol = [{"time": 0.0, "shear_rate": RATE}, after if stress is None else after | {"shear_stress": stress}]
+    changes = [f"cell.volume_fraction={START}"]
+    found = simulate(sheared(spheres, seed, protocol, (1.0 + strain) / RATE, round(FRAMES * (1.0 + strain)), changes))
+    return [frame for frame in found if frame.time > 1.0 / RATE]
+
+
+def measured(spheres: int, seed: int) -> tuple[Mean, float]:
+    """The mean stress at the given rate, and the mean rate at this stress over the given rate."""
+    stress = steady_state(np.array([frame.numbers["shear_stress"] for frame in frames_of(spheres, seed)])).mean
+    creeping = frames_of(spheres, seed, stress.value)
+    first, last = creeping[round(TRANSIENT * len(creeping))], creeping[-1]
+    rate = (last.numbers["strain"] - first.numbers["strain"]) / (last.time - first.time)
+    return stress, rate / RATE
+
+
+def main(sizes: list[int]) -> None:
+    """Add a row for each seed, and print the mean over seeds of each size."""
+    for spheres in sizes:
+        ratios = []
+        for seed in SEEDS[spheres]:
+            stress, ratio = measured(spheres, seed)
+            ratios.append(Mean(ratio, 0.0))
+            with RECORDED.open("a", encoding="utf-8", newline="") as file:
+                csv.writer(file, lineterminator="\n").writerow(
+                    [spheres, seed, f"{stress.value:.5g}", f"{stress.error:.2g}", f"{ratio:.4g}"]
+                )
+        mean = over_seeds(ratios)
+        sys.stdout.write(f"{spheres} spheres: {mean.value:.3f} ± {mean.error:.3f}\n")
+
+
+if __name__ == "__main__":
+    main([int(word) for word in sys.argv[1:]])

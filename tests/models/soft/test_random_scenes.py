@@ -1,0 +1,57 @@
+"""Random scenes run to their end or are refused with the reason: see `tests.models.soft.random_scenes`."""
+
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.models.soft import SOFT
+from ecume.scenes.load import from_plain
+from tests.models.soft.random_scenes import explicit, outcome, reordered, run, turned, unlike
+
+pytestmark = [pytest.mark.compiled]
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("seed", [275, 1010, 2005, 2007, 2009])
+def test_a_random_scene_keeps_what_every_run_keeps(seed):
+    """Balance, imposed stresses, symmetry and energy; and, with its spheres in another order, rotated, or continued
+    from its middle, it is the same.
+    """
+    assert outcome(seed) == ("done", {})
+
+
+def test_walls_that_nothing_presses_leave_no_imbalance_but_rounding():
+    """The forces of a packing at rest are rounding: the largest was reported as four times the typical one."""
+    assert outcome(1001) == ("done", {})
+
+
+LOOSE = {
+    "model": "soft", "duration": 1.0, "frame_every": 0.5, "rotation": True, "liquid": {"viscosity": 1.0},
+    "particles": [{"radius": radius, "modulus": 5e4, "count": 8} for radius in (1e-3, 1.4e-3)],
+    "long_range_forces": {"law": "steric", "steric_strength": 5e-5, "steric_length": 1e-5},
+    "hydrodynamics": {"drag": "stokes"}, "protocol": [{"time": 0.0, "pressure": 0.1}],
+    "cell": {"size": [1.0, 1.0], "volume_fraction": 0.6, "minimum_gap": 2e-5},
+    "integration": {"integrator": "tr-bdf2", "tolerance": 1e-3},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("change", [reordered, lambda plain, dice: turned(plain, dice, 2)])
+def test_a_pressed_loose_packing_depends_neither_on_the_order_of_spheres_nor_on_the_axes(change):
+    plain = explicit(from_plain(LOOSE))
+    scene = from_plain(plain)
+    again = change(plain, np.random.default_rng(1))[0]
+    assert unlike(scene, run(scene)[0], run(from_plain(again))[0]) < 1e-5
+
+
+def test_spheres_that_roll_into_one_another_at_once_are_refused_with_what_resists_rolling():
+    heavy = {
+        "model": "soft", "duration": 0.02, "frame_every": 0.01, "seed": 3, "rotation": True, "gravity": 1.0,
+        "liquid": {"viscosity": 1e-3, "density": 1.0}, "walls": [{"side": "bottom"}],
+        "particles": [{"radius": radius, "modulus": 1.0, "count": 4, "density": 1.001} for radius in (1.0, 1.3)],
+        "cell": {"size": [1.0, 1.0], "volume_fraction": 0.6},
+    }  # fmt: skip
+    scene = from_plain(heavy)
+    with pytest.raises(SceneError, match=r"forces roll spheres around their films at once.*drag = 'stokes'"):
+        SOFT.start(scene, SOFT.parameters(scene))
+    carried = from_plain(heavy | {"hydrodynamics": {"drag": "stokes"}})
+    assert max(frame.numbers["imbalance"] for frame in run(carried)[0]) < 1e-7
