@@ -8,13 +8,14 @@ from __future__ import annotations
 from timed_runs import TimedRun, cereal_bowl, machine, seconds
 
 from ecume._jit import use_threads
+from ecume._quick import parser_of, sized
 
-COUNT = 60
-DRIFT = 2.0
+COUNT = sized(60, 6)
+DRIFT = sized(2.0, 0.1)
 """Simulated seconds of drifting that are timed."""
-LONGEST = 600.0
+LONGEST = sized(600.0, 0.1)
 AT_REST = 1e-6
-TRIES = 3
+TRIES = sized(3, 1)
 WANTED = {"drifting": 20_000, "settled": 3_000}
 
 
@@ -38,6 +39,7 @@ def settle(run: TimedRun) -> None:
 
 def main() -> None:
     """Print both."""
+    parser_of(__doc__).parse_args()
     use_threads(1)
     print(f"{machine()}\n")
     TimedRun(cereal_bowl(COUNT)).go(1)

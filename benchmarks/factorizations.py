@@ -17,7 +17,6 @@ installed is skipped:
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import time
 from collections.abc import Callable
@@ -30,6 +29,7 @@ from scipy.sparse.linalg import splu
 from soft_solvers import fill, system
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.engine.linear_solvers import solvers
 from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.units import Array
@@ -179,10 +179,10 @@ def measure(matrix: Matrix, right: Array, rounds: int) -> dict[str, tuple[float,
 
 def main() -> None:
     """Measure, and print a table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--layers", type=int, nargs="*", default=[300, 3000, 10_000])
-    parser.add_argument("--spaces", type=int, nargs="*", default=[1000])
-    parser.add_argument("--rounds", type=int, default=11)
+    parser = parser_of(__doc__)
+    parser.add_argument("--layers", type=int, nargs="*", default=sized([300, 3000, 10_000], [40]))
+    parser.add_argument("--spaces", type=int, nargs="*", default=sized([1000], [40]))
+    parser.add_argument("--rounds", type=int, default=sized(11, 1))
     asked = parser.parse_args()
     print(machine())
     for dimensions, counts in ((2, asked.layers), (3, asked.spaces)):

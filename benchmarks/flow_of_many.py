@@ -7,11 +7,11 @@ all push, and Brownian motion. Compilation is not counted. The error is that of 
 from __future__ import annotations
 
 import math
-import sys
 import time
 
 import numpy as np
 
+from ecume._quick import parser_of, sized
 from ecume.laws.pair_mobility import compact_raft, surface_mobility
 from ecume.models import MODELS
 from ecume.models.floating.coupled.many_floats import flow_product, place_flow_grid
@@ -19,7 +19,8 @@ from ecume.models.model import CROWDED
 from ecume.scenes.load import from_plain
 
 RADIUS = 3e-4
-STEPS = 10
+STEPS = sized(10, 1)
+FLOATS = sized(10_000, 60)
 MOST_IN_MATRIX = 2000
 FLOATING = MODELS["floating"]
 
@@ -85,4 +86,6 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000)
+    parser = parser_of(__doc__)
+    parser.add_argument("floats", metavar="FLOATS", type=int, nargs="?", default=FLOATS)
+    main(parser.parse_args().floats)

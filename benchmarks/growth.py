@@ -9,7 +9,6 @@ free cube have more, since fewer are at its faces.
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 import time
@@ -20,6 +19,7 @@ import numpy as np
 from timed_runs import TimedRun, machine
 
 from ecume._jit import use_threads
+from ecume._quick import parser_of, sized
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 from cube import REACH, SPACING
@@ -79,9 +79,9 @@ def show(cubes: list[Cube], precision: str) -> None:
 
 def main() -> None:
     """Measure, and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--edges", type=int, nargs="*", default=[22, 46, 126])
-    for name, number in (("steps", 40), ("rounds", 3)):
+    parser = parser_of(__doc__)
+    parser.add_argument("--edges", type=int, nargs="*", default=sized([22, 46, 126], [7, 8]))
+    for name, number in (("steps", sized(40, 2)), ("rounds", sized(3, 1))):
         parser.add_argument(f"--{name}", type=int, default=number)
     parser.add_argument("--precision", nargs="*", default=["double"], choices=["double", "single"])
     asked = parser.parse_args()

@@ -10,7 +10,6 @@ ecume, two in SPlisHSPlasH, which has a third of the neighbors and computes in s
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import statistics
@@ -22,6 +21,7 @@ from typing import Any
 import numpy as np
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.validation.dam_break import published
 
 HERE = Path(__file__).parent / "peers"
@@ -60,10 +60,12 @@ def error_of(front: dict[str, float]) -> float:
 
 def main() -> int:
     """Measure in turns, and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("folder", type=Path, nargs="?", help="where peers/install.sh put SPlisHSPlasH")
-    parser.add_argument("--deep", type=int, nargs="+", default=[20, 40], help="particles in the column's height")
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument(
+        "--deep", type=int, nargs="+", default=sized([20, 40], [8]), help="particles in the column's height"
+    )
+    parser.add_argument("--rounds", type=int, default=sized(3, 1))
     asked = parser.parse_args()
     print(f"{machine()}\n\n| run | H / spacing | processor time, s | of the runs | steps | iterations | error |")
     print("|---|---|---|---|---|---|---|")

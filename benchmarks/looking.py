@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any
 from timed_runs import machine
 
 import ecume
+from ecume._quick import QUICK, parser_of, sized
 from ecume.run import run
 from ecume.scenes.templates import folder
 from ecume.show.movies import MovieOptions, movie
@@ -33,7 +33,8 @@ seed = 1
 density = "1.2 kg/m^3"
 viscosity = "18 uPa*s"
 [tank]
-size = ["80 cm", "45 cm", "45 cm"]
+low = ["0 cm", "0 cm", "0 cm"]
+high = ["80 cm", "45 cm", "45 cm"]
 restitution = 0.9
 [[particles]]
 count = {count}
@@ -42,10 +43,12 @@ density = 700.0
 low = ["2 cm", "2 cm", "2 cm"]
 high = ["78 cm", "43 cm", "43 cm"]
 """
-WATER = ["spacing=9.5 mm", "frame_every=6 ms", "duration=1.2 s"]
+WATER = ["spacing=9.5 mm", "frame_every=6 ms", sized("duration=1.2 s", "duration=24 ms")]
 """1,953 particles, 201 frames."""
+MANY, END = sized((20_000, 0.5985), (50, 0.006))
+"""Balls, and the time of the last picture (s)."""
 FLAGS = ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-SECONDS = 5.0
+SECONDS = sized(5.0, 0.2)
 """For which pictures are counted."""
 
 
@@ -56,6 +59,9 @@ def page() -> None:
         run(scene, Path(there) / "run")
         made = save_page(Path(there) / "run")
         print(f"{made.frames} frames, each {made.every}. of the run: {made.size / 1e6:.2f} MB (wanted: 8)")
+        if QUICK and browser_program() is None:
+            print("not opened: no Chromium here")
+            return
         for width, height in ((1100, 700), (1920, 1080)):
             opening, rate = in_browser(made.path.resolve().as_uri(), width, height)
             print(
@@ -64,13 +70,17 @@ def page() -> None:
             )
 
 
+def browser_program() -> str | None:
+    """Chromium of this machine; None leaves the choice to Playwright."""
+    return os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+
+
 def in_browser(address: str, width: int, height: int) -> tuple[float, float]:
     """Seconds to the first picture, and pictures a second while it plays."""
     from playwright.sync_api import sync_playwright
 
-    program = os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=FLAGS)
+        browser = driver.chromium.launch(executable_path=browser_program(), args=FLAGS)
         tab = browser.new_page(viewport={"width": width, "height": height})
         began = time.perf_counter()
         tab.goto(address)
@@ -93,8 +103,8 @@ def drawn(tab: Any) -> int:
 def film() -> None:
     """Seconds a movie takes."""
     with tempfile.TemporaryDirectory() as there:
-        run(ecume.load_scene(BALLS.format(count=20_000)), Path(there) / "run")
-        options, cores = MovieOptions(size=(1280, 720), end=0.5985), os.cpu_count() or 1
+        run(ecume.load_scene(BALLS.format(count=MANY)), Path(there) / "run")
+        options, cores = MovieOptions(size=(1280, 720), end=END), os.cpu_count() or 1
         movie(Path(there) / "run", Path(there) / "first.mp4", MovieOptions(size=(1280, 720), end=0.01))
         for workers in dict.fromkeys((1, cores)):
             began = time.perf_counter()
@@ -102,10 +112,16 @@ def film() -> None:
             took = time.perf_counter() - began
             size = made.stat().st_size / 1e6
             print(
-                f"20,000 balls x 300 frames, 1280 x 720, {workers} processes: {took:.1f} s (wanted: 30), {size:.1f} MB"
+                f"{MANY:,} balls x 300 frames, 1280 x 720, {workers} processes: {took:.1f} s (wanted: 30), "
+                f"{size:.1f} MB"
             )
 
 
 if __name__ == "__main__":
+    PARTS = {"page": page, "movie": film}
+    parser = parser_of(__doc__)
+    parser.add_argument("part", choices=PARTS, nargs="?" if QUICK else None)
+    asked = parser.parse_args()
     print(machine())
-    {"page": page, "movie": film}[sys.argv[1]]()
+    for part in [asked.part] if asked.part else PARTS:
+        PARTS[part]()

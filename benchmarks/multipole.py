@@ -6,18 +6,19 @@ is left out where its matrix would take more than two gigabytes.
 
 from __future__ import annotations
 
-import sys
 import time
 import tracemalloc
 
 import numpy as np
 
+from ecume._quick import parser_of, sized
 from ecume.laws import flotation, multipole
 
 UNIT = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
 DISC = flotation.Disc(0.5, 1e-3)
 GAP = 0.02
-COUNTS = (7, 19, 91, 300)
+COUNTS = sized((7, 19, 91, 300), (7,))
+ORDER = sized(20, 4)
 MOST_BYTES = 2e9
 
 
@@ -58,4 +59,6 @@ def main(order: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 20)
+    parser = parser_of(__doc__)
+    parser.add_argument("order", metavar="ORDER", type=int, nargs="?", default=ORDER)
+    main(parser.parse_args().order)

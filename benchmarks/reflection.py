@@ -7,15 +7,16 @@ core, whatever the threads.
 
 from __future__ import annotations
 
-import sys
 import time
 
 import numpy as np
 
 from ecume._jit import use_threads
+from ecume._quick import parser_of, sized
 from ecume.engine import walls
 
 STEPS = 10
+PARTICLES = sized(200_000, 2_000)
 
 
 def measure(tank, count: int, way: float, fall: float) -> tuple[float, float]:
@@ -58,4 +59,6 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 200_000)
+    parser = parser_of(__doc__)
+    parser.add_argument("particles", metavar="PARTICLES", type=int, nargs="?", default=PARTICLES)
+    main(parser.parse_args().particles)

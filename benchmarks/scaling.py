@@ -8,13 +8,14 @@ from __future__ import annotations
 from timed_runs import TimedRun, heavy_spheres, machine, seconds
 
 from ecume._jit import use_threads
+from ecume._quick import parser_of, sized
 
-COUNTS = (1, 10, 100, 1_000, 10_000)
-WARM_UP = 100
+COUNTS = sized((1, 10, 100, 1_000, 10_000), (1, 10, 100))
+WARM_UP = sized(100, 10)
 """Steps before the clock starts: afterwards all move and the neighbor lists are renewed now and then."""
-LEAST_WORK = 300_000
+LEAST_WORK = sized(300_000, 1_000)
 """Floats times steps that one figure is taken from; at least 100 steps."""
-TRIES = 3
+TRIES = sized(3, 1)
 WANTED = 1.5
 
 
@@ -29,6 +30,7 @@ def nanoseconds(count: int, threads: int) -> float:
 
 def main() -> None:
     """Print the table and the ratio."""
+    parser_of(__doc__).parse_args()
     print(f"{machine()}\n\nfloats cover 15 % of an open surface; ns per float and step")
     print("  floats   1 thread   2 threads")
     for threads in (1, 2):
@@ -37,8 +39,9 @@ def main() -> None:
     for count, (one, two) in cost.items():
         print(f"{count:8d} {one:10.0f} {two:11.0f}")
     for threads in (1, 2):
-        ratio = cost[10_000][threads - 1] / cost[1_000][threads - 1]
-        print(f"cost(10,000) / cost(1,000), threads = {threads}: {ratio:.2f} (wanted: at most {WANTED})")
+        *_, fewer, most = COUNTS
+        ratio = cost[most][threads - 1] / cost[fewer][threads - 1]
+        print(f"cost({most:,}) / cost({fewer:,}), threads = {threads}: {ratio:.2f} (wanted: at most {WANTED})")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ what could be gained on a quiet one.
 
 from __future__ import annotations
 
-import argparse
 import math
 import multiprocessing
 import os
@@ -22,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.engine.linear_solvers import solvers
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.contact_list import renew_contacts
@@ -31,7 +31,7 @@ from ecume.scenes.load import from_plain
 from ecume.scenes.soft import SoftScene
 
 FILLED = {2: 0.80, 3: 0.58}
-BEGIN = 14
+BEGIN = sized(14, 2)
 """Steps that are not counted: they grow from next to nothing."""
 
 
@@ -151,10 +151,10 @@ def row_of(dimensions: int, threads: int, row: Row) -> str:
 
 def main() -> None:
     """Measure, and print the table and the growth."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--layers", type=int, nargs="*", default=[1000, 10_000])
-    parser.add_argument("--spaces", type=int, nargs="*", default=[1000, 10_000])
-    parser.add_argument("--steps", type=int, default=12)
+    parser = parser_of(__doc__)
+    parser.add_argument("--layers", type=int, nargs="*", default=sized([1000, 10_000], [40]))
+    parser.add_argument("--spaces", type=int, nargs="*", default=sized([1000, 10_000], [40]))
+    parser.add_argument("--steps", type=int, default=sized(12, 2))
     parser.add_argument("--solver", default="auto")
     parser.add_argument("--threads", type=int, nargs="+", default=[1])
     asked = parser.parse_args()

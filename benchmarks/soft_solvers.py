@@ -9,13 +9,13 @@ installed. Operations are those that the choice goes by.
 
 from __future__ import annotations
 
-import argparse
 import time
 
 import numpy as np
 from soft_scale import packing
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.engine.linear_solvers import solvers
 from ecume.errors import BadInput
 from ecume.models.soft import SOFT
@@ -26,7 +26,7 @@ from ecume.models.soft.integration.newton import imbalance, resist
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import Workspace
 
-TRIES = 3
+TRIES = sized(3, 1)
 PULL = 1e-6
 """N"""
 
@@ -67,9 +67,9 @@ def timed(name: str, scratch: Workspace) -> float:
 
 def main() -> None:
     """Measure, and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--layers", type=int, nargs="*", default=[1000, 10_000])
-    parser.add_argument("--spaces", type=int, nargs="*", default=[1000])
+    parser = parser_of(__doc__)
+    parser.add_argument("--layers", type=int, nargs="*", default=sized([1000, 10_000], [40]))
+    parser.add_argument("--spaces", type=int, nargs="*", default=sized([1000], [40]))
     parser.add_argument("--steps", type=float, nargs="+", default=[1.0, 100.0, 1e4])
     asked = parser.parse_args()
     print(machine())

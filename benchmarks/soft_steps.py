@@ -8,18 +8,18 @@ would need it. A second table has the implicit steps, and the error of the durat
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Callable
 from typing import Any
 
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.models.soft import T1, t1_process
 
-GAPS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
-FORCES = (1e-5, 1e-4, 1e-3, 1e-2)
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+GAPS = sized((1e-1, 1e-2, 1e-3, 1e-4, 1e-5), (1e-1,))
+FORCES = sized((1e-5, 1e-4, 1e-3, 1e-2), (1e-2,))
+TOLERANCES = sized((1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), (1e-3, 1e-4))
 EXPLICIT = ("paper", "rk2", "rk4")
 STEP = 0.5
 """Of explicit methods, in kappa t_S: below the stability of the fastest contact, and accurate to 1e-4."""
@@ -66,8 +66,8 @@ def tolerances() -> None:
 
 def main() -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--most", type=int, default=300_000, help="steps of an explicit run")
+    parser = parser_of(__doc__)
+    parser.add_argument("--most", type=int, default=sized(300_000, 10_000), help="steps of an explicit run")
     asked = parser.parse_args()
     print(machine())
     t1_process(gap=0.1, reduced_force=1e-3)  # compiles

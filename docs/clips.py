@@ -7,23 +7,24 @@ in `docs/clips`. They stay in the repository for ever, so they are small: `MOST`
 from __future__ import annotations
 
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 from PIL import Image
+from short_runs import shorten_runs
 
 import ecume
+from ecume._quick import QUICK, folder_of, parser_of, sized
 from ecume.show.movies import MovieOptions, ffmpeg, film
 from ecume.show.picture import Size
 
 ROOT = Path(__file__).parents[1]
-FOLDER = ROOT / "docs" / "clips"
+FOLDER = folder_of(ROOT / "docs" / "clips")
 FURTHER = ("active-raft", "rifts", "spinners", "surfers")
 """Templates with a clip."""
 SIZE = Size(480, 360, trim=True)
 FPS = 25
-FRAMES = 125
+FRAMES = sized(125, 5)
 """At most: five seconds."""
 MOST = 300_000
 SMALL = (
@@ -54,7 +55,7 @@ def draw(name: str) -> None:
         whole, still = Path(made) / "film.mp4", Path(made) / "still.png"
         film(frames, scene, whole, options)
         run("-i", whole, *SMALL, FOLDER / f"{name}.mp4")
-        instant = TELLING.get(name, 0.97) * len(options.shown(frames)) / FPS
+        instant = int(TELLING.get(name, 0.97) * (len(options.shown(frames)) - 1)) / FPS
         run("-ss", f"{instant:.3f}", "-i", whole, "-frames:v", "1", still)
         with Image.open(still) as picture:
             picture.save(FOLDER / f"{name}.webp", quality=70, method=6)
@@ -70,5 +71,10 @@ def run(*arguments: object) -> None:
 
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
-    for asked in sys.argv[1:] or sorted([*FURTHER, *(path.stem for path in (ROOT / "examples").glob("*.toml"))]):
+    every = sorted([*FURTHER, *(path.stem for path in (ROOT / "examples").glob("*.toml"))])
+    parser = parser_of(__doc__)
+    parser.add_argument("names", metavar="NAME", nargs="*", help="default: all")
+    if QUICK:
+        shorten_runs()
+    for asked in parser.parse_args().names or every:
         draw(asked)

@@ -6,7 +6,6 @@ Each figure is a function without arguments; FIGURES is the table of them, `docs
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -33,7 +32,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from PIL import Image
 from scipy.special import k1
+from short_runs import shorten_runs
 
+from ecume._quick import QUICK, folder_of, parser_of
 from ecume.analysis.series import number, series, times
 from ecume.laws import capillarity, drag, flotation, meniscus
 from ecume.laws.special import fit_k1, k1_over_x
@@ -43,7 +44,7 @@ from ecume.show.picture import Size
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, style
 from ecume.trajectories.frame import Frame
 
-FOLDER = Path(__file__).parent / "figures"
+FOLDER = folder_of(Path(__file__).parent / "figures")
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 WATER = flotation.Liquid(density=998.0, surface_tension=0.0728, viscosity=1e-3)
 THEORIES = {"linear": PALETTE[0], "closed-form": PALETTE[2], "nonlinear": PALETTE[1]}
@@ -288,6 +289,8 @@ def _shrink(path: Path) -> None:
 
 def main(names: list[str]) -> None:
     """Draw those figures, or all."""
+    if QUICK:
+        shorten_runs()
     for name in names or FIGURES:
         with style():
             drawn = FIGURES[name]()
@@ -296,4 +299,6 @@ def main(names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    parser = parser_of(__doc__)
+    parser.add_argument("names", metavar="NAME", nargs="*", help="default: all")
+    main(parser.parse_args().names)

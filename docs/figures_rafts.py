@@ -5,28 +5,34 @@ RUN is what `ecume run docs/studies/five-thousand.toml` leaves, many minutes of 
 
 from __future__ import annotations
 
-import sys
 from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from ecume._quick import QUICK, folder_of, parser_of
 from ecume.analysis.clusters import touching_clusters
 from ecume.analysis.series import number, series, times
 from ecume.analysis.structure import hexatic_order, pair_distribution
+from ecume.run import run
+from ecume.scenes.load import load_scene
 from ecume.show.curves import Frames, thinned
 from ecume.show.floating.bowl import Bowl
 from ecume.show.floating.figures import region_of
 from ecume.show.style import INK, PALETTE, figure, style
 from ecume.trajectories.reader import open_trajectory
 
-FOLDER = Path(__file__).parent / "figures"
+FOLDER = folder_of(Path(__file__).parent / "figures")
+STUDY = Path(__file__).parent / "studies" / "five-thousand.toml"
 COLORS = 48
 DPI = 110
 SMALL = 700
 """Higher pictures are made smaller."""
+FEW = ("particles[0].count=30", "duration=0.4")
+"""Changes of the study with which its run takes a second."""
 
 
 def measures(frames: Frames, scene: object) -> Figure:
@@ -65,9 +71,9 @@ def seen(frames: Frames, scene: object) -> Figure:
     return picture.figure
 
 
-def main(run: str) -> None:
+def main(home: str) -> None:
     """Draw both, with few colors, so that files stay small."""
-    with open_trajectory(run) as trajectory:
+    with open_trajectory(home) as trajectory:
         for name, draw in (("five-thousand", seen), ("five-thousand-measures", measures)):
             file = BytesIO()
             draw(trajectory, trajectory.scene).savefig(file, format="png", dpi=DPI)
@@ -76,5 +82,15 @@ def main(run: str) -> None:
             small.quantize(COLORS, dither=Image.Dither.NONE).save(FOLDER / f"{name}.png", optimize=True)
 
 
+def small_run(folder: str) -> str:
+    """A run of a few floats of the same scene."""
+    home = Path(folder) / "run"
+    run(load_scene(STUDY, FEW), home)
+    return str(home)
+
+
 if __name__ == "__main__":
-    main(sys.argv[1])
+    parser = parser_of(__doc__)
+    parser.add_argument("run", metavar="RUN", nargs="?" if QUICK else None)
+    with TemporaryDirectory() as made:
+        main(parser.parse_args().run or small_run(made))

@@ -131,7 +131,7 @@ def soft_laws() -> Figure:
         rubbing.plot(pull, [sliding_force(one, limit) for one in pull], color=color, label=name)
     rubbing.set(xlabel="T / (μ N)", ylabel="force of the film / (μ N)", title="Friction")
     gaps = np.linspace(0.05, 2.0, 400)
-    for name, given, color in (("steric", (1.0, 1.0), PALETTE[0]), ("dlvo", (1.0, 0.3, 4.0, 0.25), PALETTE[1])):
+    for name, given, color in (("steric", (1.0, 1.0), PALETTE[0]), ("dlvo", (1.0, 0.3, 4.0, 0.25, 0.0), PALETTE[1])):
         remote.plot(gaps, [REMOTE[name].force(gap, *given) for gap in gaps], color=color, label=name)
     remote.axhline(0.0, color=MUTED, linewidth=0.8)
     remote.set(xlabel="gap / length", ylabel="force (positive: repulsion)", title="Long-range forces", ylim=(-3.0, 6.0))

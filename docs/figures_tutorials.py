@@ -74,7 +74,7 @@ def two_beads() -> Figure:
     drawn = figure(6.4, 3.2)
     axes = drawn.add_subplot(xlabel="time (s)", ylabel="gap (mm)", ylim=(-0.1, 4.2), xlim=(0, scene.duration))
     axes.plot([frame.time for frame in frames], gap, color=PALETTE[1])
-    met = next(frame.time for frame, apart in zip(frames, gap, strict=True) if apart < 1e-3)
+    met = next((frame.time for frame, apart in zip(frames, gap, strict=True) if apart < 1e-3), scene.duration)
     axes.axvline(met, color=MUTED, linestyle=":")
     axes.text(met + 0.03, 3.6, f"contact at {met:.2f} s", color=INK)
     return drawn

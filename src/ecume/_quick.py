@@ -1,0 +1,44 @@
+"""The small size of scripts: `--quick`.
+
+Benchmarks, figures and studies take minutes. With `--quick` each takes seconds: then nothing that it prints or draws
+means anything but that it runs. What would go into the repository goes into a folder that is removed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import atexit
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import TypeVar
+
+Size = TypeVar("Size")
+
+WORD = "--quick"
+QUICK = WORD in sys.argv
+"""Also in processes that a script starts: they get its arguments."""
+
+
+def sized(full: Size, quick: Size) -> Size:
+    """A size: the full one, or the one that takes seconds."""
+    return quick if QUICK else full
+
+
+def parser_of(text: str | None) -> argparse.ArgumentParser:
+    """The arguments of a script with this docstring."""
+    parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument(
+        WORD, action="store_true", help="a small size, which takes seconds, to see that the script runs"
+    )
+    return parser
+
+
+def folder_of(full: Path) -> Path:
+    """Where a script writes."""
+    if not QUICK:
+        return full
+    place = Path(tempfile.mkdtemp(prefix="ecume-quick-"))
+    atexit.register(shutil.rmtree, place, ignore_errors=True)
+    return place

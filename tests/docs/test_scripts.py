@@ -1,0 +1,91 @@
+"""Every script runs in its small size: benchmarks, beside what packages there are, figures, clips, studies."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+MAIN = 'if __name__ == "__main__":'
+SHELL = {
+    "audit": None,  # asks the package index
+    "demo": "--help",
+    "docs": None,  # .ci/run builds the documentation
+    "environment.sh": None,  # read by the others
+    "lock": None,  # asks the package index
+    "mutate": "list",
+    "processors": "--help",
+    "slurm-trial": "",  # says that there is no SLURM
+    "test": None,  # runs this
+    "torture": "--help",
+    "versions": "--help",
+    "wheels": None,  # .ci/run builds one
+}
+"""What a script is called with; None where it cannot be called here."""
+
+
+def is_script(path):
+    return MAIN in path.read_text(encoding="utf-8")
+
+
+PYTHON = sorted(path for folder in ("benchmarks", "docs", "docs/studies") for path in (ROOT / folder).glob("*.py"))
+SCRIPTS = {path.relative_to(ROOT).as_posix() for path in PYTHON if is_script(path)}
+
+
+def ended_well(*words):
+    done = subprocess.run(
+        words, cwd=ROOT, capture_output=True, text=True, timeout=280, stdin=subprocess.DEVNULL, check=False
+    )
+    assert done.returncode == 0, f"{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+    return done.stdout
+
+
+def test_what_is_no_script_is_part_of_one():
+    everything = {
+        path: path.read_text(encoding="utf-8") for path in (*PYTHON, *(ROOT / "benchmarks/peers").glob("*.py"))
+    }
+    for path in everything:
+        if path.relative_to(ROOT).as_posix() not in SCRIPTS:
+            uses = rf'(^(from|import) {path.stem}\b|"{path.name}"|    import {path.stem}$)'
+            assert [each for each, text in everything.items() if each != path and re.search(uses, text, re.M)], path
+
+
+def test_every_shell_script_is_known_and_can_be_read():
+    assert {path.name for path in (ROOT / "scripts").iterdir()} == set(SHELL)
+    for name in SHELL:
+        ended_well("sh", "-n", f"scripts/{name}")
+    for name in ("docs", "test", "wheels"):
+        assert f"scripts/{name}" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", sorted(name for name, words in SHELL.items() if words is not None))
+def test_a_shell_script_runs(name):
+    if "environment.sh" in (ROOT / "scripts" / name).read_text(encoding="utf-8") and not (ROOT / ".venv").is_dir():
+        pytest.skip("scripts/test has made no environment here")
+    ended_well("sh", f"scripts/{name}", *SHELL[name].split())
+
+
+@pytest.mark.parametrize("name", sorted(SCRIPTS))
+def test_a_script_has_a_small_size(name):
+    assert "parser_of(__doc__)" in (ROOT / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", sorted(SCRIPTS - {"docs/clips.py"}))
+def test_a_script_runs(name):
+    ended_well(sys.executable, name, "--quick", *(["equilibrium"] if name == "docs/figures.py" else []))
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+def test_a_peer_that_fails_is_an_error(tmp_path):
+    broken = tmp_path / "lammps" / "bin" / "python"
+    broken.parent.mkdir(parents=True)
+    broken.write_text("#!/bin/sh\nexit 3\n")
+    broken.chmod(0o755)
+    words = [sys.executable, "benchmarks/sph_peers.py", "--quick", str(tmp_path)]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=280, check=False)
+    assert done.returncode == 1
