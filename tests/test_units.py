@@ -15,7 +15,20 @@ from hypothesis import strategies as st
 
 from ecume import units
 from ecume.scenes.templates import copy_template
-from ecume.units import COMMON, EXAMPLES, Unit, example, factor, parse
+from ecume.units import (
+    EXAMPLES,
+    NAMED,
+    NOT_PREFIXED,
+    POWERS_OF_TEN,
+    Unit,
+    _in_base_units,
+    _readable,
+    base_of,
+    example,
+    factor,
+    parse,
+    same_dimension,
+)
 
 READINGS = [
     ("4 mm", "m", 0.004),
@@ -152,10 +165,38 @@ def test_a_whole_number_beyond_all_floats_is_refused() -> None:
         Unit("m").number(10**400)
 
 
-@pytest.mark.parametrize(("unit", "symbol"), COMMON)
-def test_a_common_unit_is_what_pint_makes_of_it(unit: str, symbol: str) -> None:
-    # A blank more is not in the table, and goes the long way.
-    assert factor(unit, symbol) == factor(unit + " ", symbol)
+PREFIXED = sorted({prefix + name for name in NAMED for prefix in ("", *POWERS_OF_TEN)} - NOT_PREFIXED)
+
+
+@settings(max_examples=400)
+@given(st.data())
+def test_a_product_of_prefixed_units_is_what_pint_makes_of_it(data: st.DataObject) -> None:
+    """Pint is asked for its own units only."""
+    power = st.sampled_from(["", "2", "^2", "**3", "^-1", "-2"])
+    factors = data.draw(st.lists(st.builds(str.__add__, st.sampled_from(PREFIXED), power), min_size=1, max_size=3))
+    signs = sorted(data.draw(st.lists(st.sampled_from(["*", " ", "/"]), min_size=2, max_size=2)), key="* /".index)
+    unit = factors[0] + "".join(sign + each for sign, each in zip(signs, factors[1:], strict=False))
+    found, expected = base_of(unit), _in_base_units(_readable(unit, "m"), "m")
+    assert found is not None
+    assert float(found.value) == pytest.approx(expected.magnitude, rel=1e-12)
+    pints = {SYMBOLS[name]: power for name, power in expected.units._units.items()}
+    assert found.powers == pints
+    assert same_dimension(unit, "*".join(f"{name}^{power}" for name, power in pints.items()) or "m/m")
+
+
+SYMBOLS = {"meter": "m", "kilogram": "kg", "second": "s", "kelvin": "K", "ampere": "A", "radian": "rad"}
+
+
+@pytest.mark.parametrize("unit", ["dyn/cm", "inch", "mol", "ft", "%", "1", "m^", "m/", "(m)", "m(s)", "mmin", "cd"])
+def test_units_that_only_pint_knows_are_left_to_it(unit: str) -> None:
+    assert base_of(unit) in (None, (1, {}))
+
+
+def test_a_degree_is_a_fraction_of_a_turn() -> None:
+    assert factor("deg", "rad") == math.pi / 180.0 == pytest.approx(factor("degree", "rad"), rel=1e-15)
+    assert not same_dimension("rad/s", "1/s")
+    assert same_dimension("dyn", "N")
+    assert not same_dimension("inch", "s")
 
 
 def test_a_template_is_read_without_waiting_for_pint(tmp_path: Path) -> None:

@@ -116,6 +116,8 @@ def _scene_of(plain: dict[str, Any]) -> Any:
 
 def _derived_arrays(scene: Any) -> Any:
     """The arrays that follow from the recorded ones: the other pressures of a tank."""
+    if scene.model != "sph":
+        return lambda frame: frame
     return importlib.import_module("ecume.analysis.fields").with_pressures(scene)
 
 

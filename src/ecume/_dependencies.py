@@ -31,6 +31,10 @@ LIBRARIES = frozenset({*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "
 """What is described by its name: the key contains the version of the compiler, which decides what becomes of these."""
 
 
+UNKEPT = "OfThisProcess"
+"""Prefix of the names of types that exist in one process only: code compiled for them is not cached on disk."""
+
+
 class Choice(NamedTuple):
     """How a function that stands for one of several finds it."""
 

@@ -1,4 +1,8 @@
-"""How loops are compiled: with `_parts` and `_borrowing`, the only files that import Numba."""
+"""How loops are compiled, or left to Python: the only module that others import for it.
+
+With `_parts`, `_variants`, `_lowering` and `_borrowing` it is all that imports Numba, and with NUMBA_DISABLE_JIT=1
+nothing does.
+"""
 
 from __future__ import annotations
 
@@ -6,33 +10,35 @@ import collections
 import functools
 import hashlib
 import inspect
-import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from types import FunctionType, ModuleType
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
-import numba
-import numba.extending
 import numpy as np
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.imputils import lower_builtin
 
-from ecume._columns import RECORD, fill_columns
-from ecume._dependencies import CHOICES, Choice
-from ecume._fused import LANES, fused, lane_sum
-from ecume._parts import PART, UNKEPT, AloneCache, Dispatcher, Part, TogetherCache
+from ecume._dependencies import CHOICES, UNKEPT, Choice
 
-# Threads that wait for their next loop by spinning slow down other processes on this machine, and are slowed by them
-# themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
-os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+COMPILES = os.environ.get("NUMBA_DISABLE_JIT", "").strip() in ("", "0")
+"""Whether functions are compiled; otherwise they remain plain Python, and Numba is not imported."""
+
+if COMPILES:
+    import numba
+    from numba.core import types
+
+    from ecume import _lowering  # noqa: F401  # for what it registers
+    from ecume._parts import Dispatcher, overload
+    from ecume._variants import Composed, Selected, Shared, Spread, Threaded, require_own_threads
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+SEVERAL = 2000
+"""Particles from which on a step of some model has loops over threads."""
+FEW = 4000
+"""Loops over fewer particles than this end sooner than a second thread wakes up."""
 ANY_ORDER = {"reassoc", "contract", "nsz", "arcp"}
 """What sums may do to be taken eight terms at a time. NaN and infinity stay what they are."""
-prange = numba.prange
+prange: Any = numba.prange if COMPILES else range
 """A loop over threads; only inside a function that is `threaded`."""
 
 
@@ -57,141 +63,51 @@ def summed_inside(function: Function) -> Function:
 
 def threaded(function: Function) -> Function:
     """The same, with `prange` over threads."""
-    if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
-        return function
-    made: Any = Threaded(function, {"parallel": True}, cache=True)
+    made: Any = Threaded(function) if COMPILES else function
     kept: Function = made
     return kept
-
-
-class Threaded(Dispatcher):
-    """A loop over threads. Compiled code that calls it is called from Python where `require_threads` was."""
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Run it."""
-        require_threads()
-        return super().__call__(*arguments)
-
-
-FEW = 4000
-"""Loops over fewer particles than this end sooner than a second thread wakes up."""
-
-
-_FORKED: list[int] = []
-"""This process, if it was forked from one whose threads had started."""
-
-
-def _note_fork() -> None:
-    from numba.np.ufunc import parallel
-
-    if getattr(parallel, "_is_initialized", False):
-        _FORKED.append(os.getpid())
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_note_fork)
-
-
-SEVERAL = 2000
-"""Particles from which on a step of some model has loops over threads."""
 
 
 def require_threads(particles: int = SEVERAL) -> None:
     """Raise RuntimeError in a process that was forked after threads had started, for as many particles as need threads:
     they do not exist there, and the library that waits for them ends the process, or waits for ever.
     """
-    if _FORKED and particles >= SEVERAL:
-        raise RuntimeError(
-            "this process was forked from one that had started threads; start workers with "
-            'multiprocessing.get_context("spawn"), or fork them before the first simulation'
-        )
-
-
-class Spread:
-    """A loop that Python calls, compiled twice: for threads, and for systems too small for them.
-
-    The last axis of the first argument is the size of the system, so that the choice, and with it the order of sums,
-    does not depend on how many threads there are.
-    """
-
-    def __init__(self, function: FunctionType, **options: Any) -> None:
-        self.alone = _dispatcher(function, cache=True, **options)
-        if isinstance(self.alone, Dispatcher):
-            self.alone._cache = AloneCache(function)
-        self.together = _dispatcher(function, cache=True, parallel=True, **options)
-        self.__doc__, self.__name__ = function.__doc__, function.__name__
-
-    def __call__(self, array: Any, *arguments: Any) -> Any:
-        """Run the one or the other."""
-        if array.shape[-1] < FEW:
-            return self.alone(array, *arguments)
-        require_threads()
-        return self.together(array, *arguments)
+    if COMPILES and particles >= SEVERAL:
+        require_own_threads()
 
 
 def spread(function: Function) -> Function:
     """A loop with `prange` over the particles of its first argument, for Python to call."""
-    made: Any = Spread(cast(FunctionType, function))
-    kept: Function = made
-    return kept
+    return _spread(function, {})
 
 
 def summing(function: Function) -> Function:
     """The same; sums inside may be taken in any order, always the same one."""
-    made: Any = Spread(cast(FunctionType, function), fastmath=ANY_ORDER)
+    return _spread(function, {"fastmath": ANY_ORDER})
+
+
+def _spread(function: Function, options: dict[str, Any]) -> Function:
+    made: Any = Spread(function, options, FEW) if COMPILES else function
     kept: Function = made
     return kept
-
-
-OTHERS = ("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion")
-PLAIN_LOOPS = dict.fromkeys(OTHERS, False)
-"""Only loops that say so are spread over threads: what array expressions become takes a second each to compile."""
-
-
-class Shared(Dispatcher):
-    """A pass with `prange` that compiled code calls without threads, and Python with threads if the system is large."""
-
-    def __init__(self, function: FunctionType, size: Callable[..., int]) -> None:
-        super().__init__(function, {}, cache=True)
-        self.size, self.together = size, Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
-        self.together._cache = TogetherCache(function)
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Run the one or the other."""
-        if self.size(*arguments) < FEW:
-            return super().__call__(*arguments)
-        require_threads()
-        return self.together(*arguments)
 
 
 def shared(size: Callable[..., int]) -> Callable[[Function], Function]:
     """Compile a pass for compiled code, for Python, and for threads; `size` derives the size from the arguments."""
 
     def decorate(function: Function) -> Function:
-        if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
-            return function
-        made: Any = Shared(function, size)
+        made: Any = Shared(function, size, FEW) if COMPILES else function
         kept: Function = made
         return kept
 
     return decorate
 
 
-class Composed(Dispatcher):
-    """What compiled code calls as a part, and Python runs as it stands: what it consists of is compiled by itself."""
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Run the function."""
-        return self.py_func(*arguments)
-
-
 def composed(function: Function) -> Function:
     """A sequence of passes: compiled where few particles make it part of a whole, left to Python where there are many,
     so that each pass may be spread over threads.
     """
-    if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
-        return function
-    made: Any = Composed(function, {"inline": "always"}, cache=True)
+    made: Any = Composed(function) if COMPILES else function
     kept: Function = made
     return kept
 
@@ -208,9 +124,9 @@ def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[
         def there(subject: Any, *rest: Any) -> Any:
             return made(subject, *rest) if subject != () else default
 
-        if made is not function:
+        if COMPILES:
 
-            @numba.extending.overload(there, jit_options={**PART, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
+            @overload(there)
             def version(subject: Any, *rest: Any) -> Any:
                 missing = isinstance(subject, types.BaseTuple) and len(subject) == 0
                 found = (lambda subject, *rest: default) if missing else (lambda subject, *rest: made(subject, *rest))
@@ -233,11 +149,11 @@ def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Ca
     def chosen(*arguments: Any) -> Any:
         return choice(type(arguments[place]))(*arguments)
 
-    if numba.config.DISABLE_JIT:
+    if not COMPILES:
         return chosen
     CHOICES[chosen] = Choice(choice, f"argument {place}")
 
-    @numba.extending.overload(chosen, jit_options={**PART, "forceinline": True, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
+    @overload(chosen, forceinline=True)
     def version(*arguments: Any) -> Any:
         if not isinstance(arguments[place], types.BaseNamedTuple):
             return None
@@ -250,36 +166,15 @@ def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Ca
     return chosen
 
 
-class Selected(Dispatcher):
-    """Stands for one of several compiled functions, by the type of its first argument. Compiled code calls the chosen
-    function itself: a function in between would hand on hundreds of arrays, which takes long to compile.
-    """
-
-    def __init__(self, choice: Callable[[type], Any]) -> None:
-        super().__init__(cast(FunctionType, lambda *arguments: None), {}, cache=False)
-        self.choice = choice
-        CHOICES[self] = Choice(choice, "argument 0")
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Run the chosen function."""
-        return self.choice(type(arguments[0]))(*arguments)
-
-    def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """How compiled code calls the chosen function."""
-        return self.choice(arguments[0].instance_class).get_call_template(arguments, keywords)
-
-    def get_overload(self, signature: Any) -> Any:
-        """What compiled code calls."""
-        return self.choice(signature[0].instance_class).get_overload(signature)
-
-
 def selected(choice: Callable[[type], Any]) -> Any:
     """The function `choice(type)` of the type of the first argument, a NamedTuple, where all choices are compiled
     functions.
     """
-    if numba.config.DISABLE_JIT:
+    if not COMPILES:
         return lambda *arguments: choice(type(arguments[0]))(*arguments)
-    return Selected(choice)
+    made = Selected(choice)
+    CHOICES[made] = Choice(choice, "argument 0")
+    return made
 
 
 def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., None]:
@@ -291,11 +186,11 @@ def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., 
         for part, own in zip(parts, workspaces, strict=True):
             choice(type(part))(part, own, *arguments)
 
-    if numba.config.DISABLE_JIT:
+    if not COMPILES:
         return each
     CHOICES[each] = Choice(choice, "parts")
 
-    @numba.extending.overload(each, jit_options={**PART, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
+    @overload(each)
     def version(parts: Any, workspaces: Any, *arguments: Any) -> Any:
         if not isinstance(parts, types.BaseTuple):
             return None
@@ -337,7 +232,7 @@ def inlined(function: Function) -> Function:
     """A loop that takes functions: it is written out inside its caller, which names them and can be found in the
     cache.
     """
-    made: Function = numba.njit(inline="always", error_model="numpy")(function)
+    made: Function = numba.njit(inline="always", error_model="numpy")(function) if COMPILES else function
     return made
 
 
@@ -390,7 +285,7 @@ def admit(*modules: ModuleType) -> None:
     Called with numbers in single precision only, a law has its constants in single precision, too: one literal would
     make the whole loop double.
     """
-    if numba.config.DISABLE_JIT:
+    if not COMPILES:
         return
     for module in modules:
         for law in vars(module).values():
@@ -399,9 +294,7 @@ def admit(*modules: ModuleType) -> None:
 
 
 def _admit_law(law: FunctionType) -> None:
-    options = {**PART, "forceinline": True, "pipeline_class": Part}
-
-    @numba.extending.overload(law, jit_options=options, strict=False)  # type: ignore[untyped-decorator]
+    @overload(law, forceinline=True)
     def version(*arguments: Any, **named: Any) -> FunctionType:
         kinds = {*arguments, *named.values()}
         return in_single(law) if types.float32 in kinds and types.float64 not in kinds else law
@@ -419,126 +312,18 @@ def _single(value: Any) -> Any:
     return np.float32(value) if type(value) is float else value
 
 
-@lower_builtin(math.sqrt, types.float32)  # type: ignore[untyped-decorator]
-@lower_builtin(math.sqrt, types.float64)  # type: ignore[untyped-decorator]
-def _square_root(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Numba calls the C library for `math.sqrt`, which keeps a loop from vectorizing; the processor's own gives the
-    same bits.
-    """
-    intrinsic = builder.module.declare_intrinsic("llvm.sqrt", [arguments[0].type])
-    return builder.call(intrinsic, arguments)
-
-
-@numba.extending.type_callable(fused)  # type: ignore[untyped-decorator]
-def _type_fused(context: Any) -> Callable[..., Any]:
-    return lambda a, b, c: types.float32 if {a, b, c} == {types.float32} else types.float64
-
-
-@lower_builtin(fused, types.float32, types.float32, types.float32)  # type: ignore[untyped-decorator]
-@lower_builtin(fused, types.float64, types.float64, types.float64)  # type: ignore[untyped-decorator]
-def _fused(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """The processor's own; Numba would leave it to LLVM whether a product and a sum are rounded once or twice."""
-    return builder.fma(*arguments)
-
-
-@numba.extending.type_callable(lane_sum)  # type: ignore[untyped-decorator]
-def _type_lane_sum(context: Any) -> Callable[..., Any]:
-    return lambda values, count: types.float64 if isinstance(values, types.Array) else None
-
-
-@lower_builtin(lane_sum, types.Array, types.Integer)  # type: ignore[untyped-decorator]
-def _lane_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Lanes are a vector, whatever the processor makes of one: the bits are the same."""
-    kind = signature.args[0]
-    data = context.make_array(kind)(context, builder, arguments[0]).data
-    wide = ir.VectorType(ir.DoubleType(), LANES)
-    total = cgutils.alloca_once_value(builder, ir.Constant(wide, [0.0] * LANES))
-    blocks = builder.udiv(arguments[1], ir.Constant(arguments[1].type, LANES))
-    with cgutils.for_range(builder, blocks) as loop:
-        place = builder.gep(data, [builder.mul(loop.index, ir.Constant(loop.index.type, LANES))])
-        narrow = ir.VectorType(context.get_data_type(kind.dtype), LANES)
-        found = builder.load(place, typ=narrow, align=kind.dtype.bitwidth // 8)
-        found = found if narrow == wide else builder.fpext(found, wide)
-        builder.store(builder.fadd(builder.load(total, typ=wide), found), total)
-    lanes = builder.load(total, typ=wide)
-    each = [builder.extract_element(lanes, ir.Constant(ir.IntType(32), k)) for k in range(LANES)]
-    while len(each) > 1:
-        half = len(each) // 2
-        each = [builder.fadd(each[k], each[k + half]) for k in range(half)]
-    return each[0]
-
-
-@numba.extending.type_callable(fill_columns)  # type: ignore[untyped-decorator]
-def _type_fill_columns(context: Any) -> Callable[..., Any]:
-    def typer(columns: Any, records: Any, neighbor: Any, place: Any, count: Any) -> Any:
-        return types.none if isinstance(columns, types.Array) and columns.dtype == records.dtype else None
-
-    return typer
-
-
-@lower_builtin(fill_columns, types.Array, types.Array, types.Array, types.Integer, types.Integer)  # type: ignore[untyped-decorator]
-def _fill_columns(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Blocks of neighbors, as many as numbers fit into a vector of this processor: whole records are loaded, and
-    transposed in log2(block) rounds of exchanges between pairs of vectors.
-    """
-    kind = context.get_data_type(signature.args[0].dtype)
-    columns, records, neighbor = (
-        context.make_array(signature.args[k])(context, builder, arguments[k]) for k in range(3)
-    )
-    block = max(2, min(RECORD, _vector_bytes(context) * 8 // signature.args[0].dtype.bitwidth))
-    wide, alignment, index = ir.VectorType(kind, block), signature.args[0].dtype.bitwidth // 8, ir.IntType(64)
-
-    def number(value: int) -> Any:
-        return ir.Constant(index, value)
-
-    room = cgutils.unpack_tuple(builder, columns.shape)[1]
-    length = cgutils.unpack_tuple(builder, neighbor.shape)[1]
-    row = builder.gep(neighbor.data, [builder.mul(arguments[3], length)])
-    with cgutils.for_range(builder, builder.udiv(arguments[4], number(block))) as loop:
-        first = builder.mul(loop.index, number(block))
-        slots = [builder.load(builder.gep(row, [builder.add(first, number(k))])) for k in range(block)]
-        starts = [builder.mul(builder.zext(slot, index), number(RECORD)) for slot in slots]
-        for part in range(0, RECORD, block):
-            places = [builder.gep(records.data, [builder.add(start, number(part))]) for start in starts]
-            vectors = [builder.load(place, typ=wide, align=alignment) for place in places]
-            for column, vector in enumerate(_transposed(builder, vectors)):
-                place = builder.gep(columns.data, [builder.add(builder.mul(number(part + column), room), first)])
-                store = builder.store(vector, builder.bitcast(place, wide.as_pointer()))
-                store.align = alignment
-    return context.get_dummy_value()
-
-
-def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:
-    """The transpose of so many vectors of as many elements, by exchanges at distances 1, 2, 4."""
-    count, distance = len(vectors), 1
-    while distance < count:
-        upper = [k if not k & distance else count + k - distance for k in range(count)]
-        lower = [k + distance if not k & distance else count + k for k in range(count)]
-        masks = [ir.Constant(ir.VectorType(ir.IntType(32), count), mask) for mask in (upper, lower)]
-        found = list(vectors)
-        for k in range(count):
-            if not k & distance:
-                pair = vectors[k], vectors[k + distance]
-                found[k], found[k + distance] = (builder.shuffle_vector(*pair, mask) for mask in masks)
-        vectors, distance = found, 2 * distance
-    return vectors
-
-
-def _vector_bytes(context: Any) -> int:
-    """The width of the vectors that are transposed: with AVX-512, too, blocks of 32 bytes are a little faster."""
-    return 32 if context.codegen().magic_tuple()[1] in {"x86-64-v3", "x86-64-v4"} else 16
-
-
 def use_threads(count: int | None) -> int:
-    """Use that many threads from now on; all of the machine's when None. The result does not depend on it."""
+    """Use that many threads from now on; all of the machine's when None. The result does not depend on it. Plain Python
+    uses one.
+    """
+    if not COMPILES:
+        return 1
     if count is not None:
         numba.set_num_threads(min(count, numba.config.NUMBA_NUM_THREADS))
     return int(numba.get_num_threads())
 
 
 def _dispatcher(function: Function, *, cache: bool, **options: Any) -> Function:
-    if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
-        return function
-    made: Any = Dispatcher(function, options, cache)
+    made: Any = Dispatcher(function, options, cache) if COMPILES and isinstance(function, FunctionType) else function
     kept: Function = made
     return kept

@@ -18,23 +18,25 @@ import contextlib
 import logging
 import pickle
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import FunctionType
 from typing import Any
 
 import llvmlite
 import llvmlite.binding
 import numba
+import numba.extending
 from numba.core import config, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
+from numba.core.targetconfig import TargetConfig
 
 from ecume import _cache
 from ecume._borrowing import borrowing
-from ecume._dependencies import PACKAGE, digest, text_digest
+from ecume._dependencies import PACKAGE, UNKEPT, digest, text_digest
 
 log = logging.getLogger(__name__)
 
@@ -66,12 +68,11 @@ def compile_for_levels() -> None:
 compile_for_levels()
 
 COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, {sys.implementation.cache_tag}{sys.abiflags}, " + (
-    text_digest(PACKAGE / f"_{name}.py" for name in ("borrowing", "columns", "fused", "jit", "parts"))
+    text_digest(
+        PACKAGE / f"_{name}.py" for name in ("borrowing", "columns", "fused", "jit", "lowering", "parts", "variants")
+    )
 )
 """What makes machine code of functions. All Pythons of one minor version have the same bytecode."""
-
-UNKEPT = "OfThisProcess"
-"""Prefix of the names of types that exist in one process only: code compiled for them is not cached on disk."""
 
 
 def named_tuples(kinds: Iterable[Any]) -> Iterator[type]:
@@ -160,9 +161,30 @@ def names_alone(module: Any) -> bytes:
     return bitcode
 
 
+def _hash_of_type(options: Any) -> int:
+    return hash(type(options))
+
+
+# Numba hashes options by their names, which are those of the class, and looks them all up each time: one second in
+# twenty of a compilation.
+TargetConfig.__hash__ = _hash_of_type
+
+
 # Numba optimizes and emits every function, and again inside each of its callers, and theirs: with calls nested eight
 # deep most of a compilation was the same work done over. Here what compiled code calls is a part: typed and lowered
 # once, and optimized where it ends up, in the whole that Python calls.
+
+
+class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
+    """Code that Python runs."""
+
+    def _optimize_functions(self, module: Any) -> None:
+        """Optimize each function; Numba would make as much effort for those that are only declared."""
+        module.data_layout = self._codegen._data_layout
+        for function in module.functions:
+            if not function.is_declaration:
+                passes, builder = self._codegen._function_pass_manager()
+                passes.run(function, builder)
 
 
 class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
@@ -237,7 +259,7 @@ class Whole(Borrowing):
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         if library is None:
-            library = target.codegen().create_library("whole")
+            library = WholeLibrary(target.codegen(), "whole")
             library.enable_object_caching()
         super().__init__(typing, target, library, *rest)
 
@@ -283,6 +305,15 @@ WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrap
 PART = {**WHOLE, "no_cpython_wrapper": True}
 EXACT = {"fastmath": False}
 """Said of each part: where nothing is said, Numba takes it from who calls it first, and on the disk that lasts."""
+
+
+def overload(function: Any, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Register a function that chooses from the types of its arguments what compiled code calls for `function`."""
+    jit_options = {**PART, "pipeline_class": Part, **options}
+    register: Callable[[Callable[..., Any]], Any] = numba.extending.overload(
+        function, jit_options=jit_options, strict=False
+    )
+    return register
 
 
 class Dispatcher(CPUDispatcher):  # type: ignore[misc]

@@ -14,11 +14,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, TypeGuard, TypeVar, overload
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeGuard, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -248,8 +248,11 @@ def factor(unit: str, symbol: str) -> float:
     >>> factor("mN/m", "N/m")
     0.001
     """
-    if (unit, symbol) in COMMON:
-        return COMMON[unit, symbol]
+    if (unit.strip(), symbol) == ("deg", "rad"):
+        return DEGREE
+    known, target = base_of(unit), base_of(symbol)
+    if known is not None and target is not None and known.powers == target.powers and known.powers:
+        return float(known.value / target.value)
     if unit == symbol != "1":
         return 1.0
     found, wanted = _in_base_units(_readable(unit, symbol), symbol), _in_base_units(symbol, symbol)
@@ -269,37 +272,76 @@ def _readable(unit: str, symbol: str) -> str:
     return POWER.sub(r"**(\1)", plain)
 
 
-COMMON = {
-    ("m", "m"): 1.0,
-    ("cm", "m"): 1e-2,
-    ("mm", "m"): 1e-3,
-    ("um", "m"): 1e-6,
-    ("nm", "m"): 1e-9,
-    ("s", "s"): 1.0,
-    ("ms", "s"): 1e-3,
-    ("us", "s"): 1e-6,
-    ("min", "s"): 60.0,
-    ("m/s", "m/s"): 1.0,
-    ("cm/s", "m/s"): 1e-2,
-    ("mm/s", "m/s"): 1e-3,
-    ("m/s^2", "m/s^2"): 1.0,
-    ("deg", "rad"): math.pi / 180.0,
-    ("rad", "rad"): 1.0,
-    ("kg/m^3", "kg/m^3"): 1.0,
-    ("g/cm^3", "kg/m^3"): 1e3,
-    ("Pa*s", "Pa*s"): 1.0,
-    ("mPa*s", "Pa*s"): 1e-3,
-    ("N/m", "N/m"): 1.0,
-    ("mN/m", "N/m"): 1e-3,
-    ("N", "N"): 1.0,
-    ("mN", "N"): 1e-3,
-    ("uN", "N"): 1e-6,
-    ("nN", "N"): 1e-9,
-    ("Pa", "Pa"): 1.0,
-    ("kPa", "Pa"): 1e3,
-    ("MPa", "Pa"): 1e6,
+POWERS_OF_TEN = {
+    "f": -15, "p": -12, "n": -9, "u": -6, "\u00b5": -6, "\u03bc": -6, "m": -3, "c": -2, "h": 2, "k": 3, "M": 6, "G": 9,
+}  # fmt: skip
+"""SI prefixes; micro is also written with either character for it."""
+NAMED: Mapping[str, tuple[Fraction, Mapping[str, int]]] = {
+    **{name: (Fraction(1), {name: 1}) for name in ("m", "s", "K", "A", "rad")},
+    "g": (Fraction(1, 1000), {"kg": 1}),
+    "L": (Fraction(1, 1000), {"m": 3}),
+    "min": (Fraction(60), {"s": 1}),
+    "Hz": (Fraction(1), {"s": -1}),
+    "N": (Fraction(1), {"kg": 1, "m": 1, "s": -2}),
+    "Pa": (Fraction(1), {"kg": 1, "m": -1, "s": -2}),
+    "bar": (Fraction(100000), {"kg": 1, "m": -1, "s": -2}),
+    "J": (Fraction(1), {"kg": 1, "m": 2, "s": -2}),
+    "W": (Fraction(1), {"kg": 1, "m": 2, "s": -3}),
+    "T": (Fraction(1), {"kg": 1, "s": -2, "A": -1}),
 }
-"""What most scenes are written in: to read these needs no Pint, whose start takes most of a second."""
+"""Units by value and powers of SI base units. Scenes with these need no Pint, which takes a quarter of a second."""
+NOT_PREFIXED = {"hbar", *(f"{prefix}min" for prefix in POWERS_OF_TEN)}
+"""A constant of nature, and what is no unit."""
+DEGREE = math.pi / 180.0
+
+
+class Base(NamedTuple):
+    """A unit in base units of the SI."""
+
+    value: Fraction
+    powers: Mapping[str, int]
+
+
+@lru_cache(maxsize=256)
+def base_of(unit: str) -> Base | None:
+    """A product or quotient of prefixed units in base units; None for what only Pint knows.
+
+    >>> base_of("mN/m")
+    Base(value=Fraction(1, 1000), powers={'kg': 1, 's': -2})
+    """
+    plain = unit.strip().translate(TYPOGRAPHY)
+    if plain != "1" and (len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None):
+        return None
+    value, powers = Fraction(1), dict[str, int]()
+    for name, power in _powers(plain).items():
+        found = _named(name)
+        if found is None:
+            return None
+        value *= found.value**power
+        for base, exponent in found.powers.items():
+            powers[base] = powers.get(base, 0) + exponent * power
+    return Base(value, {base: powers[base] for base in sorted(powers) if powers[base]})
+
+
+def _named(name: str) -> Base | None:
+    """A unit with its prefix."""
+    if name in NAMED:
+        return Base(*NAMED[name])
+    if name[:1] in POWERS_OF_TEN and name[1:] in NAMED and name not in NOT_PREFIXED:
+        value, powers = NAMED[name[1:]]
+        return Base(value * Fraction(10) ** POWERS_OF_TEN[name[0]], powers)
+    return None
+
+
+def same_dimension(one: str, other: str) -> bool:
+    """Whether two units measure the same; radians are no plain numbers."""
+    known, wanted = base_of(one), base_of(other)
+    if known is not None and wanted is not None:
+        return known.powers == wanted.powers
+    try:
+        return factor(one, other) > 0.0
+    except ValueError:
+        return False
 
 
 def _in_base_units(unit: str, symbol: str) -> Any:

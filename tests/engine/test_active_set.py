@@ -71,7 +71,7 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
     velocity = start.copy()
     contacts.impulse[:total] = 0.1 * swept  # from whatever impulses
     pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
-    impulse_solvers._push(pair, contacts.impulse[:total], velocity, mobility)
+    impulse_solvers._push(pair, contacts.impulse[:total], 1.0, velocity, mobility)
     assert impulse_solvers.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
     wrong, unexplained = optimality(contacts, start, velocity, mobility)
     assert wrong < 1e-12 * np.abs(start).max()

@@ -368,10 +368,10 @@ def test_a_record_under_another_name_is_refused(made: RunDirectory) -> None:
 
 def test_loops_over_threads_are_refused_after_a_fork(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where they would wait for ever; loops over few particles need no threads."""
-    from ecume import _jit
+    from ecume import _jit, _variants
 
     loop: Any = _jit.spread(lambda array: array.sum())
-    monkeypatch.setattr(_jit, "_FORKED", [1])
+    monkeypatch.setattr(_variants, "_FORKED", [1])
     assert loop(np.ones(2)) == 2.0
     with pytest.raises(RuntimeError, match="spawn"):
         loop(np.ones(_jit.FEW))
@@ -381,10 +381,10 @@ def test_a_simulation_that_needs_threads_is_refused_after_a_fork(
     monkeypatch: pytest.MonkeyPatch, scene: Scenes
 ) -> None:
     """Its compiled steps call loops over threads, where Python sees none of them."""
-    from ecume import _jit
+    from ecume import _jit, _variants
 
     assert min(_jit.SEVERAL, _jit.FEW) == THREADS_FROM == EVENTS_IN_THREADS == SOLVED_IN_THREADS
-    monkeypatch.setattr(_jit, "_FORKED", [1])
+    monkeypatch.setattr(_variants, "_FORKED", [1])
     assert len(list(simulate(scene(duration=0.02)))) == 3
     with pytest.raises(RuntimeError, match="spawn"):
         next(simulate(scene(count=_jit.SEVERAL)))

@@ -11,7 +11,7 @@ import typer
 from ecume.cli.output import echo
 from ecume.cli.pictures import wrote
 from ecume.cli.runs import HERE, Quiet, RunFolder, offered
-from ecume.cli.scenes import Overrides
+from ecume.cli.scenes import Overrides, without_compiler_for
 from ecume.errors import BadInput
 
 LOOK_EVERY = 0.5
@@ -50,6 +50,7 @@ def view(
             raise BadInput("--live follows a run and writes no page; leave --save out")
         _follow(directory)
         return
+    without_compiler_for(directory)
     from ecume.show.view import save_page
 
     page = save_page(directory, save, max_size)

@@ -15,7 +15,7 @@ import typer
 
 from ecume.cli.output import counted, echo, say
 from ecume.cli.runs import HERE, Quiet, RunFolder
-from ecume.cli.scenes import Overrides, placed, without_compiler
+from ecume.cli.scenes import Overrides, placed, without_compiler, without_compiler_for
 from ecume.errors import BadInput, install
 
 NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
@@ -251,11 +251,13 @@ def movie(
     · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
+
+    existing(directory)
+    without_compiler_for(directory)
     from ecume.show.movies import MovieOptions
     from ecume.show.movies import movie as make
     from ecume.show.picture import Aim
 
-    existing(directory)
     if speed is not None:
         fps, every = pace(speed, frame_interval(directory))
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
@@ -450,6 +452,8 @@ def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
         model = str(manifest_of(existing(run)).get("model", ""))
         for name in asked.names:  # refused before anything that draws is imported
             require_figure(model, name)
+    if len(runs) == 1:
+        without_compiler_for(runs[0])
     from ecume.show.figures import drawn_of
     from ecume.show.publishing import Finish, finished, read_measured, together, with_measured, written_data
     from ecume.show.style import save
@@ -478,12 +482,14 @@ def _require_one(names: list[str], out: Path | None) -> None:
 def _draw_all(directory: Path, folder: Path, form: str, look: dict[str, Any], *, quiet: bool, verbose: bool) -> None:
     """Every figure that this run has something for, in a folder."""
     from ecume.run.directory import existing
+
+    existing(directory)
+    without_compiler_for(directory)
     from ecume.show.curves import ONE_FRAME
     from ecume.show.figures import figures_of_run
     from ecume.show.figures import plot as draw
     from ecume.show.publishing import Finish
 
-    existing(directory)
     omitted = {}
     for name in figures_of_run(directory):
         try:

@@ -1,7 +1,7 @@
 """The verbs about scenes: new, check and cite; and what computes a scene.
 
-The options select an engine. Small scenes are checked in plain Python: to load compiled code takes longer than the few
-loops that a check of a small scene runs.
+The options select an engine. Scenes are checked in plain Python unless many particles have to be placed: to load
+compiled code takes longer than the few loops that a check runs.
 """
 
 from __future__ import annotations
@@ -76,8 +76,8 @@ def _engine_of(directory: Path | None) -> str:
     return engine_of(existing(directory))
 
 
-FEW = 200
-"""Floats that are placed at random in plain Python as soon as compiled code is loaded."""
+FEW = 1000
+"""Particles that are placed at random in plain Python as soon as compiled code is loaded."""
 
 own_process: list[bool] = []
 """Not empty where this process runs one command and ends."""
@@ -85,20 +85,33 @@ own_process: list[bool] = []
 
 def without_compiler(scene: Scene) -> None:
     """Have no code compiled from now on, if the check of a scene needs little computation and nothing comes after."""
-    if own_process and "numba" not in sys.modules and is_small(scene):
+    if own_process and "ecume._jit" not in sys.modules and is_small(scene):
         os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 
+def without_compiler_for(directory: Path) -> None:
+    """The same for pictures and figures of a run. Those of tanks sum over all particles, and the surface around
+    multipoles over all terms.
+    """
+    if own_process and "ecume._jit" not in sys.modules:
+        from ecume.errors import EcumeError
+        from ecume.trajectories.reader import open_trajectory
+
+        with contextlib.suppress(EcumeError, OSError):  # reported by what draws
+            scene = open_trajectory(directory).scene
+            method = getattr(getattr(scene, "interaction", None), "method", "")
+            if scene is not None and scene.model != "sph" and method != "multipole":
+                without_compiler(scene)
+
+
 def is_small(scene: Scene) -> bool:
-    """Whether few floats are placed; a tank's lattices are NumPy's."""
-    from ecume.scenes.floating import FloatingScene
+    """Whether few particles are placed one by one; lattices of liquid are NumPy's."""
     from ecume.scenes.sph import SphScene
 
-    if isinstance(scene, FloatingScene):
-        return sum(species.count for species in scene.particles) + len(scene.rows) <= FEW
-    return isinstance(scene, SphScene) and not any(
-        region.particles or region.triangles or region.vertices for region in scene.fluid
-    )
+    if isinstance(scene, SphScene):
+        return not any(region.particles or region.triangles or region.vertices for region in scene.fluid)
+    counts = [getattr(species, "number", None) or species.count or 1 for species in scene.particles]
+    return sum(counts) + len(getattr(scene, "rows", ())) <= FEW
 
 
 CHECK_COLUMNS = ("quantity", "value", "remark")

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, prange, threaded
 from ecume._portable import solve_definite
@@ -49,6 +48,8 @@ class Near(NamedTuple):
 
 def near(points: Array, position: Array, reach: float) -> Near:
     """Pairs of points and particles within reach; both are (n, d)."""
+    from scipy.spatial import cKDTree
+
     found = cKDTree(points).sparse_distance_matrix(cKDTree(position), reach, output_type="ndarray")
     order = np.lexsort((found["j"], found["i"]))
     point, particle = found["i"][order].astype(np.int64), found["j"][order].astype(np.int64)

@@ -18,9 +18,6 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import length, product
@@ -565,6 +562,8 @@ class Mesh(NamedTuple):
 
     def thickness(self) -> float:
         """The least width of the convex hull across one of its faces."""
+        from scipy.spatial import ConvexHull
+
         normals = np.unique(np.round(ConvexHull(self.triangles.reshape(-1, 3)).equations[:, :3], 6), axis=0)
         return float(np.ptp(product(self.triangles.reshape(-1, 3), normals.T), axis=0).min())
 
@@ -663,6 +662,9 @@ def _shells(triangles: Array) -> int:
     ends = np.sort(np.concatenate([place[:, [0, 1]], place[:, [1, 2]], place[:, [2, 0]]]), axis=1)
     edge = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
     face, count = np.tile(np.arange(len(triangles)), 3), len(triangles) + int(edge.max()) + 1
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     links = coo_array((np.ones(len(face)), (face, len(triangles) + edge)), (count, count))
     return int(connected_components(links, directed=False)[0])
 
@@ -693,6 +695,8 @@ def _cut_triangle(count: int) -> Array:
 
 def hull_of(points: Array) -> Mesh:
     """The convex hull of points (N, 3). Raises BadInput for points in one plane."""
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         hull = ConvexHull(points)
     except (QhullError, ValueError) as error:
@@ -736,6 +740,8 @@ class Cloud(NamedTuple):
 
     def inside(self, points: Array) -> Flags:
         """Closer to one of them than half a spacing, along each axis."""
+        from scipy.spatial import cKDTree
+
         distance, _ = cKDTree(self.points).query(points, p=np.inf)
         return np.asarray(distance < 0.5 * self.spacing)
 

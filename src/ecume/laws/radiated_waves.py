@@ -17,7 +17,6 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import hankel1, hankel2
 
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_not_negative, require_positive
@@ -167,6 +166,8 @@ def slope_of_struve_minus_bessel(z: Any) -> Complexes:
 
 def _beyond(z: Complexes, order: int) -> Complexes:
     """What continuation across the imaginary axis adds: -2i H^(2)(-z) above the real axis and 2i H^(1)(-z) below."""
+    from scipy.special import hankel1, hankel2
+
     w = np.where(z.real < 0.0, -z, 1.0)
     return np.asarray(np.where(z.imag > 0.0, -2j * hankel2(order, w), 2j * hankel1(order, w)))
 

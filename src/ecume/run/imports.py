@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ecume.analysis.boxes import Box, nearest
 from ecume.analysis.series import warn_of_far_moves
@@ -157,6 +156,8 @@ def _matched(state: Any, position: Array, sides: Array, name: str) -> NDArray[np
     dimensions = state.position.shape[1]
     periods = periods_of(sides[:dimensions].tolist())
     home = into_box(position[:, :dimensions], periods)
+    from scipy.spatial import cKDTree
+
     found = cKDTree(home, boxsize=periods[0] if periods.any() else None).query(into_box(state.position, periods))
     distance, place = np.asarray(found[0], np.float64), np.asarray(found[1], np.int64)
     extent = float(np.ptp(position, axis=0).max())

@@ -182,9 +182,9 @@ def _rounded(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def names_quantities(scene: Common) -> bool:
-    """Whether a scene names quantities, which can only be checked in a frame."""
+    """Whether a scene names quantities that can only be checked in a frame."""
     asked = scene.output
-    return bool(asked.quantities or (asked.samples and asked.samples.numbers))
+    return bool(asked.quantities or (asked.samples and not scene.numbers.issuperset(asked.samples.numbers)))
 
 
 def require_known(scene: Common, frame: Frame) -> None:

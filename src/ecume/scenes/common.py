@@ -244,6 +244,11 @@ class Common:
         return float(Decimal(repr(self.frame_every)) * number)
 
     @property
+    def numbers(self) -> frozenset[str]:
+        """Names of numbers that frames have, as far as they follow from the scene alone."""
+        return frozenset()
+
+    @property
     def kinds(self) -> tuple[Kind, ...]:
         """The species, each in the place that is its number in frames; none where a model knows no species."""
         return ()

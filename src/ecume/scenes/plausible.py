@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ecume.scenes.faults import Path, written
 from ecume.scenes.load import SCENES, below, item_unit, name_liquid
-from ecume.units import Unit, factor, with_prefix
+from ecume.units import Unit, same_dimension, with_prefix
 
 Remark = tuple[str, str, str]
 """The key, its value with unit, and what is odd about it."""
@@ -103,10 +103,7 @@ def range_of(model: str, path: Path, unit: str) -> Range | None:
 def _same_dimension(one: str, unit: str) -> bool:
     if one == "degC" or unit == "K":
         return (one, unit) == ("degC", "K")
-    try:
-        return factor(one, unit) > 0.0
-    except ValueError:
-        return False
+    return same_dimension(one, unit)
 
 
 def remarks(raw: Mapping[str, Any]) -> list[Remark]:

@@ -131,11 +131,24 @@ def _island_of_each(first: Integers, second: Integers, mobility: Array) -> Integ
 @compiled
 def contacts_of_rows(contacts: Contacts, rows: Integers) -> Contacts:
     """A contiguous copy of some contacts."""
-    total, real = np.full(1, len(rows)), np.zeros((2, len(rows)))
-    return Contacts(
-        total, contacts.first[rows], contacts.second[rows], contacts.normal[rows], contacts.gap[rows],
-        contacts.bound[rows], contacts.weight[rows], contacts.impulse[rows], contacts.change[rows], real[0], real[1],
-    )  # fmt: skip
+    count = len(rows)
+    first, second, normal = np.empty(count, np.int64), np.empty(count, np.int64), np.empty((count, 2))
+    gap, bound, weight, impulse, change = (
+        np.empty(count),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count),
+        np.empty(count),
+    )
+    for place in range(count):
+        row = rows[place]
+        first[place], second[place] = contacts.first[row], contacts.second[row]
+        normal[place, 0], normal[place, 1] = contacts.normal[row, 0], contacts.normal[row, 1]
+        gap[place], bound[place], weight[place] = contacts.gap[row], contacts.bound[row], contacts.weight[row]
+        impulse[place], change[place] = contacts.impulse[row], contacts.change[row]
+    total = np.empty(1, np.int64)
+    total[0] = count
+    return Contacts(total, first, second, normal, gap, bound, weight, impulse, change, np.zeros(count), np.zeros(count))
 
 
 @compiled_inside
@@ -262,20 +275,31 @@ def solve_islands(contacts: Contacts, first: Integers, velocity: Array, mobility
 @compiled
 def solve_by_active_set(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> bool:
     """Solve an island by the active-set method; return whether the result is accepted. Nothing changes otherwise."""
-    begin, end = span
-    before, slower = contacts.impulse[begin:end].copy(), velocity.copy()
-    bound = contacts.bound[begin:end]
-    rows = begin + np.flatnonzero((bound > -np.inf) & (contacts.weight[begin:end] > 0.0))
-    pair = contacts.first[rows], contacts.second[rows], contacts.normal[rows]
-    impulse = contacts.impulse[rows]
-    if not nearest_velocity(pair, contacts.bound[rows], impulse, velocity, mobility):
+    rows = _solvable(contacts, span)
+    some = contacts_of_rows(contacts, rows)
+    pair, slower = (some.first, some.second, some.normal), velocity.copy()
+    if not nearest_velocity(pair, some.bound, some.impulse, velocity, mobility):
         return False
-    contacts.impulse[rows] = impulse
+    before = contacts_of_rows(contacts, rows)
+    scatter_impulses(contacts, rows, some)
     left = _residual(span, bodies_of(contacts), impulses_of(contacts), velocity)
     if left <= max(goal.target, goal.acceptable):
         return True
-    contacts.impulse[begin:end], velocity[:] = before, slower
+    scatter_impulses(contacts, rows, before)
+    for body in range(len(velocity)):
+        velocity[body, 0], velocity[body, 1] = slower[body, 0], slower[body, 1]
     return False
+
+
+@compiled
+def _solvable(contacts: Contacts, span: Span) -> Integers:
+    """The rows of an island that can have an impulse."""
+    rows, found = np.empty(span[1] - span[0], np.int64), 0
+    for row in range(span[0], span[1]):
+        if contacts.bound[row] > -np.inf and contacts.weight[row] > 0.0:
+            rows[found] = row
+            found += 1
+    return rows[:found]
 
 
 @compiled_inside
@@ -334,87 +358,97 @@ def nearest_velocity(
 
     False, and no change, where no solution was found.
     """
-    bodies, number = _numbered(pair)
-    if not mobility[bodies].max() > 0.0:
+    place, bodies = _numbered(pair, len(mobility))
+    matrix, strength = _columns(pair, place, bodies, mobility)
+    if not strength > 0.0:
         return False
-    matrix, strength = _columns(pair, number, mobility[bodies])
-    free = _without_impulses(pair, impulse, velocity, mobility)
-    need = _needs(pair, bound, free)
-    scale = np.abs(need).max()
+    free = velocity.copy()
+    _push(pair, impulse, -1.0, free, mobility)
+    need, scale = _needs(pair, bound, free)
     if not 0.0 < scale < np.inf:
         return False
-    matrix[len(matrix) - 1] = need / scale
-    right = np.zeros(len(matrix))
+    right, guess = np.zeros(len(matrix)), np.empty(len(need), np.bool_)
     right[len(right) - 1] = 1.0
-    solution, found = nonnegative_least_squares(matrix, right, impulse > 0.0)
-    rest = 1.0 - (matrix[len(matrix) - 1] * solution).sum()
+    for k in range(len(need)):
+        matrix[len(matrix) - 1, k] = need[k] / scale
+        guess[k] = impulse[k] > 0.0
+    solution, found = nonnegative_least_squares(matrix, right, guess)
+    explained = 0.0
+    for k in range(len(need)):
+        explained += matrix[len(matrix) - 1, k] * solution[k]
+    rest = 1.0 - explained
     if not found or not rest > FEASIBLE:
         return False
-    impulse[:] = solution * (scale / (rest * strength * strength))
-    velocity[:] = free
-    _push(pair, impulse, velocity, mobility)
+    for k in range(len(need)):
+        impulse[k] = solution[k] * (scale / (rest * strength * strength))
+    for body in range(len(velocity)):
+        velocity[body, 0], velocity[body, 1] = free[body, 0], free[body, 1]
+    _push(pair, impulse, 1.0, velocity, mobility)
     return True
 
 
 @compiled
-def _numbered(pair: tuple[Integers, Integers, Array]) -> tuple[Integers, Integers]:
-    """The bodies that take part, and the places of both bodies of each contact among them, (2, n)."""
+def _numbered(pair: tuple[Integers, Integers, Array], count: int) -> tuple[Integers, int]:
+    """The places of bodies among those that take part, in ascending order, and the number of these."""
     first, second, _ = pair
-    bodies = np.unique(np.concatenate((first, second)))
-    number = np.empty((2, len(first)), np.int64)
-    number[0], number[1] = np.searchsorted(bodies, first), np.searchsorted(bodies, second)
-    return bodies, number
+    place, bodies = np.zeros(count, np.int64), 0
+    for k in range(len(first)):
+        place[first[k]] = place[second[k]] = 1
+    for body in range(count):
+        if place[body] > 0:
+            place[body] = bodies
+            bodies += 1
+    return place, bodies
 
 
 @compiled
-def _columns(pair: tuple[Integers, Integers, Array], number: Integers, mobility: Array) -> tuple[Array, float]:
+def _columns(
+    pair: tuple[Integers, Integers, Array], place: Integers, bodies: int, mobility: Array
+) -> tuple[Array, float]:
     """The responses to unit impulses, in the norm of kinetic energy, over the largest of their lengths, which is
-    returned too. The last row remains empty.
+    returned too; zero if no body moves. The last row remains empty.
     """
-    normal = pair[2]
-    matrix, longest = np.zeros((2 * len(mobility) + 1, len(normal))), 0.0
+    first, second, normal = pair
+    matrix, longest = np.zeros((2 * bodies + 1, len(normal))), 0.0
     for k in range(len(normal)):
-        one, other = number[0, k], number[1, k]
-        longest = max(longest, mobility[one] + mobility[other])
-        for axis in range(2):
-            matrix[2 * one + axis, k] = -np.sqrt(mobility[one]) * normal[k, axis]
-            matrix[2 * other + axis, k] = np.sqrt(mobility[other]) * normal[k, axis]
+        longest = max(longest, mobility[first[k]] + mobility[second[k]])
     strength = np.sqrt(longest)
-    matrix /= strength
+    if not strength > 0.0:
+        return matrix, 0.0
+    for k in range(len(normal)):
+        i, j = first[k], second[k]
+        for axis in range(2):
+            matrix[2 * place[i] + axis, k] = -np.sqrt(mobility[i]) * normal[k, axis] / strength
+            matrix[2 * place[j] + axis, k] = np.sqrt(mobility[j]) * normal[k, axis] / strength
     return matrix, strength
 
 
 @compiled
-def _push(pair: tuple[Integers, Integers, Array], impulse: Array, velocity: Array, mobility: Array) -> None:
-    """Change velocities by impulses."""
+def _push(
+    pair: tuple[Integers, Integers, Array], impulse: Array, sign: float, velocity: Array, mobility: Array
+) -> None:
+    """Change velocities by impulses, or undo it with the sign -1."""
     first, second, normal = pair
     for k in range(len(first)):
         i, j = first[k], second[k]
         for axis in range(2):
-            velocity[i, axis] -= mobility[i] * impulse[k] * normal[k, axis]
-            velocity[j, axis] += mobility[j] * impulse[k] * normal[k, axis]
+            velocity[i, axis] -= mobility[i] * (sign * impulse[k]) * normal[k, axis]
+            velocity[j, axis] += mobility[j] * (sign * impulse[k]) * normal[k, axis]
 
 
 @compiled
-def _without_impulses(
-    pair: tuple[Integers, Integers, Array], impulse: Array, velocity: Array, mobility: Array
-) -> Array:
-    """The velocities before the impulses."""
-    free = velocity.copy()
-    _push(pair, -impulse, free, mobility)
-    return free
-
-
-@compiled
-def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array) -> Array:
-    """The shortfall of each contact's normal velocity below its bound (m/s)."""
+def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array) -> tuple[Array, float]:
+    """The shortfall of each contact's normal velocity below its bound (m/s), and the largest magnitude, infinite if one
+    is NaN.
+    """
     first, second, normal = pair
-    need = np.empty(len(first))
+    need, scale = np.empty(len(first)), 0.0
     for k in range(len(first)):
         i, j = first[k], second[k]
         along_x = normal[k, 0] * (velocity[j, 0] - velocity[i, 0])
         need[k] = bound[k] - along_x - normal[k, 1] * (velocity[j, 1] - velocity[i, 1])
-    return need
+        scale = max(scale, abs(need[k]) if need[k] == need[k] else np.inf)
+    return need, scale
 
 
 @compiled
@@ -423,14 +457,15 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
     positive to begin with. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
     """
     count = matrix.shape[1]
-    solution, passive, barred = np.zeros(count), guess.copy(), np.zeros(count, np.bool_)
+    solution, passive, barred = np.zeros(count), np.empty(count, np.bool_), np.zeros(count, np.bool_)
     for k in range(count):
+        passive[k] = guess[k]
         solution[k] = 1.0 if passive[k] else 0.0
     settled = _settle(matrix, right, solution, passive)
     for _ in range(10 * count):
         if not settled:
             return solution, False
-        rest = right - _applied(matrix, solution)
+        rest = _rest(matrix, right, solution)
         entering, steepest = -1, OPTIMAL
         for k in range(count):
             gradient = 0.0
@@ -445,18 +480,21 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
         # One that leaves at once depends on those that are there, to rounding: it would come and go for ever.
         barred[entering] = not passive[entering]
         if not barred[entering]:
-            barred[:] = False
+            for k in range(count):
+                barred[k] = False
     return solution, False
 
 
 @compiled
-def _applied(matrix: Array, solution: Array) -> Array:
-    """The product, added column by column."""
+def _rest(matrix: Array, right: Array, solution: Array) -> Array:
+    """The residual right - matrix solution, the product added column by column."""
     total = np.zeros(len(matrix))
     for k in range(len(solution)):
         if solution[k] != 0.0:
             for row in range(len(matrix)):
                 total[row] += matrix[row, k] * solution[k]
+    for row in range(len(matrix)):
+        total[row] = right[row] - total[row]
     return total
 
 
@@ -485,12 +523,14 @@ def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bo
 def _least_squares(matrix: Array, right: Array, passive: Choice) -> Array:
     """The least squares of the passive components, by modified Gram-Schmidt; dependent columns leave these."""
     rows, columns = matrix.shape
-    basis, upper = np.empty((columns, rows)), np.zeros((columns, columns))
+    basis, upper, column = np.empty((columns, rows)), np.zeros((columns, columns)), np.empty(rows)
     who, kept = np.empty(columns, np.int64), 0
     for k in range(columns):
         if not passive[k]:
             continue
-        column, length = matrix[:, k].copy(), np.sqrt((matrix[:, k] ** 2).sum())
+        for row in range(rows):
+            column[row] = matrix[row, k]
+        length = _length(column)
         for _ in range(2):  # twice is enough
             for other in range(kept):
                 along = 0.0
@@ -499,22 +539,35 @@ def _least_squares(matrix: Array, right: Array, passive: Choice) -> Array:
                 upper[other, kept] += along
                 for row in range(rows):
                     column[row] -= along * basis[other, row]
-        left = np.sqrt((column**2).sum())
+        left = _length(column)
         if left <= DEPENDENT * length:
-            upper[:, kept] = 0.0
+            for other in range(kept):
+                upper[other, kept] = 0.0
             passive[k] = False
             continue
-        basis[kept], upper[kept, kept], who[kept] = column / left, left, k
+        for row in range(rows):
+            basis[kept, row] = column[row] / left
+        upper[kept, kept], who[kept] = left, k
         kept += 1
-    solution, rest = np.zeros(columns), right.copy()
-    shares = np.zeros(kept)
+    solution, shares = np.zeros(columns), np.zeros(kept)
+    for row in range(rows):
+        column[row] = right[row]
     for place in range(kept):
         for row in range(rows):
-            shares[place] += basis[place, row] * rest[row]
-        rest -= shares[place] * basis[place]
+            shares[place] += basis[place, row] * column[row]
+        for row in range(rows):
+            column[row] -= shares[place] * basis[place, row]
     for place in range(kept - 1, -1, -1):
         value = shares[place]
         for other in range(place + 1, kept):
             value -= upper[place, other] * solution[who[other]]
         solution[who[place]] = value / upper[place, place]
     return solution
+
+
+@compiled_inside
+def _length(column: Array) -> float:
+    square = 0.0
+    for row in range(len(column)):
+        square += column[row] * column[row]
+    return float(np.sqrt(square))

@@ -18,17 +18,19 @@ processor, as those of LAPACK do.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import SuperLU, splu
 
 from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center
 from ecume.errors import BadInput
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import SuperLU
 
 LEAF = 12
 """Rows of a part that is not cut any further."""
@@ -143,6 +145,8 @@ def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, loo
 
 def reordered(matrix: Matrix, analysis: Analysis, loose: int) -> csc_array:
     """The matrix in the order of its elimination; the equations of the first `loose` unknowns are replaced by x = 0."""
+    from scipy.sparse import csc_array
+
     numbers, (row, column) = matrix.blocks.ravel()[analysis.place], (analysis.row, analysis.column)
     if loose:
         held = np.isin(row, analysis.rank[:loose]) | np.isin(column, analysis.rank[:loose])
@@ -152,6 +156,8 @@ def reordered(matrix: Matrix, analysis: Analysis, loose: int) -> csc_array:
 
 def factorize(whole: csc_array) -> SuperLU | None:
     """L and U of a matrix; None where it is singular."""
+    from scipy.sparse.linalg import splu
+
     try:
         return splu(whole, permc_spec="NATURAL", diag_pivot_thresh=PIVOT_THRESHOLD, options={"SymmetricMode": True})
     except RuntimeError:  # "Factor is exactly singular"

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from ecume.engine.linear_solvers import cholmod
 from ecume.engine.linear_solvers.solvers import SOLVERS
@@ -97,6 +96,8 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         for wall, normal in enumerate(walls.place[:, : position.shape[1]]):
             slope -= inside[:, wall, None] / unit * normal
         return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), slope.ravel()
+
+    from scipy.optimize import minimize
 
     flat = position.ravel() / unit
     tight = parameters._replace(contacts=parameters.contacts._replace(fade_from=least))

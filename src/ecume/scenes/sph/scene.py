@@ -244,6 +244,12 @@ class SphScene(Common):
     integration: IntegrationSpec = IntegrationSpec()
     """The time stepping. Effect: determines the error per step and the cost."""
 
+    @property
+    def numbers(self) -> frozenset[str]:
+        """Those of pressure gauges and level gauges."""
+        single = [(gauge, measure) for gauge in self.gauges for measure in gauge.quantities if measure != "velocity"]
+        return frozenset(f"{name}_{measure}" for gauge, measure in single for name in gauge.names)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         dimension = len(self.tank.low)

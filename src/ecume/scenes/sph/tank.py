@@ -120,6 +120,12 @@ class GaugeSpec:
             raise Inconsistent(complaints)
         return self
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The name of the gauge, or of each in its row."""
+        count = 0 if self.end is None else self.count or 2
+        return tuple(f"{self.name}_{number}" for number in range(1, count + 1)) or (self.name,)
+
 
 def gauge_faults(gauges: Sequence[GaugeSpec], tank: TankSpec) -> Complaints:
     """Gauges that do not fit into the tank, or have one name together."""

@@ -8,8 +8,6 @@ is anchored. Forces on it are in balance, so that the anchor bears nothing.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ecume.engine.cells import Integers
 from ecume.errors import Diverged
@@ -28,6 +26,9 @@ def pieces(pair: Integers, touching: Integers) -> Integers:
     count, beside = len(touching), np.flatnonzero(touching.any(axis=1))
     first, second = np.append(pair[:, 0], beside), np.append(pair[:, 1], np.full(len(beside), count))
     nodes = count + bool(touching.shape[1])
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
     found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
     return found

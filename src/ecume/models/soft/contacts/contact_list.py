@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, compiled_inside, prange, shared
 from ecume._portable import log
@@ -328,6 +327,8 @@ def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
         copies = copy_near(at_home(position, box), box.sides, _shifts(box, position.shape[1]), far)
         return search(radius, parameters.contacts.fade_from, copies, wraps(position, box))
     place, owner, copy = _copies(position, box, far)
+    from scipy.spatial import cKDTree
+
     found = cKDTree(place).query_pairs(far, output_type="ndarray")
     found = found[found[:, 0] < len(position)]
     first, second = owner[found[:, 0]], owner[found[:, 1]]

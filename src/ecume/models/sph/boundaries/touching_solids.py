@@ -18,7 +18,6 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ecume._portable import product
 from ecume.engine.interpolation import added, near
@@ -104,6 +103,8 @@ def pressures_at(now: Parameters, state: State, workspace: Workspace, points: Ar
     found[wet] = added(pairs, weight * (push[pairs.particle] + rise))[wet] / there[wet]
     lonely = np.flatnonzero(~wet & narrow)
     if len(lonely):
+        from scipy.spatial import cKDTree
+
         _, nearest = cKDTree(place).query(points[lonely])
         way = points[lonely] - place[nearest]
         found[lonely] = push[nearest] + now.material.density * (gravity[lonely] * way).sum(axis=1)

@@ -6,7 +6,6 @@ import itertools
 import math
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ecume.errors import BadInput
 from ecume.laws.flows import group_velocity, viscous_decay, wave_frequency
@@ -104,6 +103,8 @@ def lost_per_wavelength(turning: float, depth: float, gravity: float, viscosity:
     """The part of its height that a small wave of an angular frequency loses on the way of one wavelength."""
     low = turning / math.sqrt(gravity * depth)
     high = low + turning**2 / gravity + 1.0 / depth
+    from scipy.optimize import brentq
+
     wavenumber = brentq(lambda k: wave_frequency(k, depth, gravity) - turning, 0.5 * low, 2.0 * high)
     time = 2.0 * math.pi / wavenumber / group_velocity(wavenumber, depth, gravity)
     return -math.expm1(-viscous_decay(wavenumber, depth, gravity, viscosity).rate * time)

@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from ecume._portable import dot, product
 from ecume.engine.interpolation import added, dry, near, planes
@@ -86,6 +85,8 @@ def level_of(scene: SphScene, up: Array) -> float:
     regions = [part_of_space(region, scene.spacing) for region in scene.fluid]
     low, high = (np.array(corners) for corners in zip(*(region.bounds() for region in regions), strict=True))
     meet = (np.maximum(low, low[:, None]) < np.minimum(high, high[:, None]) + scene.spacing).all(axis=2)
+    from scipy.sparse.csgraph import connected_components
+
     _, part = connected_components(meet)
     volume = np.bincount(part, weights=[region.volume() for region in regions])
     largest = np.flatnonzero(part == int(np.argmax(volume)))
@@ -135,8 +136,7 @@ def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
     for spec in scene.gauges:
         first = np.array(spec.position)
         places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
-        for number, place in enumerate(places, 1):
-            name = spec.name if spec.end is None else f"{spec.name}_{number}"
+        for name, place in zip(spec.names, places, strict=True):
             area = sensing_area(scene.tank, place, spec.diameter or 0.0)
             floor = np.array([scene.tank.low, scene.tank.high], np.float64)
             found.append(Gauge(name, place, area, spec.quantities, _ground(floor, place, reach), floor, ends, periods))

@@ -20,7 +20,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ecume._portable import length
 from ecume.engine.cells import Images, Integers, Sides, images_of, positions_of_images
@@ -117,6 +116,8 @@ def _particles(scene: SphScene, regions: Sequence[Cells], near: Flags) -> Partic
     position, volume = (np.concatenate(parts) for parts in zip(liquid, *still, strict=True))
     moving = np.zeros(len(position), bool)
     moving[: len(near)] = near
+    from scipy.spatial import cKDTree
+
     distance, _ = cKDTree(position[moving]).query(position, distance_upper_bound=2.0 * support)
     kept = moving | np.isfinite(distance)
     return Particles(position[kept], volume[kept], np.flatnonzero(moving[kept]), imaging_sides(scene)[0])
@@ -148,6 +149,8 @@ def _nearest(points: Array, others: Array, within: float) -> Array:
     """(N,) the distance to the nearest of others, infinite if it is not within that."""
     if len(others) == 0:
         return np.full(len(points), np.inf)
+    from scipy.spatial import cKDTree
+
     return np.asarray(cKDTree(others).query(points, distance_upper_bound=within)[0])
 
 
@@ -243,6 +246,8 @@ def pairs_of(particles: Particles, reach: float) -> Pairs:
     everyone = with_images(particles, images).T
     moves = np.zeros(len(everyone), bool)
     moves[particles.moving] = True
+    from scipy.spatial import cKDTree
+
     both = cKDTree(everyone).query_pairs(reach, output_type="ndarray")
     both = both[moves[both].any(axis=1)]
     one, other = np.ascontiguousarray(both[np.lexsort((both[:, 1], both[:, 0]))].T)

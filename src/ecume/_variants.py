@@ -1,0 +1,130 @@
+"""Dispatchers that stand for more than one compiled function: for versions with and without threads, for a sequence of
+passes, and for the rows of a table.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from types import FunctionType
+from typing import Any, cast
+
+from ecume._parts import AloneCache, Dispatcher, TogetherCache
+
+# Threads that wait for their next loop by spinning slow down other processes on this machine, and are slowed by them
+# themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+_FORKED: list[int] = []
+"""This process, if it was forked from one whose threads had started."""
+
+
+def _note_fork() -> None:
+    from numba.np.ufunc import parallel
+
+    if getattr(parallel, "_is_initialized", False):
+        _FORKED.append(os.getpid())
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_note_fork)
+
+
+def require_own_threads() -> None:
+    """Raise RuntimeError in a process that was forked after threads had started: there they do not exist, and the
+    library that waits for them ends the process, or waits for ever.
+    """
+    if _FORKED:
+        raise RuntimeError(
+            "this process was forked from one that had started threads; start workers with "
+            'multiprocessing.get_context("spawn"), or fork them before the first simulation'
+        )
+
+
+class Threaded(Dispatcher):
+    """A loop over threads. Compiled code that calls it is called from Python where `require_threads` was."""
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function, {"parallel": True}, cache=True)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it."""
+        require_own_threads()
+        return super().__call__(*arguments)
+
+
+class Spread:
+    """A loop that Python calls, compiled twice: for threads, and for systems too small for them.
+
+    The last axis of the first argument is the size of the system, so that the choice, and with it the order of sums,
+    does not depend on how many threads there are.
+    """
+
+    def __init__(self, function: Any, options: dict[str, Any], few: int) -> None:
+        self.few = few
+        self.alone = Dispatcher(function, options, cache=True)
+        self.alone._cache = AloneCache(function)
+        self.together = Dispatcher(function, {"parallel": True, **options}, cache=True)
+        self.__doc__, self.__name__ = function.__doc__, function.__name__
+
+    def __call__(self, array: Any, *arguments: Any) -> Any:
+        """Run the one or the other."""
+        if array.shape[-1] < self.few:
+            return self.alone(array, *arguments)
+        require_own_threads()
+        return self.together(array, *arguments)
+
+
+OTHERS = ("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion")
+PLAIN_LOOPS = dict.fromkeys(OTHERS, False)
+"""Only loops that say so are spread over threads: what array expressions become takes a second each to compile."""
+
+
+class Shared(Dispatcher):
+    """A pass with `prange` that compiled code calls without threads, and Python with threads if the system is large."""
+
+    def __init__(self, function: Any, size: Callable[..., int], few: int) -> None:
+        super().__init__(function, {}, cache=True)
+        self.size, self.few = size, few
+        self.together = Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
+        self.together._cache = TogetherCache(function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the one or the other."""
+        if self.size(*arguments) < self.few:
+            return super().__call__(*arguments)
+        require_own_threads()
+        return self.together(*arguments)
+
+
+class Composed(Dispatcher):
+    """What compiled code calls as a part, and Python runs as it stands: what it consists of is compiled by itself."""
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function, {"inline": "always"}, cache=True)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the function."""
+        return self.py_func(*arguments)
+
+
+class Selected(Dispatcher):
+    """Stands for one of several compiled functions, by the type of its first argument. Compiled code calls the chosen
+    function itself: a function in between would hand on hundreds of arrays, which takes long to compile.
+    """
+
+    def __init__(self, choice: Callable[[type], Any]) -> None:
+        super().__init__(cast(FunctionType, lambda *arguments: None), {}, cache=False)
+        self.choice = choice
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the chosen function."""
+        return self.choice(type(arguments[0]))(*arguments)
+
+    def get_call_template(self, arguments: Any, keywords: Any) -> Any:
+        """How compiled code calls the chosen function."""
+        return self.choice(arguments[0].instance_class).get_call_template(arguments, keywords)
+
+    def get_overload(self, signature: Any) -> Any:
+        """What compiled code calls."""
+        return self.choice(signature[0].instance_class).get_overload(signature)
