@@ -10,7 +10,6 @@ import functools
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
@@ -74,6 +73,8 @@ def _tree(data: bytes) -> tuple[Boxes, cKDTree]:
     boxes = Boxes(
         corner[order].copy(), order, np.array(bounds), np.array(after), np.array(first), np.array(end),
     )  # fmt: skip
+    from scipy.spatial import cKDTree
+
     return boxes, cKDTree(center)
 
 

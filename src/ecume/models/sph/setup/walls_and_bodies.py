@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ecume._portable import length, product
 from ecume.engine.cells import Integers, Sides
@@ -366,6 +365,8 @@ def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
 def _pose(shape: Shape, own: OwnAxes) -> list[float]:
     """The middle of a body, and the quaternion of its principal axes."""
     turn = own.turn
+    from scipy.spatial.transform import Rotation
+
     upright = UPRIGHT if (turn == np.eye(3)).all() else np.roll(Rotation.from_matrix(turn).as_quat(), 1).tolist()
     return [*_wide(shape.middle()[None])[0], *upright]
 
