@@ -7,7 +7,7 @@ The nearest point of a triangle is that of Ericson, "Real-Time Collision Detecti
 from __future__ import annotations
 
 import functools
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import Vector, dot, plus
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 LEAF = 4
 """Triangles in a box that is not divided."""
