@@ -170,7 +170,7 @@ def refuse_existing(home: RunDirectory, *, force: bool) -> None:
     with storing(path):
         require_plain(path)
     if not force:
-        hint = f"go on with it (`ecume resume {path}`), choose another name, or replace it with --force"
+        hint = f"continue it (`ecume resume {path}`), choose another name, or replace it with --force"
         raise RunExists(f"{path}: holds a run already; {hint}")
 
 

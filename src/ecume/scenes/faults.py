@@ -163,6 +163,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "tracers": ("particles", "passive_tracers"),
     "carried": ("passive_tracers",),
     "box": ("cell",),
+    "wendland": ("wendland-c2",),
     "dt": ("time_step",),
     "timestep": ("time_step",),
     "stepping": ("integration",),

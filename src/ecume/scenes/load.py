@@ -300,6 +300,8 @@ def without_bad_lines(source: Source) -> tuple[Source, list[Fault]]:
             faults.append(fault)
             lines[fault.line - 1] = ""
             source = source._replace(text="\n".join(lines))
+            if "twice" in fault.message:
+                break  # the keys of the second table would be faults of the first one
         else:
             break
     return source, faults
@@ -572,6 +574,10 @@ def _shallow(raw: dict[str, Any]) -> dict[str, Any]:
     raise RecursionError
 
 
+BRACKETED = re.compile(r"\s*[A-Za-z_.]+\[[0-9]+\][A-Za-z0-9_.\[\]]*\s*=")
+"""A path with a place in a list as a key."""
+
+
 def _syntax_fault(given: str, text: str) -> Fault:
     """The message of Python's reader as a fault, with its place."""
     message, _, place = given.rpartition(" (at ")
@@ -583,6 +589,10 @@ def _syntax_fault(given: str, text: str) -> Fault:
     switch = word.lower() if word.lower() in ("true", "false") else {"yes": "true", "no": "false"}.get(word.lower())
     hint = f'; text and numbers with units need quotes: "{word}"' if bare else ""
     hint = f"; write {switch}, in small letters" if switch else hint
+    if "twice" in message:
+        hint = "; expected each table once: put all its keys under one head"
+    elif BRACKETED.match(ending[min(line, len(ending)) - 1][:LONGEST_LINE]):
+        hint = '; a path with brackets needs quotes: "particles[0].count" = 30'
     return Fault("", f"is not TOML: {message or given}{hint}", line, column)
 
 

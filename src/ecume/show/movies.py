@@ -317,7 +317,15 @@ def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, targ
         if scene.model not in ASKED[name]:
             raise BadInput(f"pictures of the model {scene.model!r} {REFUSED[name].format(given[name])}")
     film_of: Callable[..., Picture] = FILMS.get(scene.model, particles_picture)
-    return aimed(film_of(scene, _sample(shown), options.pixels(target), **given), options.aim)
+    picture = film_of(scene, _sample(shown), options.pixels(target), **given)
+    picture.pace = pace_text(shown, options.fps) if target.suffix.lower() != PICTURES else ""
+    return aimed(picture, options.aim)
+
+
+def pace_text(shown: Sequence[Frame], fps: int) -> str:
+    """The speed of a movie over real time, as it stands beside the time in the picture; empty for a single frame."""
+    span = shown[-1].time - shown[0].time if len(shown) > 1 else 0.0
+    return f"   {span / (len(shown) - 1) * fps:.2g} × real time" if span > 0.0 else ""
 
 
 def _counted(pictures: Iterable[Pixels], count: int, progress: Reporter | None) -> Iterator[Pixels]:

@@ -136,6 +136,8 @@ class Picture:
     view: View
     bars: list[Artist]
     layers: Layers
+    pace: str = ""
+    """what follows the time: the speed of a movie over real time"""
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""

@@ -261,7 +261,7 @@ class Tank(Picture):
         self._fill(frame)
         for patch, outline in zip(self.movers, self.setting.movers(frame) if self.setting.movers else (), strict=True):
             patch.set_xy(outline)
-        self.time.set_text(time_text(frame.time))
+        self.time.set_text(time_text(frame.time) + self.pace)
 
     def _fill(self, frame: Frame) -> None:
         """Put the contents of a frame into the tank."""

@@ -13,6 +13,7 @@ from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
 from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO
+from ecume.models.floating.first_contact import contact_row
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of, two_floats
@@ -63,7 +64,7 @@ Row = tuple[str, str, str]
 def summary(scene: FloatingScene) -> list[Row]:
     """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
     parameters = checked_parameters(scene)
-    start(scene, parameters)
+    state = start(scene, parameters)
     length = liquid_of(scene).capillary_length
     count = len(parameters.floats.radius)
     return [
@@ -77,6 +78,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *sizes_rows(parameters.floats.radius),
         *_summary_of_cell(parameters),
+        *contact_row(scene, parameters, state),
         *_summary_of_steps(parameters, scene),
         ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
     ]

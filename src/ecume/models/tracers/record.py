@@ -11,6 +11,7 @@ import numpy as np
 
 from ecume.laws import diffusion, drag, gases
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
+from ecume.models.gravity import gravity_text
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
@@ -139,6 +140,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     cost = frame_cost(scene, Content(count, {**vectors, "speed": 1, "left": 1}, NUMBERS), steps)
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
+        ("gravity", *gravity_text((*(0.0,) * (scene.dimensions - 1), -fluid.gravity))),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
         *sizes_rows(parameters.bodies.radius),
         *through_solids(scene, parameters),

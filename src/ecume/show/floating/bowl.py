@@ -139,7 +139,7 @@ class Bowl(Picture):
             self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
-        self.time.set_text(f"{frame.time:.2f} s")
+        self.time.set_text(f"{frame.time:.2f} s{self.pace}")
 
     def _show_images(self, frame: Frame) -> None:
         """The images of floats around a periodic cell, paler."""

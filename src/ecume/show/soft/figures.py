@@ -43,6 +43,8 @@ from ecume.units import Array
 if TYPE_CHECKING:
     from ecume.scenes.soft import SoftScene
 
+ALIKE = 0.01
+"""Volume fractions that differ by less are one."""
 LEAST = 8
 """Frames of a part of the protocol from which a steady state is detected."""
 
@@ -163,8 +165,11 @@ def place_of(now: Array, frame: Frame) -> int:
 
 
 def fitted_flow(flows: Sequence[SteadyFlow]) -> CurveFit | None:
-    """Herschel and Bulkley's law of the flows that are stationary, if they are enough and determine it."""
-    flows = [flow for flow in flows if flow.settled]
+    """Herschel and Bulkley's law of the flows that are stationary and have the volume fraction of the last one, which
+    a pre-shear before a compression has not; None where they are too few, or do not determine it.
+    """
+    last = flows[-1].point.fraction.value if flows else 0.0
+    flows = [flow for flow in flows if flow.settled and abs(flow.point.fraction.value - last) < ALIKE * last]
     rates = [abs(flow.point.rate.value) for flow in flows]
     if len(flows) < FEWEST_POINTS:
         return None

@@ -193,7 +193,7 @@ class Packing(Picture):
         narrow = links.gap < WIDE * links.radius.min(axis=1)
         self.films.set_segments(list(_film_lines(links)[narrow]))
         self.films.set_array(links.gap[narrow])
-        self.time.set_text(f"{frame.time:.4g} s")
+        self.time.set_text(f"{frame.time:.4g} s{self.pace}")
 
     def _show_box(self, frame: Frame) -> None:
         """Outline and copies of a periodic box."""

@@ -11,6 +11,7 @@ import numpy as np
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import LARGE, SURFACES, Expected
 from ecume.models.costs import Content, frame_cost
+from ecume.models.gravity import gravity_text
 from ecume.models.liquids import material_of
 from ecume.models.model import LONG, Row, code_of
 from ecume.models.size_report import sizes_rows
@@ -125,6 +126,8 @@ def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> li
         ("spheres", str(count), f"{len(scene.particles)} species, {where}"),
         ("films", str(contacts + at_walls), f"at the start, {(2.0 * contacts + at_walls) / count:.2g} per sphere"),
     ]  # fmt: skip
+    if scene.gravity is not None:
+        rows.append(("gravity", *gravity_text(scene.gravity)))
     rows += sizes_rows(parameters.radius)
     if (filled := fillings(parameters)) > 0.0:
         jammed = jamming_fraction(parameters.radius, parameters.dimensions)

@@ -13,6 +13,7 @@ from ecume.laws.kernels import KERNELS
 from ecume.laws.states import density_at_enthalpy
 from ecume.laws.viscous import viscosity_of_alpha
 from ecume.models.costs import Content, frame_cost
+from ecume.models.gravity import gravity_text
 from ecume.models.model import LONG, Row
 from ecume.models.sph.fields import number
 from ecume.models.sph.parameters import Material, Parameters, Projection
@@ -216,15 +217,13 @@ def _resolution(scene: SphScene, parameters: Parameters, position: Array) -> lis
 def gravity_row(scene: SphScene) -> Row:
     """Gravity with its direction, and whether it points away from an open top."""
     pull = gravity_of(scene)
-    size, axis = math.hypot(*pull), int(np.argmax(np.abs(pull)))
-    if size == 0.0:
-        return ("gravity", "none", "")
-    ahead = "-" if pull[axis] < 0.0 else "+"
-    straight = abs(pull[axis]) == size
-    value = f"{with_prefix(size, 'm/s^2')} {'along' if straight else 'mainly along'} {ahead}{'xyz'[axis]}"
+    value, up = gravity_text(pull.tolist())
+    if value == "none":
+        return ("gravity", value, "")
+    axis = int(np.argmax(np.abs(pull)))
     upper = 2 * axis + (1 if pull[axis] < 0.0 else 0)
     sides = sides_of(scene)
-    named = f"up is {'+' if ahead == '-' else '-'}{'xyz'[axis]}, the side {SIDES[upper]}"
+    named = f"{up or gravity_text((*pull, 0.0))[1]}, the side {SIDES[upper]}"
     if scene.tank.top.kind == "open" and SIDES[upper] != "top" and sides[upper].kind != "open":
         return (
             "gravity",

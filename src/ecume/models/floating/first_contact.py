@@ -1,0 +1,103 @@
+"""When the first two floats will meet: the pair that is nearest, alone, with its attraction and Stokes's drag.
+
+Other floats, walls and currents are not considered, so that the time is a rough one: it shows whether a run is long
+enough, and its frames close enough, to see the contact.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.parameters import Parameters, State
+from ecume.scenes.floating import FloatingScene
+from ecume.units import with_prefix
+
+FINE = 0.01
+"""Of the gap and of the speed: how much a step changes."""
+MOST_STEPS = 4000
+NEAREST = 4
+"""Pairs that are followed: those with the narrowest gaps."""
+SHOWN = 10
+"""Frames before a contact from which on a run shows it."""
+
+
+def first_contact(parameters: Parameters, state: State, longest: float) -> float:
+    """The time of the first contact (s); infinite where none is near within the longest time."""
+    floats, row = parameters.floats, row_of(parameters)
+    count = len(floats.radius)
+    if count < 2 or not row.has_force or np.any(parameters.periods) or parameters.drift.thermal > 0.0:
+        return math.inf
+    neighbors = min(count - 1, NEAREST)
+    found = cKDTree(state.position).query(state.position, k=neighbors + 1)
+    away, other = np.asarray(found[0]), np.asarray(found[1])
+    pairs = {
+        (min(i, j), max(i, j)): float(distance - floats.radius[i] - floats.radius[j])
+        for i in range(count)
+        for distance, j in zip(away[i, 1:].tolist(), other[i, 1:].tolist(), strict=True)
+    }
+    nearest = sorted(pairs, key=lambda pair: pairs[pair])[:NEAREST]
+    if nearest and pairs[nearest[0]] <= 0.0:
+        return math.inf  # in contact from the start
+    return min((_meeting_time(parameters, state, pair, longest) for pair in nearest), default=math.inf)
+
+
+def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], longest: float) -> float:
+    """The time at which two floats touch (s): Euler steps that change gap and speed by little."""
+    floats, row, law = parameters.floats, row_of(parameters), law_of(parameters)
+    i, j = pair
+    mass, relaxation = floats.mass[[i, j]], floats.relaxation_time[[i, j]]
+    radius, charge = floats.radius[[i, j]], floats.charge[[i, j]]
+    own = two_floats(parameters, (float(radius[0]), float(radius[1])), (float(charge[0]), float(charge[1])))
+    along = state.position[j] - state.position[i]
+    touching, distance = float(radius.sum()), math.hypot(*along)
+    along = along / distance
+    # Speeds toward one another.
+    speed = np.array([float(state.velocity[i] @ along), -float(state.velocity[j] @ along)])
+    time = 0.0
+    for _ in range(MOST_STEPS):
+        gap = distance - touching
+        pull = -float(row.force(distance, own, law)) / mass
+        if not parameters.scheme.inertia:
+            speed = pull * relaxation
+        closing = float(speed.sum())
+        push = float(np.abs(pull).max())
+        by_speed = FINE * gap / abs(closing) if closing else math.inf
+        by_force = math.sqrt(2.0 * FINE * gap / push) if push else math.inf
+        step = min(max(min(by_speed, by_force), 1e-6 * longest), longest - time)
+        if step <= 0.0:
+            return math.inf
+        if parameters.scheme.inertia:
+            # Drag is exact for a constant pull.
+            limit = pull * relaxation
+            left = np.exp(-step / relaxation)
+            mean = limit + (speed - limit) * relaxation * (1.0 - left) / step
+            speed = limit + (speed - limit) * left
+        else:
+            mean = speed
+        distance -= step * float(mean.sum())
+        time += step
+        if distance <= touching * (1.0 + FINE * FINE):
+            return time
+    return math.inf
+
+
+def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> list[tuple[str, str, str]]:
+    """The row of `ecume check`, with times between which the contact can be seen; nothing without a contact."""
+    time = first_contact(parameters, state, 10.0 * scene.duration)
+    if not math.isfinite(time):
+        return []
+    value = f"after about {_rounded(time, 2)}"
+    if time > scene.duration:
+        return [("first contact", value, f"after the end of the run; duration {_rounded(1.2 * time, 2)} shows it")]
+    if time < SHOWN * scene.frame_every:
+        frames, long = _rounded(time / (5 * SHOWN), 1), _rounded(2.0 * time, 1)
+        return [("first contact", value, f"duration {long} and frame_every {frames} would show it")]
+    return [("first contact", value, "of the nearest two floats, alone")]
+
+
+def _rounded(time: float, digits: int) -> str:
+    return with_prefix(float(f"{time:.{digits}g}"), "s")

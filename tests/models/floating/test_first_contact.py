@@ -1,0 +1,59 @@
+"""The contact that `ecume check` expects is the one that the run has."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ecume.models.floating.check_report import summary
+from ecume.models.floating.first_contact import first_contact
+from ecume.models.floating.record import FLOATING
+from ecume.scenes.load import from_plain
+from ecume.simulation import simulate
+
+TWO = {
+    "model": "floating", "duration": 1.0, "frame_every": 0.005,
+    "liquid": {"density": 998.0, "viscosity": 0.01, "surface_tension": 0.0728},
+    "particles": [
+        {"radius": 1e-3, "density": 1300.0, "contact_angle": math.pi / 2, "positions": [[-2e-3, 0.0], [2e-3, 0.0]]},
+    ],
+}  # fmt: skip
+
+
+def foreseen(scene):
+    parameters = FLOATING.parameters(scene)
+    return first_contact(parameters, FLOATING.start(scene, parameters), 10.0 * scene.duration)
+
+
+@pytest.mark.parametrize("viscosity", [0.001, 0.01, 0.1])
+def test_two_floats_meet_about_when_they_were_expected_to(viscosity):
+    scene = from_plain({**TWO, "duration": 3.0, "liquid": {**TWO["liquid"], "viscosity": viscosity}})
+    # The last few hundredths of a radius take longer: the film between floats slows them.
+    met = next(
+        frame.time
+        for frame in simulate(scene)
+        if np.linalg.norm(np.subtract(*frame.arrays["position"])) < 2e-3 * (1.0 + 3e-2)
+    )
+    assert foreseen(scene) == pytest.approx(met, rel=0.03, abs=0.005)
+
+
+def test_floats_that_repel_or_are_alone_never_meet():
+    one = TWO["particles"][0]
+    apart = [{**one, "positions": [[-2e-3, 0.0]]}, {**one, "density": 500.0, "positions": [[2e-3, 0.0]]}]
+    assert foreseen(from_plain({**TWO, "particles": apart})) == math.inf
+    assert foreseen(from_plain({**TWO, "particles": apart[:1]})) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"duration": 6.0, "frame_every": 0.1}, "frame_every"),
+        ({"duration": 0.1, "frame_every": 0.001}, "after the end of the run"),
+        ({"duration": 1.0, "frame_every": 0.001}, "alone"),
+    ],
+)
+def test_check_says_how_to_see_the_contact(change, says):
+    rows = {name: (value, remark) for name, value, remark in summary(from_plain({**TWO, **change}))}
+    value, remark = rows["first contact"]
+    assert value.startswith("after about")
+    assert says in remark
