@@ -4,24 +4,40 @@ import numpy as np
 import pytest
 
 from ecume import _jit
-from ecume._columns import RECORD, fill_columns
+from ecume._columns import RECORD, column, fill_columns, further_column
 
 
 @_jit.compiled_once
-def compiled_columns(columns, records, neighbor, place, count):
-    fill_columns(columns, records, neighbor, place, count)
+def compiled_columns(columns, records, neighbor, place, count, first):
+    fill_columns(columns, records, neighbor, place, count, first)
+
+
+@_jit.compiled_once
+def compiled_numbers(columns, k):
+    return column(columns, k), further_column(columns, k)
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("kind", [np.float64, np.float32])
 @pytest.mark.parametrize("count", [0, 8, 16, 72])
-def test_columns_hold_the_records_of_the_neighbors_of_one_particle(kind, count):
+@pytest.mark.parametrize(("first", "width"), [(0, RECORD), (0, 2 * RECORD), (RECORD, 2 * RECORD)])
+def test_columns_hold_the_records_of_the_neighbors_of_one_particle(kind, count, first, width):
     rng = np.random.default_rng(count)
-    records = rng.normal(size=(50, RECORD)).astype(kind)
+    records = rng.normal(size=(50, width)).astype(kind)
     neighbor = rng.integers(0, 50, size=(5, 80), dtype=np.int32)
-    found, expected = (np.full((RECORD, 88), -7.0, kind) for _ in range(2))
-    compiled_columns(found, records, neighbor, np.uint64(3), np.uint64(count))
-    fill_columns(expected, records, neighbor, 3, count)
+    found, expected = (np.full((width, 88), -7.0, kind) for _ in range(2))
+    compiled_columns(found, records, neighbor, np.uint64(3), np.uint64(count), np.uint64(first))
+    fill_columns(expected, records, neighbor, 3, count, first)
     assert np.array_equal(found, expected)
-    assert np.array_equal(found[:, :count], records[neighbor[3, :count]].T)
-    assert np.all(found[:, count:] == -7.0)
+    filled = slice(first, first + RECORD)
+    assert np.array_equal(found[filled, :count], records[neighbor[3, :count], filled].T)
+    expected[filled, :count] = -7.0
+    assert np.all(expected == -7.0)
+
+
+@pytest.mark.compiled
+def test_a_column_is_read_in_two_halves():
+    columns = np.random.default_rng(0).normal(size=(2 * RECORD, 5))
+    halves = compiled_numbers(columns, np.uint64(3))
+    assert halves == (column(columns, 3), further_column(columns, 3))
+    assert np.array_equal(np.concatenate(halves), columns[:, 3])

@@ -200,7 +200,8 @@ def test_no_compiled_function_of_the_package_needs_its_text():
 
     reached = set()
     for module in (integration, paper_scheme, sums, time_stepping):
-        for made in [one for one in vars(module).values() if isinstance(one, CPUDispatcher | _jit.Spread)]:
+        found = [getattr(one, "loop", one) for one in vars(module).values()]
+        for made in [one for one in found if isinstance(one, CPUDispatcher | _jit.Spread)]:
             for one in [made.alone, made.together] if isinstance(made, _jit.Spread) else [made]:
                 if one not in _dependencies.CHOICES:
                     reached.update(_dependencies._lines(one.py_func, []))

@@ -13,8 +13,9 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 
-from ecume._columns import RECORD, fill_columns
+from ecume._columns import RECORD, column, fill_columns, further_column
 from ecume._fused import LANES, fused, lane_sum
+from ecume._parts import overload
 
 
 @lower_builtin(math.sqrt, types.float32)  # type: ignore[untyped-decorator]
@@ -68,13 +69,13 @@ def _lane_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any
 
 @numba.extending.type_callable(fill_columns)  # type: ignore[untyped-decorator]
 def _type_fill_columns(context: Any) -> Callable[..., Any]:
-    def typer(columns: Any, records: Any, neighbor: Any, place: Any, count: Any) -> Any:
+    def typer(columns: Any, records: Any, neighbor: Any, place: Any, count: Any, first: Any) -> Any:
         return types.none if isinstance(columns, types.Array) and columns.dtype == records.dtype else None
 
     return typer
 
 
-@lower_builtin(fill_columns, types.Array, types.Array, types.Array, types.Integer, types.Integer)  # type: ignore[untyped-decorator]
+@lower_builtin(fill_columns, types.Array, types.Array, types.Array, types.Integer, types.Integer, types.Integer)  # type: ignore[untyped-decorator]
 def _fill_columns(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Blocks of neighbors, as many as numbers fit into a vector of this processor: whole records are loaded, and
     transposed in log2(block) rounds of exchanges between pairs of vectors.
@@ -89,21 +90,44 @@ def _fill_columns(context: Any, builder: Any, signature: Any, arguments: Any) ->
     def number(value: int) -> Any:
         return ir.Constant(index, value)
 
-    room = cgutils.unpack_tuple(builder, columns.shape)[1]
-    length = cgutils.unpack_tuple(builder, neighbor.shape)[1]
-    row = builder.gep(neighbor.data, [builder.mul(arguments[3], length)])
+    room, width, length = (cgutils.unpack_tuple(builder, array.shape)[1] for array in (columns, records, neighbor))
+    begin = arguments[5]
+    into = builder.gep(columns.data, [builder.mul(begin, room)])
+    listed = builder.gep(neighbor.data, [builder.mul(arguments[3], length)])
     with cgutils.for_range(builder, builder.udiv(arguments[4], number(block))) as loop:
         first = builder.mul(loop.index, number(block))
-        slots = [builder.load(builder.gep(row, [builder.add(first, number(k))])) for k in range(block)]
-        starts = [builder.mul(builder.zext(slot, index), number(RECORD)) for slot in slots]
+        slots = [builder.load(builder.gep(listed, [builder.add(first, number(k))])) for k in range(block)]
+        starts = [builder.add(builder.mul(builder.zext(slot, index), width), begin) for slot in slots]
         for part in range(0, RECORD, block):
             places = [builder.gep(records.data, [builder.add(start, number(part))]) for start in starts]
             vectors = [builder.load(place, typ=wide, align=alignment) for place in places]
-            for column, vector in enumerate(_transposed(builder, vectors)):
-                place = builder.gep(columns.data, [builder.add(builder.mul(number(part + column), room), first)])
+            for row, vector in enumerate(_transposed(builder, vectors)):
+                place = builder.gep(into, [builder.add(builder.mul(number(part + row), room), first)])
                 store = builder.store(vector, builder.bitcast(place, wide.as_pointer()))
                 store.align = alignment
     return context.get_dummy_value()
+
+
+@overload(column, forceinline=True)
+def _column(columns: Any, k: Any) -> Any:
+    def first_eight(columns: Any, k: Any) -> Any:
+        return (
+            columns[0, k], columns[1, k], columns[2, k], columns[3, k],
+            columns[4, k], columns[5, k], columns[6, k], columns[7, k],
+        )  # fmt: skip
+
+    return first_eight
+
+
+@overload(further_column, forceinline=True)
+def _further_column(columns: Any, k: Any) -> Any:
+    def next_eight(columns: Any, k: Any) -> Any:
+        return (
+            columns[8, k], columns[9, k], columns[10, k], columns[11, k],
+            columns[12, k], columns[13, k], columns[14, k], columns[15, k],
+        )  # fmt: skip
+
+    return next_eight
 
 
 def _transposed(builder: Any, vectors: list[Any]) -> list[Any]:

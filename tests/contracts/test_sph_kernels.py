@@ -17,8 +17,8 @@ import ecume
 from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
 from ecume.models.sph.integration.passive_particles import surroundings
+from ecume.models.sph.rates.kernel_loops import kernel_type, slope_of, value_of
 from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
-from ecume.models.sph.rates.sums import kernel_type, slope_of, value_of
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark
 from ecume.models.sph.setup.choices import smoothing_of
@@ -166,7 +166,7 @@ import json, sys
 import numpy as np
 from ecume.laws.kernels import KERNELS, kernel
 from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
-from ecume.models.sph.rates.sums import sum_continuity, sum_momentum
+from ecume.models.sph.rates.sums import DENSITY_CONTINUITY, PRESSURE
 from tests.contracts.test_sph_kernels import at_start, close, expected_rates
 from tests.models.sph.scenes import free_blob
 
@@ -178,7 +178,7 @@ parameters, state, workspace = at_start(free_blob(kernel=name, density_diffusion
 density_rate, acceleration = expected_rates(kernel(name, 2), parameters, state)
 take_thickening(parameters, state, workspace)
 take_forces(parameters, state, workspace, parameters.time_step)
-loops = [loop.alone for loop in (sum_continuity, sum_momentum)]
+loops = [taken.loop.alone for taken in (DENSITY_CONTINUITY, PRESSURE)]
 print(json.dumps({
     "name": name,
     "off": max(off(state.thickening, density_rate), off(state.acceleration, acceleration)),

@@ -30,7 +30,6 @@ SLICES = 4
 """Cells in a reach along the last axis."""
 STRIDE = 8
 """Rows of neighbors go on to a multiple of this with the particle itself, so that whole vectors can be read."""
-EVERYONE = (0, 2**62)
 ROOMIER = 1.1
 OUTLIERS = 0.02
 
@@ -135,21 +134,18 @@ def _counting_sort(
                 there[axis, place] = position[axis, i]
 
 
-def neighbor_lists(
-    position: Array, passive: tuple[int, int], reach: float, before: Lists, own: tuple[int, int] = EVERYONE
-) -> Lists:
+def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, before: Lists) -> Lists:
     """All neighbors closer than `reach` of the first particles at positions (d, N); no particle is its own neighbor.
 
     Particles from `passive[0]` up to `passive[1]` are not neighbors of each other: walls do not act on walls. The
-    arrays of the previous lists are reused, or replaced by larger ones. Only rows from `own[0]` up to `own[1]` are
-    written.
+    arrays of the previous lists are reused, or replaced by larger ones.
     """
     if not position.shape[1]:
         return before
     grid = grid_around(position, reach)
     sorted_particles = sort_by_cell(position, grid)
     longest = _longest_run(sorted_particles.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
-    limits = np.array([*passive, own[0], min(own[1], len(before.counts)), longest])
+    limits = np.array([*passive, longest])
     lists = before
     while True:
         _fill(*sorted_particles, *grid, reach, limits, *lists)
@@ -178,7 +174,7 @@ def _fill(
     """
     dimension, everyone = position.shape
     room = neighbor.shape[1]
-    first, last, low_row, end_row, longest = limits[0], limits[1], limits[2], limits[3], limits[4]
+    first, last, longest = limits[0], limits[1], limits[2]
     deep = dimension == 3
     x, y, z = position[dimension - 1], position[dimension - 2], position[0]
     slices, rows, layers = shape[dimension - 1], shape[dimension - 2], shape[0] if deep else 1
@@ -190,7 +186,7 @@ def _fill(
         found = np.empty(9 * longest + STRIDE, np.int32)
         for place in range(INDEX(chunk * CHUNK), INDEX(min(everyone, (chunk + 1) * CHUNK))):
             i = order[place]
-            if not low_row <= i < end_row:
+            if i >= len(count):
                 continue
             xi, yi, zi = x[place], y[place], z[place]
             row = cell_at((yi - y_low) / y_edge, rows)

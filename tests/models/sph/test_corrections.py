@@ -7,6 +7,7 @@ import pytest
 
 from ecume.laws.flows import viscous_decay
 from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
+from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies
 from ecume.models.sph.setup.choices import USUAL_DAMPING, acoustic_damping_of
@@ -163,7 +164,7 @@ def stretched(model, region=None):
     state.velocity[...] = state.position * np.array([[1.0], [-1.0]])
     fill(parameters, state, workspace)
     workspace.rates.acceleration[...] = 0.0
-    parameters.friction.loop(workspace.fields.table, workspace.lists, parameters.constants, workspace.rates.table)
+    take_sum(parameters.friction.sum, parameters, workspace)
     power = np.sum(state.mass * (state.velocity * workspace.rates.acceleration[:2]).sum(axis=0))
     return -float(power) * 1000.0 / (4.0 * float(np.sum(state.mass)))
 
@@ -189,7 +190,7 @@ def test_completed_friction_does_not_brake_a_rigid_rotation():
     state.velocity[...] = -y, x
     fill(parameters, state, workspace)
     workspace.rates.acceleration[...] = 0.0
-    parameters.friction.loop(workspace.fields.table, workspace.lists, parameters.constants, workspace.rates.table)
+    take_sum(parameters.friction.sum, parameters, workspace)
     assert np.abs(workspace.rates.acceleration).max() < 1e-12
 
 

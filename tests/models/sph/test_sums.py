@@ -7,7 +7,8 @@ import pytest
 
 from ecume.laws.viscous import friction_left
 from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
-from ecume.models.sph.rates.sums import sum_radial_friction
+from ecume.models.sph.rates.sums import RADIAL_FRICTION
+from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import likely_neighbors
 from ecume.scenes.load import from_plain, to_plain
@@ -80,7 +81,7 @@ def test_a_surface_takes_as_much_of_the_friction_as_pairs_reach_through_it(dimen
     parameters, state, workspace = at_start(scene)
     fill(parameters, state, workspace)
     workspace.rates.acceleration[:3] = 0.0
-    sum_radial_friction(workspace.fields.table, workspace.lists, parameters.constants, workspace.rates.table)
+    take_sum(RADIAL_FRICTION, parameters, workspace)
     power = -np.sum(state.mass * workspace.rates.acceleration[:dimension] * state.velocity)
     full = lattice * 2.0 * np.sum(stretch**2) * len(state.mass) / count**dimension
     reach = parameters.numbers.smoothing_length * (1.0 if dimension == 2 else 10.0 / 9.0)

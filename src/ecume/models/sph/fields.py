@@ -149,9 +149,6 @@ class Numbers(Protocol):
     dimension: int
     kernel: int
     """a number of `KERNEL_CODES`"""
-    first: int
-    last: int
-    """sums are taken for the particles from `first` up to `last`"""
     zero: float
     smoothing_length: float
     """h"""

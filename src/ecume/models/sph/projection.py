@@ -57,8 +57,9 @@ from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import instant
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters, Projection
+from ecume.models.sph.rates.kernel_loops import KernelType, kernel_type, value_of, written_slope
+from ecume.models.sph.rates.neighbor_sums import INDEX, whole
 from ecume.models.sph.rates.right_hand_side import fill
-from ecume.models.sph.rates.sums import INDEX, KernelType, kernel_type, value_of, whole, written_slope
 from ecume.models.sph.report.energy_budget import forces_work, power_of_forces
 from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORST, State, Workspace
 from ecume.units import Array

@@ -95,6 +95,8 @@ def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
     blank = make_state(parameters, liquid)
     if not state.image.size:  # of a former version
         blank = blank._replace(image=state.image, passive_image=state.passive_image)
+    if not state.struck.size:  # of a former version
+        blank = blank._replace(struck=state.struck)
     return Layout(
         blank,
         {

@@ -125,7 +125,7 @@ class Workspace:
     fields: Fields
     rates: Rates
     records: Floats
-    """(entries, 8) what a sum reads of each particle: see `sums.Column`"""
+    """(entries, 8 or 16) what a sum reads of each particle: see `rates.neighbor_sums`"""
     before: Array
     """(d + 1, N) rates of velocity and density at the last positions"""
     cells: CellLists | None
@@ -237,8 +237,7 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     liquid, count = state.reference.shape[1], real.shape[1]
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
     lists = before.lists if before else room_for(count, guess)
-    own = int(parameters.numbers.first), int(parameters.numbers.last)
-    lists = neighbor_lists(everyone, (liquid, count), reach, lists, own)
+    lists = neighbor_lists(everyone, (liquid, count), reach, lists)
     cells = (
         cells_of(everyone, parameters.support, float(state.skin[0])) if parameters.passive_tracers.start[-1] else None
     )
@@ -249,7 +248,8 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
     rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))
-    records = np.zeros((columns, RECORD), parameters.precision)
+    width = 2 * RECORD if parameters.corrects or parameters.pressure_force.transported else RECORD
+    records = np.zeros((columns, width), parameters.precision)
     return Workspace(images, lists, fields, rates, records, rates_before, cells)
 
 

@@ -15,8 +15,8 @@ from ecume.engine.cells import Images, Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.rates.corrections import between, completed, completion
-from ecume.models.sph.rates.sums import damping, slope_of
+from ecume.models.sph.rates.kernel_loops import slope_of
+from ecume.models.sph.rates.sums import damping
 from ecume.models.sph.state import Workspace
 from ecume.units import Array
 
@@ -41,7 +41,7 @@ class PairForces(NamedTuple):
 
 @compiled_inside
 def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> Vector:
-    """Density-weighted pressure, and the momentum by the transport velocity (see `sum_transported_pressure`)."""
+    """Density-weighted pressure, and the momentum by the transport velocity (see `sums.pair_transported_pressure`)."""
     both = (
         0.5
         * pull
@@ -64,8 +64,31 @@ def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> 
 
 
 @compiled_inside
+def completed(fields: Floats, i: int, x: float, y: float, z: float) -> Vector:
+    """B_i x."""
+    xx, yy, zz = fields[FIELD.correction, i], fields[FIELD.correction + 1, i], fields[FIELD.correction + 2, i]
+    xy, xz, yz = fields[FIELD.correction + 3, i], fields[FIELD.correction + 4, i], fields[FIELD.correction + 5, i]
+    return xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
+
+
+@compiled_inside
+def between(share: float, x: Vector, other: Vector) -> Vector:
+    """X where the share is zero, the other vector where it is one."""
+    (a, b, c), (d, e, f) = x, other
+    return a + share * (d - a), b + share * (e - b), c + share * (f - c)
+
+
+@compiled_inside
+def completion(fields: Floats, i: int, j: int, apart: Vector) -> float:
+    """x.(B_i + B_j) x / 2 of a pair: by how much it counts for the friction that is missing, times r^2."""
+    x, y, z = apart
+    (ax, ay, az), (bx, by, bz) = completed(fields, i, x, y, z), completed(fields, j, x, y, z)
+    return ((ax + bx) * x + (ay + by) * y + (az + bz) * z) / 2
+
+
+@compiled_inside
 def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float, float]) -> Vector:
-    """Pressure with completed gradients, if none of the two is a dummy (see `sum_corrected_pressure`)."""
+    """Pressure with completed gradients, if none of the two is a dummy (see `corrections.pair_corrected_pressure`)."""
     weight, damp = pair
     own, push, liquid = fields[FIELD.force_term, i], fields[FIELD.force_term, j], 1.0
     if fields[FIELD.liquid, i] * fields[FIELD.liquid, j] == 0.0:

@@ -21,7 +21,7 @@ from ecume.laws import diffusion, drag
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import CarriedGroup, Parameters
-from ecume.models.sph.rates.sums import value_of
+from ecume.models.sph.rates.kernel_loops import value_of
 from ecume.models.sph.state import CellLists, State, Workspace
 from ecume.units import Array
 

@@ -16,7 +16,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.laws import states
 from ecume.models.sph.fields import FIELD, ConstantDensity, Constants, EquationOfState, Floats, Tait
-from ecume.models.sph.rates.sums import value_of
+from ecume.models.sph.rates.kernel_loops import value_of
 from ecume.units import Array
 
 admit(states)

@@ -10,120 +10,117 @@ than a particle, from the rate of strain (Smagorinsky), which is added to the vi
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from ecume._jit import admit, prange, summed_inside, summing
-from ecume.engine.neighbor_rows import Lists
+from ecume._jit import admit, summed_inside
+from ecume.engine.vectors import (
+    Symmetric,
+    Vector,
+    Vector2,
+    Vector3,
+    adjugate,
+    by_dimension,
+    difference,
+    dot,
+    plus,
+    plus_square,
+    scaled,
+    store_vector,
+    times,
+    zero_matrix,
+    zeros,
+)
 from ecume.laws import diffusion, viscous
-from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
+from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.rates.corrections import SINGULAR, Symmetric, cofactors
-from ecume.models.sph.rates.sums import slope_of
+from ecume.models.sph.rates.corrections import SINGULAR
+from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
+from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.state import Workspace
 
 admit(diffusion, viscous)
-INDEX = np.uint64
-
-
-@summing
-def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
-    """Fill the density gradient of the liquid; walls and bodies do not contribute."""
-    kernel, deep, inverse, scale = (
-        constants[0].kernel,
-        constants[0].dimension == 3,
-        constants[0].inverse_length,
-        constants[0].slope_factor,
-    )
-    counts, neighbor = lists
-    for particle in prange(liquid):
-        i = INDEX(particle)
-        x, y, z, density = (
-            fields[FIELD.position, i],
-            fields[FIELD.position + 1, i],
-            fields[FIELD.position + 2, i],
-            fields[FIELD.density, i],
-        )
-        xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        sx, sy, sz = 0.0, 0.0, 0.0
-        for k in range(INDEX(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy, dz = (
-                fields[FIELD.position, j] - x,
-                fields[FIELD.position + 1, j] - y,
-                fields[FIELD.position + 2, j] - z,
-            )
-            weight, more = fields[FIELD.volume, j] * fields[FIELD.liquid, j], fields[FIELD.density, j] - density
-            square = dx * dx + dy * dy
-            if deep:
-                square += dz * dz
-            share = slope_of(math.sqrt(square) * inverse, kernel) * scale * weight
-            xx += share * dx * dx
-            yy += share * dy * dy
-            zz += share * dz * dz
-            xy += share * dx * dy
-            xz += share * dx * dz
-            yz += share * dy * dz
-            sx += share * more * dx
-            sy += share * more * dy
-            sz += share * more * dz
-        if not deep:
-            zz, xz, yz, sz = -1.0, 0.0, 0.0, 0.0
-        gx, gy, gz = solved((xx, yy, zz, xy, xz, yz), sx, sy, sz)
-        fields[FIELD.density_gradient, i] = gx
-        fields[FIELD.density_gradient + 1, i] = gy
-        fields[FIELD.density_gradient + 2, i] = gz
 
 
 @summed_inside
-def solved(matrix: Symmetric, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """The solution of a symmetric system (xx, yy, zz, xy, xz, yz); zero where it is nearly singular."""
-    (c00, c11, c22, c01, c02, c12), determinant = cofactors(matrix)
-    inverse = 1.0 / determinant if math.fabs(determinant) > SINGULAR else 0.0
-    return (
-        inverse * (c00 * x + c01 * y + c02 * z),
-        inverse * (c01 * x + c11 * y + c12 * z),
-        inverse * (c02 * x + c12 * y + c22 * z),
-    )
+def solved(matrix: Symmetric, vector: Vector) -> Vector:
+    """The solution of a symmetric system; zero where it is nearly singular."""
+    inverse, determinant = adjugate(matrix)
+    found: Vector = scaled(1.0 / determinant if math.fabs(determinant) > SINGULAR else 0.0, times(inverse, vector))
+    return found
 
 
-@summing
-def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, factor: float, rates: Floats) -> None:
-    """Antuono's correction of the diffusion: less what both particles' gradients say lies between them.
+@summed_inside
+def given_density_gradient(numbers: Numbers, settings: Any, like: Vector) -> tuple[float, float]:
+    """The factor of slopes, and zero."""
+    return numbers.slope_factor, numbers.zero
 
-    `factor` is the diffusion's own (Antuono et al. 2010, eq. 6).
-    """
-    kernel, deep = constants[0].kernel, constants[0].dimension == 3
-    inverse, zero = constants[0].inverse_length, constants[0].zero
-    counts, neighbor = lists
-    for particle in prange(rates.shape[1]):
-        i = INDEX(particle)
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        gx, gy, gz = (
-            fields[FIELD.density_gradient, i],
-            fields[FIELD.density_gradient + 1, i],
-            fields[FIELD.density_gradient + 2, i],
-        )
-        total = zero
-        for k in range(INDEX(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy, dz = (
-                fields[FIELD.position, j] - x,
-                fields[FIELD.position + 1, j] - y,
-                fields[FIELD.position + 2, j] - z,
-            )
-            weight = fields[FIELD.weight, j] * fields[FIELD.liquid, j]
-            square = dx * dx + dy * dy
-            own, other = (
-                gx * dx + gy * dy,
-                fields[FIELD.density_gradient, j] * dx + fields[FIELD.density_gradient + 1, j] * dy,
-            )
-            if deep:
-                square += dz * dz
-                own, other = own + gz * dz, other + fields[FIELD.density_gradient + 2, j] * dz
-            slope = slope_of(math.sqrt(square) * inverse, kernel) * weight
-            total += diffusion.flow(diffusion.beyond_rest(zero, zero, diffusion.mean_rise(own, other)), slope)
-        rates[RATE.diffusion, i] += factor * total
+
+@summed_inside
+def no_density_gradient(zero: float, like: Vector) -> tuple[Symmetric, Vector]:
+    """An empty matrix and an empty right-hand side."""
+    return zero_matrix(zero, like), zeros(zero, like)
+
+
+@summed_inside
+def pair_density_gradient(
+    total: tuple[Symmetric, Vector], apart: Vector, slope: float, own: Particle, other: Particle, given: Any
+) -> tuple[Symmetric, Vector]:
+    """sum_j V_j F x_ij x_ij and sum_j V_j F (rho_j - rho_i) x_ij; walls and bodies do not contribute."""
+    (factor, zero), (matrix, right) = given, total
+    share = factor * slope * max(other.weight, zero)
+    return plus_square(matrix, share, apart), plus(right, share * (other.value - own.value), apart)
+
+
+@summed_inside
+def store_density_gradient(
+    rates: Floats, fields: Floats, i: int, total: tuple[Symmetric, Vector], own: Particle, given: Any
+) -> None:  # fmt: skip
+    """Store the gradient."""
+    store_vector(fields, FIELD.density_gradient, i, 1.0, solved(total[0], total[1]))
+
+
+DENSITY_GRADIENT = neighbor_sum(
+    Reading(weight=FIELD.volume, value=FIELD.density, signed=True),
+    given_density_gradient, no_density_gradient, pair_density_gradient, store_density_gradient,
+)  # fmt: skip
+"""The density gradients of the liquid."""
+
+
+@summed_inside
+def given_gradient_diffusion(numbers: Numbers, settings: Any, like: Vector) -> tuple[float, float]:
+    """Zero, and the factor of the diffusion (Antuono et al. 2010, eq. 6)."""
+    return numbers.zero, numbers.delta * numbers.slope_factor
+
+
+@summed_inside
+def no_number(zero: float, like: Vector) -> float:
+    """An empty sum of numbers."""
+    return zero
+
+
+@summed_inside
+def pair_gradient_diffusion(
+    total: float, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
+) -> float:
+    """Less what both particles' gradients say lies between them; dummies do not take part."""
+    zero = given[0]
+    rise = diffusion.mean_rise(dot(own.vector, apart), dot(other.vector, apart))
+    return total + diffusion.flow(diffusion.beyond_rest(zero, zero, rise), slope * max(other.weight, zero))
+
+
+@summed_inside
+def add_diffusion(
+    rates: Floats, fields: Floats, i: int, total: float, own: Particle, given: tuple[float, float]
+) -> None:  # fmt: skip
+    """Add to the diffusion."""
+    rates[RATE.diffusion, i] += given[1] * total
+
+
+GRADIENT_DIFFUSION = neighbor_sum(
+    Reading(FIELD.density_gradient, FIELD.weight, signed=True),
+    given_gradient_diffusion, no_number, pair_gradient_diffusion, add_diffusion,
+)  # fmt: skip
+"""Antuono's correction of the diffusion."""
 
 
 LEAST = 1e-30
@@ -133,71 +130,105 @@ LEAST = 1e-30
 def set_eddy_viscosity(parameters: Parameters, workspace: Workspace) -> None:
     """Set the viscosity of the liquid and its images, with the eddy viscosity."""
     fields, lists, images = workspace.fields, workspace.lists, workspace.images
-    viscosity = max(parameters.material.viscosity, LEAST)
-    constants = parameters.constants
-    fill_viscosities(fields.table, lists, constants, parameters.spacing, viscosity,
-                     workspace.rates.table)  # fmt: skip
+    take_sum(EDDIES, parameters, workspace, settings=(parameters.spacing, max(parameters.material.viscosity, LEAST)))
     real = len(lists.counts)
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         fields.viscosity[real + first : real + last] = fields.viscosity[images.source[first:last]]
 
 
-@summing
-def fill_viscosities(
-    fields: Floats,
-    lists: Lists,
-    constants: Constants,
-    spacing: float,
-    viscosity: float,
-    rates: Floats,
-) -> None:
-    """Fill the viscosity of the liquid, by the renormalized gradient of the friction velocity; walls contribute."""
-    kernel, deep, inverse, scale = (
-        constants[0].kernel,
-        constants[0].dimension == 3,
-        constants[0].inverse_length,
-        constants[0].slope_factor,
+class Strain2(NamedTuple):
+    """The matrix of positions, and the right-hand sides of the gradients of u and v."""
+
+    matrix: Any
+    u: Any
+    v: Any
+
+
+class Strain3(NamedTuple):
+    """The same with the gradient of w, for 3D."""
+
+    matrix: Any
+    u: Any
+    v: Any
+    w: Any
+
+
+@summed_inside
+def _no_strain2(zero: float, like: Vector2) -> Strain2:
+    none = zeros(zero, like)
+    return Strain2(zero_matrix(zero, like), none, none)
+
+
+@summed_inside
+def _no_strain3(zero: float, like: Vector3) -> Strain3:
+    none = zeros(zero, like)
+    return Strain3(zero_matrix(zero, like), none, none, none)
+
+
+no_strain = by_dimension(_no_strain2, _no_strain3)
+
+
+@summed_inside
+def _plus_strain2(total: Strain2, share: float, change: Vector2, apart: Vector2) -> Strain2:
+    return Strain2(
+        plus_square(total.matrix, share, apart),
+        plus(total.u, share * change.x, apart),
+        plus(total.v, share * change.y, apart),
     )
-    counts, neighbor = lists
-    for particle in prange(rates.shape[1]):
-        i = INDEX(particle)
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        u, v, w = (
-            fields[FIELD.friction_velocity, i],
-            fields[FIELD.friction_velocity + 1, i],
-            fields[FIELD.friction_velocity + 2, i],
-        )
-        xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        ux, uy, uz, vx, vy, vz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(INDEX(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy, dz = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y, 0.0
-            du, dv, dw = fields[FIELD.friction_velocity, j] - u, fields[FIELD.friction_velocity + 1, j] - v, 0.0
-            if deep:
-                dz, dw = fields[FIELD.position + 2, j] - z, fields[FIELD.friction_velocity + 2, j] - w
-            share = scale * slope_of(math.sqrt(dx * dx + dy * dy + dz * dz) * inverse, kernel) * fields[FIELD.volume, j]
-            sx, sy, sz = share * dx, share * dy, share * dz
-            xx += sx * dx
-            yy += sy * dy
-            zz += sz * dz
-            xy += sx * dy
-            xz += sx * dz
-            yz += sy * dz
-            ux += sx * du
-            uy += sy * du
-            uz += sz * du
-            vx += sx * dv
-            vy += sy * dv
-            vz += sz * dv
-            wx += sx * dw
-            wy += sy * dw
-            wz += sz * dw
-        matrix = (xx, yy, zz, xy, xz, yz) if deep else (xx, yy, -1.0, xy, 0.0, 0.0)
-        ux, uy, uz = solved(matrix, ux, uy, uz)
-        vx, vy, vz = solved(matrix, vx, vy, vz)
-        wx, wy, wz = solved(matrix, wx, wy, wz)
-        shear = (uy + vx) * (uy + vx) + (uz + wx) * (uz + wx) + (vz + wy) * (vz + wy)
-        strain = math.sqrt(2.0 * (ux * ux + vy * vy + wz * wz) + shear)
-        fields[FIELD.viscosity, i] = viscosity + fields[FIELD.density, i] * viscous.eddy_viscosity(
-            strain, spacing, viscous.SMAGORINSKY
-        )
+
+
+@summed_inside
+def _plus_strain3(total: Strain3, share: float, change: Vector3, apart: Vector3) -> Strain3:
+    return Strain3(
+        plus_square(total.matrix, share, apart),
+        plus(total.u, share * change.x, apart),
+        plus(total.v, share * change.y, apart),
+        plus(total.w, share * change.z, apart),
+    )
+
+
+plus_strain = by_dimension(_plus_strain2, _plus_strain3)
+
+
+@summed_inside
+def _strain_rate2(total: Strain2, like: Vector2) -> float:
+    u, v = solved(total.matrix, total.u), solved(total.matrix, total.v)
+    return math.sqrt(2.0 * (u.x * u.x + v.y * v.y) + (u.y + v.x) * (u.y + v.x))
+
+
+@summed_inside
+def _strain_rate3(total: Strain3, like: Vector3) -> float:
+    found: Any = solved(total.matrix, total.u), solved(total.matrix, total.v), solved(total.matrix, total.w)
+    u, v, w = found
+    shear = (u.y + v.x) * (u.y + v.x) + (u.z + w.x) * (u.z + w.x) + (v.z + w.y) * (v.z + w.y)
+    return math.sqrt(2.0 * (u.x * u.x + v.y * v.y + w.z * w.z) + shear)
+
+
+strain_rate = by_dimension(_strain_rate2, _strain_rate3)
+"""The norm sqrt(2 S:S) of the rate of strain."""
+
+
+@summed_inside
+def given_eddies(numbers: Numbers, settings: tuple[float, float], like: Vector) -> tuple[float, float, float]:
+    """The factor of slopes, the spacing, and the viscosity of the liquid."""
+    return numbers.slope_factor, settings[0], settings[1]
+
+
+@summed_inside
+def pair_strain(total: Any, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Any:
+    """Gradients of the velocity that friction sees; walls contribute."""
+    return plus_strain(total, given[0] * slope * other.weight, difference(other.vector, own.vector), apart)
+
+
+@summed_inside
+def store_viscosity(rates: Floats, fields: Floats, i: int, total: Any, own: Particle, given: Any) -> None:
+    """Store the viscosity of the liquid with that of the eddies."""
+    (_, spacing, viscosity), strain = given, strain_rate(total, own.vector)
+    eddies = viscous.eddy_viscosity(strain, spacing, viscous.SMAGORINSKY)
+    fields[FIELD.viscosity, i] = viscosity + fields[FIELD.density, i] * eddies
+
+
+EDDIES = neighbor_sum(
+    Reading(FIELD.friction_velocity, FIELD.volume), given_eddies, no_strain, pair_strain, store_viscosity
+)
+"""The viscosity of the liquid by the renormalized gradient of the friction velocity."""

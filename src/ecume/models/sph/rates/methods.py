@@ -11,18 +11,18 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ecume.laws import diffusion, viscous
-from ecume.models.sph.fields import ConstantDensity, EquationOfState, Fields, Floats, Tait
+from ecume.models.sph.fields import FIELD, ConstantDensity, EquationOfState, Fields, Tait
 from ecume.models.sph.rates.corrections import (
+    CORRECTED_CONTINUITY,
+    CORRECTED_FRICTION,
+    CORRECTED_PRESSURE,
     completion_factors,
-    sum_corrected_continuity,
-    sum_corrected_friction,
-    sum_corrected_pressure,
 )
-from ecume.models.sph.rates.sums import sum_friction, sum_radial_friction, sum_transported_pressure
+from ecume.models.sph.rates.neighbor_sums import NeighborSum
+from ecume.models.sph.rates.sums import CONTINUITY, FRICTION, PRESSURE, RADIAL_FRICTION, TRANSPORTED_PRESSURE
 from ecume.units import Array
 
 Law = Callable[..., float]
-Loop = Callable[..., None]
 
 
 class PressureMethod(NamedTuple):
@@ -58,16 +58,16 @@ class PressureForce(NamedTuple):
     """whether the sum is a force per volume, instead of per mass"""
     transported: bool
     """whether particles move with a transport velocity, driven by a background pressure"""
-    loop: Loop | None
-    """the sum; None: `sums.sum_momentum`"""
+    sum: NeighborSum
+    """over neighbors"""
     most_damping: float
     """largest coefficient of the acoustic damping with which the usual time step is stable; zero: takes none"""
-    continuity: Loop | None = None
-    """the equation of continuity to which it is adjoint; None: `sums.sum_continuity`"""
+    continuity: Mapping[int, NeighborSum] = CONTINUITY
+    """the equation of continuity to which it is adjoint, by the row of the field that diffuses"""
 
     def damping_shares(self, fields: Fields, count: int) -> Array:
         """(N,) the part of the acoustic damping that each of the first particles has: less with completed gradients."""
-        return np.ones(count) if self.continuity is None else completion_factors(fields, count) ** -2.0
+        return np.ones(count) if self.continuity is CONTINUITY else completion_factors(fields, count) ** -2.0
 
 
 class Friction(NamedTuple):
@@ -75,7 +75,8 @@ class Friction(NamedTuple):
 
     radial: bool
     """whether it acts along the line between two particles, instead of along their relative velocity"""
-    loop: Loop
+    sum: NeighborSum
+    """over neighbors"""
     law: Law
     corrected: bool = False
     """whether pairs count for the neighbors that are missing at a free surface"""
@@ -93,9 +94,10 @@ class DensityDiffusion(NamedTuple):
     gradients: bool
     """whether the mean gradient of the density at both particles is subtracted"""
 
-    def diffusing(self, fields: Fields) -> Floats:
-        """The field that diffuses."""
-        return fields.enthalpy if self.field == "enthalpy" else fields.density
+    @property
+    def row(self) -> int:
+        """The field that diffuses, as a row of the table of fields."""
+        return FIELD.enthalpy if self.field == "enthalpy" else FIELD.density
 
     def rise(self, density: float, sound_speed: float) -> float:
         """The gradient of the field at rest over gravity: rho/c^2 for the density."""
@@ -104,24 +106,24 @@ class DensityDiffusion(NamedTuple):
 
 
 PRESSURE_FORCES: Mapping[str, PressureForce] = {
-    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, loop=None, most_damping=2.0),
-    "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, loop=None, most_damping=2.0),
+    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, sum=PRESSURE, most_damping=2.0),
+    "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, sum=PRESSURE, most_damping=2.0),
     "transport": PressureForce(
-        by_mass=False, per_volume=False, transported=True, loop=sum_transported_pressure, most_damping=0.0
+        by_mass=False, per_volume=False, transported=True, sum=TRANSPORTED_PRESSURE, most_damping=0.0
     ),
     "corrected": PressureForce(
         by_mass=False,
         per_volume=True,
         transported=False,
-        loop=sum_corrected_pressure,
+        sum=CORRECTED_PRESSURE,
         most_damping=2.0,
-        continuity=sum_corrected_continuity,
+        continuity=CORRECTED_CONTINUITY,
     ),
 }
 FRICTIONS: Mapping[str, Friction] = {
-    "morris": Friction(radial=False, loop=sum_friction, law=viscous.morris_friction),
-    "monaghan": Friction(radial=True, loop=sum_radial_friction, law=viscous.radial_friction),
-    "corrected": Friction(radial=True, loop=sum_corrected_friction, law=viscous.corrected_friction, corrected=True),
+    "morris": Friction(radial=False, sum=FRICTION, law=viscous.morris_friction),
+    "monaghan": Friction(radial=True, sum=RADIAL_FRICTION, law=viscous.radial_friction),
+    "corrected": Friction(radial=True, sum=CORRECTED_FRICTION, law=viscous.corrected_friction, corrected=True),
 }
 DIFFUSIONS: Mapping[str, DensityDiffusion] = {
     "none": DensityDiffusion(None, "density", balances_weight=False, gradients=False),

@@ -13,37 +13,33 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import admit, prange, spread, summing
+from ecume._jit import admit, prange, spread
 from ecume._portable import dot
 from ecume.engine.neighbor_rows import Lists
 from ecume.engine.shapes import Flags
 from ecume.laws import incompressible
-from ecume.laws.incompressible import shifting_coefficient, tensile_weight
+from ecume.laws.incompressible import shifting_coefficient
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.open_boundaries import hold_buffers
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
-from ecume.models.sph.fields import FIELD, RATE, Constants, Floats, number
+from ecume.models.sph.fields import Floats, number
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.rates.corrections import fill_corrections
+from ecume.models.sph.rates.corrections import CORRECTIONS
+from ecume.models.sph.rates.crowding import CROWDING
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_damping, read_liquid
-from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, set_eddy_viscosity
+from ecume.models.sph.rates.gradients import DENSITY_GRADIENT, GRADIENT_DIFFUSION, set_eddy_viscosity
+from ecume.models.sph.rates.kernel_loops import require_kernel
 from ecume.models.sph.rates.sums import (
-    KernelType,
-    fill_records,
-    kernel_type,
-    require_kernel,
-    slope_of,
+    CONTINUITY_AND_PRESSURE,
+    PRESSURE,
     store_acceleration,
     store_thickening,
-    sum_both,
-    sum_continuity,
-    sum_momentum,
-    value_of,
 )
 from ecume.models.sph.rates.surface_tension import add_surface_tension
+from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
 
@@ -58,8 +54,7 @@ MOST = 0.5
 
 def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Set the transport for the next drift."""
-    lists = workspace.lists
-    sum_crowd(workspace.fields.table, lists, parameters.constants, workspace.rates.table)
+    take_sum(CROWDING, parameters, workspace)
     crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
     state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
     if not parameters.fixed_volume:
@@ -134,58 +129,6 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
     return near
 
 
-@summing
-def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
-    """Sum the reversed concentration gradient sum_j V_j F x_ij, zero in a lattice, and the fullness -sum_j V_j F r^2.
-
-    The even sum has equal weights and counts dummies half (see `keep_volume`).
-
-    With a reference value W(dx) each neighbor counts `tensile_weight` times in the first.
-    """
-    kernel, deep, inverse, scale = (
-        constants[0].kernel,
-        constants[0].dimension == 3,
-        constants[0].inverse_length,
-        constants[0].slope_factor,
-    )
-    tensile = 1.0 / constants[0].reference_value if constants[0].reference_value > 0.0 else 0.0
-    counts, neighbor = lists
-    for particle in prange(rates.shape[1]):
-        i = INDEX(particle)
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        ax, ay, az, space = 0.0, 0.0, 0.0, 0.0
-        bx, by, bz = 0.0, 0.0, 0.0
-        for k in range(INDEX(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy, dz, volume = (
-                fields[FIELD.position, j] - x,
-                fields[FIELD.position + 1, j] - y,
-                fields[FIELD.position + 2, j] - z,
-                fields[FIELD.volume, j],
-            )
-            square = dx * dx + dy * dy
-            if deep:
-                square += dz * dz
-            q = math.sqrt(square) * inverse
-            pull = slope_of(q, kernel) * volume
-            space -= pull * square
-            even = pull * (0.5 + 0.5 * fields[FIELD.liquid, j])
-            bx += even * dx
-            by += even * dy
-            bz += even * dz
-            pull *= tensile_weight(value_of(q, kernel) * tensile)
-            ax += pull * dx
-            ay += pull * dy
-            az += pull * dz
-        rates[RATE.fullness, i] = scale * space
-        rates[RATE.crowding, i] = scale * ax
-        rates[RATE.crowding + 1, i] = scale * ay
-        rates[RATE.crowding + 2, i] = scale * az
-        rates[RATE.even_crowding, i] = scale * bx
-        rates[RATE.even_crowding + 1, i] = scale * by
-        rates[RATE.even_crowding + 2, i] = scale * bz
-
-
 @spread
 def spread_flags(near: Flags, flags: Flags, lists: Lists) -> None:
     """Flag all particles with a flagged neighbor."""
@@ -202,7 +145,7 @@ class Shifting(NamedTuple):
     transport: Callable[[Parameters, State, Workspace, Array, float], Array]
     """the transport velocity (d, N) of the next drift, relative to the liquid, from the concentration gradient"""
     tensile: bool
-    """whether near neighbors have larger weights in the gradient: see `sum_crowd`"""
+    """whether near neighbors have larger weights in the gradient: see `crowding.pair_crowd`"""
 
 
 SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
@@ -238,7 +181,7 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
     workspace.fields.force_term[...] = 0.0
     workspace.rates.acceleration[...] = 0.0
     if number(parameters.constants, "alpha") > 0.0:
-        sum_momentum(*_recorded(parameters, workspace, workspace.fields.force_term))
+        take_sum(PRESSURE, parameters, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
 
@@ -255,9 +198,9 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     fill(parameters, state, workspace)
     lists = workspace.lists
     diffuses = parameters.density_diffusion.excess is not None
-    single = not diffuses and parameters.pressure_force.loop is None and parameters.bulk_viscosity == 0.0
+    single = not diffuses and parameters.pressure_force.sum is PRESSURE and parameters.bulk_viscosity == 0.0
     if single and len(lists.counts) == state.position.shape[1]:
-        sum_both(*_recorded(parameters, workspace, workspace.fields.force_term))
+        take_sum(CONTINUITY_AND_PRESSURE, parameters, workspace)
     else:
         _sum_stretch(parameters, workspace)
         _sum_push(parameters, workspace, summed=True)
@@ -266,30 +209,10 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    diffusion, rates = parameters.density_diffusion, workspace.rates
-    summed = _summed(parameters, workspace)
-    loop, diffusing = parameters.pressure_force.continuity, diffusion.diffusing(workspace.fields)
-    if loop is None:
-        sum_continuity(*_recorded(parameters, workspace, diffusing))
-    else:
-        loop(*summed, diffusing, rates.table)
+    diffusion = parameters.density_diffusion
+    take_sum(parameters.pressure_force.continuity[diffusion.row], parameters, workspace)
     if diffusion.gradients:
-        factor = number(parameters.constants, "delta") * number(parameters.constants, "slope_factor")
-        add_gradient_diffusion(*summed, factor, rates.table)
-
-
-def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
-    """The arguments of every sum over neighbors."""
-    return workspace.fields.table, workspace.lists, parameters.constants
-
-
-def _recorded(
-    parameters: Parameters, workspace: Workspace, value: Floats
-) -> tuple[Floats, Floats, Lists, Constants, KernelType]:
-    """The arguments of the sums that read records, whose last number is this field's."""
-    fill_records(workspace.fields.table, workspace.records, value)
-    constants = parameters.constants
-    return workspace.rates.table, workspace.records, workspace.lists, constants, kernel_type(constants)
+        take_sum(GRADIENT_DIFFUSION, parameters, workspace)
 
 
 def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
@@ -328,11 +251,7 @@ def _copy_to_images(workspace: Workspace, field: Floats) -> None:
 
 def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
     damp_sound(parameters, workspace, summed)
-    arguments, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
-    if loop is None:
-        sum_momentum(*_recorded(parameters, workspace, workspace.fields.force_term))
-    else:
-        loop(*arguments, rates.table)
+    take_sum(parameters.pressure_force.sum, parameters, workspace)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -368,7 +287,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         set_eddy_viscosity(parameters, workspace)
     if parameters.friction is not None:
         workspace.rates.acceleration[:3] = 0.0
-        parameters.friction.loop(*_summed(parameters, workspace), rates.table)
+        take_sum(parameters.friction.sum, parameters, workspace)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     repel_from_walls(parameters, state)
     repel_from_drawn(parameters, state)
@@ -434,14 +353,14 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if len(images.source):
         fill_images(images.source, *of_images)
     if gradients:
-        fill_density_gradients(table, count, lists, constants)
+        take_sum(DENSITY_GRADIENT, parameters, workspace)
     if real > count:
         clip, equation, dummies = parameters.walls_clip, parameters.equation_of_state, parameters.boundary.dummies
         pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
         read_liquid(table, count, lists, constants, pulls, clip, equation)
     if parameters.corrects:
-        fill_corrections(table, count, lists, constants)
+        take_sum(CORRECTIONS, parameters, workspace)
         if parameters.gates:
             fields.correction[:, :count][:, state.zone > 0] = UNIT
     if len(images.source) and (real > count or gradients or parameters.corrects):

@@ -25,13 +25,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled_inside, prange, spread, summing
+from ecume._jit import admit, compiled_inside, prange, spread, summed_inside
 from ecume.engine.cells import Integers
-from ecume.engine.neighbor_rows import Lists
+from ecume.engine.vectors import Vector, add_vector, dot, plus
 from ecume.laws import kernels, tension
 from ecume.laws.kernels import kernel
-from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.fields import FIELD, Floats, Numbers
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.gradients import no_number
+from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
+from ecume.models.sph.rates.sums import no_vector
+from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
@@ -260,7 +264,6 @@ def draw(
         force[2, i] = volume[i] * fz
 
 
-INDEX = np.uint64
 STRENGTHS = {2: tension.cohesion_strength_in_plane, 3: tension.cohesion_strength_in_space}
 COUNTED = {2: 0.331, 3: 0.236}
 """The part of cohesion's tension that remains beside the pressure that it causes, for which div v in the sum of
@@ -296,13 +299,13 @@ def add_contour_force(parameters: Parameters, state: State, workspace: Workspace
 def add_cohesion(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by cohesion."""
     strength = cohesion_strength(parameters)
-    pull_by_cohesion(*_crowd(parameters, workspace), parameters.support, strength, state.acceleration)
+    take_sum(COHESION, parameters, workspace, state.acceleration, (parameters.support, strength))
 
 
 def energy_of_pairs(parameters: Parameters, workspace: Workspace) -> float:
     """J, of cohesion."""
-    energy = np.zeros(workspace.rates.shape[1])
-    sum_cohesion(*_crowd(parameters, workspace), parameters.support, cohesion_strength(parameters), energy)
+    energy = np.zeros((1, workspace.rates.shape[1]))
+    take_sum(COHESION_ENERGY, parameters, workspace, energy, (parameters.support, cohesion_strength(parameters)))
     return float(energy.sum())
 
 
@@ -313,75 +316,57 @@ def cohesion_strength(parameters: Parameters) -> float:
     return law(wanted, material.density, parameters.support)
 
 
-def _crowd(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
-    return workspace.fields.table, workspace.lists, parameters.constants
+@summed_inside
+def given_cohesion(numbers: Numbers, settings: tuple[float, float], like: Vector) -> tuple[float, float]:
+    """The support and the strength."""
+    return settings
 
 
-@summing
-def pull_by_cohesion(
-    fields: Floats, lists: Lists, constants: Constants, support: float, strength: float,
-    acceleration: Array,
+@summed_inside
+def pair_cohesion(
+    total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
+) -> Vector:
+    """sum_j m_j C(r) x_ij/r, alike for both of a pair; walls and images pull like the liquid."""
+    distance = math.sqrt(dot(apart, apart))
+    pull = other.weight * other.value * tension.cohesion_kernel(distance, given[0]) / max(distance, SAME)
+    found: Vector = plus(total, pull, apart)
+    return found
+
+
+@summed_inside
+def add_to_acceleration(
+    acceleration: Array, fields: Floats, i: int, total: Vector, own: Particle, given: tuple[float, float]
 ) -> None:  # fmt: skip
-    """Add sum_j gamma m_j C(r) x_ij/r, alike for both of a pair; walls and images pull like the liquid."""
-    deep = constants[0].dimension == 3
-    counts, neighbor = lists
-    for particle in prange(acceleration.shape[1]):
-        i = INDEX(particle)
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        ax, ay, az = 0.0, 0.0, 0.0
-        for k in range(INDEX(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy, dz = (
-                fields[FIELD.position, j] - x,
-                fields[FIELD.position + 1, j] - y,
-                fields[FIELD.position + 2, j] - z,
-            )
-            square = dx * dx + dy * dy
-            if deep:
-                square += dz * dz
-            distance = math.sqrt(square)
-            share = (
-                fields[FIELD.volume, j]
-                * fields[FIELD.density, j]
-                * tension.cohesion_kernel(distance, support)
-                / distance
-            )
-            ax += share * dx
-            ay += share * dy
-            if deep:
-                az += share * dz
-        add(acceleration, i, (strength * ax, strength * ay, strength * az))
+    """Add to the acceleration of the liquid."""
+    add_vector(acceleration, 0, i, given[1], total)
 
 
-@summing
-def sum_cohesion(
-    fields: Floats, lists: Lists, constants: Constants, support: float, strength: float, energy: Array
-) -> None:  # fmt: skip
+@summed_inside
+def pair_energy(
+    total: float, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
+) -> float:
     """Half of the energy of each pair belongs to each particle, or to its image; all of it for a particle of a wall."""
-    counts, neighbor = lists
-    for particle in prange(len(energy)):
-        i = INDEX(particle)
-        total = 0.0
-        for k in range(INDEX(counts[i])):
-            j = INDEX(neighbor[i, k])
-            square = 0.0
-            for axis in range(constants[0].dimension):
-                square += (fields[FIELD.position + axis, j] - fields[FIELD.position + axis, i]) ** 2
-            share = 1.0 - 0.5 * fields[FIELD.liquid, j]
-            total += (
-                share
-                * fields[FIELD.volume, j]
-                * fields[FIELD.density, j]
-                * tension.cohesion_energy(math.sqrt(square), support)
-            )
-        energy[i] = strength * fields[FIELD.volume, i] * fields[FIELD.density, i] * total
+    distance, mass = math.sqrt(dot(apart, apart)), math.fabs(other.weight) * other.value
+    share = 0.5 if other.weight > 0.0 else 1.0
+    return total + (share * mass * tension.cohesion_energy(distance, given[0]) if distance > SAME else 0.0)
 
 
-@compiled_inside
-def add(acceleration: Array, i: np.uint64, more: tuple[float, float, float]) -> None:
-    """Add to the acceleration of one particle."""
-    for axis in range(acceleration.shape[0]):
-        acceleration[axis, i] += more[axis]
+@summed_inside
+def store_energy(
+    energy: Array, fields: Floats, i: int, total: float, own: Particle, given: tuple[float, float]
+) -> None:  # fmt: skip
+    """Store the energy of a particle."""
+    energy[0, i] = given[1] * own.weight * own.value * total
+
+
+SAME = 1e-30
+"""m, two particles that are nearer are one: see `neighbor_sums`."""
+COHESION = neighbor_sum(
+    Reading(weight=FIELD.volume, value=FIELD.density), given_cohesion, no_vector, pair_cohesion, add_to_acceleration
+)
+COHESION_ENERGY = neighbor_sum(
+    Reading(weight=FIELD.volume, value=FIELD.density, signed=True), given_cohesion, no_number, pair_energy, store_energy
+)
 
 
 class Tension(NamedTuple):

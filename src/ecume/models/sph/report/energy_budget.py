@@ -39,7 +39,7 @@ from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.fill_fields import fill_images
-from ecume.models.sph.rates.sums import slope_of
+from ecume.models.sph.rates.kernel_loops import slope_of
 from ecume.models.sph.state import RATE, WORK, State, Workspace, particle_arrays, put_dummies
 from ecume.units import Array
 

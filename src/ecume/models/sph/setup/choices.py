@@ -13,7 +13,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from ecume.engine.neighbor_rows import EVERYONE
 from ecume.engine.shapes import Box, covered_volume
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous, wall_forces
@@ -125,8 +124,6 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     values = {
         "dimension": dimension,
         "kernel": KERNEL_CODES[scene.method.kernel],
-        "first": EVERYONE[0],
-        "last": EVERYONE[1],
         "zero": 0.0,
         "smoothing_length": smoothing,
         "inverse_length": 1.0 / smoothing,

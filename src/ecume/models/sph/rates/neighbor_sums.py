@@ -1,0 +1,178 @@
+"""The one loop of the sums over neighbors of a tank: each sum is a formula for a pair, and names the fields it reads.
+
+What the formula reads of each particle is packed into a record of eight or sixteen numbers. Records of a particle's
+neighbors are turned into columns (see `ecume._columns`), and the loop over neighbors, which has no store inside, is
+vectorized by the compiler. It is compiled for vectors of the plane or of space, whichever a scene has, and for each
+kernel type of `kernel_loops`. The order of summation inside a row is not specified, but it is the same in every run.
+NaN propagates. Rows are padded with the particle itself, so that each term must vanish for two at the same place.
+
+Signs: `apart` is from i to j, F = (1/r) dW/dr is negative, and the gradient of W at i is -F apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._columns import RECORD, column, fill_columns, further_column
+from ecume._jit import compiled_inside, prange, spread, summed_inside, summing
+from ecume.engine.cells import Integers
+from ecume.engine.neighbor_rows import STRIDE, Lists, Slots
+from ecume.engine.vectors import Vector, Vector2, Vector3, by_dimension, difference, dot
+from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.rates.kernel_loops import KernelType, written_slope
+
+INDEX = np.uint64
+"""Of all indexes: a signed one would be tested for being negative, pair by pair."""
+BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
+CHUNK = 128
+"""Particles that one thread takes at a time, with one set of columns."""
+SPARE = 8
+"""Entries between two columns, so that they do not all fall into the same lines of the cache."""
+NOTHING = -1
+"""In place of a row of fields that a sum does not read."""
+FIRST, FURTHER = INDEX(0), INDEX(RECORD)
+POSITION, VECTOR, WEIGHT, VALUE = 0, 3, 6, 7
+"""Places in a record."""
+
+
+@compiled_inside
+def whole(count: int) -> np.uint64:
+    """The length of a row rounded up to a whole vector: padding is the particle itself, and adds nothing."""
+    return (INDEX(count) + BEFORE) & DOWN
+
+
+class Reading(NamedTuple):
+    """The rows of the table of fields that a sum reads of each particle, beside its position."""
+
+    vector: int = NOTHING
+    """the first of three rows"""
+    weight: int = NOTHING
+    value: int = NOTHING
+    signed: bool = False
+    """whether the weight is negative for dummies"""
+    more: tuple[int, ...] = ()
+    """eight further rows"""
+
+
+class Particle(NamedTuple):
+    """What a formula reads of a particle."""
+
+    position: Any
+    vector: Any
+    weight: float
+    value: float
+    more: Any
+    """eight numbers, or ()"""
+
+
+class NeighborSum(NamedTuple):
+    """A sum over neighbors."""
+
+    loop: Callable[..., None]
+    rows: Integers
+    """of the table of fields, one for each number of a record"""
+    signed: bool
+
+
+def neighbor_sum(
+    reading: Reading, given: Callable[..., Any], zero: Callable[..., Any], pair: Callable[..., Any],
+    store: Callable[..., None],
+) -> NeighborSum:  # fmt: skip
+    """A sum over neighbors, of four compiled functions.
+
+    given(numbers, settings, like) are the constants that the formula needs; zero(nought, like) is an empty sum, of
+    vectors like this one; pair(total, apart, slope, own, other, given) is the total and what a neighbor adds, with
+    slope = f'(q)/q; store(target, fields, i, total, own, given) puts the sum where it belongs.
+    """
+    read, fill = (further_particle, fill_both) if reading.more else (one_particle, fill_one)
+    width = 2 * RECORD if reading.more else RECORD
+
+    def loop(
+        target: Floats, fields: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType,
+        like: Vector, settings: tuple[float, ...],
+    ) -> None:  # fmt: skip
+        counts, neighbor = lists
+        end = target.shape[1]
+        for chunk in prange((end + CHUNK - 1) // CHUNK):
+            columns = np.empty((width, neighbor.shape[1] + SPARE), records.dtype)
+            numbers, across = constants[0], records.T
+            inverse, known = numbers.inverse_length, given(numbers, settings, like)
+            for particle in range(chunk * CHUNK, min(end, (chunk + 1) * CHUNK)):
+                i = INDEX(particle)
+                count = whole(counts[i])
+                fill(columns, records, neighbor, i, count)
+                own = read(across, i, like)
+                total = zero(numbers.zero, like)
+                for k in range(count):
+                    other = read(columns, INDEX(k), like)
+                    apart = difference(other.position, own.position)
+                    slope = written_slope(math.sqrt(dot(apart, apart)) * inverse, kernel)
+                    total = pair(total, apart, slope, own, other, known)
+                store(target, fields, i, total, own, known)
+
+    loop.__qualname__ = f"neighbor_sum.{pair.__name__}"  # compiled code is found by its name
+    return NeighborSum(summing(loop), rows_of(reading), reading.signed)
+
+
+@summed_inside
+def fill_one(columns: Floats, records: Floats, neighbor: Slots, i: np.uint64, count: np.uint64) -> None:
+    """The columns of records of eight."""
+    fill_columns(columns, records, neighbor, i, count, FIRST)
+
+
+@summed_inside
+def fill_both(columns: Floats, records: Floats, neighbor: Slots, i: np.uint64, count: np.uint64) -> None:
+    """The columns of records of sixteen."""
+    fill_columns(columns, records, neighbor, i, count, FIRST)
+    fill_columns(columns, records, neighbor, i, count, FURTHER)
+
+
+@summed_inside
+def _in_plane(columns: Floats, k: np.uint64, more: Any, like: Vector2) -> Particle:
+    x, y, _, u, v, _, weight, value = column(columns, k)
+    return Particle(Vector2(x, y), Vector2(u, v), weight, value, more)
+
+
+@summed_inside
+def _in_space(columns: Floats, k: np.uint64, more: Any, like: Vector3) -> Particle:
+    x, y, z, u, v, w, weight, value = column(columns, k)
+    return Particle(Vector3(x, y, z), Vector3(u, v, w), weight, value, more)
+
+
+_particle = by_dimension(_in_plane, _in_space)
+
+
+@summed_inside
+def one_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
+    """What record k of eight says."""
+    found: Particle = _particle(columns, k, (), like)
+    return found
+
+
+@summed_inside
+def further_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
+    """What record k of sixteen says."""
+    found: Particle = _particle(columns, k, further_column(columns, k), like)
+    return found
+
+
+def rows_of(reading: Reading) -> Integers:
+    """The row of fields for each number of a record."""
+    vector = range(reading.vector, reading.vector + 3) if reading.vector != NOTHING else [NOTHING] * 3
+    rows = [*range(FIELD.position, FIELD.position + 3), *vector, reading.weight, reading.value, *reading.more]
+    return np.array(rows, np.int64)
+
+
+@spread
+def fill_records(fields: Floats, records: Floats, rows: Integers, signed: bool) -> None:
+    """Fill the records (N, 8 or 16) of all particles with these rows of their fields."""
+    for i in prange(fields.shape[1]):
+        for place in range(len(rows)):
+            if rows[place] >= 0:
+                records[i, place] = fields[rows[place], i]
+        if signed and fields[FIELD.liquid, i] <= 0.0:
+            records[i, WEIGHT] = -records[i, WEIGHT]

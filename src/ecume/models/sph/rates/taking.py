@@ -1,0 +1,23 @@
+"""A sum over neighbors, taken from filled fields."""
+
+from __future__ import annotations
+
+from ecume.engine.vectors import VECTORS
+from ecume.models.sph.fields import Floats
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.kernel_loops import kernel_type
+from ecume.models.sph.rates.neighbor_sums import NeighborSum, fill_records
+from ecume.models.sph.state import Workspace
+
+
+def take_sum(
+    taken: NeighborSum, parameters: Parameters, workspace: Workspace, target: Floats | None = None,
+    settings: tuple[float, ...] = (),
+) -> None:  # fmt: skip
+    """Take a sum for all particles of the liquid, from filled fields, into the target: by default the rates."""
+    fields, constants = workspace.fields.table, parameters.constants
+    fill_records(fields, workspace.records, taken.rows, taken.signed)
+    taken.loop(
+        workspace.rates.table if target is None else target, fields, workspace.records, workspace.lists, constants,
+        kernel_type(constants), VECTORS[parameters.dimension], settings,
+    )  # fmt: skip
