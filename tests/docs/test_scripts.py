@@ -9,6 +9,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 MAIN = 'if __name__ == "__main__":'
+PARTS = 4
+"""Processes that draw the figures."""
 SHELL = {
     "audit": None,  # asks the package index
     "demo": "--help",
@@ -32,6 +34,15 @@ def is_script(path):
 
 PYTHON = sorted(path for folder in ("benchmarks", "docs", "docs/studies") for path in (ROOT / folder).glob("*.py"))
 SCRIPTS = {path.relative_to(ROOT).as_posix() for path in PYTHON if is_script(path)}
+SOME = {"docs/figures.py": ["equilibrium"], "docs/clips.py": ["t1", "bouncing-tracers"]}
+"""What is asked of scripts that have more to do: all figures have tests of their own, and clips take a minute."""
+DRAWN = """
+import sys
+sys.argv = ["figures.py", "--quick"]
+sys.path.insert(0, "docs")
+import figures
+figures.main(list(figures.FIGURES)[{part}::{parts}])
+"""
 
 
 def ended_well(*words):
@@ -74,9 +85,16 @@ def test_a_script_has_a_small_size(name):
 
 @pytest.mark.long
 @pytest.mark.compiled
-@pytest.mark.parametrize("name", sorted(SCRIPTS - {"docs/clips.py"}))
+@pytest.mark.parametrize("name", sorted(SCRIPTS))
 def test_a_script_runs(name):
-    ended_well(sys.executable, name, "--quick", *(["equilibrium"] if name == "docs/figures.py" else []))
+    ended_well(sys.executable, name, "--quick", *SOME.get(name, []))
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+@pytest.mark.parametrize("part", range(PARTS))
+def test_figures_are_drawn(part):
+    ended_well(sys.executable, "-c", DRAWN.format(part=part, parts=PARTS))
 
 
 @pytest.mark.long
