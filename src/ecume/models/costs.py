@@ -50,6 +50,8 @@ particles of a liquid.
 """
 INDEX, LINE, FILE = 32.0, 32.0, 17e3
 """Bytes of each quantity in a file's index, and of each number in `scalars.jsonl`; bytes of a file without frames."""
+CHECKPOINTS, ARCHIVE = 2, 8e3
+"""How many checkpoints a run keeps, and the bytes of one without its particles."""
 CELL = 19.0
 """Bytes of a number in `samples.csv`."""
 NOTHING_WRITTEN = 5e-3
@@ -67,6 +69,10 @@ class Content(NamedTuple):
     arrays: Mapping[str, int]
     """The components of each array that changes; constant arrays are stored once."""
     numbers: int
+    state: float = 0.0
+    """bytes of a state"""
+    constants: float = 0.0
+    """bytes of what a run keeps once"""
 
 
 class SampleCost(NamedTuple):
@@ -93,6 +99,8 @@ class FrameCost(NamedTuple):
     writing: float
     bytes: float
     sampling: SampleCost = SampleCost()
+    kept: float = 0.0
+    """bytes of checkpoints and constants"""
 
     @property
     def seconds(self) -> float:
@@ -104,8 +112,9 @@ class FrameCost(NamedTuple):
         each = f"{duration_text(self.writing / self.frames)} and {size_text(self.bytes / self.frames)} each"
         large = "; a larger frame_every takes less" if self.bytes > LARGE else ""
         frames, samples = ("frames", str(self.frames), each), self.sampling.lines()
-        of = "frames and samples" if samples else "frames"
-        return [frames, *samples, ("disk", size_text(self.bytes + self.sampling.bytes), f"roughly, of {of}{large}")]
+        of = "frames, samples and checkpoints" if samples else "frames and checkpoints"
+        size = size_text(self.bytes + self.sampling.bytes + self.kept)
+        return [frames, *samples, ("disk", size, f"roughly, of {of}{large}")]
 
     def remark(self, stepping: float) -> str:
         """What to do where the run takes too long, or frames take longer than time steps do; otherwise empty."""
@@ -126,7 +135,9 @@ def frame_cost(scene: Common, content: Content, steps: float) -> FrameCost:
     making = OBSERVING + PER_PARTICLE * content.particles
     quantities = len(content.arrays) + content.numbers
     size += INDEX * quantities + LINE * content.numbers
-    return FrameCost(frames, frames * (seconds + making), FILE + frames * size, sample_cost(scene, content, steps))
+    kept = CHECKPOINTS * (ARCHIVE + content.state) + content.constants
+    samples = sample_cost(scene, content, steps)
+    return FrameCost(frames, frames * (seconds + making), FILE + frames * size, samples, kept)
 
 
 def sample_cost(scene: Common, content: Content, steps: float) -> SampleCost:
