@@ -24,7 +24,7 @@ from timed_runs import machine
 from ecume._quick import parser_of, sized
 from ecume.engine.linear_solvers import solvers
 from ecume.models.soft import SOFT
-from ecume.models.soft.contacts.contact_list import renew_contacts
+from ecume.models.soft.contacts.contact_list import update_contact_list
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import CLOCK
 from ecume.scenes.load import from_plain
@@ -109,7 +109,7 @@ def measure(asked: Asked) -> Row:
         met = one_step(parameters, state, scratch)
         if met is None:
             raise SystemExit(SOFT.diagnosis(parameters, state))
-        if renew_contacts(parameters, state, met):
+        if update_contact_list(parameters, state, met):
             scratch = SOFT.workspace(parameters, state, 1.0)
     spent, waited = time.process_time() - spent, time.perf_counter() - waited
     main = time.thread_time() - main

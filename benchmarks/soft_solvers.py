@@ -22,7 +22,7 @@ from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import answer
 from ecume.models.soft.integration.dirk import begin_stage, first_stage
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.integration.newton import imbalance, resist
+from ecume.models.soft.integration.newton import assemble_jacobian, imbalance
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import Workspace
 
@@ -45,9 +45,9 @@ def fill(parameters: object, scratch: Workspace, span: float) -> None:
     """The matrix and the right side of a stage of this length (s)."""
     step = scratch.step
     begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
-    answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)  # type: ignore[attr-defined]
+    answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.responses)  # type: ignore[attr-defined]
     imbalance(step, 1.0, span, True)
-    resist(step, span)
+    assemble_jacobian(step, span)
     height = step.bodies.position[:, 1]
     step.bodies.right[:] = 0.0
     step.bodies.right[:, 0] = PULL * np.sin(2.0 * np.pi * height / np.ptp(height))

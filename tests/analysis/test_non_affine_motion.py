@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.analysis.boxes import Box, at_home
+from ecume.analysis.boxes import Box, wrapped
 from ecume.analysis.rearrangements import local_deformation, nonaffine_displacement, nonaffine_velocity
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
@@ -15,7 +15,7 @@ def frame_of(position, box=None, time=0.0):
     numbers = {}
     if box is not None:
         numbers = {"box_width": box.sides[0], "box_height": box.sides[1], "strain": box.strain}
-        position = at_home(position, box)
+        position = wrapped(position, box)
     return Frame(time, {"position": position}, numbers, {})
 
 

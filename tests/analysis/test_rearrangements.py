@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from ecume.analysis.boxes import Box, at_home, copies, nearest
+from ecume.analysis.boxes import Box, copies, nearest, wrapped
 from ecume.analysis.rearrangements import contact_swaps, neighbor_swaps, neighbors_of, radical_neighbors
 from ecume.errors import BadInput
 from ecume.models.soft import t1_process
@@ -50,7 +50,7 @@ def sheared_honeycomb(strains, columns=6, rows=6):
     for time, strain in enumerate(strains):
         box = Box(np.array([columns, rows * ROW]), strain)
         moved = start + np.column_stack([strain * start[:, 1], np.zeros(len(start))])
-        frames.append(frame_of(at_home(moved, box), float(time), box=box))
+        frames.append(frame_of(wrapped(moved, box), float(time), box=box))
     return frames
 
 
@@ -165,7 +165,7 @@ def test_crossing_a_sheared_border_is_no_event():
     box = Box(np.array([6.0, 6 * ROW]), 0.37)
     start = honeycomb() + np.random.default_rng(4).normal(scale=0.05, size=(36, 2))
     drift = [
-        frame_of(at_home(start + 0.31 * step * np.array([1.0, 0.7]), box), float(step), box=box) for step in range(40)
+        frame_of(wrapped(start + 0.31 * step * np.array([1.0, 0.7]), box), float(step), box=box) for step in range(40)
     ]
     found = neighbor_swaps(drift)
     assert (found.events, found.unpaired) == ((), 0)

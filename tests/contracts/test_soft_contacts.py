@@ -18,7 +18,7 @@ from ecume.models.soft.contacts.contact import (
     film_of,
     gap_energy_of,
     normal_energy,
-    remote_answer,
+    remote_force_and_slope,
 )
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.protocol import drive_at
@@ -105,8 +105,8 @@ def test_a_step_pulls_at_spheres_with_minus_the_gradient_of_the_energy_that_fram
         begin(parameters, step, drive_at(parameters.protocol, 0.0))
         found.append(elastic_energy(parameters.contacts, step))
     assert found[2] > 0.0
-    assert step.answers.force[0, 0] == pytest.approx((found[1] - found[0]) / 2e-6, rel=1e-6)
-    assert step.bodies.right[:, 0] == pytest.approx([step.answers.force[0, 0], -step.answers.force[0, 0]])
+    assert step.responses.force[0, 0] == pytest.approx((found[1] - found[0]) / 2e-6, rel=1e-6)
+    assert step.bodies.right[:, 0] == pytest.approx([step.responses.force[0, 0], -step.responses.force[0, 0]])
 
 
 @pytest.mark.parametrize("name", INTERFACES)
@@ -148,7 +148,7 @@ def test_what_acts_across_a_film_is_the_law_that_was_asked_for(name):
         "debye_length": 0.05,
     }
     contacts, law = contacts_of(remote=given), REMOTE[name]
-    force, slope = remote_answer(GAP, 0.5, contacts)
+    force, slope = remote_force_and_slope(GAP, 0.5, contacts)
     known = {"gap": GAP, "reduced_radius": 0.5}
     assert force == pytest.approx(asked(law.force, contacts, **known), rel=1e-12)
     assert slope == pytest.approx(asked(law.slope, contacts, **known), rel=1e-12)

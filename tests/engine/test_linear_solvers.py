@@ -69,11 +69,11 @@ def test_a_pattern_has_a_block_for_each_pair_once_in_the_order_of_columns():
         assert links.tolist() == [2 * c + k for c in range(len(first)) for k in (0, 1) if (first, second)[k][c] == i]
 
 
-def solved(name, matrix, right, solution, loose):
+def solved(name, matrix, right, solution, null_space_dimension):
     if name == "cholmod":
         pytest.importorskip("cvxopt")
     kept = solvers.Kept(matrix.pattern, matrix.blocks.shape[1], 2, accuracy=1e-12)
-    return solvers.SOLVERS[name](kept, matrix, right, solution, loose)
+    return solvers.SOLVERS[name](kept, matrix, right, solution, null_space_dimension)
 
 
 WAYS = {name: functools.partial(solved, name) for name in solvers.SOLVERS}
@@ -97,12 +97,12 @@ def test_every_way_solves_what_the_dense_matrix_says_for_several_right_sides(way
 def test_the_four_blocks_of_a_pair_may_differ(way):
     count, width = 30, 6
     random, first, second = links(count)
-    quads = 0.1 * random.normal(size=(len(first), 4, width, width))
+    pair_blocks = 0.1 * random.normal(size=(len(first), 4, width, width))
     diagonal = random.uniform(20.0, 40.0, size=(count, width))
     matrix = block_matrix.make_matrix(block_matrix.make_pattern(count, first, second), width)
-    block_matrix.assemble_quads(matrix, quads, diagonal)
+    block_matrix.assemble_pair_blocks(matrix, pair_blocks, diagonal)
     dense = np.diag(diagonal.ravel())
-    for i, j, four in zip(first, second, quads, strict=True):
+    for i, j, four in zip(first, second, pair_blocks, strict=True):
         for (a, b), place in {
             (i, i): block_matrix.OWN, (i, j): block_matrix.ACROSS, (j, i): block_matrix.BACK, (j, j): block_matrix.OTHER
         }.items():  # fmt: skip
@@ -182,9 +182,9 @@ def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
     right = random.normal(size=(1, count, width))
     assert bicgstab.make_gradients(*right.shape[1:]).sums.shape[0] > 2
     solutions = np.zeros((2, *right.shape))
-    for solve, solution in zip((bicgstab.descend_alone, bicgstab.descend_together), solutions, strict=True):
+    for solve, solution in zip((bicgstab.solve_serial, bicgstab.solve_threaded), solutions, strict=True):
         scratch = bicgstab.make_gradients(*right.shape[1:])
-        assert solve(matrix, (right, solution), scratch, bicgstab.Goal(1e-10, 500)) > 0
+        assert solve(matrix, (right, solution), scratch, bicgstab.Tolerance(1e-10, 500)) > 0
     assert solutions[0].tobytes() == solutions[1].tobytes()
 
 
@@ -214,7 +214,10 @@ def test_gradients_are_those_of_the_textbook_for_the_preconditioned_matrix(accur
     product = np.linalg.solve(below, dense @ np.linalg.solve(above, own))
     iterations, scaled = textbook(product, np.linalg.solve(below, right[0].ravel()), accuracy)
     solution, scratch = np.zeros((1, count, width)), bicgstab.make_gradients(count, width)
-    assert bicgstab.descend(matrix, right[:1], solution, scratch, bicgstab.Goal(accuracy, 99)) == iterations
+    assert (
+        bicgstab.biconjugate_gradients(matrix, right[:1], solution, scratch, bicgstab.Tolerance(accuracy, 99))
+        == iterations
+    )
     assert solution.ravel() == pytest.approx(np.linalg.solve(above, own @ scaled), rel=1e-6)
 
 
@@ -270,6 +273,6 @@ def test_a_network_in_two_pieces_that_nothing_holds_has_no_solution():
 def test_gradients_need_no_iteration_for_nothing_and_give_up_without_a_diagonal():
     matrix, _, right = system(2, True)
     scratch = bicgstab.make_gradients(*right.shape[1:])
-    assert bicgstab.descend(matrix, 0.0 * right, right, scratch, bicgstab.Goal(1e-3, 9)) == 0
+    assert bicgstab.biconjugate_gradients(matrix, 0.0 * right, right, scratch, bicgstab.Tolerance(1e-3, 9)) == 0
     matrix.blocks[:] = 0.0
-    assert bicgstab.descend(matrix, right + 1.0, right, scratch, bicgstab.Goal(1e-3, 9)) == -1
+    assert bicgstab.biconjugate_gradients(matrix, right + 1.0, right, scratch, bicgstab.Tolerance(1e-3, 9)) == -1

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.analysis.boxes import Box, at_home, box_of, nearest
+from ecume.analysis.boxes import Box, box_of, nearest, wrapped
 from ecume.errors import BadInput
 from ecume.scenes.soft import (
     CellSpec,
@@ -73,7 +73,7 @@ def _sheared(time):
     moved = start + np.column_stack([strain * start[:, 1], np.zeros(6)])
     neighbor = np.array([[1, 3], [2, 4], [-1, -1], [4, 5], [-1, -1], [-1, -1]])
     arrays = {
-        "position": at_home(moved, Box(1e-3 * np.array([6.0, 4.0]), strain)),
+        "position": wrapped(moved, Box(1e-3 * np.array([6.0, 4.0]), strain)),
         "radius": np.full(6, 1e-3),
         "species": np.zeros(6, np.int64),
         "neighbor": neighbor,

@@ -88,7 +88,7 @@ def copies(position: Array, box: Box | None, margin: Length) -> Copies:
     """The particles in their box, and all copies less than a margin outside it."""
     if box is None:
         return Copies(position, np.arange(len(position)))
-    home = at_home(position, box)
+    home = wrapped(position, box)
     places, owners = [home], [np.arange(len(home))]
     reach = np.where(box.sides > 0.0, np.ceil(_in_sides(np.full(len(box.sides), margin), box.sides)) + 1.0, 0.0)
     for shift in itertools.product(*(range(-n, n + 1) for n in reach.astype(int))):
@@ -101,7 +101,7 @@ def copies(position: Array, box: Box | None, margin: Length) -> Copies:
     return Copies(np.concatenate(places), np.concatenate(owners))
 
 
-def at_home(position: Array, box: Box) -> Array:
+def wrapped(position: Array, box: Box) -> Array:
     """Each particle's copy in the box itself."""
     rows = np.floor(_in_sides(position[:, 1], box.sides[1]))
     home = position.copy()

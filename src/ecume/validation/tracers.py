@@ -24,7 +24,7 @@ from ecume.validation.runner import Row, below, case_scene, within
 
 WEDGES = (90, 60, 45, 30, 10, 7)
 RESTITUTIONS = (0.5, 0.8, 0.9)
-CROWD = 100_000
+KEEPS_SCENE_ORDER = 100_000
 ROUNDS = 17
 """Steps of each system; with six systems some ten million particle-steps."""
 FALL = (0.0, -9.81)
@@ -142,8 +142,8 @@ def nobody_outside() -> list[Row]:
 def crowded(tank: Surfaces, restitution: float) -> float:
     """The least clearance of many particles that are stirred and fall."""
     dice, d = np.random.default_rng(11), tank.dimension
-    thrown = dice.uniform(-0.69, 0.69, (2 * CROWD, d))
-    position = thrown[walls.clearance(thrown, tank)[0] > 0.0][:CROWD]
+    thrown = dice.uniform(-0.69, 0.69, (2 * KEEPS_SCENE_ORDER, d))
+    position = thrown[walls.clearance(thrown, tank)[0] > 0.0][:KEEPS_SCENE_ORDER]
     velocity, fall, least = np.zeros_like(position), (*(0.3,) * (d - 1), -3.0), math.inf
     for _ in range(ROUNDS):
         velocity = velocity + dice.normal(size=velocity.shape)

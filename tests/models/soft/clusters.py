@@ -7,7 +7,7 @@ import numpy as np
 from ecume.laws.soft_pair import TANGENTIAL, TENSION
 from ecume.models.model import CROWDED, code_of
 from ecume.models.soft import SOFT
-from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers
+from ecume.models.soft.contacts.films import Films, Pairs, contact_response, make_responses
 from ecume.models.soft.contacts.user_forces import no_laws
 from ecume.models.soft.parameters import Contacts
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
@@ -85,8 +85,8 @@ def one_contact(given, between, log_gap, direction, span, start=None):
     n[0, : len(direction)] = direction / np.linalg.norm(direction)
     begin = (np.array([log_gap]), n.copy()) if start is None else start
     films = Films(np.array([log_gap]), n, *begin)
-    found = make_answers(1)
-    answer(given, pairs, films, np.array([np.zeros(len(between)), between]), span, found)
+    found = make_responses(1)
+    contact_response(given, pairs, films, np.array([np.zeros(len(between)), between]), span, found)
     return found
 
 

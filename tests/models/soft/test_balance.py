@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ecume.models.soft import SOFT
-from ecume.models.soft.contacts.contact_list import renew_contacts
+from ecume.models.soft.contacts.contact_list import update_contact_list
 from ecume.models.soft.integration.time_stepping import one_step
-from ecume.models.soft.state import LEFT
+from ecume.models.soft.state import FORCE_RESIDUAL
 from tests.models import begun
 
 from .test_packings import packing
@@ -22,10 +22,10 @@ def test_what_is_left_on_a_thousand_sheared_spheres_is_below_1e_8_of_the_typical
     left = []
     for _ in range(20):
         assert one_step(parameters, state, scratch) is not None
-        force = np.linalg.norm(scratch.step.answers.force, axis=1)
+        force = np.linalg.norm(scratch.step.responses.force, axis=1)
         left.append(np.abs(scratch.step.bodies.right).max() / np.sqrt((force**2).mean()))
-        assert state.pace[LEFT] == pytest.approx(left[-1], rel=1e-12)
-        if renew_contacts(parameters, state):
+        assert state.pace[FORCE_RESIDUAL] == pytest.approx(left[-1], rel=1e-12)
+        if update_contact_list(parameters, state):
             scratch = SOFT.workspace(parameters, state, 1.0)
     # Also at the first of them, where contacts have only begun to bear anything.
     assert 0.0 < max(left) < 1e-8

@@ -12,7 +12,7 @@ from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.record import ROUNDED, most_missing
-from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, released
+from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, energy_of_faded
 from ecume.scenes.load import from_plain
 from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate
@@ -148,13 +148,13 @@ def test_films_take_what_contacts_hold_that_fade():
     step = SOFT.workspace(parameters, state, 1.0).step
     begin(parameters, step, drive_at(parameters.protocol, 0.0))
     assert len(step.log_gap) > 0 < len(step.walls.touches.first)
-    assert released(parameters.contacts, step) == 0.0
+    assert energy_of_faded(parameters.contacts, step) == 0.0
     gone = math.log(1.1 * parameters.contacts.fade_to)
     for log_gap in (step.log_gap, step.films.log_gap, step.walls.touches.log_gap):
         log_gap[:] = gone
     held = elastic_energy(parameters.contacts, step)
     assert held > 0.0
-    assert released(parameters.contacts, step) == pytest.approx(held, rel=1e-12, abs=0.0)
+    assert energy_of_faded(parameters.contacts, step) == pytest.approx(held, rel=1e-12, abs=0.0)
 
 
 @pytest.mark.parametrize(("scheme", "times"), [("tr-bdf2", 4.0), ("esdirk4", 8.0**0.8)])

@@ -10,7 +10,7 @@ from ecume.models.soft.cell import (
     WIDTH,
     Goal,
     box_of,
-    carry_along,
+    deform_positions,
     end_cell,
     make_cell,
 )
@@ -38,7 +38,7 @@ def test_places_keep_their_fractions_of_the_edges(dimensions):
     fractions = np.linalg.solve(corners(OLD)[:dimensions, :dimensions], position.T)
     expected = (corners(NEW)[:dimensions, :dimensions] @ fractions).T
     before, moved = position.copy(), np.zeros_like(position)
-    carry_along(cell, OLD, position, moved)
+    deform_positions(cell, OLD, position, moved)
     np.testing.assert_allclose(position, expected, rtol=1e-12)
     np.testing.assert_allclose(moved, expected - before, rtol=1e-9, atol=1e-15)
 

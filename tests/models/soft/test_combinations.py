@@ -81,9 +81,9 @@ def test_spins_are_turned_by_the_liquid_of_a_cell_that_answers_to_a_shear_stress
     (0.3, False, "no films lead around the cell"), (0.55, True, "the films bear no stress, however small"),
 ])  # fmt: skip
 def test_a_start_too_loose_for_a_stress_is_refused_with_what_helps(filled, rotation, says):
-    loose = boxed("shear rate", "normal stress", "none", rotation, "none", "none", filled=filled)
+    null_space_dimension = boxed("shear rate", "normal stress", "none", rotation, "none", "none", filled=filled)
     with pytest.raises(SceneError, match=f"{says}.*hydrodynamics.drag = 'stokes', a larger films.cutoff"):
-        SOFT.start(loose, SOFT.parameters(loose))
+        SOFT.start(null_space_dimension, SOFT.parameters(null_space_dimension))
     carried = boxed("shear rate", "normal stress", "stokes", rotation, "none", "none", filled=filled)
     holds(list(simulate(carried)), carried)
 

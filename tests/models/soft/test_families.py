@@ -144,7 +144,7 @@ def test_what_slides_is_slowed_by_the_film_under_the_rest_of_the_pull():
         size = contact_size(0.5, gap, tension / size, 1.0, 1.0)
     friction = INTERFACES["rigid"](size, gap, 0.1, 1.0, (1.5 * math.pi, math.pi)).shear
     speed = (shear - 1.01 * 0.3 * -tension) / friction
-    assert np.linalg.norm(work.step.answers.slope[0, 1:]) * (2.0 + gap) == pytest.approx(speed, rel=1e-9)
+    assert np.linalg.norm(work.step.responses.slope[0, 1:]) * (2.0 + gap) == pytest.approx(speed, rel=1e-9)
 
 
 def sheared(**films):

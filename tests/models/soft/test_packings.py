@@ -11,7 +11,7 @@ from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.cell import Box
 from ecume.models.soft.contacts import contact_list
-from ecume.models.soft.contacts.contact_list import neighbors, newcomers
+from ecume.models.soft.contacts.contact_list import neighbors, new_pairs
 from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
@@ -139,7 +139,7 @@ def test_cells_find_the_pairs_of_the_tree_in_its_order_with_its_bits(monkeypatch
     for tilt in (0.0, 0.4, -1.7):
         box = Box(parameters.box[:dimensions], tilt * parameters.box[0])
         by_tree = neighbors(parameters, position, box)
-        monkeypatch.setattr(contact_list, "MANY", 1)
+        monkeypatch.setattr(contact_list, "CELL_SEARCH_FROM", 1)
         monkeypatch.setattr(contact_list, "ROOM", 2)
         by_cells = neighbors(parameters, position, box)
         monkeypatch.undo()
@@ -154,7 +154,7 @@ def test_newcomers_are_near_and_not_in_contact():
     pair, image, between = neighbors(parameters, state.position, box)
     for left_out in ([], [0], [3, 4, len(pair) - 1], range(len(pair))):
         known = np.delete(pair, left_out, axis=0), np.delete(image, left_out, axis=0)
-        found = newcomers(parameters, state.position, box, known)
+        found = new_pairs(parameters, state.position, box, known)
         assert [each.tolist() for each in found] == [each[list(left_out)].tolist() for each in (pair, image, between)]
 
 

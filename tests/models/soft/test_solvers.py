@@ -8,12 +8,12 @@ import pytest
 from ecume.engine.linear_solvers import solvers
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
-from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.contacts.films import contact_response
 from ecume.models.soft.integration import linear_solvers
 from ecume.models.soft.integration.dirk import begin_stage, first_stage
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.integration.linear_solvers import ITERATIONS, choices
-from ecume.models.soft.integration.newton import imbalance, resist
+from ecume.models.soft.integration.linear_solvers import ITERATIONS, solver_names
+from ecume.models.soft.integration.newton import assemble_jacobian, imbalance
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import FAILED
 from tests.models import begun
@@ -31,9 +31,9 @@ def stage(scene, span):
     first_stage(parameters.contacts, step, drive_at(parameters.protocol, 0.0))
     begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
     step.bodies.position[:] += 1e-4 * np.random.default_rng(1).normal(size=step.bodies.position.shape)
-    answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)
+    contact_response(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.responses)
     imbalance(step, 1.0, span, True)
-    resist(step, span)
+    assemble_jacobian(step, span)
     return step.matrix, step.borders.right[:1]
 
 
@@ -59,9 +59,9 @@ def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_afte
     even = int(direct / solvers.operations_of_iteration(scratch.kept))
     for iterations, wanted in ((0, "iterative"), (even, "iterative"), (even + 1, "direct"), (2000, "direct")):
         state.effort[:] = iterations, 0, 0
-        assert choices(parameters, scratch.kept, state.effort)[0] == wanted
+        assert solver_names(parameters, scratch.kept, state.effort)[0] == wanted
     state.effort[:] = 2000, linear_solvers.AGAIN, 0
-    assert choices(parameters, scratch.kept, state.effort) == ("iterative",)
+    assert solver_names(parameters, scratch.kept, state.effort) == ("iterative",)
 
 
 def test_few_spheres_are_eliminated_and_a_solver_that_is_named_is_the_first_one():
@@ -74,17 +74,17 @@ def test_few_spheres_are_eliminated_and_a_solver_that_is_named_is_the_first_one(
     ):
         parameters, state, scratch = begun(scene)
         state.effort[:] = 2000, 0, failed
-        assert choices(parameters, scratch.kept, state.effort) == wanted
+        assert solver_names(parameters, scratch.kept, state.effort) == wanted
 
 
 def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):
     parameters, state, scratch = begun(packing(count=40))
     state.effort[:] = 2000, 0, 9
-    assert choices(parameters, scratch.kept, state.effort) == ("direct", "iterative")
+    assert solver_names(parameters, scratch.kept, state.effort) == ("direct", "iterative")
     state.effort[:] = 1, 0, 9
-    assert choices(parameters, scratch.kept, state.effort) == ("iterative", "direct")
+    assert solver_names(parameters, scratch.kept, state.effort) == ("iterative", "direct")
     monkeypatch.setattr(solvers, "MOST_WORK", 1.0)
-    assert choices(parameters, scratch.kept, state.effort) == ("iterative",)
+    assert solver_names(parameters, scratch.kept, state.effort) == ("iterative",)
 
 
 def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_step(monkeypatch):

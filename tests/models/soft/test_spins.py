@@ -8,10 +8,10 @@ import pytest
 
 from ecume.errors import BadInput, SceneError
 from ecume.models.soft import SOFT, t1_process
-from ecume.models.soft.contacts.films import answer
-from ecume.models.soft.contacts.rotation import carry, turn_pairs, turned_orientation, unturn
+from ecume.models.soft.contacts.films import contact_response
+from ecume.models.soft.contacts.rotation import carry, remove_free_rotation, turn_pairs, turned_orientation
 from ecume.models.soft.integration.dirk import first_stage
-from ecume.models.soft.integration.newton import imbalance, resist
+from ecume.models.soft.integration.newton import assemble_jacobian, imbalance
 from ecume.models.soft.protocol import drive_at
 from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
@@ -55,15 +55,15 @@ def test_a_sphere_alone_starts_with_the_spin_that_stokes_says(torque):
     assert step.spins.slope[0, 0] == pytest.approx(radius * spin, rel=1e-12)
 
 
-def settle(parameters, step, span):
+def rebalance(parameters, step, span):
     """Solve the contacts over a span at held spheres."""
     turn_pairs(step.pairs, step.spins)
     for _ in range(40):
-        answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)
-        step.films.log_gap[:] += step.answers.shift[:, 0]
-        step.films.direction[:] += step.answers.shift[:, 1:]
+        contact_response(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.responses)
+        step.films.log_gap[:] += step.responses.shift[:, 0]
+        step.films.direction[:] += step.responses.shift[:, 1:]
         step.films.direction[:] /= np.linalg.norm(step.films.direction, axis=1)[:, None]
-    assert np.abs(step.answers.shift).max() < 1e-12
+    assert np.abs(step.responses.shift).max() < 1e-12
 
 
 def rotation(angle, dimensions):
@@ -87,13 +87,13 @@ def test_newtons_matrix_is_the_slope_of_forces_and_torques(dimensions, span):
         step.bodies.position[:] = place + change[:, :dimensions]
         step.bodies.moved[:] = step.bodies.position - step.bodies.before
         step.spins.turn[:] = turn + change[:, dimensions:]
-        settle(parameters, step, span)
+        rebalance(parameters, step, span)
         imbalance(step, 1.0, span or 1e300, False)
         return step.bodies.right.copy()
 
     width = step.bodies.right.shape[1]
     left(np.zeros((3, width)))
-    resist(step, span)
+    assemble_jacobian(step, span)
     matrix, pattern = np.zeros((3 * width, 3 * width)), step.matrix.pattern
     for i in range(3):
         for block in range(pattern.start[i], pattern.start[i + 1]):
@@ -114,7 +114,7 @@ def test_forces_and_moments_of_contacts_sum_to_zero(dimensions):
     random = np.random.default_rng(5)
     step.bodies.position[:] += 0.03 * random.normal(size=step.bodies.position.shape)
     step.spins.turn[:] = 0.05 * random.normal(size=step.spins.turn.shape)
-    settle(parameters, step, 0.2)
+    rebalance(parameters, step, 0.2)
     _, largest, _ = imbalance(step, 1.0, 0.2, False)
     force, torque = np.split(step.bodies.right, [dimensions], axis=1)
     assert largest > 1e-3
@@ -140,11 +140,11 @@ def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions,
         step.bodies.position[:] = place @ whole.T
         step.spins.turn[:] = np.array(RADII)[:, None] * angle
         for one in (still_step, step):
-            settle(parameters, one, span)
+            rebalance(parameters, one, span)
             carry(one.pairs, one.films.direction)
             one.films.log_gap_start[:], one.films.direction_start[:] = one.films.log_gap, one.films.direction
-        expected = still_step.answers.force[:, :dimensions] @ whole.T
-        assert step.answers.force[:, :dimensions] == pytest.approx(expected, abs=1e-13)
+        expected = still_step.responses.force[:, :dimensions] @ whole.T
+        assert step.responses.force[:, :dimensions] == pytest.approx(expected, abs=1e-13)
     assert np.linalg.norm(expected, axis=1).max() > (0.05 if remote else 1e-4)
     assert step.films.log_gap == pytest.approx(still_step.films.log_gap, abs=1e-12)
 
@@ -251,7 +251,7 @@ def test_a_turn_of_all_spheres_is_taken_back_by_their_loads_or_leaves_no_mean_sp
         arm = np.zeros((3, 3))
         arm[:, :dimensions] = place - middle
         change[:] = np.concatenate([np.cross(axis, arm)[:, :dimensions], np.outer(RADII, turn)], axis=1)
-    unturn(place, step.spins, changes, (pull, np.zeros_like(pull), 1.0))
+    remove_free_rotation(place, step.spins, changes, (pull, np.zeros_like(pull), 1.0))
     # All was one turn: it is gone, about each axis for one reason or the other.
     assert np.abs(changes[0]).max() < 1e-9
 

@@ -137,12 +137,12 @@ def deflections(parameters, state, scratch):
     frame = SOFT.observe(parameters, state, scratch)
     step = scratch.step
     gap = np.exp(step.log_gap)
-    flow = (gap * step.answers.slope[:, 0])[:, None] * step.direction
-    flow += (gap + step.pairs.radius_sum)[:, None] * step.answers.slope[:, 1:]
+    flow = (gap * step.responses.slope[:, 0])[:, None] * step.direction
+    flow += (gap + step.pairs.radius_sum)[:, None] * step.responses.slope[:, 1:]
     between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]
     between = between + step.pairs.offset[:, :2] - ((gap + step.pairs.radius_sum)[:, None] * step.direction)[:, :2]
     volume = frame.numbers["box_width"] * frame.numbers["box_height"]
-    force = step.answers.force.copy()
+    force = step.responses.force.copy()
     return frame.time, frame.numbers["strain"], volume, float((force * flow).sum()), force[:, :2], between
 
 

@@ -20,11 +20,11 @@ from .clusters import integrated, pull_apart
 pytestmark = pytest.mark.compiled
 
 PAIR = SoftPair(1.0, 1.0, 1.0)
-LEFT = {"radius": 1.0, "modulus": 1.0, "positions": [[-1.005, 0.0]], "force": [-1e-3, 0.0]}
+FORCE_RESIDUAL = {"radius": 1.0, "modulus": 1.0, "positions": [[-1.005, 0.0]], "force": [-1e-3, 0.0]}
 RIGHT = {"radius": 1.0, "modulus": 1.0, "positions": [[1.005, 0.0]], "force": [1e-3, 0.0]}
 SCENE = {
     "model": "soft", "duration": 2e4, "frame_every": 2e4, "liquid": {"viscosity": 1.0},
-    "integration": {"tolerance": 1e-9}, "particles": [LEFT, RIGHT],
+    "integration": {"tolerance": 1e-9}, "particles": [FORCE_RESIDUAL, RIGHT],
 }  # fmt: skip
 DRAGGED = SCENE | {"liquid": {"viscosity": 1.0}, "hydrodynamics": {"drag": "stokes"}}
 
@@ -84,7 +84,7 @@ def test_steric_layers_bear_the_load_in_the_end():
 def test_drag_slows_spheres_that_part_and_lets_forces_push_them_along():
     free, held = integrated(from_plain(SCENE))[1], integrated(from_plain(DRAGGED))[1]
     assert held.log_gap[0] < free.log_gap[0] - 0.01
-    along = [spec | {"force": [1e-3, 0.0]} for spec in (LEFT, RIGHT)]
+    along = [spec | {"force": [1e-3, 0.0]} for spec in (FORCE_RESIDUAL, RIGHT)]
     pushed = integrated(from_plain(DRAGGED | {"particles": along}))[1]
     assert pushed.velocity[:, 0] == pytest.approx([1e-3 / (6 * math.pi)] * 2, rel=1e-3)
 
@@ -109,14 +109,14 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
 @pytest.mark.parametrize(
     ("change", "path", "says"),
     [
-        ({"particles": [LEFT]}, "particles", "single sphere"),
-        ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "particles", "overlap by 95 mm"),
-        ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "particles", "sum to 1 mN"),
+        ({"particles": [FORCE_RESIDUAL]}, "particles", "single sphere"),
+        ({"particles": [FORCE_RESIDUAL, RIGHT | {"positions": [[0.9, 0.0]]}]}, "particles", "overlap by 95 mm"),
+        ({"particles": [FORCE_RESIDUAL, RIGHT | {"force": [0.0, 0.0]}]}, "particles", "sum to 1 mN"),
         ({"films": {"cutoff": 0.001}}, "particles", "no film to sphere 0"),
         ({"films": {"prefactors": "papr"}}, "films.prefactors", "there are paper, physical"),
         ({"long_range_forces": {"law": "magic"}}, "long_range_forces.law", "none, steric, dlvo"),
         ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "expected 1e-12 or more"),
-        ({"particles": [LEFT | {"modulus": 0.0}, RIGHT]}, "particles[0].modulus", "or more"),
+        ({"particles": [FORCE_RESIDUAL | {"modulus": 0.0}, RIGHT]}, "particles[0].modulus", "or more"),
         ({"protocol": [{"time": 1.0}, {"time": 0.5}]}, "protocol[1].time", "before 1 s"),
         ({"protocol": [{"time": 1.0, "strain": 0.5}]}, "protocol[0].strain", "is that of a [cell]"),
     ],

@@ -123,11 +123,11 @@ def test_a_law_like_a_built_in_one_gives_the_same_run_and_closes_the_energy_budg
             assert ours.numbers[name] == pytest.approx(theirs.numbers[name], rel=1e-5, abs=1e-12), name
     first, last = other[0].numbers, other[-1].numbers
     spent = sum(last[key] - first[key] for key in ("total_energy", "dissipated_work", "size_work"))
-    released = first["remote_energy"] - last["remote_energy"]
-    assert released > 0.1 * first["remote_energy"]
+    energy_of_faded = first["remote_energy"] - last["remote_energy"]
+    assert energy_of_faded > 0.1 * first["remote_energy"]
     assert last["injected_work"] == 0.0
-    assert abs(spent) < 1e-5 * released
-    assert last["dissipated_work"] > 0.5 * released
+    assert abs(spent) < 1e-5 * energy_of_faded
+    assert last["dissipated_work"] > 0.5 * energy_of_faded
 
 
 @pytest.mark.long

@@ -24,13 +24,13 @@ from ecume.units import Array
 
 FEW = 2000
 """Particles below which threads are not worth waking."""
-RESIDUAL, SHADOW, SEARCH, IMAGE, LEFT, LEFT_IMAGE, SCALED, RAISED, AHEAD = range(9)
+R, R0, P, V, S, T, Y, W, UW = range(9)
 """Vectors of the scratch: r, the first r, p and its product, s and its product, y, w, and what the sweep down adds."""
-SEARCHING, HALFWAY, DOWN, TAKE, ALL_UP = range(5)
+MAKE_P, MAKE_S, SWEEP_DOWN, UPDATE, MAKE_X = range(5)
 """Passes over a chunk: up for p, up for s, down, to the end of an iteration, and up for y."""
 
 
-class Goal(NamedTuple):
+class Tolerance(NamedTuple):
     """The accuracy, and the largest number of iterations."""
 
     accuracy: float
@@ -64,44 +64,44 @@ class Rows(NamedTuple):
     inverse: Array
 
 
-class Pace(NamedTuple):
+class PassArguments(NamedTuple):
     """Arguments of a pass: the vector that it makes, one by which it is multiplied, and scalars."""
 
-    image: int
+    vector: int
     other: int
-    length: float
-    damping: float
-    turn: float
+    alpha: float
+    omega: float
+    beta: float
 
 
 @compiled_inside
-def sweep_up(rows: Rows, y: Array, w: Array, ahead: Array, chunk: tuple[int, int, int]) -> None:
+def sweep_up(rows: Rows, y: Array, w: Array, uw: Array, chunk: tuple[int, int, int]) -> None:
     """Backward substitution in a chunk of rows: w = (D + U)^-1 D y, and U w."""
     column, inside, blocks, inverse = rows.column, rows.inside, rows.blocks, rows.inverse
     begin, end, width = chunk
     for row in range(end - 1, begin - 1, -1):
         for k in range(width):
-            ahead[row, k] = 0.0
+            uw[row, k] = 0.0
         for place in range(inside[row, 1] + 1, inside[row, 2]):
             for k in range(width):
                 for m in range(width):
-                    ahead[row, k] += blocks[place, k, m] * w[column[place], m]
+                    uw[row, k] += blocks[place, k, m] * w[column[place], m]
         for k in range(width):
             value = y[row, k]
             for m in range(width):
-                value -= inverse[row, k, m] * ahead[row, m]
+                value -= inverse[row, k, m] * uw[row, m]
             w[row, k] = value
 
 
 @compiled_inside
-def sweep_down(rows: Rows, image: Array, w: Array, ahead: Array, chunk: tuple[int, int, int]) -> None:
+def sweep_down(rows: Rows, image: Array, w: Array, uw: Array, chunk: tuple[int, int, int]) -> None:
     """Forward substitution in a chunk of rows: w + (D + L)^-1 (U w + R w); the increment of w replaces U w."""
     start, column, inside, blocks, inverse = rows.start, rows.column, rows.inside, rows.blocks, rows.inverse
     begin, end, width = chunk
     left = np.empty(width)
     for row in range(begin, end):
         for k in range(width):
-            left[k] = ahead[row, k]
+            left[k] = uw[row, k]
         for place in range(start[row], inside[row, 0]):
             for k in range(width):
                 for m in range(width):
@@ -109,7 +109,7 @@ def sweep_down(rows: Rows, image: Array, w: Array, ahead: Array, chunk: tuple[in
         for place in range(inside[row, 0], inside[row, 1]):
             for k in range(width):
                 for m in range(width):
-                    left[k] -= blocks[place, k, m] * ahead[column[place], m]
+                    left[k] -= blocks[place, k, m] * uw[column[place], m]
         for place in range(inside[row, 2], start[row + 1]):
             for k in range(width):
                 for m in range(width):
@@ -118,64 +118,63 @@ def sweep_down(rows: Rows, image: Array, w: Array, ahead: Array, chunk: tuple[in
             value = 0.0
             for m in range(width):
                 value += inverse[row, k, m] * left[m]
-            ahead[row, k] = value
+            uw[row, k] = value
             image[row, k] = w[row, k] + value
 
 
 @compiled_inside
-def swept(what: int, rows: Rows, way: tuple[Array, Array, Array], chunk: tuple[int, int, int]) -> None:
+def sweep(task: int, rows: Rows, buffers: tuple[Array, Array, Array], chunk: tuple[int, int, int]) -> None:
     """A sweep up or down."""
-    vector, w, ahead = way
-    if what == DOWN:
-        sweep_down(rows, vector, w, ahead, chunk)
+    vector, w, uw = buffers
+    if task == SWEEP_DOWN:
+        sweep_down(rows, vector, w, uw, chunk)
     else:
-        sweep_up(rows, vector, w, ahead, chunk)
+        sweep_up(rows, vector, w, uw, chunk)
 
 
 @compiled_inside
-def mixed(what: int, vectors: Array, pace: Pace, begin: int, end: int) -> None:
-    """The direction of an iteration before its sweep up: p = r + turn (p - damping p's image), s = r - length p's."""
-    residual, search, image, left = vectors[RESIDUAL], vectors[SEARCH], vectors[IMAGE], vectors[LEFT]
+def update_direction(task: int, vectors: Array, given: PassArguments, begin: int, end: int) -> None:
+    """The direction of an iteration before its sweep up: p = r + beta (p - omega p's image), s = r - alpha p's."""
+    r, p, v, s = vectors[R], vectors[P], vectors[V], vectors[S]
     for row in range(begin, end):
-        for k in range(residual.shape[1]):
-            if what == SEARCHING:
-                search[row, k] = residual[row, k] + pace.turn * (search[row, k] - pace.damping * image[row, k])
+        for k in range(r.shape[1]):
+            if task == MAKE_P:
+                p[row, k] = r[row, k] + given.beta * (p[row, k] - given.omega * v[row, k])
             else:
-                left[row, k] = residual[row, k] - pace.length * image[row, k]
+                s[row, k] = r[row, k] - given.alpha * v[row, k]
 
 
 @compiled_inside
-def taken(vectors: Array, pace: Pace, begin: int, end: int) -> None:
+def update_solution(vectors: Array, given: PassArguments, begin: int, end: int) -> None:
     """The end of an iteration: y, and the new residual."""
-    residual, search, left, image = vectors[RESIDUAL], vectors[SEARCH], vectors[LEFT], vectors[LEFT_IMAGE]
-    scaled = vectors[SCALED]
+    r, p, s, t, y = vectors[R], vectors[P], vectors[S], vectors[T], vectors[Y]
     for row in range(begin, end):
-        for k in range(residual.shape[1]):
-            scaled[row, k] += pace.length * search[row, k] + pace.damping * left[row, k]
-            residual[row, k] = left[row, k] - pace.damping * image[row, k]
+        for k in range(r.shape[1]):
+            y[row, k] += given.alpha * p[row, k] + given.omega * s[row, k]
+            r[row, k] = s[row, k] - given.omega * t[row, k]
 
 
 @compiled_inside
-def over_chunk(what: int, pace: Pace, rows: Rows, work: tuple[Array, Array], chunk: int) -> None:
+def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Array, Array], chunk: int) -> None:
     """One pass over a chunk, and the two sums in which it ends: of what it made with another vector, and squared."""
     vectors, sums = work
     width = rows.blocks.shape[1]
     begin, end = chunk * CHUNK, min((chunk + 1) * CHUNK, vectors.shape[1])
-    if what in (SEARCHING, HALFWAY):
-        mixed(what, vectors, pace, begin, end)
-    if what == TAKE:
-        taken(vectors, pace, begin, end)
+    if task in (MAKE_P, MAKE_S):
+        update_direction(task, vectors, given, begin, end)
+    if task == UPDATE:
+        update_solution(vectors, given, begin, end)
     else:
-        way = (vectors[pace.image], vectors[RAISED], vectors[AHEAD])
+        buffers = (vectors[given.vector], vectors[W], vectors[UW])
         # Three times the same, twice with a width that the compiler knows.
         if width == 2:
-            swept(what, rows, way, (begin, end, 2))
+            sweep(task, rows, buffers, (begin, end, 2))
         elif width == 3:
-            swept(what, rows, way, (begin, end, 3))
+            sweep(task, rows, buffers, (begin, end, 3))
         else:
-            swept(what, rows, way, (begin, end, width))
-    if what in (DOWN, TAKE):
-        made, other = vectors[pace.image], vectors[pace.other]
+            sweep(task, rows, buffers, (begin, end, width))
+    if task in (SWEEP_DOWN, UPDATE):
+        made, other = vectors[given.vector], vectors[given.other]
         sums[chunk, 0] = sums[chunk, 1] = 0.0
         for row in range(begin, end):
             for k in range(width):
@@ -184,17 +183,17 @@ def over_chunk(what: int, pace: Pace, rows: Rows, work: tuple[Array, Array], chu
 
 
 @compiled
-def pass_alone(what: int, pace: Pace, rows: Rows, vectors: Array, sums: Array) -> None:
+def pass_serial(task: int, given: PassArguments, rows: Rows, vectors: Array, sums: Array) -> None:
     """One pass over all chunks."""
     for chunk in range(len(sums)):
-        over_chunk(what, pace, rows, (vectors, sums), chunk)
+        pass_over_chunk(task, given, rows, (vectors, sums), chunk)
 
 
 @threaded
-def pass_together(what: int, pace: Pace, rows: Rows, vectors: Array, sums: Array) -> None:
+def pass_threaded(task: int, given: PassArguments, rows: Rows, vectors: Array, sums: Array) -> None:
     """The same, by threads."""
     for chunk in prange(len(sums)):
-        over_chunk(what, pace, rows, (vectors, sums), chunk)
+        pass_over_chunk(task, given, rows, (vectors, sums), chunk)
 
 
 @compiled
@@ -207,84 +206,91 @@ def total(sums: Array, which: int) -> float:
 
 
 @compiled
-def begin_with(right: Array, order: Integers, vectors: Array) -> None:
+def start_from(right: Array, order: Integers, vectors: Array) -> None:
     """A right side by rows, for a sweep down from zero."""
     for row in range(len(order)):
         for k in range(right.shape[1]):
-            vectors[AHEAD, row, k] = right[order[row], k]
-            vectors[RAISED, row, k] = vectors[SCALED, row, k] = 0.0
+            vectors[UW, row, k] = right[order[row], k]
+            vectors[W, row, k] = vectors[Y, row, k] = 0.0
 
 
 @inlined
-def descend_one(
-    passed: Callable[..., None], rows: Rows, order: Integers, sides: tuple[Array, Array], scratch: Gradients, goal: Goal
+def solve_one(
+    run_pass: Callable[..., None],
+    rows: Rows,
+    order: Integers,
+    sides: tuple[Array, Array],
+    scratch: Gradients,
+    tolerance: Tolerance,
 ) -> int:
     """Stabilized biconjugate gradients from zero for one right side: how many iterations, -1 where they break down or
     are too many.
     """
     (right, solution), (vectors, _, sums) = sides, scratch
-    begin_with(right, order, vectors)
-    passed(DOWN, Pace(RESIDUAL, RESIDUAL, 0.0, 0.0, 0.0), rows, vectors, sums)
-    begin = slope = total(sums, 1)
+    start_from(right, order, vectors)
+    run_pass(SWEEP_DOWN, PassArguments(R, R, 0.0, 0.0, 0.0), rows, vectors, sums)
+    start = rho = total(sums, 1)
     for row in range(len(order)):
         for k in range(right.shape[1]):
-            vectors[SHADOW, row, k] = vectors[SEARCH, row, k] = vectors[RESIDUAL, row, k]
-    length, damping, turn, left, iteration = 0.0, 0.0, 0.0, begin, 0
-    while left > goal.accuracy * goal.accuracy * begin:
-        if iteration == goal.most:
+            vectors[R0, row, k] = vectors[P, row, k] = vectors[R, row, k]
+    alpha, omega, beta, square, iteration = 0.0, 0.0, 0.0, start, 0
+    while square > tolerance.accuracy * tolerance.accuracy * start:
+        if iteration == tolerance.most:
             return -1
         iteration += 1
-        passed(SEARCHING, Pace(SEARCH, SEARCH, length, damping, turn), rows, vectors, sums)
-        passed(DOWN, Pace(IMAGE, SHADOW, length, damping, turn), rows, vectors, sums)
-        length = slope / total(sums, 0)
-        passed(HALFWAY, Pace(LEFT, LEFT, length, damping, turn), rows, vectors, sums)
-        passed(DOWN, Pace(LEFT_IMAGE, LEFT, length, damping, turn), rows, vectors, sums)
-        square = total(sums, 1)
-        damping = total(sums, 0) / square if square > 0.0 else 0.0
-        passed(TAKE, Pace(RESIDUAL, SHADOW, length, damping, turn), rows, vectors, sums)
-        left, before, slope = total(sums, 1), slope, total(sums, 0)
-        turn = slope / before * length / damping if damping != 0.0 and before != 0.0 else math.nan
-        if not (math.isfinite(left) and (math.isfinite(turn) or left == 0.0)):
+        run_pass(MAKE_P, PassArguments(P, P, alpha, omega, beta), rows, vectors, sums)
+        run_pass(SWEEP_DOWN, PassArguments(V, R0, alpha, omega, beta), rows, vectors, sums)
+        alpha = rho / total(sums, 0)
+        run_pass(MAKE_S, PassArguments(S, S, alpha, omega, beta), rows, vectors, sums)
+        run_pass(SWEEP_DOWN, PassArguments(T, S, alpha, omega, beta), rows, vectors, sums)
+        t_squared = total(sums, 1)
+        omega = total(sums, 0) / t_squared if t_squared > 0.0 else 0.0
+        run_pass(UPDATE, PassArguments(R, R0, alpha, omega, beta), rows, vectors, sums)
+        square, rho_before, rho = total(sums, 1), rho, total(sums, 0)
+        beta = rho / rho_before * alpha / omega if omega != 0.0 and rho_before != 0.0 else math.nan
+        if not (math.isfinite(square) and (math.isfinite(beta) or square == 0.0)):
             return -1
-    passed(ALL_UP, Pace(SCALED, SCALED, 0.0, 0.0, 0.0), rows, vectors, sums)
+    run_pass(MAKE_X, PassArguments(Y, Y, 0.0, 0.0, 0.0), rows, vectors, sums)
     for row in range(len(order)):
         for k in range(right.shape[1]):
-            solution[order[row], k] = vectors[RAISED, row, k]
+            solution[order[row], k] = vectors[W, row, k]
     return iteration
 
 
 @inlined
-def descend_all(
-    passed: Callable[..., None], matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, goal: Goal
+def solve_all(
+    run_pass: Callable[..., None], matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, tolerance: Tolerance
 ) -> int:
     """All right sides, one after the other: how many iterations they took, -1 where one breaks down."""
     pattern, (right, solution), iterations = matrix.pattern, sides, 0
     if not invert_diagonal(matrix, scratch.inverse):
         return -1
     rows = Rows(pattern.start, pattern.column, pattern.inside, matrix.blocks, scratch.inverse)
-    for s in range(right.shape[0]):
-        taken_here = descend_one(passed, rows, pattern.order, (right[s], solution[s]), scratch, goal)
-        if taken_here < 0:
+    for side in range(right.shape[0]):
+        took = solve_one(run_pass, rows, pattern.order, (right[side], solution[side]), scratch, tolerance)
+        if took < 0:
             return -1
-        iterations += taken_here
+        iterations += took
     return iterations
 
 
 @compiled
-def descend_alone(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, goal: Goal) -> int:
+def solve_serial(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, tolerance: Tolerance) -> int:
     """Solve in one thread."""
-    return descend_all(pass_alone, matrix, sides, scratch, goal)
+    return solve_all(pass_serial, matrix, sides, scratch, tolerance)
 
 
 @compiled
-def descend_together(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, goal: Goal) -> int:
+def solve_threaded(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, tolerance: Tolerance) -> int:
     """Solve in several threads."""
-    return descend_all(pass_together, matrix, sides, scratch, goal)
+    return solve_all(pass_threaded, matrix, sides, scratch, tolerance)
 
 
-def descend(matrix: Matrix, right: Array, solution: Array, scratch: Gradients, goal: Goal) -> int:
-    """Shrink what is left of each right side, measured by (D + L)^-1, to `goal.accuracy` of it; how many iterations all
-    took, -1 where they break down or are too many. The matrix need not be symmetric.
+def biconjugate_gradients(
+    matrix: Matrix, right: Array, solution: Array, scratch: Gradients, tolerance: Tolerance
+) -> int:
+    """Shrink what is left of each right side, measured by (D + L)^-1, to `tolerance.accuracy` of it; how many
+    iterations all took, -1 where they break down or are too many. The matrix need not be symmetric.
     """
-    solve = descend_together if right.shape[1] >= FEW else descend_alone
-    return int(solve(matrix, (right, solution), scratch, goal))
+    solve = solve_threaded if right.shape[1] >= FEW else solve_serial
+    return int(solve(matrix, (right, solution), scratch, tolerance))

@@ -1,13 +1,13 @@
 """Block systems of pairs: a matrix with a block for each particle and for each pair of neighbors.
 
-`make_pattern` is made once for a set of pairs; `assemble` or `assemble_quads` fills it. A block is as wide as a
+`make_pattern` is made once for a set of pairs; `assemble` or `assemble_pair_blocks` fills it. A block is as wide as a
 particle has unknowns. `solvers` solves the systems. A row belongs to one thread, its sums are in the order of pairs:
 bits do not depend on threads.
 
 Systems of a few particles are solved here, by dense elimination (`eliminate`). Right sides and solutions are (R, N, b):
-several for one matrix, which is factorized once. Where nothing holds the particles in place, the first `loose` unknowns
-of all of them may shift together without resistance (as many as there are dimensions; 0 where something holds them):
-the first particle is then held, and the mean is taken out.
+several for one matrix, which is factorized once. Where nothing holds the particles in place, the first
+`null_space_dimension` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0
+where something holds them): the first particle is then held, and the mean is taken out.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ecume.engine.cells import Integers
 from ecume.units import Array
 
 OWN, ACROSS, BACK, OTHER = range(4)
-"""The four blocks of a pair (i, j) in `assemble_quads`: (i, i), (i, j), (j, i), (j, j)."""
+"""The four blocks of a pair (i, j) in `assemble_pair_blocks`: (i, i), (i, j), (j, i), (j, j)."""
 CHUNK = 1024
 """Rows that one thread processes at once. Their coupling to other chunks is omitted from the preconditioner."""
 BITS = 16
@@ -185,13 +185,13 @@ def assemble(matrix: Matrix, stiffness: Array, diagonal: Array) -> None:
 
 
 @compiled
-def assemble_quads(matrix: Matrix, quads: Array, diagonal: Array) -> None:
+def assemble_pair_blocks(matrix: Matrix, pair_blocks: Array, diagonal: Array) -> None:
     """The four blocks of each pair, (P, 4, b, b) in the order OWN, ACROSS, BACK, OTHER, and what resists each
     particle's own, (N, b).
     """
     pattern, blocks = matrix.pattern, matrix.blocks
     for i in range(len(diagonal)):
-        fill_row_quads(pattern, blocks, quads, diagonal, i)
+        fill_row_quads(pattern, blocks, pair_blocks, diagonal, i)
 
 
 @compiled_inside
@@ -210,7 +210,7 @@ def fill_row(pattern: Pattern, blocks: Array, stiffness: Array, diagonal: Array,
 
 
 @compiled_inside
-def fill_row_quads(pattern: Pattern, blocks: Array, quads: Array, diagonal: Array, i: int) -> None:
+def fill_row_quads(pattern: Pattern, blocks: Array, pair_blocks: Array, diagonal: Array, i: int) -> None:
     """The row of one particle, of pairs that have four blocks."""
     here, upper, lower, link = pattern.diagonal[i], pattern.upper, pattern.lower, pattern.link
     width = blocks.shape[1]
@@ -221,8 +221,8 @@ def fill_row_quads(pattern: Pattern, blocks: Array, quads: Array, diagonal: Arra
         mine, yours = (OWN, ACROSS) if side == 0 else (OTHER, BACK)
         for k in range(width):
             for m in range(width):
-                blocks[here, k, m] += quads[c, mine, k, m]
-                blocks[there, k, m] += quads[c, yours, k, m]
+                blocks[here, k, m] += pair_blocks[c, mine, k, m]
+                blocks[there, k, m] += pair_blocks[c, yours, k, m]
 
 
 @compiled_inside
@@ -238,10 +238,10 @@ def begin_row(pattern: Pattern, blocks: Array, diagonal: Array, i: int) -> None:
 
 
 @compiled
-def center(vectors: Array, loose: int) -> None:
+def center(vectors: Array, null_space_dimension: int) -> None:
     """Subtract the mean of the first components."""
     count = vectors.shape[0]
-    for k in range(loose):
+    for k in range(null_space_dimension):
         mean = 0.0
         for i in range(count):
             mean += vectors[i, k]
@@ -251,7 +251,7 @@ def center(vectors: Array, loose: int) -> None:
 
 
 @compiled
-def eliminate(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+def eliminate(matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve by dense elimination with pivots; whether there is a solution."""
     (several, count, width), order = right.shape, matrix.pattern.order
     size = count * width
@@ -261,7 +261,7 @@ def eliminate(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool
         for row in range(count):
             for k in range(width):
                 full[row * width + k, size + s] = right[s, order[row], k]
-    hold(full, loose)
+    hold(full, null_space_dimension)
     if not triangulate(full):
         return False
     for s in range(several):
@@ -269,15 +269,15 @@ def eliminate(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool
         for row in range(count):
             for k in range(width):
                 solution[s, order[row], k] = full[row * width + k, size + s]
-        center(solution[s], loose)
+        center(solution[s], null_space_dimension)
     return True
 
 
 @compiled
-def hold(full: Array, loose: int) -> None:
+def hold(full: Array, null_space_dimension: int) -> None:
     """Keep the first unknowns, so many, where they are."""
     size, wide = full.shape
-    for k in range(loose):
+    for k in range(null_space_dimension):
         for i in range(size):
             full[i, k] = 0.0
         for m in range(wide):

@@ -63,14 +63,14 @@ def analyze(pattern: Pattern, width: int) -> Analysis:
     return Analysis(cvxopt.cholmod.symbolic(lower), lower, row, column, place, across)
 
 
-def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, loose: int) -> bool:
+def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve for all right sides; False where the symmetric part is not positive, or is not all that matters."""
     from scipy.sparse import bsr_array
 
     cvxopt, pattern, size = library(), matrix.pattern, right[0].size
     numbers = matrix.blocks.ravel()
     values = 0.5 * (numbers[analysis.place] + numbers[analysis.across])
-    held = analysis.column < loose  # nothing stands above the first rows' diagonal in the lower triangle
+    held = analysis.column < null_space_dimension  # nothing stands above the first rows' diagonal in the lower triangle
     values[held] = analysis.row[held] == analysis.column[held]
     analysis.lower.V = cvxopt.matrix(values)
     try:
@@ -86,13 +86,13 @@ def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, loo
 
     def product(values: Array) -> Array:
         free = values.copy()
-        free[:loose] = 0.0
+        free[:null_space_dimension] = 0.0
         found = np.asarray(whole @ free)
-        found[:loose] = values[:loose]
+        found[:null_space_dimension] = values[:null_space_dimension]
         return found
 
     return all(
-        _one(one, found, (pattern.order, loose), (product, factored))
+        _one(one, found, (pattern.order, null_space_dimension), (product, factored))
         for one, found in zip(right, solution, strict=True)
     )
 
@@ -104,12 +104,12 @@ def _one(right: Array, solution: Array, at: tuple[Integers, int], ways: tuple[Ma
     """Solve for one right side with what CHOLMOD knows of the matrix."""
     from scipy.sparse.linalg import LinearOperator, gmres
 
-    (order, loose), (size, (product, factored)) = at, (right.size, ways)
+    (order, null_space_dimension), (size, (product, factored)) = at, (right.size, ways)
     wanted = right[order].ravel()
-    wanted[:loose] = 0.0
+    wanted[:null_space_dimension] = 0.0
     whole, near = (LinearOperator((size, size), way, dtype=np.float64) for way in (product, factored))
     found, _ = gmres(whole, wanted, M=near, rtol=0.1 * ACCURATE, restart=MOST_ITERATIONS, maxiter=1)
     solution[order] = found.reshape(right.shape)
-    center(solution, loose)
+    center(solution, null_space_dimension)
     left = np.abs(wanted - product(found)).max()
     return bool(left <= USEFUL * np.abs(wanted).max())

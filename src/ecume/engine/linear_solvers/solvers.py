@@ -1,8 +1,8 @@
 """How block systems are solved: the table of solvers, what they keep for a pattern, and which is the cheapest.
 
 Right sides and solutions are (R, N, b): several for one matrix. Where nothing holds the particles in place, the first
-`loose` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0 where
-something holds them): the mean is then taken out.
+`null_space_dimension` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0
+where something holds them): the mean is then taken out.
 
 `iterative` follows biconjugate gradients as closely as a step of Newton's method can use, `direct` factorizes by
 SuperLU, `cholmod` has the symmetric part factorized by SuiteSparse, and `dense` is for a few particles. `does_less`
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ecume.engine.linear_solvers import cholmod, sparse_lu
-from ecume.engine.linear_solvers.bicgstab import Goal, Gradients, descend, make_gradients
+from ecume.engine.linear_solvers.bicgstab import Gradients, Tolerance, biconjugate_gradients, make_gradients
 from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center, eliminate
 from ecume.units import Array
 
@@ -55,35 +55,35 @@ Solve = Callable[[Kept, Matrix, Array, Array, int], bool]
 """Solve, into `solution`; whether there is a solution."""
 
 
-def densely(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+def densely(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve by dense elimination."""
-    return bool(eliminate(matrix, right, solution, loose))
+    return bool(eliminate(matrix, right, solution, null_space_dimension))
 
 
-def iteratively(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+def iteratively(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve by stabilized biconjugate gradients."""
     if kept.gradients is None:
         kept.gradients = make_gradients(len(kept.pattern.order), kept.width)
-    taken = descend(matrix, right, solution, kept.gradients, Goal(kept.accuracy, MOST_ITERATIONS))
+    taken = biconjugate_gradients(matrix, right, solution, kept.gradients, Tolerance(kept.accuracy, MOST_ITERATIONS))
     kept.iterations += taken if taken >= 0 else MOST_ITERATIONS
     kept.systems += 1
     for one in solution:
-        center(one, loose)
+        center(one, null_space_dimension)
     return taken >= 0
 
 
-def directly(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+def directly(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve by SuperLU."""
     if kept.elimination is None:
         kept.elimination = sparse_lu.analyze(kept.pattern, kept.width)
-    return sparse_lu.solve(matrix, kept.elimination, right, solution, loose)
+    return sparse_lu.solve(matrix, kept.elimination, right, solution, null_space_dimension)
 
 
-def by_cholmod(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+def by_cholmod(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve by CHOLMOD's factorization of the symmetric part, and GMRES for the rest."""
     if kept.analysis is None:
         kept.analysis = cholmod.analyze(kept.pattern, kept.width)
-    return cholmod.solve(matrix, kept.analysis, right, solution, loose)
+    return cholmod.solve(matrix, kept.analysis, right, solution, null_space_dimension)
 
 
 SOLVERS: dict[str, Solve] = {"dense": densely, "iterative": iteratively, "direct": directly, "cholmod": by_cholmod}

@@ -126,9 +126,9 @@ def operations(count: int, width: int, dimensions: int) -> float:
     return OPERATIONS[dimensions] * width**3 * math.pow(count, 1.5 if dimensions == 2 else 2.0)
 
 
-def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, loose: int) -> bool:
+def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, null_space_dimension: int) -> bool:
     """Solve for all right sides; False where the matrix is singular, or a solution is not accurate."""
-    whole, held = reordered(matrix, analysis, loose), analysis.rank[:loose]
+    whole, held = reordered(matrix, analysis, null_space_dimension), analysis.rank[:null_space_dimension]
     factors = factorize(whole)
     if factors is None:
         return False
@@ -139,7 +139,7 @@ def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, loo
         if values is None:
             return False
         found[matrix.pattern.order] = values[analysis.rank].reshape(one.shape)
-        center(found, loose)
+        center(found, null_space_dimension)
     return True
 
 
@@ -148,8 +148,10 @@ def reordered(matrix: Matrix, analysis: Analysis, loose: int) -> csc_array:
     from scipy.sparse import csc_array
 
     numbers, (row, column) = matrix.blocks.ravel()[analysis.place], (analysis.row, analysis.column)
-    if loose:
-        held = np.isin(row, analysis.rank[:loose]) | np.isin(column, analysis.rank[:loose])
+    if null_space_dimension:
+        held = np.isin(row, analysis.rank[:null_space_dimension]) | np.isin(
+            column, analysis.rank[:null_space_dimension]
+        )
         numbers[held] = (row == column)[held]
     return csc_array((numbers, row, analysis.start), shape=(len(analysis.order),) * 2)
 

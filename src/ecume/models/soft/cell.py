@@ -48,7 +48,7 @@ class Cell(NamedTuple):
     """(3, 3) gradient of the displacement in one of Newton's steps"""
 
 
-class Goal(NamedTuple):
+class StageTarget(NamedTuple):
     """The target values of a stage."""
 
     drive: Drive
@@ -117,7 +117,7 @@ def unknowns(cell: Cell) -> int:
 
 
 @compiled
-def aspect(cell: Cell, shape: Array) -> float:
+def height_over_width(cell: Cell, shape: Array) -> float:
     """Height over width; 1 of a box that is not periodic along both."""
     if cell.sides[0] == 0.0 or cell.sides[1] == 0.0:
         return 1.0
@@ -134,7 +134,7 @@ def volume(cell: Cell, dimensions: int) -> float:
 
 
 @compiled
-def impose(cell: Cell, goal: Goal) -> None:
+def impose(cell: Cell, goal: StageTarget) -> None:
     """Set the imposed values of the shape."""
     drive, origin, span = goal.drive, goal.origin, goal.span
     shape, before, start = cell.shape, cell.before, cell.start
@@ -144,10 +144,10 @@ def impose(cell: Cell, goal: Goal) -> None:
             shape[k] = before[k] + grown
         shape[HEIGHT] += drive.height - origin.height
     if not is_stressed(cell):
-        sheared, usual = drive.strain - origin.strain, aspect(cell, before)
+        sheared, usual = drive.strain - origin.strain, height_over_width(cell, before)
         shape[STRAIN] = before[STRAIN] + sheared
         shape[TILT] = before[TILT] + usual * sheared + start[MORE]
-        shape[TILT] += span * (aspect(cell, shape) - usual) * drive.rate
+        shape[TILT] += span * (height_over_width(cell, shape) - usual) * drive.rate
 
 
 @compiled
@@ -163,7 +163,7 @@ def first_cell(cell: Cell, drive: Drive) -> None:
             cell.slope[0, k] = drive.growth
         cell.slope[0, HEIGHT] += drive.height_rate
     if not is_stressed(cell):
-        cell.slope[0, TILT] = aspect(cell, cell.shape) * drive.rate
+        cell.slope[0, TILT] = height_over_width(cell, cell.shape) * drive.rate
         cell.slope[0, STRAIN] = drive.rate
 
 
@@ -177,10 +177,10 @@ def begin_cell(cell: Cell, scheme: Scheme, stage: int, time_step: float) -> None
 
 
 @compiled
-def end_cell(cell: Cell, goal: Goal, stage: int) -> None:
+def end_cell(cell: Cell, goal: StageTarget, stage: int) -> None:
     """The slopes of a solved stage."""
     shape, slope = cell.shape, cell.slope
-    here, usual = aspect(cell, shape), aspect(cell, cell.before)
+    here, usual = height_over_width(cell, shape), height_over_width(cell, cell.before)
     for k in range(4):
         slope[stage, k] = (shape[k] - cell.start[k]) / goal.span
     if is_stressed(cell):
@@ -192,13 +192,13 @@ def end_cell(cell: Cell, goal: Goal, stage: int) -> None:
 
 
 @compiled
-def flow(cell: Cell) -> Array:
+def flow_gradient(cell: Cell) -> Array:
     """Gradient of what the box's deformation does in the stage's span: displacements of the liquid far away."""
     shape, start = cell.shape, cell.start
     gradient = np.zeros((3, 3))
     for k in range(3):
         gradient[k, k] = shape[WIDTH + k] - start[WIDTH + k]
-    gradient[0, 1] = (shape[TILT] - start[TILT]) / aspect(cell, shape)
+    gradient[0, 1] = (shape[TILT] - start[TILT]) / height_over_width(cell, shape)
     return gradient
 
 
@@ -213,7 +213,7 @@ def largest_strain(cell: Cell) -> float:
 
 
 @compiled
-def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
+def gradient_of(cell: Cell, unknown: int, goal: StageTarget, row: bool) -> Array:
     """The displacement gradient of a unit of an unknown: the shear if that responds to a stress, then the size.
 
     As a row, the conjugate stress. They differ for an imposed strain, whose tilt follows the height.
@@ -242,10 +242,10 @@ def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> floa
 
 
 @compiled
-def deform(cell: Cell, goal: Goal, part: float) -> None:
+def deform(cell: Cell, goal: StageTarget, part: float) -> None:
     """Add a part of Newton's change to the shape."""
     if is_stressed(cell):
-        cell.shape[TILT] += part * cell.change[0, 1] * aspect(cell, cell.shape)
+        cell.shape[TILT] += part * cell.change[0, 1] * height_over_width(cell, cell.shape)
         cell.shape[STRAIN] += part * cell.change[0, 1]
     for k in range(3):
         if cell.rules[WIDTH + k] != 0:
@@ -254,7 +254,7 @@ def deform(cell: Cell, goal: Goal, part: float) -> None:
 
 
 @compiled
-def carry_along(cell: Cell, old: Array, position: Array, moved: Array) -> None:
+def deform_positions(cell: Cell, old: Array, position: Array, moved: Array) -> None:
     """Carry places along with the box from an old shape to the present one, and tell how far."""
     sides, shape = cell.sides, cell.shape
     same = True
@@ -296,7 +296,7 @@ def cell_error(cell: Cell, scheme: Scheme, time_step: float) -> float:
         value = 0.0
         for stage in range(len(scheme.error)):
             value += scheme.error[stage] * cell.slope[stage, k]
-        answers = is_stressed(cell) if k == STRAIN else is_pressed(cell)
-        if answers:
+        responds = is_stressed(cell) if k == STRAIN else is_pressed(cell)
+        if responds:
             largest = max(largest, abs(time_step * value))
     return largest

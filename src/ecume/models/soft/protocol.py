@@ -125,7 +125,7 @@ def next_stop(protocol: Protocol, time: float, due: float) -> float:
     return due if abs(turn - due) <= SAME * due else min(due, turn)
 
 
-class Course(NamedTuple):
+class ProtocolState(NamedTuple):
     """The present values and rates of a protocol."""
 
     values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -148,7 +148,7 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
         first = stages[0] if stages else StageSpec(time=0.0)
         reached = {name: getattr(first, name) for name in ("load", "strain", "scale", "wall_shear")}
         stages = (StageSpec(time=0.0, **reached), *stages)
-    rows, course, before = [], Course(), Course()
+    rows, course, before = [], ProtocolState(), ProtocolState()
     for stage, following in itertools.zip_longest(stages, stages[1:]):
         course = begun(course, stage)
         span = math.inf if following is None else following.time - stage.time
@@ -167,7 +167,7 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
     )
 
 
-def begun(course: Course, stage: StageSpec) -> Course:
+def begun(course: ProtocolState, stage: StageSpec) -> ProtocolState:
     """A course as a moment has it go on."""
     size = next((key for key in SIZE_CONTROLS if getattr(stage, key) is not None), course.size)
     sized = any(SIZE_CONTROLS[size].sides)
@@ -179,10 +179,10 @@ def begun(course: Course, stage: StageSpec) -> Course:
         stressed = int(stage.shear_stress is not None)
     shear_rate = course.shear_rate if stage.shear_rate is None else stage.shear_rate
     height_rate = course.height_rate if stage.height_rate is None else stage.height_rate
-    return Course(values, 0.0 if stressed else shear_rate, 0.0 if sized else height_rate, stressed, size)
+    return ProtocolState(values, 0.0 if stressed else shear_rate, 0.0 if sized else height_rate, stressed, size)
 
 
-def slopes_of(course: Course, following: StageSpec | None, span: float) -> tuple[float, ...]:
+def slopes_of(course: ProtocolState, following: StageSpec | None, span: float) -> tuple[float, ...]:
     """The rates of load, strain, scale, height and stresses until the next corner, if there is one."""
     slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0, 0.0]
     if following is None:
@@ -204,7 +204,7 @@ def wave_of(stage: StageSpec) -> tuple[float, float, float]:
     return (0.0, 0.0, 0.0) if wave is None else (wave.amplitude or 0.0, wave.stress or 0.0, math.tau * wave.frequency)
 
 
-def jumped(before: Course, course: Course) -> bool:
+def jumped(before: ProtocolState, course: ProtocolState) -> bool:
     """Whether a course begins elsewhere than the one before it ended, or hands over to a stress."""
     sized = any(SIZE_CONTROLS[course.size].sides)
     new_rule = course.stressed > before.stressed or (sized and course.size != before.size)

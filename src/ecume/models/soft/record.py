@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 def checked_parameters(scene: SoftScene) -> Parameters:
     """The parameters of a scene that fits into the machine."""
     count = sum(species.count or len(species.positions) for species in scene.particles)
-    everyone = scene.films.cutoff is None and scene.cell is None
-    contacts = count * (count - 1) / 2 if everyone else 20.0 * count
+    every = scene.films.cutoff is None and scene.cell is None
+    contacts = count * (count - 1) / 2 if every else 20.0 * count
     require_memory("particles", f"{count} spheres", bytes_of(contacts), "use fewer spheres, or set films.cutoff")
     return parameters_of(scene)
 

@@ -16,7 +16,7 @@ from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
 from ecume.models.soft.contacts.connected_pieces import anchors
 from ecume.models.soft.contacts.contact import ROUNDING
-from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
+from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, make_films, make_responses
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
 from ecume.models.soft.contacts.user_forces import across
 from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
@@ -25,7 +25,7 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.parameters import Parameters
 from ecume.units import Array
 
-LENGTH, PAST_ERROR, CLOCK, LEFT = range(4)
+LENGTH, PAST_ERROR, CLOCK, FORCE_RESIDUAL = range(4)
 """Places in `State.pace`: the next step (s), the last error over the tolerance, the time (s), and the largest force
 that is left on a sphere, over the typical one.
 """
@@ -155,10 +155,10 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     step = Step(
         pairs=pairs,
         films=make_films(contacts),
-        answers=make_answers(contacts),
+        responses=make_responses(contacts),
         slope=np.zeros((stages, contacts, 4)),
         log_gap=state.log_gap[:contacts].copy(),
-        direction=in_space(state.direction[:contacts]),
+        direction=in_3d(state.direction[:contacts]),
         bodies=bodies,
         spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
         walls=walls_of(parameters, state, stages),
@@ -174,7 +174,7 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
     """Copy the result of a step to the state: positions, spins, gap vectors and the box."""
     contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
     state.position[:] = step.bodies.before
-    state.pace[LEFT] = left_over(step)
+    state.pace[FORCE_RESIDUAL] = force_residual(step)
     if state.spin.shape[1]:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
@@ -194,7 +194,7 @@ def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple
     count, radius = len(first), parameters.radius
     moduli = parameters.modulus[first], parameters.walls.modulus[wall]
     modulus = np.array([soft_pair.pair_modulus(*pair) for pair in zip(*moduli, strict=True)])
-    log_gap, slip = state.wall_gap[first, wall], in_space(state.slip[first, wall])
+    log_gap, slip = state.wall_gap[first, wall], in_3d(state.slip[first, wall])
     room = (np.zeros((count, *shape)) for shape in ((3,), (3,), (3, 3), (4,), (4, 3), (4,)))
     places = (log_gap.copy(), slip.copy(), log_gap.copy(), slip.copy(), log_gap, slip)
     touches = Touches(first, wall, radius[first], modulus, *places, np.zeros((stages, count, 4)), *room)
@@ -209,7 +209,7 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
     return Pairs(
         first=first,
         second=second,
-        image=in_space(state.image[:contacts].astype(np.float64)),
+        image=in_3d(state.image[:contacts].astype(np.float64)),
         offset=np.zeros((contacts, 3)),
         turn=np.zeros((contacts if parameters.torque.shape[1] else 0, 3)),
         radius_sum=radius[first] + radius[second],
@@ -219,11 +219,11 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
     )
 
 
-def left_over(step: Step) -> float:
+def force_residual(step: Step) -> float:
     """The largest force that a solution left on a sphere, over the typical force: the root mean square of those that
     contacts bear, or of what pulls at the spheres where that is more. Zero where there is but rounding.
     """
-    forces = (step.answers.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
+    forces = (step.responses.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
     # As in `newton.imbalance`: places are known to the last digits of themselves, not of the distances between them.
     far = 2.0 * float(np.abs(step.bodies.position).max(initial=0.0))
@@ -246,7 +246,7 @@ def stiffest(stiffness: Array, radius_sum: Array) -> float:
     return largest
 
 
-def in_space(vectors: Array) -> Array:
+def in_3d(vectors: Array) -> Array:
     """Three components, the missing ones zero."""
     space = np.zeros((len(vectors), 3))
     space[:, : vectors.shape[1]] = vectors
@@ -285,7 +285,7 @@ class Bodies(NamedTuple):
     """(N, d + s) N/m"""
 
 
-class During(NamedTuple):
+class StepRequest(NamedTuple):
     """The specification of a step."""
 
     length: float
@@ -313,7 +313,7 @@ class Step(NamedTuple):
 
     pairs: Pairs
     films: Films
-    answers: Answers
+    responses: ContactResponses
     slope: Array
     """(S, C, 4) of the stages"""
     log_gap: Array

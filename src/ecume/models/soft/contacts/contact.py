@@ -125,7 +125,7 @@ def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
 
 
 @compiled_inside
-def remote_answer(gap: float, reduced_radius: float, contacts: Contacts) -> tuple[float, float]:
+def remote_force_and_slope(gap: float, reduced_radius: float, contacts: Contacts) -> tuple[float, float]:
     """The remote force, positive repels, and its slope."""
     force: float = remote_force_by(gap, reduced_radius, contacts, contacts.remote)
     slope: float = remote_slope_by(gap, reduced_radius, contacts, contacts.remote)
@@ -224,7 +224,7 @@ def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: 
     stretch = pull - body.radius_sum - gap
     surface = elastic_of(contacts, body, gap, stretch, shear)
     faded, fade_slope = fading(gap, contacts)
-    built_in, by_gap = remote_answer(gap, body.reduced_radius, contacts)
+    built_in, by_gap = remote_force_and_slope(gap, body.reduced_radius, contacts)
     remote_force, remote_slope = built_in + body.force, by_gap + body.slope
     compression, along = -(surface.normal * stretch), surface.tangential * shear
     draw: Draw = draw_by(remote_force - compression, surface.size, contacts, contacts.tension_law)
@@ -302,7 +302,7 @@ def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> 
 
 
 @compiled_inside
-def solved(film: Film, span: float, lean: float, opening: float, sliding: float) -> tuple[float, float]:
+def solve_contact(film: Film, span: float, lean: float, opening: float, sliding: float) -> tuple[float, float]:
     """The (dq, turn) that answer what is missing in the contact's two equations, over a span dt of the stage."""
     opening_q, sliding_q, _, _ = tangent(film, 1.0, 0.0, 0.0, 0.0)
     opening_t, sliding_t, _, _ = tangent(film, 0.0, 1.0, 0.0, 0.0)
@@ -369,14 +369,14 @@ class Start(NamedTuple):
     """the start's direction in the frame of now"""
 
 
-class Link(NamedTuple):
+class LinearContact(NamedTuple):
     """The linear response of a contact in its frame: along the normal (n), the shear (t), and across (s)."""
 
     force_n: float
     force_t: float
-    more_n: float
-    more_t: float
-    more_s: float
+    correction_n: float
+    correction_t: float
+    correction_s: float
     """what solving the contact adds to the force"""
     nn: float
     nt: float
@@ -400,16 +400,16 @@ class Link(NamedTuple):
 
 
 @compiled_inside
-def linked(film: Film, start: Start) -> Link:
+def linearized(film: Film, start: Start) -> LinearContact:
     """Linearize a contact over a span of time that its stage treats implicitly."""
     span, lean = start.span, start.lean
     opening, sliding = rates(film)
-    dq, turn = solved(film, span, lean, start.log_gap + span * opening, start.along + span * sliding)
-    _, _, more_n, more_t = tangent(film, dq, turn, 0.0, 0.0)
+    dq, turn = solve_contact(film, span, lean, start.log_gap + span * opening, start.along + span * sliding)
+    _, _, correction_n, correction_t = tangent(film, dq, turn, 0.0, 0.0)
     # Columns: a unit pull, and a unit shear.
     by_pull, by_shear = tangent(film, 0.0, 0.0, 1.0, 0.0), tangent(film, 0.0, 0.0, 0.0, 1.0)
-    q_n, t_n = solved(film, span, lean, span * by_pull[0], span * by_pull[1])
-    q_t, t_t = solved(film, span, lean, span * by_shear[0], span * by_shear[1])
+    q_n, t_n = solve_contact(film, span, lean, span * by_pull[0], span * by_pull[1])
+    q_t, t_t = solve_contact(film, span, lean, span * by_shear[0], span * by_shear[1])
     _, _, nn, tn = tangent(film, q_n, t_n, 1.0, 0.0)
     _, _, nt, tt = tangent(film, q_t, t_t, 0.0, 1.0)
     # Across the plane of n and shear only the turn counts.
@@ -419,9 +419,9 @@ def linked(film: Film, start: Start) -> Link:
     turn_s = start.across / (lean + relax * film.pull)
     normal = normal_stiffness * film.stretch
     ss = normal * s_s + tangential_stiffness * (1.0 - film.pull * s_s)
-    more_s = (normal - tangential_stiffness * film.pull) * turn_s
+    correction_s = (normal - tangential_stiffness * film.pull) * turn_s
     along = tangential_stiffness * film.shear
-    return Link(
-        normal, along, more_n, more_t, more_s, nn, nt, tn, tt, ss, dq, turn, turn_s, q_n, q_t, t_n, t_t, s_s,
-        opening, sliding,
+    return LinearContact(
+        normal, along, correction_n, correction_t, correction_s, nn, nt, tn, tt, ss, dq, turn, turn_s, q_n, q_t, t_n,
+        t_t, s_s, opening, sliding,
     )  # fmt: skip

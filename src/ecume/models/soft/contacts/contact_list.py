@@ -150,7 +150,7 @@ def write_pairs(
 
 
 @compiled
-def copy_near(
+def periodic_copies(
     places: Array, sides: Array, shifts: tuple[Integers, Array], far: float
 ) -> tuple[Array, Integers, Integers]:
     """The spheres in their box and their copies near its borders: places, owners, and images. The shifts are images and
@@ -197,33 +197,33 @@ def is_near(places: Array, sides: Array, shift: tuple[Integers, float], far: flo
     return True
 
 
-CROWD = 36
+KEEPS_SCENE_ORDER = 36
 """Spheres up to which their order is that of the scene."""
-MANY = 1000
+CELL_SEARCH_FROM = 1000
 """Spheres from which on cells are searched, by threads; a tree needs no compiled code."""
-Found = tuple[Integers, Integers, Array]
+PairList = tuple[Integers, Integers, Array]
 """Pairs, images, and the vectors between their centers."""
 
 
-def renew_contacts(parameters: Parameters, state: State, met: Found | None = None) -> bool:
-    """Open and close contacts at the present places; whether there was anything to do. `met` are the newcomers there,
-    where these were looked for before.
+def update_contact_list(parameters: Parameters, state: State, opened: PairList | None = None) -> bool:
+    """Open and close contacts at the present places; whether there was anything to do. `opened` are the newcomers
+    there, where these were looked for before.
     """
     if np.isinf(parameters.contacts.fade_to):
         return False
-    walls = meet_walls(parameters, state)
+    walls = update_wall_contacts(parameters, state)
     kept = _kept(parameters, state)
-    if met is None:
+    if opened is None:
         known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
-        met = newcomers(parameters, state.position, box_in(parameters, state), known)
-    if kept.all() and not len(met[0]):
+        opened = new_pairs(parameters, state.position, box_in(parameters, state), known)
+    if kept.all() and not len(opened[0]):
         return walls
     _keep(state, np.flatnonzero(kept))
-    _open(parameters, state, met)
+    _open(parameters, state, opened)
     return True
 
 
-def newcomers(parameters: Parameters, position: Array, box: Box, known: tuple[Integers, Integers]) -> Found:
+def new_pairs(parameters: Parameters, position: Array, box: Box, known: tuple[Integers, Integers]) -> PairList:
     """The pairs below the reach that are not in contact; those that are, and their images, are `known`, in order.
 
     If films never fade, all spheres are in contact from the start.
@@ -232,12 +232,12 @@ def newcomers(parameters: Parameters, position: Array, box: Box, known: tuple[In
         return np.zeros((0, 2), np.int64), np.zeros((0, position.shape[1]), np.int64), np.zeros((0, position.shape[1]))
     pair, image, between = neighbors(parameters, position, box)
     fresh = np.ones(len(pair), np.bool_)
-    strike_out(np.concatenate([pair, image], axis=1), np.concatenate(known, axis=1), fresh)
+    remove_known(np.concatenate([pair, image], axis=1), np.concatenate(known, axis=1), fresh)
     return pair[fresh], image[fresh], between[fresh]
 
 
 @compiled
-def strike_out(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> None:
+def remove_known(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> None:
     """Mark the rows that are also in `known` as not new; both lists are in the same order and without repetition."""
     k = 0
     for row in range(len(found)):
@@ -278,17 +278,17 @@ def order_of(pair: Integers, image: Integers) -> Integers:
 
 def open_all(parameters: Parameters, state: State) -> None:
     """The first contacts."""
-    meet_walls(parameters, state)
+    update_wall_contacts(parameters, state)
     if np.isinf(parameters.contacts.fade_to):
         pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
         between = state.position[pair[:, 1]] - state.position[pair[:, 0]]
-        found: Found = pair, np.zeros(between.shape, np.int64), between
+        found: PairList = pair, np.zeros(between.shape, np.int64), between
     else:
         found = neighbors(parameters, state.position, box_in(parameters, state))
     _open(parameters, state, found)
 
 
-def meet_walls(parameters: Parameters, state: State) -> bool:
+def update_wall_contacts(parameters: Parameters, state: State) -> bool:
     """Open and close contacts with walls at the present places; whether there was anything to do."""
     touching, contacts = state.touching.astype(bool), parameters.contacts
     gap = wall_gaps(parameters, state.position, state.wall)
@@ -297,8 +297,8 @@ def meet_walls(parameters: Parameters, state: State) -> bool:
     if not (fresh.any() or gone.any()):
         return False
     if (gap[fresh] <= 0.0).any():
-        met = int(np.nonzero((fresh & (gap <= 0.0)).any(axis=1))[0][0])
-        raise Diverged(f"sphere {met} met a wall without a film between them; set films.cutoff higher")
+        opened = int(np.nonzero((fresh & (gap <= 0.0)).any(axis=1))[0][0])
+        raise Diverged(f"sphere {opened} met a wall without a film between them; set films.cutoff higher")
     state.touching[:] = (touching & ~gone) | fresh
     sphere, wall = np.nonzero(fresh)
     state.wall_gap[sphere, wall] = log(gap[sphere, wall])
@@ -316,16 +316,16 @@ def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
     return np.asarray(gaps(position, through(parameters.walls.surfaces, wall)) - parameters.radius[:, None])
 
 
-def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
+def neighbors(parameters: Parameters, position: Array, box: Box) -> PairList:
     """All pairs whose gap, without deflection, is below the reach, in order; across periodic borders too.
 
     A pair of which one is a copy is found from both sides; that is kept whose first is at home.
     """
     radius = parameters.radius
     far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
-    if len(position) >= MANY and box.sides.any():
-        copies = copy_near(at_home(position, box), box.sides, _shifts(box, position.shape[1]), far)
-        return search(radius, parameters.contacts.fade_from, copies, wraps(position, box))
+    if len(position) >= CELL_SEARCH_FROM and box.sides.any():
+        copies = periodic_copies(wrapped(position, box), box.sides, _shifts(box, position.shape[1]), far)
+        return search(radius, parameters.contacts.fade_from, copies, image_indices(position, box))
     place, owner, copy = _copies(position, box, far)
     from scipy.spatial import cKDTree
 
@@ -337,7 +337,7 @@ def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
     pair = owner[found]
     near = np.linalg.norm(between, axis=1) - radius[pair[:, 0]] - radius[pair[:, 1]] < parameters.contacts.fade_from
     pair, between, image = pair[near], between[near], copy[found[near, 1]]
-    away = wraps(position, box)
+    away = image_indices(position, box)
     image += away[pair[:, 0]] - away[pair[:, 1]]
     order = order_of(pair, image)
     return pair[order], image[order], between[order]
@@ -348,7 +348,7 @@ def box_in(parameters: Parameters, state: State) -> Box:
     return box_of(parameters.box, state.cell, state.position.shape[1])
 
 
-def wraps(position: Array, box: Box) -> Integers:
+def image_indices(position: Array, box: Box) -> Integers:
     """The periodic image in which each position is."""
     away = np.zeros(position.shape, np.int64)
     for axis in range(position.shape[1] - 1, -1, -1):
@@ -358,9 +358,9 @@ def wraps(position: Array, box: Box) -> Integers:
     return away
 
 
-def at_home(position: Array, box: Box) -> Array:
+def wrapped(position: Array, box: Box) -> Array:
     """Positions wrapped into the box; unchanged without a box."""
-    away = wraps(position, box)
+    away = image_indices(position, box)
     places = position - away * box.sides
     places[:, 0] -= box.tilt * away[:, 1]
     return np.asarray(places)
@@ -372,7 +372,7 @@ def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Int
     home = np.zeros((count, dimensions), np.int64)
     if not box.sides.any():
         return position, np.arange(count), home
-    places = at_home(position, box)
+    places = wrapped(position, box)
     every, owners, copies = [places], [np.arange(count)], [home]
     for move, lean in zip(*_shifts(box, dimensions), strict=True):
         moved = places + move * box.sides
@@ -418,7 +418,7 @@ def _keep(state: State, kept: Integers) -> None:
     state.contacts[0] = len(kept)
 
 
-def _open(parameters: Parameters, state: State, found: Found) -> None:
+def _open(parameters: Parameters, state: State, found: PairList) -> None:
     """Add contacts that carry no force: the gap vector is that between the centers. All stay in the order of pairs."""
     pair, image, between = found
     here = int(state.contacts[0])
@@ -435,6 +435,6 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     state.direction[here:total] = between / length[:, None]
     state.contacts[0] = total
     _keep(state, merged_order(np.concatenate([state.pair[:total], state.image[:total]], axis=1), here))
-    if len(state.position) > CROWD:
-        state.order[:] = near_order(at_home(state.position, box_in(parameters, state)))
+    if len(state.position) > KEEPS_SCENE_ORDER:
+        state.order[:] = near_order(wrapped(state.position, box_in(parameters, state)))
     state.generation[0] += 1

@@ -16,14 +16,14 @@ from ecume.engine.cells import Integers
 from ecume.laws.surfaces import Body
 from ecume.models.soft.contacts.contact import (
     Frame,
-    Link,
+    LinearContact,
     Start,
     Vector,
     contact_energy,
     dot,
     film_of,
     frame_of,
-    linked,
+    linearized,
 )
 from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.parameters import Contacts
@@ -61,7 +61,7 @@ class Films(NamedTuple):
     direction_start: Array
 
 
-class Answers(NamedTuple):
+class ContactResponses(NamedTuple):
     """The linearized responses of contacts in a stage."""
 
     force: Array
@@ -84,7 +84,9 @@ def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
 
 
 @shared(count_pairs)
-def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, answers: Answers) -> None:
+def contact_response(
+    contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, responses: ContactResponses
+) -> None:
     """Linearize every contact over a span of time that its stage treats implicitly.
 
     Each is solved in a frame that rotates with its pair, and the result is given along the fixed axes.
@@ -93,8 +95,8 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
     log_gap, direction = films.log_gap, films.direction
     log_gap_start, direction_start = films.log_gap_start, films.direction_start
-    force, correction, stiffness = answers.force, answers.correction, answers.stiffness
-    shift, response, slope = answers.shift, answers.response, answers.slope
+    force, correction, stiffness = responses.force, responses.correction, responses.stiffness
+    shift, response, slope = responses.shift, responses.response, responses.slope
     flat, spinning = position.shape[1] == 2, len(pairs.turn) > 0
     turn, row, ends, values = pairs.turn, pairs.row, pairs.ends, pairs.values
     for c in prange(len(first)):
@@ -108,13 +110,13 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
         film = film_of(contacts, body, log_gap[c], dot(x, n), dot(x, frame.t))
         b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
         begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))
-        link = linked(film, begin)
+        linear = linearized(film, begin)
         seen = frame
         if spinning:
             angle = (turn[c, 0], turn[c, 1], turn[c, 2])
             seen = Frame(turned(frame.n, angle), turned(frame.t, angle), turned(frame.s, angle))
-        tell_forces(link, seen, c, (force, correction, stiffness))
-        tell_motion(link, (frame, seen), c, (shift, response, slope))
+        store_forces(linear, seen, c, (force, correction, stiffness))
+        store_motion(linear, (frame, seen), c, (shift, response, slope))
 
 
 @compiled_inside
@@ -143,38 +145,38 @@ def turned(x: Vector, angle: Vector) -> Vector:
 
 
 @compiled_inside
-def tell_forces(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
+def store_forces(linear: LinearContact, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
     """A contact's force, what solving it adds, and its stiffness, along the axes."""
     force, correction, stiffness = to
     n, t, s = frame
     for k in range(3):
-        force[c, k] = link.force_n * n[k] + link.force_t * t[k]
-        correction[c, k] = link.more_n * n[k] + link.more_t * t[k] + link.more_s * s[k]
-        by_pull, by_shear = link.nn * n[k] + link.tn * t[k], link.nt * n[k] + link.tt * t[k]
+        force[c, k] = linear.force_n * n[k] + linear.force_t * t[k]
+        correction[c, k] = linear.correction_n * n[k] + linear.correction_t * t[k] + linear.correction_s * s[k]
+        by_pull, by_shear = linear.nn * n[k] + linear.tn * t[k], linear.nt * n[k] + linear.tt * t[k]
         for m in range(3):
-            stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + link.ss * s[k] * s[m]
+            stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + linear.ss * s[k] * s[m]
 
 
 @compiled_inside
-def tell_motion(link: Link, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
+def store_motion(linear: LinearContact, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
     """The motion of a contact in the frame that rotates with it, without and with a displacement along the axes."""
     shift, response, slope = to
     _, t, s = frames[0]
     n_seen, t_seen, s_seen = frames[1]
-    shift[c, 0], slope[c, 0] = link.dq, link.opening
+    shift[c, 0], slope[c, 0] = linear.dq, linear.opening
     for k in range(3):
-        shift[c, 1 + k] = link.turn_t * t[k] + link.turn_s * s[k]
-        slope[c, 1 + k] = link.sliding * t[k]
-        response[c, 0, k] = link.q_n * n_seen[k] + link.q_t * t_seen[k]
+        shift[c, 1 + k] = linear.turn_t * t[k] + linear.turn_s * s[k]
+        slope[c, 1 + k] = linear.sliding * t[k]
+        response[c, 0, k] = linear.q_n * n_seen[k] + linear.q_t * t_seen[k]
         for m in range(3):
-            turns = link.t_n * n_seen[m] + link.t_t * t_seen[m]
-            response[c, 1 + k, m] = t[k] * turns + link.s_s * s[k] * s_seen[m]
+            turns = linear.t_n * n_seen[m] + linear.t_t * t_seen[m]
+            response[c, 1 + k, m] = t[k] * turns + linear.s_s * s[k] * s_seen[m]
 
 
-def make_answers(count: int) -> Answers:
+def make_responses(count: int) -> ContactResponses:
     """Room for the answers of so many contacts."""
     shapes = ((3,), (3,), (3, 3), (4,), (4, 3), (4,))
-    return Answers(*(np.zeros((count, *shape)) for shape in shapes))
+    return ContactResponses(*(np.zeros((count, *shape)) for shape in shapes))
 
 
 def make_films(count: int) -> Films:

@@ -17,10 +17,10 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.contacts.contact import Vector
-from ecume.models.soft.contacts.films import Answers, Pairs, center_distance, turned
+from ecume.models.soft.contacts.films import ContactResponses, Pairs, center_distance, turned
 from ecume.units import Array
 
-FIRM = 1e-9
+SPIN_STIFFNESS = 1e-9
 """A sphere with a single neighbor in 3D rotates without resistance about the line to it. This relative stiffness
 against spins is added to Newton's matrix, which makes it regular; the equations do not change.
 """
@@ -41,7 +41,7 @@ class Spins(NamedTuple):
     """(N,) N s/m at the equator"""
     torque: Array
     """(N, s) N at the equator: external, at load 1"""
-    quads: Array
+    pair_blocks: Array
     """(C, 4, d + s, d + s) N/m: the blocks of the pairs"""
 
 
@@ -86,14 +86,14 @@ def rolled(x: Vector, size: float, ends: tuple[int, int], change: Array, d: int)
 
 
 @compiled
-def add_torques(pairs: Pairs, answers: Answers, position: Array, right: Array, corrected: bool) -> None:
+def add_torques(pairs: Pairs, responses: ContactResponses, position: Array, right: Array, corrected: bool) -> None:
     """Add the torques of contacts on the spins of both their spheres, in the last columns of `right`."""
     first, second, d = pairs.first, pairs.second, position.shape[1]
     for c in range(len(first)):
         i, j = first[c], second[c]
-        f = (answers.force[c, 0], answers.force[c, 1], answers.force[c, 2])
+        f = (responses.force[c, 0], responses.force[c, 1], responses.force[c, 2])
         if corrected:
-            g = answers.correction[c]
+            g = responses.correction[c]
             f = (f[0] + g[0], f[1] + g[1], f[2] + g[2])
         torque = cross(center_distance(position, pairs.offset, i, j, c), f)
         for k in range(d, right.shape[1]):
@@ -119,60 +119,60 @@ def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float,
 
 
 @compiled
-def fill_quads(pairs: Pairs, answers: Answers, spins: Spins, position: Array) -> None:
+def fill_pair_blocks(pairs: Pairs, responses: ContactResponses, spins: Spins, position: Array) -> None:
     """The derivatives of forces and torques on both spheres of each pair by their displacements and spins."""
-    quads, d = spins.quads, position.shape[1]
+    pair_blocks, d = spins.pair_blocks, position.shape[1]
     by_spin, torque_by = np.zeros((3, 3)), np.zeros((3, 3))
-    for c in range(len(quads)):
-        size, k_c = pairs.radius_sum[c], answers.stiffness[c]
+    for c in range(len(pair_blocks)):
+        size, k_c = pairs.radius_sum[c], responses.stiffness[c]
         x = center_distance(position, pairs.offset, pairs.first[c], pairs.second[c], c)
         e = (x[0] / size, x[1] / size, x[2] / size)
-        f = (answers.force[c, 0] / size, answers.force[c, 1] / size, answers.force[c, 2] / size)
+        f = (responses.force[c, 0] / size, responses.force[c, 1] / size, responses.force[c, 2] / size)
         for axis in range(3):
             one = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
             moved, turned_force = cross(e, one), cross(f, one)
             pulled = cross(e, (k_c[0, axis], k_c[1, axis], k_c[2, axis]))
             for k in range(3):
-                by_spin[k, axis] = dot_row(k_c, k, moved) - turned_force[k]
+                by_spin[k, axis] = row_times(k_c, k, moved) - turned_force[k]
                 torque_by[k, axis] = pulled[k] - turned_force[k]
-        place_quads(quads[c], k_c, by_spin, torque_by)
-        for column in range(quads.shape[2] - d):
+        store_pair_blocks(pair_blocks[c], k_c, by_spin, torque_by)
+        for column in range(pair_blocks.shape[2] - d):
             axis = 2 if d == 2 else column
             rolling = cross(e, (by_spin[0, axis], by_spin[1, axis], by_spin[2, axis]))
-            for row in range(quads.shape[2] - d):
+            for row in range(pair_blocks.shape[2] - d):
                 for block in range(4):
-                    quads[c, block, d + row, d + column] = -rolling[2 if d == 2 else row]
+                    pair_blocks[c, block, d + row, d + column] = -rolling[2 if d == 2 else row]
 
 
 @compiled_inside
-def dot_row(matrix: Array, row: int, vector: Vector) -> float:
+def row_times(matrix: Array, row: int, vector: Vector) -> float:
     """A component of a product."""
     value: float = matrix[row, 0] * vector[0] + matrix[row, 1] * vector[1] + matrix[row, 2] * vector[2]
     return value
 
 
 @compiled_inside
-def place_quads(quads: Array, stiffness: Array, by_spin: Array, torque_by: Array) -> None:
+def store_pair_blocks(pair_blocks: Array, stiffness: Array, by_spin: Array, torque_by: Array) -> None:
     """All blocks of a pair but spins against spins: forces on the first are opposite to those on the second, and what
     moves the first is opposite to what moves the second; spins and torques are alike for both.
     """
-    d = 2 if quads.shape[1] == 3 else 3
+    d = 2 if pair_blocks.shape[1] == 3 else 3
     for row in range(d):
         for column in range(d):
-            quads[0, row, column] = quads[3, row, column] = stiffness[row, column]
-            quads[1, row, column] = quads[2, row, column] = -stiffness[row, column]
-        for k in range(quads.shape[1] - d):
+            pair_blocks[0, row, column] = pair_blocks[3, row, column] = stiffness[row, column]
+            pair_blocks[1, row, column] = pair_blocks[2, row, column] = -stiffness[row, column]
+        for k in range(pair_blocks.shape[1] - d):
             axis = 2 if d == 2 else k
-            quads[0, row, d + k] = quads[1, row, d + k] = -by_spin[row, axis]
-            quads[2, row, d + k] = quads[3, row, d + k] = by_spin[row, axis]
-            quads[0, d + k, row] = quads[2, d + k, row] = torque_by[axis, row]
-            quads[1, d + k, row] = quads[3, d + k, row] = -torque_by[axis, row]
+            pair_blocks[0, row, d + k] = pair_blocks[1, row, d + k] = -by_spin[row, axis]
+            pair_blocks[2, row, d + k] = pair_blocks[3, row, d + k] = by_spin[row, axis]
+            pair_blocks[0, d + k, row] = pair_blocks[2, d + k, row] = torque_by[axis, row]
+            pair_blocks[1, d + k, row] = pair_blocks[3, d + k, row] = -torque_by[axis, row]
 
 
 @compiled
-def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
+def regularize_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
     """Make the matrix of spins regular where spheres are `free` to turn all together: the first one resists, which
-    `unturn` makes good.
+    `remove_free_rotation` makes good.
     """
     own, blocks = matrix.pattern.diagonal, matrix.blocks
     begin = blocks.shape[1] - spins.turn.shape[1]
@@ -181,7 +181,7 @@ def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
         for k in range(begin, blocks.shape[1]):
             trace += blocks[own[i], k, k]
         for k in range(begin, blocks.shape[1]):
-            blocks[own[i], k, k] += (1.0 if free and i == 0 else FIRM) * trace
+            blocks[own[i], k, k] += (1.0 if free and i == 0 else SPIN_STIFFNESS) * trace
 
 
 @compiled
@@ -225,7 +225,7 @@ def make_spins(radius: Array, drag: Array, torque: Array, shape: tuple[int, int,
         slope=np.zeros((stages, count, spin)),
         drag=drag,
         torque=torque,
-        quads=np.zeros((contacts if spin else 0, 4, width, width)),
+        pair_blocks=np.zeros((contacts if spin else 0, 4, width, width)),
     )
 
 
@@ -245,12 +245,12 @@ def turned_orientation(orientation: Array, angle: Array) -> Array:
 # --- Spheres that spin and that nothing holds: how all of them lie together
 
 
-UNTOLD = 1e-6
+SINGULAR = 1e-6
 """Of what loads would resist a turn with, if nothing in it canceled: less than this says nothing of the turn."""
 
 
 @compiled
-def turn_first(matrix: Matrix, spins: Spins, right: Array) -> None:
+def fill_rotation_sides(matrix: Matrix, spins: Spins, right: Array) -> None:
     """Right sides, after the first one: torques on the first sphere that turn all of them by about a radian."""
     block, begin = matrix.blocks[matrix.pattern.diagonal[0]], matrix.blocks.shape[1] - spins.turn.shape[1]
     for k in range(spins.turn.shape[1]):
@@ -261,16 +261,16 @@ def turn_first(matrix: Matrix, spins: Spins, right: Array) -> None:
 
 
 @compiled
-def unturn(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Array, float]) -> None:
-    """Add to the first change of positions and spins a multiple of the others, the responses to `turn_first`, so that
-    the total moment of external forces is zero; if these do not resist a rotation, so that the mean spin is zero.
-    `pull` is the part proportional to the load, the constant part, and the load.
+def remove_free_rotation(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Array, float]) -> None:
+    """Add to the first change of positions and spins a multiple of the others, the responses to `fill_rotation_sides`,
+    so that the total moment of external forces is zero; if these do not resist a rotation, so that the mean spin is
+    zero. `pull` is the part proportional to the load, the constant part, and the load.
 
     The matrix holds the first sphere: the remaining moment acts on it, since contacts have no total moment.
     """
     whole, columns, to_mean, to_moment = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3), np.zeros(3)
     moment, size = moment_of(position, spins, changes[0], pull)
-    mean, own, nowhere = mean_spin(spins, changes[0]), own_moment(spins, pull[2]), np.zeros(position.shape)
+    mean, own, nowhere = mean_spin(spins, changes[0]), total_torque(spins, pull[2]), np.zeros(position.shape)
     for k in range(spins.turn.shape[1]):
         by_turn, (by_pull, _) = mean_spin(spins, changes[1 + k]), moment_of(nowhere, spins, changes[1 + k], pull)
         for m in range(3):
@@ -279,13 +279,13 @@ def unturn(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Arr
     for m in range(3):
         to_mean[m] = -mean[m]
         to_moment[m] = -(moment[m] + own[m]) / size if size > 0.0 else 0.0
-    unturned = least_squares(whole, to_mean, np.zeros(3))
+    coefficients = least_squares(whole, to_mean, np.zeros(3))
     if size > 0.0:
-        unturned = least_squares(columns, to_moment, unturned)
+        coefficients = least_squares(columns, to_moment, coefficients)
     for k in range(spins.turn.shape[1]):
         for i in range(len(position)):
             for m in range(changes.shape[2]):
-                changes[0, i, m] += unturned[k] * changes[1 + k, i, m]
+                changes[0, i, m] += coefficients[k] * changes[1 + k, i, m]
 
 
 @compiled
@@ -318,7 +318,7 @@ def moment_of(position: Array, spins: Spins, change: Array, pull: tuple[Array, A
 
 
 @compiled
-def own_moment(spins: Spins, load: float) -> Array:
+def total_torque(spins: Spins, load: float) -> Array:
     """The total of the torques on the spheres (N m)."""
     total, width = np.zeros(3), spins.turn.shape[1]
     for i in range(len(spins.torque)):
@@ -334,8 +334,8 @@ def least_squares(matrix: Array, right: Array, otherwise: Array) -> Array:
     """
     rows, solution = np.zeros((3, 4)), np.zeros(3)
     for k in range(3):
-        rows[k, k] = UNTOLD**2
-        rows[k, 3] = UNTOLD**2 * otherwise[k]
+        rows[k, k] = SINGULAR**2
+        rows[k, 3] = SINGULAR**2 * otherwise[k]
         for m in range(3):
             for n in range(3):
                 rows[k, n] += matrix[m, k] * matrix[m, n]

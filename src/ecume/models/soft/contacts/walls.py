@@ -21,14 +21,14 @@ from ecume.models.soft.contacts.contact import (
     ROUNDING,
     Film,
     Frame,
-    Link,
+    LinearContact,
     Start,
     Vector,
     contact_energy,
     dot,
     film_of,
     frame_of,
-    linked,
+    linearized,
 )
 from ecume.models.soft.contacts.rotation import axial, cross
 from ecume.models.soft.integration.dirk_schemes import Scheme
@@ -165,7 +165,7 @@ def wall_distance(walls: Walls, position: Array, turn: Array, c: int) -> Vector:
 
 
 @where_there()
-def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array, span: float) -> None:
+def wall_response(walls: Walls, contacts: Contacts, position: Array, turn: Array, span: float) -> None:
     """Linearize every contact with a wall over a span of time that its stage treats implicitly."""
     touches, places = walls.touches, walls.places
     slip, slip_start = touches.slip, touches.slip_start
@@ -184,30 +184,30 @@ def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array,
         )
         missing = touches.log_gap_start[c] - touches.log_gap[c]
         begin = Start(span, missing, 1.0, dot(frame.t, b), dot(frame.s, b))
-        tell(linked(flattened(film, FAR * radius), begin), frame, touches, c)
+        store_wall_response(linearized(flattened(film, FAR * radius), begin), frame, touches, c)
 
 
 @compiled_inside
-def tell(link: Link, frame: Frame, touches: Touches, c: int) -> None:
+def store_wall_response(linear: LinearContact, frame: Frame, touches: Touches, c: int) -> None:
     """The response of a contact, along the axes."""
     n, t, s = frame
     shift, now, response = touches.shift, touches.now, touches.response
-    shift[c, 0], now[c, 0] = link.dq, link.opening
+    shift[c, 0], now[c, 0] = linear.dq, linear.opening
     for k in range(3):
-        touches.force[c, k] = link.force_n * n[k] + link.force_t * t[k]
-        touches.correction[c, k] = link.more_n * n[k] + link.more_t * t[k] + link.more_s * s[k]
-        shift[c, 1 + k] = FAR * (link.turn_t * t[k] + link.turn_s * s[k])
-        now[c, 1 + k] = FAR * link.sliding * t[k]
-        response[c, 0, k] = link.q_n * n[k] + link.q_t * t[k]
-        by_pull, by_shear = link.nn * n[k] + link.tn * t[k], link.nt * n[k] + link.tt * t[k]
+        touches.force[c, k] = linear.force_n * n[k] + linear.force_t * t[k]
+        touches.correction[c, k] = linear.correction_n * n[k] + linear.correction_t * t[k] + linear.correction_s * s[k]
+        shift[c, 1 + k] = FAR * (linear.turn_t * t[k] + linear.turn_s * s[k])
+        now[c, 1 + k] = FAR * linear.sliding * t[k]
+        response[c, 0, k] = linear.q_n * n[k] + linear.q_t * t[k]
+        by_pull, by_shear = linear.nn * n[k] + linear.tn * t[k], linear.nt * n[k] + linear.tt * t[k]
         for m in range(3):
-            touches.stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + link.ss * s[k] * s[m]
-            turns = t[k] * (link.t_n * n[m] + link.t_t * t[m]) + link.s_s * s[k] * s[m]
+            touches.stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + linear.ss * s[k] * s[m]
+            turns = t[k] * (linear.t_n * n[m] + linear.t_t * t[m]) + linear.s_s * s[k] * s[m]
             response[c, 1 + k, m] = FAR * turns
 
 
 @where_there((0.0, 0.0))
-def push_from_walls(walls: Walls, position: Array, right: Array, corrected: bool) -> tuple[float, float]:
+def add_wall_forces(walls: Walls, position: Array, right: Array, corrected: bool) -> tuple[float, float]:
     """Add the walls' forces and torques to what is left on the spheres; the largest force, and the largest of stiffness
     times coordinates.
     """
@@ -246,7 +246,7 @@ def add_wrench(right: Array, i: int, dimensions: int, wrench: tuple[Vector, Vect
 
 
 @compiled_inside
-def pressed(stiffness: Array, c: int, x: Vector) -> Vector:
+def wall_force_change(stiffness: Array, c: int, x: Vector) -> Vector:
     """The force that a displacement of a wall against a sphere makes."""
     return (
         stiffness[c, 0, 0] * x[0] + stiffness[c, 0, 1] * x[1] + stiffness[c, 0, 2] * x[2],
@@ -256,7 +256,7 @@ def pressed(stiffness: Array, c: int, x: Vector) -> Vector:
 
 
 @compiled_inside
-def displaced(k: int, dimensions: int, n: Vector) -> Vector:
+def distance_derivative(k: int, dimensions: int, n: Vector) -> Vector:
     """The derivative of the distance from a wall by an unknown of a sphere: its position, or its spin."""
     axis = k if k < dimensions else 2 if dimensions == 2 else k - dimensions
     one = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
@@ -266,13 +266,13 @@ def displaced(k: int, dimensions: int, n: Vector) -> Vector:
 
 
 @where_there()
-def resist_at_walls(walls: Walls, blocks: Array, own: Integers, dimensions: int) -> None:
+def add_wall_stiffness(walls: Walls, blocks: Array, own: Integers, dimensions: int) -> None:
     """Add what walls resist to the spheres' own blocks."""
     touches, width = walls.touches, blocks.shape[1]
     for c in range(len(touches.first)):
         place, n = own[touches.first[c]], normal_of(walls.places, touches.wall[c])
         for column in range(width):
-            f = pressed(touches.stiffness, c, displaced(column, dimensions, n))
+            f = wall_force_change(touches.stiffness, c, distance_derivative(column, dimensions, n))
             torque = cross(n, f)
             blocks[place, 0, column] -= f[0]
             blocks[place, 1, column] -= f[1]
@@ -314,7 +314,7 @@ def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
         n = normal_of(places, w)
         x, y, z = places.change[w, 0], places.change[w, 1], places.change[w, 2]
         for k in range(change.shape[1]):
-            by = displaced(k, dimensions, n)
+            by = distance_derivative(k, dimensions, n)
             x, y, z = x + change[i, k] * by[0], y + change[i, k] * by[1], z + change[i, k] * by[2]
         for k in range(4):
             shift[c, k] += response[c, k, 0] * x + response[c, k, 1] * y + response[c, k, 2] * z
@@ -437,14 +437,14 @@ def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensio
     for c in range(len(touches.first)):
         if touches.wall[c] == wall:
             i, n = touches.first[c], normal_of(walls.places, wall)
-            f = pressed(touches.stiffness, c, along)
+            f = wall_force_change(touches.stiffness, c, along)
             add_wrench(column, i, dimensions, (f, cross(n, f)))
             for k in range(rows.shape[1]):
-                rows[i, k] += dot(pressed(touches.stiffness, c, displaced(k, dimensions, n)), along)
+                rows[i, k] += dot(wall_force_change(touches.stiffness, c, distance_derivative(k, dimensions, n)), along)
 
 
 @compiled_inside
-def wanted_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
+def target_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
     """The specified force on a movable wall (N); the component along it by the shear of walls, too."""
     wall, axis = places.free[unknown]
     along = 1.0 if places.normal[wall, axis] != 0.0 else load[1]
@@ -457,7 +457,7 @@ def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Arra
     (left, corner), touches, free = borders, walls.touches, walls.places.free
     for one in range(len(free)):
         wall, axis = free[one]
-        left[one] = -wanted_force(walls.places, one, load)
+        left[one] = -target_force(walls.places, one, load)
         corner[one, :] = 0.0
         for c in range(len(touches.first)):
             if touches.wall[c] == wall:
@@ -468,13 +468,13 @@ def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Arra
 
 
 @where_there(0.0)
-def missing_at_walls(walls: Walls, position: Array, load: tuple[float, float]) -> float:
+def wall_force_residual(walls: Walls, position: Array, load: tuple[float, float]) -> float:
     """The largest part of a force on a wall that is missing, less rounding."""
     touches, worst = walls.touches, 0.0
     for unknown in range(len(walls.places.free)):
         wall, axis = walls.places.free[unknown]
-        wanted = wanted_force(walls.places, unknown, load)
-        total, whole, rounding = -wanted, abs(wanted), 0.0
+        target = target_force(walls.places, unknown, load)
+        total, whole, rounding = -target, abs(target), 0.0
         for c in range(len(touches.first)):
             if touches.wall[c] == wall:
                 total += touches.force[c, axis]

@@ -13,9 +13,9 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import dots, solve
-from ecume.models.soft.cell import Cell, Goal, flow, gradient_of, stress_goal, unknowns
+from ecume.models.soft.cell import Cell, StageTarget, flow_gradient, gradient_of, stress_goal, unknowns
 from ecume.models.soft.contacts.contact import ROUNDING, Vector
-from ecume.models.soft.contacts.films import Answers, Pairs, center_distance
+from ecume.models.soft.contacts.films import ContactResponses, Pairs, center_distance
 from ecume.models.soft.contacts.rotation import cross
 from ecume.models.soft.contacts.walls import Walls, column_of_wall, corner_of_walls
 from ecume.units import Array
@@ -39,15 +39,15 @@ class Borders(NamedTuple):
     """(A, A)"""
 
 
-class Web(NamedTuple):
+class ContactNetwork(NamedTuple):
     """The contacts and what they answer, between spheres at their places."""
 
     pairs: Pairs
-    answers: Answers
+    responses: ContactResponses
     position: Array
 
 
-class Dragged(NamedTuple):
+class DragTerms(NamedTuple):
     """The spheres on which the liquid drags, while the box carries it along."""
 
     position: Array
@@ -70,7 +70,7 @@ def make_borders(count: int, width: int, most: int) -> Borders:
 
 
 @compiled_inside
-def moved(gradient: Array, x: Vector) -> Vector:
+def transformed(gradient: Array, x: Vector) -> Vector:
     """A gradient times a vector."""
     return (
         gradient[0, 0] * x[0] + gradient[0, 1] * x[1] + gradient[0, 2] * x[2],
@@ -80,7 +80,7 @@ def moved(gradient: Array, x: Vector) -> Vector:
 
 
 @compiled_inside
-def crossed(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
+def work_change(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
     """The work in one displacement of the forces that another one changes, in a contact."""
     total = 0.0
     for k in range(3):
@@ -90,18 +90,18 @@ def crossed(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
 
 
 @compiled
-def missing_stress(cell: Cell, web: Web, goal: Goal) -> float:
+def box_stress_residual(cell: Cell, network: ContactNetwork, goal: StageTarget) -> float:
     """The largest part of a work that is missing, over the work of all forces if they pulled alike; less rounding."""
-    first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
-    force, stiffness = web.answers.force, web.answers.stiffness
+    first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
+    force, stiffness = network.responses.force, network.responses.stiffness
     worst = 0.0
     for unknown in range(unknowns(cell)):
         row = gradient_of(cell, unknown, goal, True)
-        wanted = stress_goal(cell, unknown, goal.drive, position.shape[1])
-        work, whole, rounding = -wanted, abs(wanted), 0.0
+        target = stress_goal(cell, unknown, goal.drive, position.shape[1])
+        work, whole, rounding = -target, abs(target), 0.0
         for c in range(len(first)):
             i, j = first[c], second[c]
-            along = moved(row, center_distance(position, offset, i, j, c))
+            along = transformed(row, center_distance(position, offset, i, j, c))
             for k in range(position.shape[1]):
                 work += force[c, k] * along[k]
                 whole += abs(force[c, k] * along[k])
@@ -113,10 +113,10 @@ def missing_stress(cell: Cell, web: Web, goal: Goal) -> float:
 
 
 @compiled
-def fill_border(cell: Cell, web: Web, goal: Goal, borders: Borders, unknown: int) -> None:
+def fill_border(cell: Cell, network: ContactNetwork, goal: StageTarget, borders: Borders, unknown: int) -> None:
     """The forces that an unknown changes, the row of the work done in it, and how much of that is missing."""
-    first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
-    force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
+    first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
+    force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     column, rows, left = borders.right[1 + unknown], borders.rows[unknown], borders.left
     by, row = gradient_of(cell, unknown, goal, False), gradient_of(cell, unknown, goal, True)
     column[:] = 0.0
@@ -125,7 +125,7 @@ def fill_border(cell: Cell, web: Web, goal: Goal, borders: Borders, unknown: int
     for c in range(len(first)):
         i, j = first[c], second[c]
         x = center_distance(position, offset, i, j, c)
-        across, along = moved(by, x), moved(row, x)
+        across, along = transformed(by, x), transformed(row, x)
         for k in range(position.shape[1]):
             value, work = 0.0, 0.0
             for m in range(3):
@@ -137,23 +137,23 @@ def fill_border(cell: Cell, web: Web, goal: Goal, borders: Borders, unknown: int
             rows[i, k] -= work
             left[unknown] += (force[c, k] + correction[c, k]) * along[k]
         if column.shape[1] > position.shape[1]:
-            add_spins(web, c, (across, along), (column, rows))
+            add_spins(network, c, (across, along), (column, rows))
 
 
 @compiled
-def add_drag(cell: Cell, dragged: Dragged, goal: Goal, column: Array, unknown: int) -> None:
+def add_drag(cell: Cell, dragged: DragTerms, goal: StageTarget, column: Array, unknown: int) -> None:
     """Add the drag that an unknown changes: spheres go with its gradient K, and the liquid with the flow A that it
     changes by dA, so that a force zeta (dA x + A K x - K x)/span is added, and on spins half of the vorticity's torque.
     """
-    by, along = gradient_of(cell, unknown, goal, False), flow(cell)
+    by, along = gradient_of(cell, unknown, goal, False), flow_gradient(cell)
     change = by.copy()
     change[0, 1] -= along[0, 1] * (by[1, 1] - by[0, 0])
     position, d = dragged.position, dragged.position.shape[1]
     for i in range(len(dragged.drag)):
         if dragged.drag[i] > 0.0:
             x = (position[i, 0], position[i, 1], position[i, 2] if d == 3 else 0.0)
-            moves = moved(by, x)
-            carried, further = moved(change, x), moved(along, moves)
+            moves = transformed(by, x)
+            carried, further = transformed(change, x), transformed(along, moves)
             for k in range(d):
                 column[i, k] += dragged.drag[i] / goal.span * (carried[k] + further[k] - moves[k])
             if column.shape[1] > d:
@@ -162,17 +162,17 @@ def add_drag(cell: Cell, dragged: Dragged, goal: Goal, column: Array, unknown: i
 
 
 @compiled_inside
-def add_spins(web: Web, c: int, displaced: tuple[Vector, Vector], to: tuple[Array, Array]) -> None:
+def add_spins(network: ContactNetwork, c: int, displaced: tuple[Vector, Vector], to: tuple[Array, Array]) -> None:
     """The torques that an unknown changes, and the work in it of the forces that a spin changes, of one contact."""
-    i, j, size = web.pairs.first[c], web.pairs.second[c], web.pairs.radius_sum[c]
-    force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
+    i, j, size = network.pairs.first[c], network.pairs.second[c], network.pairs.radius_sum[c]
+    force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     (across, along), (column, rows) = displaced, to
-    x = center_distance(web.position, web.pairs.offset, i, j, c)
+    x = center_distance(network.position, network.pairs.offset, i, j, c)
     f = (force[c, 0] + correction[c, 0], force[c, 1] + correction[c, 1], force[c, 2] + correction[c, 2])
-    more, back = moved(stiffness[c], across), moved(stiffness[c].T, along)
+    more, back = transformed(stiffness[c], across), transformed(stiffness[c].T, along)
     a, b = cross(x, more), cross(across, f)
     e, g = cross(back, x), cross(f, along)
-    d, width = web.position.shape[1], column.shape[1]
+    d, width = network.position.shape[1], column.shape[1]
     for k in range(d, width):
         axis = 2 if d == 2 else k - d
         for body in (i, j):
@@ -181,47 +181,49 @@ def add_spins(web: Web, c: int, displaced: tuple[Vector, Vector], to: tuple[Arra
 
 
 @compiled
-def fill_corner(cell: Cell, web: Web, goal: Goal, corner: Array) -> None:
+def fill_corner(cell: Cell, network: ContactNetwork, goal: StageTarget, corner: Array) -> None:
     """The derivatives of the works by the unknowns themselves, those of the target values included."""
-    first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
-    force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
+    first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
+    force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     for one in range(unknowns(cell)):
         row = gradient_of(cell, one, goal, True)
-        wanted = stress_goal(cell, one, goal.drive, position.shape[1])
+        target = stress_goal(cell, one, goal.drive, position.shape[1])
         for other in range(unknowns(cell)):
             by = gradient_of(cell, other, goal, False)
             total = 0.0
             for k in range(position.shape[1]):
-                total -= wanted * by[k, k]
+                total -= target * by[k, k]
             for c in range(len(first)):
                 x = center_distance(position, offset, first[c], second[c], c)
-                across = moved(by, x)
-                twice = moved(row, across)
-                total += crossed(moved(row, x), stiffness, c, across)
+                across = transformed(by, x)
+                twice = transformed(row, across)
+                total += work_change(transformed(row, x), stiffness, c, across)
                 for k in range(3):
                     total += (force[c, k] + correction[c, k]) * twice[k]
             corner[one, other] = total
 
 
 @compiled
-def border(cell: Cell, web: Web, dragged: Dragged, goal: Goal, borders: Borders) -> None:
+def fill_all_borders(
+    cell: Cell, network: ContactNetwork, dragged: DragTerms, goal: StageTarget, borders: Borders
+) -> None:
     """All borders of a system whose box answers to stresses."""
     for unknown in range(unknowns(cell)):
-        fill_border(cell, web, goal, borders, unknown)
+        fill_border(cell, network, goal, borders, unknown)
         if goal.span > 0.0:
             add_drag(cell, dragged, goal, borders.right[1 + unknown], unknown)
-    fill_corner(cell, web, goal, borders.corner)
+    fill_corner(cell, network, goal, borders.corner)
 
 
 @compiled
-def border_walls(walls: Walls, load: tuple[float, float], borders: Borders, dimensions: int) -> None:
+def fill_wall_borders(walls: Walls, load: tuple[float, float], borders: Borders, dimensions: int) -> None:
     """All borders of a system whose walls yield to forces."""
     for unknown in range(len(walls.places.free)):
         column_of_wall(walls, (borders.right[1 + unknown], borders.rows[unknown]), unknown, dimensions)
     corner_of_walls(walls, load, (borders.left, borders.corner))
 
 
-def close(borders: Borders, count: int) -> Array | None:
+def border_solution(borders: Borders, count: int) -> Array | None:
     """The change of the unknowns, from the solutions of all right-hand sides, which are combined; None without a
     solution.
     """
@@ -237,7 +239,7 @@ def close(borders: Borders, count: int) -> Array | None:
     return np.asarray(found) if np.isfinite(found).all() else None
 
 
-def change_box(cell: Cell, goal: Goal, found: Array) -> None:
+def change_box(cell: Cell, goal: StageTarget, found: Array) -> None:
     """Add the change of the unknowns to the displacement gradient."""
     cell.change[:] = 0.0
     for unknown, value in enumerate(found):

@@ -10,30 +10,30 @@ from ecume.models.soft.cell import (
     STRAIN,
     WIDTH,
     Cell,
-    Goal,
+    StageTarget,
     begin_cell,
     cell_error,
     end_cell,
     first_cell,
     place_images,
 )
-from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.contacts.films import contact_response
 from ecume.models.soft.contacts.rotation import begin_spins, carry, end_spins, turn_pairs
 from ecume.models.soft.contacts.walls import (
     accept_walls,
-    answer_walls,
     begin_walls,
     end_walls,
     first_walls,
     slopes_at_walls,
     wall_error,
+    wall_response,
 )
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import imbalance, newton_dense
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.protocol import Drive
 from ecume.models.soft.report.energy_budget import add_stage
-from ecume.models.soft.state import During, Step
+from ecume.models.soft.state import Step, StepRequest
 from ecume.units import Array
 
 FAILED = -1.0
@@ -70,7 +70,7 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
 
 
 @compiled
-def end_stage(step: Step, goal: Goal, stage: int) -> None:
+def end_stage(step: Step, goal: StageTarget, stage: int) -> None:
     """The slopes of a solved stage, from what it added to its start: nothing is amplified so."""
     films, slope, bodies, span = step.films, step.slope, step.bodies, goal.span
     end_cell(step.cell, goal, stage)
@@ -90,7 +90,7 @@ def end_stage(step: Step, goal: Goal, stage: int) -> None:
 
 
 @compiled
-def afloat(cell: Cell, position: Array, i: int, k: int) -> float:
+def background_velocity(cell: Cell, position: Array, i: int, k: int) -> float:
     """The velocity of the liquid at a sphere by the deformation of the box, at the start of the step."""
     slope = cell.slope[0]
     speed = slope[WIDTH + k] * position[i, k]
@@ -100,15 +100,15 @@ def afloat(cell: Cell, position: Array, i: int, k: int) -> float:
 @composed
 def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     """The slopes at the step's beginning."""
-    first_places(step, drive)
-    answer(contacts, step.pairs, step.films, step.bodies.position, 0.0, step.answers)
-    answer_walls(step.walls, contacts, step.bodies.position, step.spins.turn, 0.0)
+    reset_to_start(step, drive)
+    contact_response(contacts, step.pairs, step.films, step.bodies.position, 0.0, step.responses)
+    wall_response(step.walls, contacts, step.bodies.position, step.spins.turn, 0.0)
     imbalance(step, drive.load, 1.0, False)
     first_slopes(step)
 
 
 @compiled
-def first_places(step: Step, drive: Drive) -> None:
+def reset_to_start(step: Step, drive: Drive) -> None:
     """Everything at the step's beginning."""
     films, bodies = step.films, step.bodies
     copy_line(films.log_gap, step.log_gap)
@@ -130,12 +130,14 @@ def first_places(step: Step, drive: Drive) -> None:
 def first_slopes(step: Step) -> None:
     """The rates at the start of the step."""
     bodies = step.bodies
-    copy_rows(step.slope[0], step.answers.slope)
+    copy_rows(step.slope[0], step.responses.slope)
     slopes_at_walls(step.walls)
     for i in range(len(bodies.drag)):
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
-                bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i] + afloat(step.cell, bodies.position, i, k)
+                bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i] + background_velocity(
+                    step.cell, bodies.position, i, k
+                )
     first_spins(step)
 
 
@@ -171,7 +173,7 @@ def drive_of(row: Array) -> Drive:
 
 
 @inlined
-def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
+def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest) -> float:
     """Try a step from its first stage on: the estimated error, or FAILED.
 
     The new places are in `step.films` and `step.bodies.position`.
@@ -181,7 +183,7 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
     add_stage(contacts, step, scheme, during, 0)
     for stage in range(1, len(scheme.times)):
         begin_stage(step, scheme, stage, during.length)
-        goal = Goal(drive_of(during.drives[stage]), origin, span, 1e-3 * during.tolerance)
+        goal = StageTarget(drive_of(during.drives[stage]), origin, span, 1e-3 * during.tolerance)
         if not newton(contacts, step, goal):
             return FAILED
         end_stage(step, goal, stage)
@@ -192,27 +194,27 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
 
 
 @compiled
-def dense(contacts: Contacts, step: Step, scheme: Scheme, during: During, task: int) -> float:
+def step_dense(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int) -> float:
     """All operations for few spheres: BEGIN, BALANCE over a time `during.length`, or try a STEP. One function instead
     of three, each of which would take as long to compile.
     """
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)
     if task == STEP:
-        return attempt_with(newton_dense, contacts, step, scheme, during)
-    goal = Goal(drive_of(during.drives[1]), origin, during.length, during.tolerance)
+        return try_step(newton_dense, contacts, step, scheme, during)
+    goal = StageTarget(drive_of(during.drives[1]), origin, during.length, during.tolerance)
     return 0.0 if task == BEGIN or newton_dense(contacts, step, goal) else FAILED
 
 
-def many(
-    newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: During, task: int
+def step_many(
+    newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int
 ) -> float:
     """The same of many spheres, each pass over them compiled by itself."""
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)
     if task == STEP:
-        return plainly(attempt_with)(newton, contacts, step, scheme, during)
-    goal = Goal(drive_of(during.drives[1]), origin, during.length, during.tolerance)
+        return plainly(try_step)(newton, contacts, step, scheme, during)
+    goal = StageTarget(drive_of(during.drives[1]), origin, during.length, during.tolerance)
     return 0.0 if task == BEGIN or newton(contacts, step, goal) else FAILED
 
 

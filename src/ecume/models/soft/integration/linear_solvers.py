@@ -14,7 +14,7 @@ from ecume.models.soft.integration import dirk, newton
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
 from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.protocol import Drive, Rules
-from ecume.models.soft.state import During, Step, Workspace
+from ecume.models.soft.state import Step, StepRequest, Workspace
 
 FINE = 1e-13
 """The last change of a position, over its distance, with which spheres are said to be balanced."""
@@ -31,11 +31,11 @@ PATIENCE = 2
 ITERATIONS, WITHOUT, BROKEN = range(3)
 """Places in `State.effort`."""
 
-Way = Callable[[Contacts, Step, Scheme, During, int], float]
+Stepper = Callable[[Contacts, Step, Scheme, StepRequest, int], float]
 """A function that begins a step, balances forces, or tries a step: its status, or `dirk.FAILED`."""
 
 
-def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
+def solver_names(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
     """The solvers to try, one after the other: by the number of unknowns, the pattern and the state, so that a run
     chooses as the last one did.
 
@@ -52,22 +52,22 @@ def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, 
     return ("iterative", "direct") if effort[BROKEN] >= PATIENCE and solvers.pays(kept) else ("iterative",)
 
 
-def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
+def stepper(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Stepper:
     """A step by one of the solvers."""
     solve = partial(solvers.SOLVERS[name], kept)
     if any(rules) or len(parameters.walls.free):
-        return partial(dirk.many, partial(newton.newton_bordered, solve))
-    return dirk.dense if name == "dense" else partial(dirk.many, partial(newton.newton_many, solve))
+        return partial(dirk.step_many, partial(newton.newton_bordered, solve))
+    return dirk.step_dense if name == "dense" else partial(dirk.step_many, partial(newton.newton_many, solve))
 
 
-def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: Rules, effort: Integers) -> float:
+def attempt(parameters: Parameters, scratch: Workspace, during: StepRequest, rules: Rules, effort: Integers) -> float:
     """Try a step: the estimated error, or `dirk.FAILED`."""
     step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme].tableau
     step.cell.rules[:] = rules
     kept.iterations = kept.systems = 0
     name = ""
-    for name in choices(parameters, kept, effort):
-        error = way(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, dirk.STEP)
+    for name in solver_names(parameters, kept, effort):
+        error = stepper(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, dirk.STEP)
         if error != dirk.FAILED:
             break
     if error == dirk.FAILED:  # which says little of what systems of shorter steps take
@@ -88,23 +88,23 @@ def balance(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, 
     (origin, drive, rules), step, kept = at, scratch.step, scratch.kept
     step.cell.rules[:] = rules
     fine = FINE_SPUN if parameters.torque.shape[1] else FINE
-    during, scheme = During(0.0, np.array([origin, drive]), fine), SCHEMES[parameters.scheme].tableau
-    names = choices(parameters, kept, effort)
+    during, scheme = StepRequest(0.0, np.array([origin, drive]), fine), SCHEMES[parameters.scheme].tableau
+    names = solver_names(parameters, kept, effort)
     if names == ("iterative",) and solvers.pays(kept):
         names = ("iterative", "direct")
-    ways = [way(parameters, kept, rules, name) for name in names]
+    ways = [stepper(parameters, kept, rules, name) for name in names]
     if parameters.drag.any():
-        ways = [partial(dirk.many, newton.newton_held)]
+        ways = [partial(dirk.step_many, newton.balance_borders)]
     return any(one(parameters.contacts, step, scheme, during, dirk.BALANCE) != dirk.FAILED for one in ways)
 
 
-def begin(parameters: Parameters, step: Step, drive: Drive) -> None:
+def begin_step(parameters: Parameters, step: Step, drive: Drive) -> None:
     """Contacts and forces at the step's beginning, into `step`."""
-    during, scheme = During(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme].tableau
+    during, scheme = StepRequest(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme].tableau
     few = parameters.solver == "auto" and parameters.force.size <= FEW
     start = (
-        dirk.dense
+        dirk.step_dense
         if (few or parameters.solver == "dense") and not any(step.cell.rules)
-        else partial(dirk.many, newton.newton_dense)
+        else partial(dirk.step_many, newton.newton_dense)
     )
     start(parameters.contacts, step, scheme, during, dirk.BEGIN)

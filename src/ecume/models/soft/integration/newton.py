@@ -15,10 +15,10 @@ from ecume._jit import compiled, compiled_inside, composed, inlined, plainly, pr
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern
 from ecume.models.soft.cell import (
-    Goal,
-    carry_along,
+    StageTarget,
     deform,
-    flow,
+    deform_positions,
+    flow_gradient,
     gradient_of,
     impose,
     largest_strain,
@@ -26,36 +26,36 @@ from ecume.models.soft.cell import (
     unknowns,
 )
 from ecume.models.soft.contacts.contact import ROUNDING
-from ecume.models.soft.contacts.films import Answers, Films, Pairs, answer, center_distance
+from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, center_distance, contact_response
 from ecume.models.soft.contacts.rotation import (
     add_torques,
-    fill_quads,
-    hold_spins,
+    fill_pair_blocks,
+    fill_rotation_sides,
     load_torques,
+    regularize_spins,
+    remove_free_rotation,
     rolled,
-    turn_first,
     turn_pairs,
-    unturn,
 )
 from ecume.models.soft.contacts.walls import (
+    add_wall_forces,
+    add_wall_stiffness,
     all_walls,
-    answer_walls,
-    missing_at_walls,
     move_walls,
-    push_from_walls,
-    resist_at_walls,
     shift_at_walls,
+    wall_force_residual,
+    wall_response,
 )
 from ecume.models.soft.integration.bordered_system import (
-    Dragged,
-    Web,
-    border,
-    border_walls,
+    ContactNetwork,
+    DragTerms,
+    border_solution,
+    box_stress_residual,
     change_box,
     change_walls,
-    close,
-    missing_stress,
-    moved,
+    fill_all_borders,
+    fill_wall_borders,
+    transformed,
 )
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.state import Bodies, Step
@@ -75,13 +75,13 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     """Write the residual force on each sphere into `right`; returns its largest value, the largest force, and the
     rounding error.
     """
-    right, position, along = step.bodies.right, step.bodies.position, flow(step.cell)
+    right, position, along = step.bodies.right, step.bodies.position, flow_gradient(step.cell)
     load_torques(step.spins, right, factor, (span, -0.5 * along[0, 1]))
     given = (factor, span, 1.0 if corrected else 0.0, largest_strain(step.cell))
-    largest, stiffest = pull(step.pairs, step.answers, step.matrix.pattern, step.bodies, along, given)
-    most, firmest = push_from_walls(step.walls, position, right, corrected)
+    largest, stiffest = sum_forces(step.pairs, step.responses, step.matrix.pattern, step.bodies, along, given)
+    most, firmest = add_wall_forces(step.walls, position, right, corrected)
     if right.shape[1] > position.shape[1]:
-        add_torques(step.pairs, step.answers, position, right, corrected)
+        add_torques(step.pairs, step.responses, position, right, corrected)
     return largest_of(right), float(max(largest, most)), float(ROUNDING * max(stiffest, firmest))
 
 
@@ -96,9 +96,9 @@ def largest_of(right: Array) -> float:
 
 
 @shared(count_pairs)
-def pull(
+def sum_forces(
     pairs: Pairs,
-    answers: Answers,
+    responses: ContactResponses,
     pattern: Pattern,
     bodies: Bodies,
     along: Array,
@@ -114,9 +114,9 @@ def pull(
     extremes = np.zeros((chunks, 2))
     for chunk in prange(chunks):
         for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, count)):
-            most, firmest = load_sphere(bodies, right, i, along, (given[0], given[1], given[3]))
+            most, firmest = set_external_forces(bodies, right, i, along, (given[0], given[1], given[3]))
             extremes[chunk, 0], extremes[chunk, 1] = max(extremes[chunk, 0], most), max(extremes[chunk, 1], firmest)
-            most, firmest = pull_sphere((pairs, answers, pattern), (position, right), i, given[2])
+            most, firmest = add_contact_forces((pairs, responses, pattern), (position, right), i, given[2])
             extremes[chunk, 0], extremes[chunk, 1] = max(extremes[chunk, 0], most), max(extremes[chunk, 1], firmest)
     largest, stiffest = 0.0, 0.0
     for chunk in range(chunks):
@@ -125,7 +125,7 @@ def pull(
 
 
 @compiled_inside
-def load_sphere(
+def set_external_forces(
     bodies: Bodies, right: Array, i: int, along: Array, during: tuple[float, float, float]
 ) -> tuple[float, float]:
     """External force and drag on a sphere, into `right`; the largest force, and of stiffness times place."""
@@ -148,14 +148,14 @@ def load_sphere(
 
 
 @compiled_inside
-def pull_sphere(
-    web: tuple[Pairs, Answers, Pattern], bodies: tuple[Array, Array], i: int, corrected: float
+def add_contact_forces(
+    network: tuple[Pairs, ContactResponses, Pattern], bodies: tuple[Array, Array], i: int, corrected: float
 ) -> tuple[float, float]:
     """Add the forces of a sphere's contacts, in their order; the largest force, and of stiffness times place, of those
     that it is the first of.
     """
-    (pairs, answers, pattern), (position, right) = web, bodies
-    force, correction, stiffness = answers.force, answers.correction, answers.stiffness
+    (pairs, responses, pattern), (position, right) = network, bodies
+    force, correction, stiffness = responses.force, responses.correction, responses.stiffness
     first_link, link = pattern.first_link, pattern.link
     second, radius_sum, offset = pairs.second, pairs.radius_sum, pairs.offset
     largest, stiffest = 0.0, 0.0
@@ -173,23 +173,23 @@ def pull_sphere(
 
 
 @composed
-def resist(step: Step, span: float) -> None:
+def assemble_jacobian(step: Step, span: float) -> None:
     """The matrix of Newton's step: what resists a displacement of each sphere."""
     bodies, spins, pattern, numbers = step.bodies, step.spins, step.matrix.pattern, step.matrix.blocks
     dimensions, width = bodies.position.shape[1], bodies.diagonal.shape[1]
-    hold_back(bodies, spins.drag, span)
+    set_diagonal(bodies, spins.drag, span)
     if width > dimensions:
-        fill_quads(step.pairs, step.answers, spins, bodies.position)
-        block_matrix.assemble_quads(step.matrix, spins.quads, bodies.diagonal)
-        hold_spins(step.matrix, spins, is_free(step))
-        turn_first(step.matrix, spins, step.borders.right)
+        fill_pair_blocks(step.pairs, step.responses, spins, bodies.position)
+        block_matrix.assemble_pair_blocks(step.matrix, spins.pair_blocks, bodies.diagonal)
+        regularize_spins(step.matrix, spins, rotates_freely(step))
+        fill_rotation_sides(step.matrix, spins, step.borders.right)
     else:
-        fill_matrix(pattern, numbers, step.answers.stiffness, bodies.diagonal)
-    resist_at_walls(step.walls, numbers, pattern.diagonal, dimensions)
+        fill_matrix(pattern, numbers, step.responses.stiffness, bodies.diagonal)
+    add_wall_stiffness(step.walls, numbers, pattern.diagonal, dimensions)
 
 
 @compiled
-def hold_back(bodies: Bodies, spin_drag: Array, span: float) -> None:
+def set_diagonal(bodies: Bodies, spin_drag: Array, span: float) -> None:
     """Add the drag of the liquid, and what holds loose pieces."""
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
@@ -211,21 +211,21 @@ def fill_matrix(pattern: Pattern, numbers: Array, stiffness: Array, diagonal: Ar
 
 
 @composed
-def is_free(step: Step) -> bool:
+def rotates_freely(step: Step) -> bool:
     """Whether nothing keeps the spheres from circling each other all together."""
     sides = step.cell.sides
-    return not (is_held(step) or sides[0] > 0.0 or sides[1] > 0.0 or sides[2] > 0.0)
+    return not (is_anchored(step) or sides[0] > 0.0 or sides[1] > 0.0 or sides[2] > 0.0)
 
 
 @composed
-def is_held(step: Step) -> bool:
+def is_anchored(step: Step) -> bool:
     """Whether walls, or drag or anchors of some spheres, keep them from going away all together."""
     bodies = step.bodies
-    return len(step.walls) > 0 or largest_line(bodies.drag) > 0.0 or largest_line(bodies.anchor) > 0.0
+    return len(step.walls) > 0 or largest_value(bodies.drag) > 0.0 or largest_value(bodies.anchor) > 0.0
 
 
 @compiled
-def largest_line(values: Array) -> float:
+def largest_value(values: Array) -> float:
     """The largest, or zero."""
     largest = 0.0
     for i in range(len(values)):
@@ -249,106 +249,108 @@ Solve = Callable[[Matrix, Array, Array, int], bool]
 @composed
 def sides(step: Step) -> int:
     """The number of right-hand sides: the residual, and the rotation of the first of free spheres."""
-    return 1 + (step.spins.turn.shape[1] if is_free(step) else 0)
+    return 1 + (step.spins.turn.shape[1] if rotates_freely(step) else 0)
 
 
 @compiled
-def eliminated(step: Step, goal: Goal, loose: int) -> bool:
+def solve_dense(step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
     """Newton's step by dense elimination."""
     several = sides(step)
-    return block_matrix.eliminate(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
+    return block_matrix.eliminate(
+        step.matrix, step.borders.right[:several], step.borders.change[:several], null_space_dimension
+    )
 
 
-def plain(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
+def solve_plain(solve: Solve, step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
     """Newton's step, where spheres have nothing in common but their contacts."""
     several = sides(step)
-    return solve(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
+    return solve(step.matrix, step.borders.right[:several], step.borders.change[:several], null_space_dimension)
 
 
-def bordered(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
+def solve_bordered(solve: Solve, step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
     """Newton's step with what all spheres share."""
     count = fill_borders(step, goal)
-    found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], loose)
-    return found and closed(step, goal, count)
+    found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], null_space_dimension)
+    return found and solve_borders(step, goal, count)
 
 
-def fill_borders(step: Step, goal: Goal) -> int:
+def fill_borders(step: Step, goal: StageTarget) -> int:
     """The borders of the system, by the box or by walls; how many there are."""
     walls, bodies, spins = all_walls(step.walls), step.bodies, step.spins
     if count := unknowns(step.cell):
-        dragged = Dragged(bodies.position, bodies.drag, spins.drag, spins.radius)
-        border(step.cell, web_of(step), dragged, goal, step.borders)
+        dragged = DragTerms(bodies.position, bodies.drag, spins.drag, spins.radius)
+        fill_all_borders(step.cell, network_of(step), dragged, goal, step.borders)
         return int(count)
-    border_walls(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, bodies.position.shape[1])
+    fill_wall_borders(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, bodies.position.shape[1])
     return len(walls.places.free)
 
 
-def closed(step: Step, goal: Goal, count: int) -> bool:
+def solve_borders(step: Step, goal: StageTarget, count: int) -> bool:
     """Change what all spheres share, and the spheres with it; whether there is such a change."""
-    answer = close(step.borders, count)
-    if answer is None:
+    change = border_solution(step.borders, count)
+    if change is None:
         return False
     if unknowns(step.cell):
-        change_box(step.cell, goal, answer)
+        change_box(step.cell, goal, change)
     else:
-        change_walls(all_walls(step.walls), answer)
+        change_walls(all_walls(step.walls), change)
     return True
 
 
 @composed
-def web_of(step: Step) -> Web:
+def network_of(step: Step) -> ContactNetwork:
     """The data for the borders of the system."""
-    return Web(step.pairs, step.answers, step.bodies.position)
+    return ContactNetwork(step.pairs, step.responses, step.bodies.position)
 
 
 @composed
-def unmet(step: Step, goal: Goal) -> float:
+def stress_residual(step: Step, goal: StageTarget) -> float:
     """The residual of the stresses that control the box, or of the forces on walls."""
     if unknowns(step.cell) > 0:
-        return missing_stress(step.cell, web_of(step), goal)
+        return box_stress_residual(step.cell, network_of(step), goal)
     load = (goal.drive.load, goal.drive.wall_shear)
-    return float(missing_at_walls(step.walls, step.bodies.position, load))
+    return float(wall_force_residual(step.walls, step.bodies.position, load))
 
 
 @composed
-def enter(step: Step, goal: Goal) -> None:
+def apply_drive(step: Step, goal: StageTarget) -> None:
     """Impose the drive, and displace the spheres with the box."""
     old = step.cell.shape.copy()
     impose(step.cell, goal)
-    carry_along(step.cell, old, step.bodies.position, step.bodies.moved)
+    deform_positions(step.cell, old, step.bodies.position, step.bodies.moved)
     place_images(step.pairs, step.cell)
 
 
 @composed
-def met(step: Step, goal: Goal) -> float:
+def zero_residual(step: Step, goal: StageTarget) -> float:
     """The residual of the stresses if nothing responds to a stress: zero."""
     return 0.0
 
 
 @inlined
 def newton_with(
-    solve: Callable[..., bool], missing: Callable[..., float], contacts: Contacts, step: Step, goal: Goal
+    solve: Callable[..., bool], residual: Callable[..., float], contacts: Contacts, step: Step, goal: StageTarget
 ) -> bool:
     """Solve a stage: whether forces and stresses balance and the last change was fine enough."""
-    enter(step, goal)
+    apply_drive(step, goal)
     bodies, load, span = step.bodies, goal.drive.load, goal.span
-    loose = 0 if is_held(step) else bodies.position.shape[1]
+    null_space_dimension = 0 if is_anchored(step) else bodies.position.shape[1]
     last, before = math.inf, math.inf
     for _ in range(MOST_ITERATIONS):
-        answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
-        answer_walls(step.walls, contacts, bodies.position, step.spins.turn, span)
+        contact_response(contacts, step.pairs, step.films, bodies.position, span, step.responses)
+        wall_response(step.walls, contacts, bodies.position, step.spins.turn, span)
         worst, largest, rounding = imbalance(step, load, span, False)
         done = worst <= CLOSE * largest + LIKELY * rounding or worst > 0.5 * before
         balanced = done and worst <= BALANCE * largest + rounding
-        if last <= goal.fine and balanced and missing(step, goal) <= BALANCE:
+        if last <= goal.fine and balanced and residual(step, goal) <= BALANCE:
             return True
         before = worst
         imbalance(step, load, span, True)
-        resist(step, span)
-        if not solve(step, goal, loose):
+        assemble_jacobian(step, span)
+        if not solve(step, goal, null_space_dimension):
             return False
-        if step.spins.turn.shape[1] > 0 and is_free(step):
-            unturn(bodies.position, step.spins, step.borders.change, (bodies.force, bodies.weight, load))
+        if step.spins.turn.shape[1] > 0 and rotates_freely(step):
+            remove_free_rotation(bodies.position, step.spins, step.borders.change, (bodies.force, bodies.weight, load))
         last = move(step, goal)
         if not math.isfinite(last):
             return False
@@ -356,42 +358,42 @@ def newton_with(
 
 
 @compiled
-def newton_dense(contacts: Contacts, step: Step, goal: Goal) -> bool:
+def newton_dense(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     """A stage of few spheres."""
-    return newton_with(eliminated, met, contacts, step, goal)
+    return newton_with(solve_dense, zero_residual, contacts, step, goal)
 
 
-def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: Goal) -> bool:
+def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     """A stage of many spheres. Each pass over them is compiled by itself: all in one took ten times as long, since
     arrays that are reached through tuples are then counted in the inner loops.
     """
-    return plainly(newton_with)(partial(plain, solve), met, contacts, step, goal)
+    return plainly(newton_with)(partial(solve_plain, solve), zero_residual, contacts, step, goal)
 
 
-def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: Goal) -> bool:
+def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     """A stage whose box answers to stresses, or whose walls yield to forces."""
-    return plainly(newton_with)(partial(bordered, solve), unmet, contacts, step, goal)
+    return plainly(newton_with)(partial(solve_bordered, solve), stress_residual, contacts, step, goal)
 
 
-def newton_held(contacts: Contacts, step: Step, goal: Goal) -> bool:
+def balance_borders(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     """Balance at once what all spheres share, while the liquid holds each sphere where it carries it: in no time none
     goes through it, and its spin is half of the vorticity. What is left on a sphere drives it from then on.
     """
-    enter(step, goal)
+    apply_drive(step, goal)
     bodies, spins, change, last = step.bodies, step.spins, step.borders.change, math.inf
-    spins.turn[:, -1:] -= 0.5 * flow(step.cell)[0, 1] * spins.radius[:, None]
+    spins.turn[:, -1:] -= 0.5 * flow_gradient(step.cell)[0, 1] * spins.radius[:, None]
     turn_pairs(step.pairs, spins)
     for _ in range(MOST_ITERATIONS):
-        answer(contacts, step.pairs, step.films, bodies.position, 0.0, step.answers)
-        answer_walls(step.walls, contacts, bodies.position, spins.turn, 0.0)
+        contact_response(contacts, step.pairs, step.films, bodies.position, 0.0, step.responses)
+        wall_response(step.walls, contacts, bodies.position, spins.turn, 0.0)
         count, change[:] = fill_borders(step, goal), 0.0
-        if count == 0 or (last <= goal.fine and unmet(step, goal) <= BALANCE):
+        if count == 0 or (last <= goal.fine and stress_residual(step, goal) <= BALANCE):
             bodies.right[:] = 0.0
             return True
         for unknown in range(unknowns(step.cell) * (spins.turn.shape[1] > 0)):
             swirl = -0.5 * gradient_of(step.cell, unknown, goal, False)[0, 1]
             change[1 + unknown, :, -1] = swirl * spins.radius
-        if not closed(step, goal, count):
+        if not solve_borders(step, goal, count):
             return False
         last = move(step, goal)
     return False
@@ -405,10 +407,10 @@ LONGEST_CHANGE = 0.7
 
 
 @composed
-def move(step: Step, goal: Goal) -> float:
+def move(step: Step, goal: StageTarget) -> float:
     """Add the solved change to box, spheres and contacts, shortened where it is too long; how large it was."""
-    bodies, films, answers, by = step.bodies, step.films, step.answers, step.cell.change
-    largest = shift_contacts(step.pairs, answers, bodies, by)
+    bodies, films, responses, by = step.bodies, step.films, step.responses, step.cell.change
+    largest = shift_contacts(step.pairs, responses, bodies, by)
     largest = max(largest, largest_change(by, bodies.change, bodies.position.shape[1], step.spins.radius))
     largest = max(largest, shift_at_walls(step.walls, bodies.change, bodies.position.shape[1]))
     if not math.isfinite(largest):
@@ -419,28 +421,28 @@ def move(step: Step, goal: Goal) -> float:
     deform(step.cell, goal, part)
     move_walls(step.walls, part)
     place_images(step.pairs, step.cell)
-    move_contacts(films, answers, part)
+    move_contacts(films, responses, part)
     return float(largest)
 
 
 @shared(count_pairs)
-def shift_contacts(pairs: Pairs, answers: Answers, bodies: Bodies, by: Array) -> float:
+def shift_contacts(pairs: Pairs, responses: ContactResponses, bodies: Bodies, by: Array) -> float:
     """Apply a Newton step to the contacts; returns the largest change."""
     first, second, offset, radius_sum = pairs.first, pairs.second, pairs.offset, pairs.radius_sum
-    position, change, shift, response = bodies.position, bodies.change, answers.shift, answers.response
+    position, change, shift, response = bodies.position, bodies.change, responses.shift, responses.response
     count, dimensions = len(first), position.shape[1]
     extremes = np.zeros((count + CHUNK - 1) // CHUNK)
     for chunk in prange(len(extremes)):
         largest = 0.0
         for c in range(chunk * CHUNK, min((chunk + 1) * CHUNK, count)):
             x = center_distance(position, offset, first[c], second[c], c)
-            u, v = rolled(x, radius_sum[c], (first[c], second[c]), change, dimensions), moved(by, x)
+            u, v = rolled(x, radius_sum[c], (first[c], second[c]), change, dimensions), transformed(by, x)
             u = (u[0] + v[0], u[1] + v[1], u[2] + v[2])
             for k in range(4):
                 shift[c, k] += response[c, k, 0] * u[0] + response[c, k, 1] * u[1] + response[c, k, 2] * u[2]
                 largest = max(largest, abs(shift[c, k]))
         extremes[chunk] = largest
-    return largest_line(extremes)
+    return largest_value(extremes)
 
 
 def count_films(films: Films, *_: object) -> int:
@@ -449,9 +451,9 @@ def count_films(films: Films, *_: object) -> int:
 
 
 @shared(count_films)
-def move_contacts(films: Films, answers: Answers, part: float) -> None:
+def move_contacts(films: Films, responses: ContactResponses, part: float) -> None:
     """Add a part of their change."""
-    log_gap, direction, shift = films.log_gap, films.direction, answers.shift
+    log_gap, direction, shift = films.log_gap, films.direction, responses.shift
     for c in prange(len(log_gap)):
         move_contact(log_gap, direction, shift, part, c)
 
@@ -488,7 +490,7 @@ def displace(bodies: Bodies, turn: Array, by: Array, part: float) -> None:
     position, change, dimensions = bodies.position, bodies.change, bodies.position.shape[1]
     moved_by = bodies.moved
     for i in range(len(position)):
-        x = moved(by, (position[i, 0], position[i, 1], position[i, 2] if dimensions == 3 else 0.0))
+        x = transformed(by, (position[i, 0], position[i, 1], position[i, 2] if dimensions == 3 else 0.0))
         for k in range(dimensions):
             position[i, k] += part * (change[i, k] + x[k])
             moved_by[i, k] += part * (change[i, k] + x[k])

@@ -9,15 +9,15 @@ import numpy as np
 from ecume.errors import Diverged
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.models.soft.cell import box_of
-from ecume.models.soft.contacts.contact_list import Found, newcomers, renew_contacts, wall_gaps
+from ecume.models.soft.contacts.contact_list import PairList, new_pairs, update_contact_list, wall_gaps
 from ecume.models.soft.contacts.walls import Walls, all_walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
-from ecume.models.soft.integration.linear_solvers import attempt, balance, begin
+from ecume.models.soft.integration.linear_solvers import attempt, balance, begin_step
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, next_stop, rules_at
-from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, released
+from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, energy_of_faded
 from ecume.models.soft.report.observation import deflections, is_beyond, remedy, worst_contact
 from ecume.models.soft.state import (
     ACCEPTED,
@@ -26,9 +26,9 @@ from ecume.models.soft.state import (
     LENGTH,
     PAST_ERROR,
     REJECTED,
-    During,
     State,
     Step,
+    StepRequest,
     Workspace,
     store,
     workspace,
@@ -64,26 +64,26 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         return CROWDED
     until = int(state.step[0]) + steps
     while True:
-        met = one_step(parameters, state, scratch)
-        if met is None or not jump(parameters, state, scratch):
+        opened = one_step(parameters, state, scratch)
+        if opened is None or not jump(parameters, state, scratch):
             return DIVERGED
-        lost = released(parameters.contacts, scratch.step)
+        lost = energy_of_faded(parameters.contacts, scratch.step)
         if len(state.budget):
             state.budget[FILMS] += lost
-        if renewed(parameters, state, None if jumps_now(parameters, state) else met):
+        if update_contacts(parameters, state, None if jumps_now(parameters, state) else opened):
             if lost > 0.0:
-                settle(parameters, state)
+                rebalance(parameters, state)
             return CROWDED
         if state.step[0] >= until or state.step[0] % parameters.steps_per_frame == 0:
             return DONE
 
 
-def renewed(parameters: Parameters, state: State, met: Found | None) -> bool:
+def update_contacts(parameters: Parameters, state: State, opened: PairList | None) -> bool:
     """Open and close contacts; whether there was anything to do. If spheres met without a film while deflections are
     beyond the range of the contact laws, Diverged names these as the cause.
     """
     try:
-        return renew_contacts(parameters, state, met)
+        return update_contact_list(parameters, state, opened)
     except Diverged as error:
         found = deflections(parameters, state)
         if not is_beyond(found):
@@ -92,14 +92,14 @@ def renewed(parameters: Parameters, state: State, met: Found | None) -> bool:
         raise Diverged(f"{what}; {worst_contact(found)}: {remedy(found, parameters.contacts)}") from None
 
 
-def settle(parameters: Parameters, state: State) -> None:
+def rebalance(parameters: Parameters, state: State) -> None:
     """Balance the forces again, at constant gaps, after contacts with a small force have faded; films dissipate what
     this releases. Where there is no balance, the next step decides.
     """
     scratch, now = workspace(parameters, state, 1.0), float(state.pace[CLOCK])
     interval = interval_at(parameters.protocol, now)
     drive = drive_at(parameters.protocol, now, interval)
-    begin(parameters, scratch.step, drive)
+    begin_step(parameters, scratch.step, drive)
     before = elastic_energy(parameters.contacts, scratch.step)
     if not balance(parameters, scratch, (drive, drive, rules_at(parameters.protocol, interval)), state.effort):
         return
@@ -109,7 +109,7 @@ def settle(parameters: Parameters, state: State) -> None:
         state.budget[FILMS] += before - elastic_energy(parameters.contacts, scratch.step)
 
 
-def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:
+def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairList | None:
     """Try until a step is good, and take it; who has come near in it. None when there is no such step."""
     scheme = SCHEMES[parameters.scheme].tableau
     for _ in range(MOST_TRIES):
@@ -117,7 +117,7 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found 
         if not end > state.pace[CLOCK]:
             break
         interval = interval_at(parameters.protocol, float(state.pace[CLOCK]))
-        during = During(length, _drives(parameters, state, (length, end)), parameters.tolerance)
+        during = StepRequest(length, _drives(parameters, state, (length, end)), parameters.tolerance)
         error = attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), state.effort)
         ratio = max(error / parameters.tolerance, LEAST_ERROR)
         if error == NOT_SOLVED or not math.isfinite(error):
@@ -126,7 +126,7 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found 
         elif ratio > 1.0:
             state.pace[LENGTH] = length * max(MOST_SHRINK, SAFETY * ratio ** (-1.0 / scheme.order))
             state.tally[REJECTED] += 1
-        elif leapt(parameters, scratch.step, met := come_near(parameters, scratch.step)):
+        elif missed_contact(parameters, scratch.step, opened := new_contacts(parameters, scratch.step)):
             state.pace[LENGTH] = 0.5 * length
             state.tally[REJECTED] += 1
         else:
@@ -138,33 +138,33 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found 
                 _grown(state, length, ratio, scheme), state.pace[LENGTH] * (length < state.pace[LENGTH])
             )
             state.pace[PAST_ERROR] = ratio
-            return met
+            return opened
     return None
 
 
-def come_near(parameters: Parameters, step: Step) -> Found:
+def new_contacts(parameters: Parameters, step: Step) -> PairList:
     """The pairs that need a film at the end of a step, and have none."""
     box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
     pair = np.stack([step.pairs.first, step.pairs.second], axis=1)
     image = step.pairs.image[:, : parameters.dimensions].astype(np.int64)
-    return newcomers(parameters, step.bodies.position, box, (pair, image))
+    return new_pairs(parameters, step.bodies.position, box, (pair, image))
 
 
-def leapt(parameters: Parameters, step: Step, met: Found) -> bool:
+def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool:
     """Whether spheres have come so close in a step, to each other or to walls, that a film should have been between
     them long before.
     """
-    if leapt_to_wall(parameters, step, all_walls(step.walls)):
+    if missed_wall_contact(parameters, step, all_walls(step.walls)):
         return True
     reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
     if 2.0 * float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max()) < (1.0 - NARROW) * reach:
         return False
-    pair, _, between = met
+    pair, _, between = opened
     gap = np.linalg.norm(between, axis=1) - parameters.radius[pair].sum(axis=1)
     return bool((gap < NARROW * reach).any())
 
 
-def leapt_to_wall(parameters: Parameters, step: Step, walls: Walls) -> bool:
+def missed_wall_contact(parameters: Parameters, step: Step, walls: Walls) -> bool:
     """The same of walls alone."""
     touching = np.zeros((len(step.bodies.position), len(parameters.walls.modulus)), np.bool_)
     touching[walls.touches.first, walls.touches.wall] = True

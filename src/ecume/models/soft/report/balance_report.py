@@ -13,9 +13,9 @@ from collections import deque
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.models.soft.cell import WIDTH, Goal
-from ecume.models.soft.integration.linear_solvers import begin
-from ecume.models.soft.integration.newton import fill_borders, resist
+from ecume.models.soft.cell import WIDTH, StageTarget
+from ecume.models.soft.integration.linear_solvers import begin_step
+from ecume.models.soft.integration.newton import assemble_jacobian, fill_borders
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.report.observation import SIDE_NAMES
@@ -82,10 +82,10 @@ def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[D
     if parameters.drag.any() or not any(rules) or step.bodies.right.size > MOST:
         return ""
     drive = drive._replace(shear_stress=0.0, normal_stress=0.0)
-    begin(parameters, step, drive)
+    begin_step(parameters, step, drive)
     step.cell.rules[:] = rules
-    resist(step, 0.0)
-    count = fill_borders(step, Goal(drive, drive, 0.0, 0.0))
+    assemble_jacobian(step, 0.0)
+    count = fill_borders(step, StageTarget(drive, drive, 0.0, 0.0))
     columns = step.borders.right[1 : 1 + count].reshape(count, -1)
     rows, corner = step.borders.rows[:count].reshape(count, -1), step.borders.corner[:count, :count]
     left = np.array(corner + rows @ _softened(scratch, columns).T)

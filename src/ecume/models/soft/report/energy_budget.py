@@ -17,14 +17,14 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
 from ecume.laws.surfaces import Body
-from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, flow, unknowns
+from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, flow_gradient, unknowns
 from ecume.models.soft.contacts.contact import (
     Elastic,
     Vector,
     contact_gap_energy,
     dot,
     elastic_of,
-    remote_answer,
+    remote_force_and_slope,
     sheared_energy_by,
 )
 from ecume.models.soft.contacts.films import Films, center_distance, stored_energy, turned
@@ -34,12 +34,12 @@ from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_d
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import CHUNK
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.state import Bodies, During, Step
+from ecume.models.soft.state import Bodies, Step, StepRequest
 from ecume.units import Array
 
 INJECTED, FILMS, DRAG, SIZE = range(4)
 """Places in `State.budget` (J): work from outside; what films, and drag, dissipated; what contacts' sizes took."""
-TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, ANSWERED, BY_LOAD, BY_WEIGHT = range(8)
+TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, RESPONDING, BY_LOAD, BY_WEIGHT = range(8)
 """Columns of a stage's row: powers (W), but for SHRUNK, BY_LOAD and BY_WEIGHT (J). DRIVEN is prescribed motion;
 ANSWERED is motion that responds to stresses: its rates are slopes of the scheme, and its displacement their weighted
 sum.
@@ -48,7 +48,7 @@ sum.
 OF_CONTACTS = ("first", "second", "image", "offset", "radius_sum", "reduced_radius", "modulus")
 """The fields of `Pairs` that the stored energy takes."""
 Five = tuple[float, float, float, float, float]
-Web = tuple[tuple[Any, ...], tuple[Any, ...], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
+ContactArrays = tuple[tuple[Any, ...], tuple[Any, ...], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
 """Arrays of contacts: who, how large, where the films are, forces and rates, places with the box's rates and memory."""
 
 
@@ -73,49 +73,55 @@ def count_pairs(contacts: Contacts, step: Step, *_: object) -> int:
 
 
 @shared(count_pairs)
-def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, stage: int) -> None:
+def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, stage: int) -> None:
     """Write the row of a solved stage; after the last stage, the contribution of the step to the energy budget."""
     pairs, budget, box = step.pairs, step.budget, box_rates(step.cell, stage)
     first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
     row, ends, values = pairs.row, pairs.ends, pairs.values
-    log_gap, direction, force = step.films.log_gap, step.films.direction, step.answers.force
+    log_gap, direction, force = step.films.log_gap, step.films.direction, step.responses.force
     position, slope, sheared, count = step.bodies.position, step.slope[stage], budget.sheared, len(first)
     sums = np.zeros(((count + CHUNK - 1) // CHUNK, 4))
     for chunk in prange(len(sums)):
         who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values)
-        web = (who, sizes, (log_gap, direction), (force, slope), (position, box, sheared))
-        add_pairs(contacts, web, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
+        arrays = (who, sizes, (log_gap, direction), (force, slope), (position, box, sheared))
+        add_pairs(contacts, arrays, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
     line = budget.lines[stage]
     gather_line(sums, line, step.cell)
     walls = add_walls(step.walls, contacts, (position, step.spins.turn), stage, sheared[count:])
     for k in range(4):
         line[k] += walls[k]
-    line[ANSWERED] += walls[4]
+    line[RESPONDING] += walls[4]
     span = scheme.diagonal * during.length
     add_bodies((step.bodies, step.spins), carried(step.cell, stage, span), stage, line)
     if stage == len(scheme.times) - 1:
-        add_up(budget.lines, scheme, during.length, during.drives)
+        add_step(budget.lines, scheme, during.length, during.drives)
 
 
 @compiled_inside
-def add_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array, chunk: int) -> None:
+def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int], sums: Array, chunk: int) -> None:
     """The energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
     dissipates it, less the power of remote forces.
     """
-    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values) = web[0], web[1]
-    (log_gap, direction), (force, slope), (position, box, sheared) = web[2], web[3], web[4]
+    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values) = (
+        arrays[0],
+        arrays[1],
+    )
+    (log_gap, direction), (force, slope), (position, box, sheared) = arrays[2], arrays[3], arrays[4]
     film, size, driven, shrunk = 0.0, 0.0, 0.0, 0.0
     for c in range(among[0], among[1]):
         x = center_distance(position, offset, first[c], second[c], c)
         f = (force[c, 0], force[c, 1], force[c, 2])
-        driven += dot(f, beside(box, image, c))
+        driven += dot(f, image_velocity(box, image, c))
         if len(turn) > 0:
             back = (-turn[c, 0], -turn[c, 1], -turn[c, 2])
             x, f = turned(x, back), turned(f, back)
         n, gap, opening = (direction[c, 0], direction[c, 1], direction[c, 2]), math.exp(log_gap[c]), slope[c, 0]
         turning, pull = (slope[c, 1], slope[c, 2], slope[c, 3]), dot(x, n)
-        across = remote_answer(gap, reduced_radius[c], contacts)[0] + user_force(row[c], ends, values, log_gap[c])[0]
+        across = (
+            remote_force_and_slope(gap, reduced_radius[c], contacts)[0]
+            + user_force(row[c], ends, values, log_gap[c])[0]
+        )
         film += gap * opening * (dot(f, n) + across)
         film += (radius_sum[c] + gap) * dot(f, turning)
         at = (gap, pull - radius_sum[c] - gap, max(dot(x, x) - pull * pull, 0.0))
@@ -137,11 +143,11 @@ def gather_line(sums: Array, line: Array, cell: Cell) -> None:
         for k in range(4):
             line[k] += sums[chunk, k]
     if unknowns(cell) > 0:
-        line[ANSWERED], line[DRIVEN] = line[DRIVEN], 0.0
+        line[RESPONDING], line[DRIVEN] = line[DRIVEN], 0.0
 
 
 @compiled_inside
-def beside(box: Array, image: Array, c: int) -> Vector:
+def image_velocity(box: Array, image: Array, c: int) -> Vector:
     """The velocity of the image that a pair touches, relative to its sphere (m/s)."""
     i, j, k = image[c, 0], image[c, 1], image[c, 2]
     return box[0, 0] * i + box[0, 1] * j, box[1, 1] * j, box[2, 2] * k
@@ -161,7 +167,9 @@ def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: 
         f = (touches.force[c, 0], touches.force[c, 1], touches.force[c, 2])
         gap, opening = math.exp(touches.log_gap[c]), touches.rate[stage, c, 0]
         sliding = (touches.rate[stage, c, 1], touches.rate[stage, c, 2], touches.rate[stage, c, 3])
-        film += gap * opening * (dot(f, n) + remote_answer(gap, radius, contacts)[0]) + radius * dot(f, sliding)
+        film += gap * opening * (dot(f, n) + remote_force_and_slope(gap, radius, contacts)[0]) + radius * dot(
+            f, sliding
+        )
         for k in range(3):
             power = touches.force[c, k] * places.slope[stage, w, k]
             prescribed = places.velocity[w, k] != 0.0
@@ -192,7 +200,7 @@ def carried(cell: Cell, stage: int, span: float) -> Array:
     That of a strain that is imposed as a sine differs from its rate at the stage.
     """
     if stage > 0:
-        return flow(cell) / span
+        return flow_gradient(cell) / span
     gradient = np.zeros((3, 3))
     for k in range(3):
         gradient[k, k] = cell.slope[0, WIDTH + k]
@@ -201,9 +209,9 @@ def carried(cell: Cell, stage: int, span: float) -> Array:
 
 
 @compiled
-def add_bodies(crowd: tuple[Bodies, Spins], along: Array, stage: int, line: Array) -> None:
+def add_bodies(spheres: tuple[Bodies, Spins], along: Array, stage: int, line: Array) -> None:
     """The rest of a stage's line: drag, and the way of what pulls and turns; the liquid goes by a gradient."""
-    bodies, spins = crowd
+    bodies, spins = spheres
     position, moved, force, weight, drag = bodies.position, bodies.moved, bodies.force, bodies.weight, bodies.drag
     for i in range(len(drag)):
         for k in range(position.shape[1]):
@@ -223,11 +231,11 @@ def add_bodies(crowd: tuple[Bodies, Spins], along: Array, stage: int, line: Arra
 def add_drag(line: Array, friction: float, speed: float, along: float) -> None:
     """The drag power on a sphere in a liquid that the box carries along: drag times the speed of the liquid."""
     line[DRAGGED] += friction * (speed - along) ** 2
-    line[ANSWERED] -= friction * (speed - along) * along
+    line[RESPONDING] -= friction * (speed - along) * along
 
 
 @compiled
-def add_up(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
+def add_step(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
     """The contribution of a step to the energy budget, in the row after those of its stages.
 
     A force with a load l(t), linear within a step, does the work integral of l dY over its displacement Y: l Y at the
@@ -239,7 +247,7 @@ def add_up(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
         added[k] = 0.0
     for stage in range(last + 1):
         part, mean = length * scheme.weights[0, stage], scheme.weights[1, stage]
-        added[INJECTED] += part * lines[stage, ANSWERED] + mean * length * lines[stage, DRIVEN]
+        added[INJECTED] += part * lines[stage, RESPONDING] + mean * length * lines[stage, DRIVEN]
         added[INJECTED] -= mean * grown * lines[stage, BY_LOAD]
         added[FILMS] += part * lines[stage, TO_FILMS]
         added[DRAG] += part * lines[stage, DRAGGED]
@@ -254,7 +262,7 @@ def elastic_energy(contacts: Contacts, step: Step) -> float:
     return float(between + wall_energy(step.walls, contacts, position))
 
 
-def released(contacts: Contacts, step: Step) -> float:
+def energy_of_faded(contacts: Contacts, step: Step) -> float:
     """The elastic energy of contacts whose films have faded (J), which films dissipate at once."""
     if math.isinf(contacts.fade_to):
         return 0.0

@@ -20,15 +20,15 @@ from ecume.laws.soft_pair import DEFINITE, TANGENTIAL, TENSION
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
-from ecume.models.soft.contacts.contact_list import at_home, box_in, wraps
+from ecume.models.soft.contacts.contact_list import box_in, image_indices, wrapped
 from ecume.models.soft.contacts.films import Pairs
 from ecume.models.soft.contacts.user_forces import Across, forces_across, user_energies
 from ecume.models.soft.contacts.walls import all_walls
-from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy
-from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Step, Workspace
+from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, FORCE_RESIDUAL, REJECTED, State, Step, Workspace
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, with_prefix
@@ -195,7 +195,7 @@ def listed(parameters: Parameters, state: State, step: Step) -> tuple[dict[str, 
 
 def _columns(parameters: Parameters, state: State, step: Step) -> dict[str, Array | Integers]:
     """The values of all contacts, in their order."""
-    d, force, direction = parameters.dimensions, step.answers.force, step.direction
+    d, force, direction = parameters.dimensions, step.responses.force, step.direction
     gap, tension = exp(step.log_gap), (force * direction).sum(axis=1)
     along = force - tension[:, None] * direction
     values: dict[str, Array | Integers] = {
@@ -207,7 +207,7 @@ def _columns(parameters: Parameters, state: State, step: Step) -> dict[str, Arra
     if parameters.listed == "scalars":
         return values
     box = box_in(parameters, state)
-    away, count = wraps(state.position, box), int(state.contacts[0])
+    away, count = image_indices(state.position, box), int(state.contacts[0])
     image = state.image[:count] + away[step.pairs.second] - away[step.pairs.first]
     reach = (step.pairs.radius_sum + gap)[:, None] * direction[:, :d]
     return values | {
@@ -262,18 +262,18 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     """The frame of this instant."""
     drive = drive_at(parameters.protocol, float(state.pace[CLOCK]))
     step, box = scratch.step, box_in(parameters, state)
-    begin(parameters, step, drive)
+    begin_step(parameters, step, drive)
     gap = exp(step.log_gap)
-    tension = (step.answers.force * step.direction).sum(axis=1)
+    tension = (step.responses.force * step.direction).sum(axis=1)
     contacts, unlisted = listed(parameters, state, step)
     arrays = {
-        "position": at_home(state.position, box),
+        "position": wrapped(state.position, box),
         "velocity": velocity_at_home(parameters, state, box),
         "radius": parameters.radius.copy(),
         "species": parameters.species.copy(),
         **contacts,
         **_spinning(state),
-        **({"image": wraps(state.position, box)} if parameters.box.any() else {}),
+        **({"image": image_indices(state.position, box)} if parameters.box.any() else {}),
     }
     numbers = {
         "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
@@ -286,7 +286,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "reduced_tension": _reduced(step, tension),
         UNLISTED: float(unlisted),
         "load": drive.load,
-        "imbalance": float(state.pace[LEFT]),
+        "imbalance": float(state.pace[FORCE_RESIDUAL]),
         "contacts": float(len(tension)),
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
@@ -328,7 +328,7 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     velocity = state.velocity.copy()
     if not parameters.box.any():
         return velocity
-    away, rate = wraps(state.position, box), state.cell_rate
+    away, rate = image_indices(state.position, box), state.cell_rate
     velocity -= away * box.sides * rate[WIDTH : WIDTH + velocity.shape[1]]
     velocity[:, 0] -= away[:, 1] * (rate[TILT] * box.sides[0] + rate[WIDTH] * box.tilt)
     return velocity
@@ -356,7 +356,7 @@ def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: 
     numbers |= {DISSIPATED: state.budget[FILMS] + state.budget[DRAG], SIZE_WORK: state.budget[SIZE]}
     places, touches = all_walls(step.walls)
     normal = places.normal[touches.wall]
-    numbers |= {STAKE: _stake(step.answers.force, step.direction, gap, step.pairs.radius_sum)}
+    numbers |= {STAKE: _stake(step.responses.force, step.direction, gap, step.pairs.radius_sum)}
     numbers[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
     return remote | {name: float(value) for name, value in numbers.items()}
 
@@ -414,7 +414,7 @@ def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> d
     between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]
     between = between + step.pairs.offset[:, :dimensions]
     normal = step.direction[:, :dimensions]
-    force = step.answers.force[:, :dimensions]
+    force = step.responses.force[:, :dimensions]
     pull = (force * normal).sum(axis=1)[:, None] * normal
     push = _remote_forces(parameters, step, gap)[:, None] * normal
     parts = {"squeeze": pull + push, "sliding": force - pull}

@@ -19,7 +19,7 @@ from ecume._portable import exp
 from ecume.engine.linear_solvers import block_matrix
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
-from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.contacts.films import contact_response
 from ecume.models.soft.integration.newton import imbalance
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.setup import parameters_of, start
@@ -93,21 +93,21 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
     """The rates of spheres and gap vectors: films flow under the forces of the surfaces, which remain in balance."""
     if not look(step, places):
         return False
-    films, answers, bodies = step.films, step.answers, step.bodies
-    answer(contacts, step.pairs, films, bodies.position, 0.0, answers)
+    films, responses, bodies = step.films, step.responses, step.bodies
+    contact_response(contacts, step.pairs, films, bodies.position, 0.0, responses)
     # Starts that are off by the rates make the answers' correction the rate of the force at held centers.
     for c in range(len(films.log_gap)):
-        films.log_gap_start[c] += answers.slope[c, 0]
+        films.log_gap_start[c] += responses.slope[c, 0]
         reach = step.pairs.radius_sum[c] + math.exp(films.log_gap[c])
-        opening = math.exp(films.log_gap[c]) * answers.slope[c, 0]
+        opening = math.exp(films.log_gap[c]) * responses.slope[c, 0]
         for k in range(3):
-            films.direction_start[c, k] += answers.slope[c, 1 + k]
-            found.gap[c, k] = opening * films.direction[c, k] + reach * answers.slope[c, 1 + k]
-    answer(contacts, step.pairs, films, bodies.position, 0.0, answers)
-    answers.force[:] = answers.correction
+            films.direction_start[c, k] += responses.slope[c, 1 + k]
+            found.gap[c, k] = opening * films.direction[c, k] + reach * responses.slope[c, 1 + k]
+    contact_response(contacts, step.pairs, films, bodies.position, 0.0, responses)
+    responses.force[:] = responses.correction
     imbalance(step, load_rate, 1.0, False)
     bodies.diagonal[:] = 0.0
-    block_matrix.assemble(step.matrix, answers.stiffness, bodies.diagonal)
+    block_matrix.assemble(step.matrix, responses.stiffness, bodies.diagonal)
     right, change = step.borders.right[:1], step.borders.change[:1]
     if not block_matrix.eliminate(step.matrix, right, change, change.shape[2]):
         return False
@@ -166,7 +166,7 @@ def integrate(
 
     How many rows there are before a gap vanished, and the largest force that was left on a sphere at any of them.
     """
-    first, films, answers = step.pairs.first, step.films, step.answers
+    first, films, responses = step.pairs.first, step.films, step.responses
     drift = 0.0
     for row in range(len(record)):
         for k in range(course.every):
@@ -175,11 +175,11 @@ def integrate(
         if not look(step, kept[0]):
             return row, drift
         time = (begin + (row + 1) * course.every) * course.length
-        answer(contacts, step.pairs, films, step.bodies.position, 0.0, answers)
+        contact_response(contacts, step.pairs, films, step.bodies.position, 0.0, responses)
         drift = max(drift, imbalance(step, min(time / course.ramp, 1.0), 1.0, False)[0])
         record[row, 0] = time
         for c in range(len(first)):
-            n, force = films.direction[c], answers.force[c]
+            n, force = films.direction[c], responses.force[c]
             record[row, 1 + 3 * c] = films.log_gap[c]
             record[row, 2 + 3 * c] = n[0] * force[0] + n[1] * force[1] + n[2] * force[2]
             record[row, 3 + 3 * c] = n[1] * force[0] - n[0] * force[1]

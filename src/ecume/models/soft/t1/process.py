@@ -20,12 +20,12 @@ from ecume.errors import BadInput, Diverged
 from ecume.laws.arguments import chosen, require_finite, require_number, require_positive
 from ecume.laws.soft_pair import PREFACTORS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.models.soft.integration.linear_solvers import attempt, begin
+from ecume.models.soft.integration.linear_solvers import attempt, begin_step
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, rules_at
 from ecume.models.soft.setup import parameters_of, start
-from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, During, State, Step, Workspace, workspace
+from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, State, Step, StepRequest, Workspace, workspace
 from ecume.models.soft.t1 import paper_scheme
 from ecume.models.soft.t1.cluster import (
     APART,
@@ -217,7 +217,7 @@ def follow(
     for span in _march(parameters, state, scratch, unit):
         series.append(span.end)
         drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
-        done = watch(goals, seen, span.begin, span.end, partial(_crossing, parameters, span, scratch, unit))
+        done = watch(goals, seen, span.begin_step, span.end, partial(_crossing, parameters, span, scratch, unit))
         if done or span.end.gap_diagonal > APART:
             break
     turned = float(np.abs(state.orientation).max(initial=0.0))
@@ -228,7 +228,7 @@ def follow(
 class Span(NamedTuple):
     """A step: its beginning, to which one can go back, and its end."""
 
-    begin: Instant
+    begin_step: Instant
     end: Instant
     position: Array
     log_gap: Array
@@ -241,12 +241,12 @@ def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units
     across = state.position[1] - state.position[0]
     axes = np.array([[across[0], across[1]], [-across[1], across[0]]]) / math.hypot(across[0], across[1])
     while state.step[0] < parameters.steps_per_frame:
-        begin, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
+        begin_step, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
         if one_step(parameters, state, scratch) is None:
-            raise Diverged(f"at t = {begin.time:g} no step is short enough; look at the gap and the forces")
+            raise Diverged(f"at t = {begin_step.time:g} no step is short enough; look at the gap and the forces")
         instant = _instant(scratch, float(state.pace[CLOCK]) / unit.time, unit)
         _mirror(state, step, axes)
-        yield Span(begin, instant, *kept)
+        yield Span(begin_step, instant, *kept)
 
 
 def _mirror(state: State, step: Step, axes: Array) -> None:
@@ -268,13 +268,13 @@ def _mirror(state: State, step: Step, axes: Array) -> None:
 
 def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
     """The cluster at rest."""
-    begin(parameters, scratch.step, drive_at(parameters.protocol, 0.0))
+    begin_step(parameters, scratch.step, drive_at(parameters.protocol, 0.0))
     return _instant(scratch, 0.0, unit)
 
 
 def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
-    """The step's end as numbers: what the last solution left in `films` and `answers`."""
-    films, force = scratch.step.films, scratch.step.answers.force
+    """The step's end as numbers: what the last solution left in `films` and `responses`."""
+    films, force = scratch.step.films, scratch.step.responses.force
     gap, tension = exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
     x, y, _ = films.direction[DIAGONAL]
     return Instant(
@@ -304,19 +304,19 @@ def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Unit
     step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau
     kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
 
-    begin = unit.time * span.begin.time
-    interval = interval_at(parameters.protocol, begin)
+    begin_step = unit.time * span.begin_step.time
+    interval = interval_at(parameters.protocol, begin_step)
 
     def missing(length: float) -> float:
         step.bodies.before[:], step.log_gap[:], step.direction[:] = span.position, span.log_gap, span.direction
-        times = begin + length * scheme.times
+        times = begin_step + length * scheme.times
         drives = np.array([drive_at(parameters.protocol, float(time), interval) for time in times])
-        during = During(length, drives, parameters.tolerance)
+        during = StepRequest(length, drives, parameters.tolerance)
         attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), np.zeros(3, np.int64))
         return goal + _instant(scratch, span.end.time, unit).tension_vertical
 
-    length = unit.time * span.end.time - begin
+    length = unit.time * span.end.time - begin_step
     if missing(1e-9 * length) > 0.0 > missing(length):
         length = float(brentq(missing, 1e-9 * length, length, xtol=CLOSE * length))
     step.bodies.before[:], step.log_gap[:], step.direction[:] = kept
-    return span.begin.time + length / unit.time
+    return span.begin_step.time + length / unit.time
