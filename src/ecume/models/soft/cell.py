@@ -1,8 +1,7 @@
-"""The periodic box in a step: how it is sheared and sized, by what is imposed and by what answers to a stress.
+"""The periodic box in a step: its shear and size, imposed or controlled by stresses.
 
-Its copies above lie a `tilt` further along x; kept in box widths, it grows by height/width times the shear. So a
-strain is always that of the box as it stands: its rate is the upper copy's speed over the height, however that
-changes.
+Its images above are shifted by `tilt` along x. In units of the width, the tilt grows with height/width times the shear
+rate: the strain rate is the speed of the upper image over the present height, also while the height changes.
 """
 
 from __future__ import annotations
@@ -22,30 +21,30 @@ from ecume.models.soft.protocol import Drive
 from ecume.units import Array
 
 TILT, WIDTH, HEIGHT, DEPTH, STRAIN = range(5)
-"""Places in a shape: tilt over width, ln of what the sides are multiplied by, strain so far."""
+"""Indices of a shape: tilt over width, logarithms of the factors of width, height and depth, and total strain."""
 MORE = 5
-"""Place in a slope: how much faster the tilt grows than with the box as it was at the step's beginning."""
+"""Index of a slope: the growth rate of the tilt, minus that of a box with the aspect ratio at the start of the step."""
 
 
 class Cell(NamedTuple):
-    """The box in a step; sides of zero without a box."""
+    """The box in a step; sides are zero without a box."""
 
     sides: Array
     """(3,) m at the start"""
     rules: Integers
-    """(4,) what of it answers to a stress: `protocol.Rules`"""
+    """(4,) the components that stresses control: `protocol.Rules`"""
     shape: Array
-    """(5,) of the stage"""
+    """(5,) at the stage"""
     before: Array
-    """(5,) at the step's beginning"""
+    """(5,) at the start of the step"""
     start: Array
-    """(6,) where the stage starts from"""
+    """(6,) at the start of the stage"""
     slope: Array
-    """(S, 6) of the stages (1/s)"""
+    """(S, 6) at each stage (1/s)"""
     past: Array
     """(5,) slope at the end of the last step"""
     change: Array
-    """(3, 3) gradient of the displacement in one of Newton's steps"""
+    """(3, 3) displacement gradient in Newton's step"""
 
 
 class StageTarget(NamedTuple):
@@ -53,15 +52,15 @@ class StageTarget(NamedTuple):
 
     drive: Drive
     origin: Drive
-    """what was imposed at the step's beginning"""
+    """the imposed values at the start of the step"""
     span: float
-    """s: how long a time the stage treats implicitly"""
+    """s: the implicit time span of the stage"""
     fine: float
-    """the last change, of ln(gap) and directions, with which it is met"""
+    """the largest last change of ln(gap) and directions of a converged stage"""
 
 
 class Box(NamedTuple):
-    """The box as it stands, for the energy budget."""
+    """The sides and the tilt of the box at one time."""
 
     sides: Array
     """(d,) m; zero without a box"""
@@ -70,13 +69,13 @@ class Box(NamedTuple):
 
 
 def box_of(sides: Array, shape: Array, dimensions: int) -> Box:
-    """The box of a shape."""
+    """The sides and the tilt of a box with this shape."""
     now = sides[:dimensions] * exp(shape[WIDTH : WIDTH + dimensions])
     return Box(now, float(shape[TILT] * now[0]))
 
 
 def shape_at(sides: Array, drive: Drive) -> Array:
-    """The shape at the start, as it is imposed."""
+    """The shape at time 0, as imposed by the protocol."""
     shape = np.zeros(5)
     shape[[WIDTH, HEIGHT, DEPTH]] = math.log(drive.scale)
     if sides[:2].all():
@@ -85,7 +84,7 @@ def shape_at(sides: Array, drive: Drive) -> Array:
 
 
 def make_cell(sides: Array, shape: Array, past: Array, stages: int) -> Cell:
-    """Room for a step."""
+    """The box at the start of a step."""
     return Cell(
         sides,
         np.zeros(4, np.int64),
@@ -100,25 +99,25 @@ def make_cell(sides: Array, shape: Array, past: Array, stages: int) -> Cell:
 
 @compiled_inside
 def is_stressed(cell: Cell) -> bool:
-    """Whether the strain answers to a shear stress; otherwise it is imposed."""
+    """Whether a shear stress controls the strain; otherwise it is imposed."""
     return bool(cell.rules[0] != 0)
 
 
 @compiled_inside
 def is_pressed(cell: Cell) -> bool:
-    """Whether any side answers to a normal stress; otherwise all are imposed."""
+    """Whether a normal stress controls any side; otherwise all are imposed."""
     return bool(cell.rules[WIDTH] != 0 or cell.rules[HEIGHT] != 0 or cell.rules[DEPTH] != 0)
 
 
 @compiled
 def unknowns(cell: Cell) -> int:
-    """The number of unknowns that respond to a stress: the shear, then the size."""
+    """The number of unknowns of the box: the shear and the size, if stresses control them."""
     return int(is_stressed(cell)) + int(is_pressed(cell))
 
 
 @compiled
 def height_over_width(cell: Cell, shape: Array) -> float:
-    """Height over width; 1 of a box that is not periodic along both."""
+    """Height over width of the box; 1 if it is not periodic along both."""
     if cell.sides[0] == 0.0 or cell.sides[1] == 0.0:
         return 1.0
     return float(cell.sides[1] / cell.sides[0] * math.exp(shape[HEIGHT] - shape[WIDTH]))
@@ -126,7 +125,7 @@ def height_over_width(cell: Cell, shape: Array) -> float:
 
 @compiled
 def volume(cell: Cell, dimensions: int) -> float:
-    """m^3; m^2 of a layer."""
+    """The volume of the box (m^3); in 2D its area (m^2)."""
     product = 1.0
     for k in range(dimensions):
         product *= cell.sides[k] * math.exp(cell.shape[WIDTH + k])
@@ -152,7 +151,7 @@ def impose(cell: Cell, goal: StageTarget) -> None:
 
 @compiled
 def first_cell(cell: Cell, drive: Drive) -> None:
-    """The shape at the step's beginning, and its slopes: as imposed, or as the last step left them."""
+    """Reset the shape to the start of the step. Its slopes are those imposed, or those at the end of the last step."""
     clear_rows(cell.change)
     for k in range(5):
         cell.shape[k] = cell.start[k] = cell.before[k]
@@ -178,7 +177,7 @@ def begin_cell(cell: Cell, scheme: Scheme, stage: int, time_step: float) -> None
 
 @compiled
 def end_cell(cell: Cell, goal: StageTarget, stage: int) -> None:
-    """The slopes of a solved stage."""
+    """Compute the slopes of a solved stage."""
     shape, slope = cell.shape, cell.slope
     here, usual = height_over_width(cell, shape), height_over_width(cell, cell.before)
     for k in range(4):
@@ -193,7 +192,7 @@ def end_cell(cell: Cell, goal: StageTarget, stage: int) -> None:
 
 @compiled
 def flow_gradient(cell: Cell) -> Array:
-    """Gradient of what the box's deformation does in the stage's span: displacements of the liquid far away."""
+    """The displacement gradient of the liquid by the deformation of the box, in the time span of the stage."""
     shape, start = cell.shape, cell.start
     gradient = np.zeros((3, 3))
     for k in range(3):
@@ -204,7 +203,7 @@ def flow_gradient(cell: Cell) -> Array:
 
 @compiled
 def largest_strain(cell: Cell) -> float:
-    """The largest component of the shape, in whose last digits a box is known that answers to a stress; otherwise 0."""
+    """The largest component of the shape of a stress-controlled box, which bounds its rounding error; otherwise 0."""
     largest = 0.0
     if unknowns(cell) > 0:
         for k in range(len(cell.shape)):
@@ -214,9 +213,10 @@ def largest_strain(cell: Cell) -> float:
 
 @compiled
 def gradient_of(cell: Cell, unknown: int, goal: StageTarget, row: bool) -> Array:
-    """The displacement gradient of a unit of an unknown: the shear if that responds to a stress, then the size.
+    """The displacement gradient per unit of an unknown: of the shear, if a stress controls it, then of the size.
 
-    As a row, the conjugate stress. They differ for an imposed strain, whose tilt follows the height.
+    With `row`, that of the virtual work of its stress. They differ for an imposed strain, whose tilt depends on the
+    height.
     """
     gradient = np.zeros((3, 3))
     if unknown == 0 and is_stressed(cell):
@@ -231,7 +231,7 @@ def gradient_of(cell: Cell, unknown: int, goal: StageTarget, row: bool) -> Array
 
 @compiled
 def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> float:
-    """The target of the work done by an unknown (J), tension positive."""
+    """The prescribed work per unit of an unknown (J), positive for tension."""
     space = volume(cell, dimensions)
     if unknown == 0 and is_stressed(cell):
         return space * drive.shear_stress
@@ -243,7 +243,7 @@ def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> floa
 
 @compiled
 def deform(cell: Cell, goal: StageTarget, part: float) -> None:
-    """Add a part of Newton's change to the shape."""
+    """Add a fraction of Newton's step to the shape."""
     if is_stressed(cell):
         cell.shape[TILT] += part * cell.change[0, 1] * height_over_width(cell, cell.shape)
         cell.shape[STRAIN] += part * cell.change[0, 1]
@@ -255,7 +255,7 @@ def deform(cell: Cell, goal: StageTarget, part: float) -> None:
 
 @compiled
 def deform_positions(cell: Cell, old: Array, position: Array, moved: Array) -> None:
-    """Carry places along with the box from an old shape to the present one, and tell how far."""
+    """Move positions with the box from an old shape to the present one, and add the displacements to `moved`."""
     sides, shape = cell.sides, cell.shape
     same = True
     for k in range(4):
@@ -277,7 +277,7 @@ def deform_positions(cell: Cell, old: Array, position: Array, moved: Array) -> N
 
 @compiled
 def place_images(pairs: Pairs, cell: Cell) -> None:
-    """Set the present positions of the periodic images."""
+    """Compute the displacements of periodic images in the present box."""
     image, offset, sides, shape = pairs.image, pairs.offset, cell.sides, cell.shape
     tilt = shape[TILT] * sides[0] * math.exp(shape[WIDTH])
     for k in range(3):
@@ -290,7 +290,9 @@ def place_images(pairs: Pairs, cell: Cell) -> None:
 
 @compiled
 def cell_error(cell: Cell, scheme: Scheme, time_step: float) -> float:
-    """The largest difference from the embedded scheme, of the strain or of ln(a side), if they answer to a stress."""
+    """The largest difference from the embedded scheme, of the strain or of the logarithm of a side, of components that
+    stresses control.
+    """
     largest = 0.0
     for k in range(WIDTH, STRAIN + 1):
         value = 0.0

@@ -1,4 +1,4 @@
-"""What never changes during a run."""
+"""The constant parameters of a run with soft spheres."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
 CONTACT_LISTS = ("scalars", "vectors")
-"""What frames contain of contacts: see `report.observation`."""
+"""How frames list contacts: see `report.observation`."""
 
 
 class Contacts(NamedTuple):
-    """Constants that all contacts share, for compiled code."""
+    """Constants of all contacts, for compiled code."""
 
     viscosity: float
     """Pa s"""
@@ -35,9 +35,9 @@ class Contacts(NamedTuple):
     fade_from: float
     """m: the gap above which a film fades"""
     fade_to: float
-    """m: the gap at which a film is gone, and its contact with it"""
+    """m: the gap above which a film, and its contact, disappear"""
     rounding: float
-    """m: below this a deflection's magnitude is rounded off, so that the force has a slope at zero"""
+    """m: below this the magnitude of a deflection is smoothed, so that the force is differentiable at zero"""
     remote: int
     """the code of a row of `ecume.laws.long_range.REMOTE`"""
     strength: float
@@ -67,11 +67,11 @@ class Contacts(NamedTuple):
     tension_law: int
     """the code of a row of `ecume.laws.soft_pair.TENSION`"""
     cavitation_pressure: float
-    """Pa: by how much the pressure in a film can fall below that outside"""
+    """Pa: the largest pressure difference by which a film is below the outside"""
 
 
 class Laws(NamedTuple):
-    """The rows of the tables that a scene chose, for Python; compiled code knows them by their codes in `Contacts`."""
+    """The chosen rows of the tables of laws, for Python; compiled code uses their codes in `Contacts`."""
 
     surface: SurfaceLaw
     interface: Callable[..., Resistance]
@@ -85,13 +85,13 @@ class Planes(NamedTuple):
     """The walls of a scene."""
 
     surfaces: Surfaces
-    """W planes at the start, with the velocities that are imposed"""
+    """W planes at time 0, with their prescribed velocities"""
     modulus: Array
     """(W,) Pa; infinite where rigid"""
     force: Array
-    """(W, 3) N at load 1, where one moves the wall"""
+    """(W, 3) N at load 1 on walls that forces move"""
     free: Integers
-    """(A, 2) walls and directions in which forces move them"""
+    """(A, 2) walls and axes along which forces move them"""
 
 
 class Parameters(NamedTuple):
@@ -101,9 +101,9 @@ class Parameters(NamedTuple):
     """s: a tick; time steps are limited by accuracy and end at the ticks of frames"""
     steps_per_frame: int
     end: float
-    """s: when the run ends, where that is between two frames; infinite otherwise"""
+    """s: the end of the run, if it is between two frames; otherwise infinite"""
     last_tick: int
-    """The tick of that end"""
+    """the tick of that end"""
     dimensions: int
     radius: Array
     modulus: Array
@@ -118,7 +118,7 @@ class Parameters(NamedTuple):
     torque: Array
     """(N, s) N at the equator, external, at load 1: one component in a layer, three in 3D, none without spins"""
     weight: Array
-    """(N, d) N in gravity, less what the liquid lifts"""
+    """(N, d) N: weight minus buoyancy"""
     box: Array
     """(3,) m: sides of the periodic box at scale 1; zero without a box, and along axes between walls"""
     walls: Planes

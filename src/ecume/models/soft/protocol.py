@@ -1,4 +1,4 @@
-"""What is done to spheres and box over time: straight lines between moments, and what answers to a stress."""
+"""The imposed loading over time: piecewise linear in time, with the components of the box that stresses control."""
 
 from __future__ import annotations
 
@@ -14,51 +14,52 @@ from ecume.scenes.soft import StageSpec, expanded
 from ecume.units import Array
 
 LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
-"""Rows of a course."""
+"""Rows of `Protocol.courses`."""
 
 
 SAME = 1e-12
-"""Of a time: times that differ by less are one."""
+"""Times with a smaller relative difference are equal."""
 
 
 class Protocol(NamedTuple):
-    """Intervals, each from its time to the next; the last has no end."""
+    """Intervals, each from its time to the next one; the last has no end."""
 
     times: Array
     """(T,) s, the first is 0"""
     courses: Array
-    """(T, 7, 2) value at the time, and slope (1/s) from there on: load, strain, scale, ln(height), shear stress,
-    normal stress or pressure, and the shear of walls"""
+    """(T, 7, 2) value at the start of the interval and slope (1/s) of: load, strain, scale, ln(height), shear stress,
+    normal stress or pressure, and the shear of walls
+    """
     waves: Array
     """(T, 3) amplitudes of the strain and of the shear stress, and the angular frequency (1/s)"""
     rules: Integers
-    """(T, 4) what answers to a stress: `Rules`"""
+    """(T, 4) the components that stresses control: `Rules`"""
     jumps: Integers
-    """(T,) whether anything changes at once at its time"""
+    """(T,) whether a value jumps at the start of the interval"""
 
 
 class Drive(NamedTuple):
-    """The imposed values at one time; of strain, scale and height only the imposed part of their change."""
+    """The imposed values at one time; of strain, scale and height, the imposed part of their change."""
 
     load: float
-    """what the external forces are multiplied by"""
+    """factor of external forces"""
     strain: float
-    """of the box, along x from bottom to top"""
+    """of the box, of x with y"""
     rate: float
     """of the strain (1/s)"""
     scale: float
-    """what all sides of the box are multiplied by"""
+    """factor of all sides of the box"""
     growth: float
     """rate of ln(scale) (1/s)"""
     height: float
-    """ln of what its height is multiplied by besides"""
+    """logarithm of an additional factor of the height"""
     height_rate: float
-    """and its rate (1/s)"""
+    """its rate (1/s)"""
     shear_stress: float
     normal_stress: float
-    """across top and bottom, or a pressure: compression is positive"""
+    """normal to top and bottom, or a pressure: compression is positive"""
     wall_shear: float
-    """what the walls' shear stresses are multiplied by, beside the load"""
+    """factor of the shear stresses of walls, in addition to the load"""
 
 
 class Rules(NamedTuple):
@@ -71,10 +72,10 @@ class Rules(NamedTuple):
 
 
 class SizeControl(NamedTuple):
-    """A row of the table: what sizes the box from a moment on, by the moment's key that begins it."""
+    """A row of the table: how the size of the box is controlled after a moment with this key."""
 
     sides: tuple[int, int, int]
-    """which of width, height and depth answer to the stress of the key; none where they are imposed"""
+    """which of width, height and depth the stress of the key controls; all 0 where they are imposed"""
 
 
 SIZE_CONTROLS = {
@@ -85,12 +86,12 @@ SIZE_CONTROLS = {
 
 
 def interval_at(protocol: Protocol, time: float) -> int:
-    """The interval that begins at a time, to rounding, or that it lies in."""
+    """The interval that contains a time; at a corner, to rounding, the later one."""
     return max(int(np.searchsorted(protocol.times, time * (1.0 + SAME), side="right")) - 1, 0)
 
 
 def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Drive:
-    """The imposed values at a time; in the given interval, by default in the one that begins there."""
+    """The imposed values at a time, in the given interval; default: the one that contains it."""
     which = interval_at(protocol, time) if interval is None else interval
     since = time - float(protocol.times[which])
     load, strain, scale, height, shear, normal, wall_shear = (
@@ -107,7 +108,7 @@ def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Dr
 
 
 def rules_at(protocol: Protocol, interval: int) -> Rules:
-    """The components that respond to a stress in an interval."""
+    """The components that stresses control in an interval."""
     return Rules(*(int(rule) for rule in protocol.rules[interval]))
 
 
@@ -118,31 +119,31 @@ def next_turn(protocol: Protocol, time: float) -> float:
 
 
 def next_stop(protocol: Protocol, time: float, due: float) -> float:
-    """The end of the longest step: a frame, or a corner before it. A corner at the time of the frame, to rounding, is
-    at the frame, since a step from one to the other would be too short for its equations.
+    """The latest end of the next step: a frame, or a corner before it. A corner within rounding of a frame is at the
+    frame, since a step from one to the other would be too short for its equations.
     """
     turn = next_turn(protocol, time)
     return due if abs(turn - due) <= SAME * due else min(due, turn)
 
 
 class ProtocolState(NamedTuple):
-    """The present values and rates of a protocol."""
+    """The values and rates of a protocol at one time."""
 
     values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     shear_rate: float = 0.0
     height_rate: float = 0.0
     stressed: int = 0
-    """1 where the strain answers to a shear stress"""
+    """1 where a shear stress controls the strain"""
     size: str = "height_rate"
     """the row of `SIZE_CONTROLS`"""
 
     def rules(self) -> Rules:
-        """The components that respond to a stress."""
+        """The components that stresses control."""
         return Rules(self.stressed, *SIZE_CONTROLS[self.size].sides)
 
 
 def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
-    """Moments as intervals."""
+    """The moments of a scene as intervals."""
     stages = expanded(stages)
     if not stages or stages[0].time > 0.0:
         first = stages[0] if stages else StageSpec(time=0.0)
@@ -168,7 +169,7 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
 
 
 def begun(course: ProtocolState, stage: StageSpec) -> ProtocolState:
-    """A course as a moment has it go on."""
+    """The values and rates after a moment of the scene."""
     size = next((key for key in SIZE_CONTROLS if getattr(stage, key) is not None), course.size)
     sized = any(SIZE_CONTROLS[size].sides)
     normal = getattr(stage, size) if sized else None
@@ -183,7 +184,7 @@ def begun(course: ProtocolState, stage: StageSpec) -> ProtocolState:
 
 
 def slopes_of(course: ProtocolState, following: StageSpec | None, span: float) -> tuple[float, ...]:
-    """The rates of load, strain, scale, height and stresses until the next corner, if there is one."""
+    """The rates of load, strain, scale, height and stresses until the next moment, if any."""
     slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0, 0.0]
     if following is None:
         return tuple(slopes)
@@ -205,7 +206,7 @@ def wave_of(stage: StageSpec) -> tuple[float, float, float]:
 
 
 def jumped(before: ProtocolState, course: ProtocolState) -> bool:
-    """Whether a course begins elsewhere than the one before it ended, or hands over to a stress."""
+    """Whether a value jumps, or a stress takes control, at the start of an interval."""
     sized = any(SIZE_CONTROLS[course.size].sides)
     new_rule = course.stressed > before.stressed or (sized and course.size != before.size)
     far = [

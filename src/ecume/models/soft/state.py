@@ -1,4 +1,4 @@
-"""What the physics moves, and the scratch beside it."""
+"""The state of the soft model, and the scratch memory of a step."""
 
 from __future__ import annotations
 
@@ -26,78 +26,79 @@ from ecume.models.soft.parameters import Parameters
 from ecume.units import Array
 
 LENGTH, PAST_ERROR, CLOCK, FORCE_RESIDUAL = range(4)
-"""Places in `State.pace`: the next step (s), the last error over the tolerance, the time (s), and the largest force
-that is left on a sphere, over the typical one.
+"""Indices of `State.pace`: the length of the next step (s), the last error over the tolerance, the time (s), and the
+largest residual force on a sphere over the typical force.
 """
 ACCEPTED, REJECTED, FAILED = range(3)
-"""Places in `State.tally`."""
+"""Indices of `State.tally`."""
 NO_BUDGET = np.zeros(0)
-"""For runs begun by an earlier version, which have no energy budget."""
+"""The budget of runs of earlier versions, which have none."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
-"""The orientation at time 0, by the components of a spin."""
+"""The orientation at time 0, by the number of components of a spin."""
 
 
 class State(NamedTuple):
-    """Everything that can change a later bit."""
+    """The state of a run: all arrays that can change a later result."""
 
     position: Array
-    """(N, d) m; across periodic borders they go on counting"""
+    """(N, d) m; not wrapped into the box"""
     velocity: Array
-    """(N, d) m/s on the average of the last step"""
+    """(N, d) m/s, mean over the last step"""
     orientation: Array
     """(N, 1) rad in a layer, (N, 4) quaternions in 3D; (N, 0) for spheres without spin"""
     spin: Array
-    """(N, s) rad/s on the average of the last step"""
+    """(N, s) rad/s, mean over the last step"""
     step: Integers
-    """(1,) ticks"""
+    """(1,) time in ticks"""
     contacts: Integers
-    """(1,) how many contacts there are: the arrays of contacts have room for more"""
+    """(1,) number of contacts; their arrays have room for more"""
     generation: Integers
     """(1,) number of times that contacts opened or closed"""
     pair: Integers
-    """(room, 2) who is in contact"""
+    """(room, 2) the spheres of each contact"""
     image: Integers
-    """(room, d) how many boxes the second is away, in the copy that is met"""
+    """(room, d) the periodic image of the second sphere, in boxes"""
     log_gap: Array
     """(room,)"""
     direction: Array
     """(room, d) of the gap vector"""
     order: Integers
-    """(N,) in which the spheres stand in the matrix: neighbors near one another"""
+    """(N,) order of the spheres in the matrix: neighbors close to one another"""
     touching: Integers
     """(N, W) whether each sphere has a contact with each wall"""
     wall_gap: Array
     """(N, W) ln of its gap"""
     slip: Array
-    """(N, W, d) in radii: how far its gap vector reaches along the wall"""
+    """(N, W, d) tangential displacement of the gap vector, in radii"""
     wall: Array
-    """(W, 3) m: on its axis where each wall is, along the others how far it has gone"""
+    """(W, 3) m: the position of each wall on its axis, and its displacements along the others"""
     wall_rate: Array
     """(W, 3) m/s at the end of the last step"""
     cell: Array
-    """(5,) how the box is sheared and sized: `cell.Cell`"""
+    """(5,) the shape of the box: `cell.Cell`"""
     cell_rate: Array
-    """(5,) how fast, at the end of the last step (1/s)"""
+    """(5,) its rate at the end of the last step (1/s)"""
     pace: Array
-    """(4,)"""
+    """(4,) see LENGTH"""
     tally: Integers
-    """(3,) steps accepted, rejected for their error, and given up"""
+    """(3,) number of steps accepted, rejected for their error, and not solved"""
     effort: Integers
-    """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
-    that failed since the last step that gradients solved"""
+    """(3,) data for the choice of the solver: iterations of the last linear system, steps since the last one by an
+    iterative solver, and failed attempts since the last success of that solver
+    """
     budget: Array = NO_BUDGET
-    """(4,) J: work from outside, and its distribution: see `report.energy_budget`"""
+    """(4,) J: injected, dissipated and stored energy: see `report.energy_budget`"""
 
 
 class Workspace(NamedTuple):
-    """Scratch; a new one gives the same results."""
+    """Scratch memory; a new one gives the same results."""
 
     step: Step
     kept: Kept
-    """by the solvers, for as long as the contacts stay"""
+    """data of the solvers, valid as long as no contact opens or closes"""
     generation: int
-    """of the contacts that it was made for"""
+    """the generation of contacts for which it was made"""
 
 
 def make_state(parameters: Parameters, position: Array, room: int) -> State:
@@ -131,7 +132,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Scratch for the present contacts."""
+    """Scratch memory for the present contacts."""
     count, dimensions = state.position.shape
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
@@ -171,7 +172,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 
 def store(parameters: Parameters, state: State, step: Step) -> None:
-    """Copy the result of a step to the state: positions, spins, gap vectors and the box."""
+    """Copy the result of a step to the state: positions, spins, gap vectors, walls and the box."""
     contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
     state.position[:] = step.bodies.before
     state.pace[FORCE_RESIDUAL] = force_residual(step)
@@ -187,7 +188,7 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
 
 
 def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple[()]:
-    """The walls, if there are any, and the present contacts with them."""
+    """The walls of the scene, if any, and the present contacts with them."""
     if not len(parameters.walls.modulus):
         return ()
     first, wall = (np.ascontiguousarray(index) for index in np.nonzero(state.touching))
@@ -220,8 +221,8 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
 
 
 def force_residual(step: Step) -> float:
-    """The largest force that a solution left on a sphere, over the typical force: the root mean square of those that
-    contacts bear, or of what pulls at the spheres where that is more. Zero where there is but rounding.
+    """The largest residual force on a sphere over the typical force: the root mean square of contact forces, or of
+    external forces if that is larger. Zero where forces are rounding errors.
     """
     forces = (step.responses.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
@@ -237,7 +238,7 @@ def force_residual(step: Step) -> float:
 
 @compiled
 def stiffest(stiffness: Array, radius_sum: Array) -> float:
-    """The largest stiffness times the distance of centers (N)."""
+    """The largest stiffness times center distance (N)."""
     largest = 0.0
     for c in range(len(radius_sum)):
         for k in range(3):
@@ -247,82 +248,82 @@ def stiffest(stiffness: Array, radius_sum: Array) -> float:
 
 
 def in_3d(vectors: Array) -> Array:
-    """Three components, the missing ones zero."""
+    """Vectors with three components; missing ones are zero."""
     space = np.zeros((len(vectors), 3))
     space[:, : vectors.shape[1]] = vectors
     return space
 
 
-# --- All that a step of time works with
+# --- Data of one time step
 
 
 class Bodies(NamedTuple):
     """The spheres in a step."""
 
     position: Array
-    """(N, d) m, of the stage"""
+    """(N, d) m at the stage"""
     before: Array
-    """(N, d) at the step's beginning"""
+    """(N, d) m at the start of the step"""
     moved: Array
-    """(N, d) m: displacement from there, kept separately: short steps would be lost in the rounding of positions"""
+    """(N, d) m: displacement since then; stored separately, since in short steps it would be lost in the rounding of
+    positions
+    """
     start: Array
-    """(N, d) m: how far from there the stage starts; means something with drag only"""
+    """(N, d) m: displacement at the start of the stage; used with drag only"""
     slope: Array
-    """(S, N, d) m/s of the stages, with drag only"""
+    """(S, N, d) m/s at each stage, with drag only"""
     drag: Array
     """(N,) N s/m"""
     anchor: Array
-    """(N,) N/m: what holds spheres that nothing pulls at and that no film ties to the rest; see `films`"""
+    """(N,) N/m: anchors of free pieces; see `connected_pieces`"""
     force: Array
-    """(N, d) N external, at factor 1"""
+    """(N, d) N external, proportional to the load"""
     weight: Array
-    """(N, d) N external, always"""
+    """(N, d) N external, constant"""
     right: Array
-    """(N, d + s) N that is left on each, and at its equator"""
+    """(N, d + s) N: residual forces, and torques as forces at the equator"""
     change: Array
-    """(N, d + s) m, of places and of spins"""
+    """(N, d + s) m: Newton's step of positions and spins"""
     diagonal: Array
     """(N, d + s) N/m"""
 
 
 class StepRequest(NamedTuple):
-    """The specification of a step."""
+    """The length, drive and tolerance of a step."""
 
     length: float
     """s"""
     drives: Array
-    """(S, 10) what is imposed at each stage, as the fields of a `Drive`"""
+    """(S, 10) the drive at each stage, as the fields of a `Drive`"""
     tolerance: float
 
 
 class BudgetSums(NamedTuple):
-    """The rows of the energy budget in a step; see `energy_budget`."""
+    """The energy budget of a step; see `energy_budget`."""
 
     lines: Array
-    """(S + 1, 8) a line for each stage, zero for those that do not count; in the last what the step adds to
+    """(S + 1, 8) a row per stage, zero for stages with zero weight; the last row is the contribution of the step to
     `State.budget` (J)
     """
     sheared: Array
-    """(C + walls', 2) N/m and m^2: of each contact at the last stage, the stiffness along the surface, and the shear
-    squared
-    """
+    """(C + walls', 2) of each contact at the last stage: tangential stiffness (N/m) and shear squared (m^2)"""
 
 
 class Step(NamedTuple):
-    """All that a step works with."""
+    """All data of a time step."""
 
     pairs: Pairs
     films: Films
     responses: ContactResponses
     slope: Array
-    """(S, C, 4) of the stages"""
+    """(S, C, 4) rates at each stage"""
     log_gap: Array
     direction: Array
-    """where the contacts are at the step's beginning"""
+    """the contacts at the start of the step"""
     bodies: Bodies
     spins: Spins
     walls: Walls | tuple[()]
-    """None without walls, whose code is then not compiled"""
+    """empty without walls, whose code is then not compiled"""
     matrix: Matrix
     cell: Cell
     borders: Borders
@@ -330,5 +331,5 @@ class Step(NamedTuple):
 
 
 def make_budget_sums(stages: int, contacts: int) -> BudgetSums:
-    """Room for so many contacts."""
+    """Zero sums for the energy budget of a step."""
     return BudgetSums(np.zeros((stages + 1, 8)), np.zeros((contacts, 2)))

@@ -1,8 +1,8 @@
-"""Pieces of a packing that films hold together, and what holds a piece that nothing else does.
+"""Connected pieces of a packing, and anchors of pieces that nothing holds.
 
-Without drag, the place of a sphere without films, a rattler, is not determined, and neither is that of several that are
-tied to each other only. If nothing pulls at such a piece it stays where it is, and goes with the box: its first sphere
-is anchored. Forces on it are in balance, so that the anchor bears nothing.
+Without drag, the position of a sphere without films (a rattler) is undetermined, and so is that of spheres that are
+connected only with one another. If no force acts on such a piece, it moves with the box: its first sphere is anchored.
+Forces on the piece balance, so that the force of the anchor is zero.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ from ecume.models.soft.parameters import Parameters
 from ecume.units import Array
 
 UNBALANCED = 1e-9
-"""Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
+"""The largest permitted sum of all forces on a free piece, over the largest force."""
 
 
 def pieces(pair: Integers, touching: Integers) -> Integers:
-    """The connected piece of the contact graph that each sphere belongs to; at the end that of all walls, if any.
+    """The connected piece of the contact graph that each sphere belongs to; the last entry is that of the walls, if
+    any.
 
-    Spheres are connected by pairs (C, 2), and by walls that they touch (N, walls).
+    Spheres are connected by pairs (C, 2) and by the walls that they touch (N, walls).
     """
     count, beside = len(touching), np.flatnonzero(touching.any(axis=1))
     first, second = np.append(pair[:, 0], beside), np.append(pair[:, 1], np.full(len(beside), count))
@@ -35,9 +36,10 @@ def pieces(pair: Integers, touching: Integers) -> Integers:
 
 
 def loose_spheres(parameters: Parameters, pair: Integers, touching: Integers) -> tuple[Integers, Integers]:
-    """The first sphere of each piece that neither walls nor drag hold, and of those at whose piece something pulls.
+    """The first sphere of each piece that neither walls nor drag hold, and the first of those pieces on which a force
+    acts.
 
-    Nothing of it is loose where all spheres are one piece: only their common place is then undetermined.
+    If all spheres are one piece, none is returned: then only their common translation is undetermined.
     """
     none = np.zeros(0, np.int64)
     if parameters.drag.any():
@@ -58,8 +60,8 @@ def loose_spheres(parameters: Parameters, pair: Integers, touching: Integers) ->
 
 
 def anchors(parameters: Parameters, pair: Integers, touching: Integers) -> Array:
-    """The stiffness that holds each sphere (N/m): of the size of a contact's for the first of a loose piece, or zero.
-    Raises Diverged where something pulls at a loose piece.
+    """The anchor stiffness of each sphere (N/m): that of a typical contact for the first sphere of a free piece,
+    otherwise zero. Raises Diverged if a force acts on a free piece.
     """
     anchor = np.zeros(len(touching))
     first, pulled = loose_spheres(parameters, pair, touching)

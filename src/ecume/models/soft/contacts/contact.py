@@ -1,11 +1,11 @@
-"""One contact as numbers: film and surface in series, and its response to small changes within a stage.
+"""One contact: film and surface in series, and its linear response within a stage.
 
-A contact's own state is the logarithm q of its gap and the direction n of its gap vector G = (R_i + R_j + h) n. Where
-the spheres are says how far its surfaces are deflected: delta = X_j - X_i - G. The force of the deflection drives the
-film, dG/dt = Z^-1 F. How it answers small changes stands in `links`.
+The state of a contact is the logarithm q of its gap and the direction n of its gap vector G = (R_i + R_j + h) n. The
+positions of the spheres determine the deflection of its surfaces, delta = X_j - X_i - G. The force of the deflection
+drives the film, dG/dt = Z^-1 F.
 
-Jacobian of one contact within a stage: its response to changes of its internal variables and of the positions. Within
-the plane of n and the surface's shear direction a contact has four variables: q, the rotation of n, and the normal
+The Jacobian is the response to changes of these variables and of the positions. In the plane of n and the shear
+direction a contact has four variables: q, the rotation of n, and the normal
 and shear components of X_ij. Forces are on sphere i, from i to j: tension is positive here.
 """
 
@@ -27,7 +27,7 @@ from ecume.models.soft.parameters import Contacts
 admit(soft_pair, long_range, surfaces, interfaces, friction)
 
 FAINTEST = 1e-3
-"""Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""
+"""The fraction of its friction that a faded film keeps: its surfaces relax at once, so that no force jumps."""
 
 OF_SURFACE = ("body", "gap", "stretch", "prefactors", "contacts")
 OF_GAP = ("gap", "reduced_radius", "contacts")
@@ -61,10 +61,10 @@ sheared_energy_by = selection(
 
 
 class Elastic(NamedTuple):
-    """The elastic response of a contact at its whole deflection."""
+    """The elastic response of a contact at its total deflection."""
 
     size: float
-    """a, the contact size, which the film shares"""
+    """a, the radius of the contact, which is also that of the film"""
     size_by_gap: float
     """d ln(a) / d ln(gap)"""
     size_by_stretch: float
@@ -78,25 +78,25 @@ class Elastic(NamedTuple):
     tangential_by_gap: float
     tangential_by_stretch: float
     tangential_by_shear: float
-    """derivatives of their logarithms with respect to ln(gap), delta_n (1/m) and delta_t (1/m)"""
+    """derivatives of the logarithms of both stiffnesses by ln(gap), delta_n (1/m) and delta_t (1/m)"""
 
 
 class Film(NamedTuple):
-    """One contact as numbers."""
+    """All quantities of one contact."""
 
     gap: float
     reach: float
-    """length of the gap vector"""
+    """the length of the gap vector"""
     pull: float
     """X_ij along n"""
     shear: float
-    """and along the surface"""
+    """the component of X_ij along the surface"""
     stretch: float
     """normal deflection"""
     surface: Elastic
     resistance: Resistance
     faded: float
-    """what part of its friction the film still has"""
+    """the fraction of its friction that the film still has"""
     fade_slope: float
     """d ln(friction) / d q by fading"""
     remote_force: float
@@ -104,13 +104,13 @@ class Film(NamedTuple):
     draw: Draw
     """the tension that opens the film, and its derivatives"""
     held: float
-    """what of the tangential force the film bears, over that force: 1 without contact friction"""
+    """the fraction of the tangential force that the film carries: 1 without contact friction"""
     slide_by_pull: float
     slide_by_limit: float
-    """slopes of what the film bears, over the tangential force and over the limit of contact friction"""
+    """derivatives of the force that the film carries, by the tangential force and by the limit of contact friction"""
     limit_by_normal: float
     limit_by_gap: float
-    """slopes of that limit, over the normal force and over q"""
+    """derivatives of that limit, by the normal force and by q"""
 
 
 @compiled_inside
@@ -126,7 +126,7 @@ def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
 
 @compiled_inside
 def remote_force_and_slope(gap: float, reduced_radius: float, contacts: Contacts) -> tuple[float, float]:
-    """The remote force, positive repels, and its slope."""
+    """The long-range force, positive if it repels, and its derivative by the gap."""
     force: float = remote_force_by(gap, reduced_radius, contacts, contacts.remote)
     slope: float = remote_slope_by(gap, reduced_radius, contacts, contacts.remote)
     return force, slope
@@ -134,7 +134,7 @@ def remote_force_and_slope(gap: float, reduced_radius: float, contacts: Contacts
 
 @compiled_inside
 def prefactors_in(contacts: Contacts) -> Prefactors:
-    """The six numbers of film and surface, as the laws take them."""
+    """The six prefactors of film and surface, as the laws take them."""
     return Prefactors(
         contacts.squeeze, contacts.shear, contacts.normal, contacts.tangential, contacts.gap_weight,
         contacts.deflection_weight,
@@ -143,7 +143,7 @@ def prefactors_in(contacts: Contacts) -> Prefactors:
 
 @compiled_inside
 def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Surface:
-    """The surfaces of a contact."""
+    """The stiffnesses and the size of a contact's surfaces."""
     surface: Surface = surface_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
     return surface
 
@@ -152,7 +152,7 @@ def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Su
 def bent_by(
     contacts: Contacts, body: Body, gap: float, stretch: float, shear: float
 ) -> tuple[Widening, Bending, Surface]:
-    """What widens a contact at this deflection, what bends it, and its surfaces as widened."""
+    """How a deflection widens and bends a contact, and its surfaces as widened."""
     widening: Widening = widening_by(stretch, contacts, contacts.tension_law)
     surface = surface_of(contacts, body, gap, widening.deflection)
     ratio = surface.tangential / surface.normal
@@ -162,8 +162,8 @@ def bent_by(
 
 @compiled_inside
 def elastic_of(contacts: Contacts, body: Body, gap: float, stretch: float, shear: float) -> Elastic:
-    """The elastic response: both stiffnesses are those of the bending deflection, but where tension does not widen the
-    contact, its normal stiffness is that of rest.
+    """The elastic response. Both stiffnesses are those of the bending deflection, but where tension does not widen the
+    contact, its normal stiffness is that at rest.
     """
     widening, bending, film = bent_by(contacts, body, gap, stretch, shear)
     bent, follows = surface_of(contacts, body, gap, bending.deflection), widening.follows
@@ -195,8 +195,8 @@ def contact_energy(contacts: Contacts, body: Body, gap: float, stretch: float, s
 
 @compiled_inside
 def contact_gap_energy(contacts: Contacts, body: Body, gap: float, stretch: float, shear_squared: float) -> float:
-    """The derivative of that energy with respect to ln(gap), at deflections that are held (J); without the shear's part
-    by the paper's tangential law.
+    """The derivative of that energy by ln(gap), at constant deflections (J); by the paper's tangential law without the
+    part of the shear.
     """
     widening, bending, film = bent_by(contacts, body, gap, stretch, math.sqrt(shear_squared))
     beside = 0.5 * film.normal * (stretch * stretch - widening.deflection * widening.deflection)
@@ -212,14 +212,14 @@ def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) ->
 
 @compiled_inside
 def gap_energy_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
-    """The derivative of that energy with respect to ln(gap), at a deflection that is held (J)."""
+    """The derivative of that energy by ln(gap), at a constant deflection (J)."""
     energy: float = gap_energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
     return energy
 
 
 @compiled_inside
 def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: float) -> Film:
-    """A contact's numbers."""
+    """All quantities of a contact, from ln(gap) and the components of X_ij."""
     gap = math.exp(log_gap)
     stretch = pull - body.radius_sum - gap
     surface = elastic_of(contacts, body, gap, stretch, shear)
@@ -257,14 +257,16 @@ def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: 
 Vector = tuple[float, float, float]
 
 ROUNDING = 2e-15
-"""What rounding leaves of a force, over stiffness times coordinates."""
+"""The rounding error of a force, over stiffness times coordinates."""
 STILL = 1e-14
-"""A shear below this part of the centers' distance has no direction."""
+"""The smallest shear, over the center distance, that has a direction."""
 
 
 @compiled_inside
 def rates(film: Film) -> tuple[float, float]:
-    """D ln(gap)/dt and the rate at which n turns towards the shear: the film flows under the surfaces' force."""
+    """The rate of ln(gap), and the rate at which n rotates towards the shear: the force of the surfaces drives the
+    film.
+    """
     sheared = film.surface.tangential * film.shear * film.held
     opening = film.draw.tension / (film.faded * film.resistance.squeeze * film.gap)
     return opening, sheared / (film.faded * film.resistance.shear * film.reach)
@@ -303,7 +305,9 @@ def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> 
 
 @compiled_inside
 def solve_contact(film: Film, span: float, lean: float, opening: float, sliding: float) -> tuple[float, float]:
-    """The (dq, turn) that answer what is missing in the contact's two equations, over a span dt of the stage."""
+    """The changes (dq, turn) that solve the linearized equations of a contact with these residuals, over a time span of
+    the stage.
+    """
     opening_q, sliding_q, _, _ = tangent(film, 1.0, 0.0, 0.0, 0.0)
     opening_t, sliding_t, _, _ = tangent(film, 0.0, 1.0, 0.0, 0.0)
     qq, qt = 1.0 - span * opening_q, -span * opening_t
@@ -314,12 +318,15 @@ def solve_contact(film: Film, span: float, lean: float, opening: float, sliding:
 
 @compiled_inside
 def shear_direction(x: float, y: float, z: float, n: Vector, flat: bool) -> Vector:
-    """A unit vector along the surface in which the centers are sheared; in a layer, n turned left."""
+    """A unit vector along the surface in the direction of the shear of the centers; in 2D, n rotated by 90 degrees to
+    the left.
+    """
     if flat:
         return -n[1], n[0], 0.0
     length = math.sqrt(x * x + y * y + z * z)
     still = STILL * length
-    # Twice: what is left of nearly parallel vectors after the first time is not perpendicular to the last digits.
+    # Gram-Schmidt twice: for nearly parallel vectors the result of the first pass is not perpendicular to the last
+    # digits.
     for _ in range(2):
         along = x * n[0] + y * n[1] + z * n[2]
         x, y, z = x - along * n[0], y - along * n[1], z - along * n[2]
@@ -336,7 +343,7 @@ def shear_direction(x: float, y: float, z: float, n: Vector, flat: bool) -> Vect
 
 
 class Frame(NamedTuple):
-    """Three unit vectors: the normal, along the shear, and across both."""
+    """Three unit vectors: the normal, the shear direction, and the one perpendicular to both."""
 
     n: Vector
     t: Vector
@@ -345,7 +352,7 @@ class Frame(NamedTuple):
 
 @compiled_inside
 def frame_of(x: Vector, n: Vector, flat: bool) -> Frame:
-    """The frame of a contact whose centers are x apart."""
+    """The frame of a contact with the center distance x."""
     t = shear_direction(x[0], x[1], x[2], n, flat)
     return Frame(n, t, (n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0]))
 
@@ -357,43 +364,45 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 class Start(NamedTuple):
-    """The state of a contact at the start of its stage."""
+    """The state of a contact at the start of its stage, relative to the current one."""
 
     span: float
-    """s: treated implicitly"""
+    """s: the implicit time span of the stage"""
     log_gap: float
-    """of the start, less that of now"""
+    """ln(gap) at the start, minus the current value"""
     lean: float
     along: float
     across: float
-    """the start's direction in the frame of now"""
+    """the components of the direction at the start in the current frame"""
 
 
 class LinearContact(NamedTuple):
-    """The linear response of a contact in its frame: along the normal (n), the shear (t), and across (s)."""
+    """The linear response of a contact in its frame: along the normal (n), the shear (t), and perpendicular to both
+    (s).
+    """
 
     force_n: float
     force_t: float
     correction_n: float
     correction_t: float
     correction_s: float
-    """what solving the contact adds to the force"""
+    """the change of the force by the solution of the contact's equations"""
     nn: float
     nt: float
     tn: float
     tt: float
     ss: float
-    """stiffness: force along the first over displacement along the second"""
+    """stiffness: force along the first axis over displacement along the second"""
     dq: float
     turn_t: float
     turn_s: float
-    """what solving the contact adds to ln(gap) and direction"""
+    """the change of ln(gap) and direction by this solution"""
     q_n: float
     q_t: float
     t_n: float
     t_t: float
     s_s: float
-    """what a displacement adds"""
+    """their change per displacement"""
     opening: float
     sliding: float
     """rates of ln(gap) and direction (1/s)"""
@@ -401,18 +410,18 @@ class LinearContact(NamedTuple):
 
 @compiled_inside
 def linearized(film: Film, start: Start) -> LinearContact:
-    """Linearize a contact over a span of time that its stage treats implicitly."""
+    """Linearize a contact over the implicit time span of its stage."""
     span, lean = start.span, start.lean
     opening, sliding = rates(film)
     dq, turn = solve_contact(film, span, lean, start.log_gap + span * opening, start.along + span * sliding)
     _, _, correction_n, correction_t = tangent(film, dq, turn, 0.0, 0.0)
-    # Columns: a unit pull, and a unit shear.
+    # The responses to a unit normal and a unit shear displacement.
     by_pull, by_shear = tangent(film, 0.0, 0.0, 1.0, 0.0), tangent(film, 0.0, 0.0, 0.0, 1.0)
     q_n, t_n = solve_contact(film, span, lean, span * by_pull[0], span * by_pull[1])
     q_t, t_t = solve_contact(film, span, lean, span * by_shear[0], span * by_shear[1])
     _, _, nn, tn = tangent(film, q_n, t_n, 1.0, 0.0)
     _, _, nt, tt = tangent(film, q_t, t_t, 0.0, 1.0)
-    # Across the plane of n and shear only the turn counts.
+    # Perpendicular to the plane of n and the shear, only the rotation of n has an effect.
     normal_stiffness, tangential_stiffness = film.surface.normal, film.surface.tangential
     relax = span * film.held * tangential_stiffness / (film.faded * film.resistance.shear * film.reach)
     s_s = relax / (lean + relax * film.pull)

@@ -1,8 +1,7 @@
-"""Who is in contact: neighbors among many spheres, and contacts that appear and vanish.
+"""The list of contacts: which pairs of spheres, and of spheres and walls, have a film.
 
-Neighbors among many spheres: a search by cells, with threads. It finds what `contact_list` finds among few spheres by
-a tree: the same pairs, in the same order, with the same bits. Each sphere writes its own row, so that nothing depends
-on the number of threads.
+Two searches give the same pairs, in the same order, with the same bits: a tree for few spheres, and cells with threads
+for many. In the latter each sphere writes a row, so that nothing depends on the number of threads.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from ecume.models.soft.state import State
 from ecume.units import Array
 
 ROOM = 32
-"""Neighbors of a sphere for which there is room at first."""
+"""Initial capacity of a row of neighbors."""
 
 
 def search(
@@ -30,8 +29,8 @@ def search(
 ) -> tuple[Integers, Integers, Array]:
     """All pairs whose gap is below the reach: pairs, images, and the vectors between the centers.
 
-    The copies are places, owners and images; the spheres themselves are the first of them. `away` are the images in
-    which the spheres are.
+    `copies` contains positions, owners and images, first those of the spheres in the box; `away` is the image in which
+    each sphere is.
     """
     place = copies[0]
     count, dimensions = away.shape
@@ -64,7 +63,9 @@ def fill_rows(
     copies: tuple[Array, Integers, Integers],
     near: tuple[Array, float],
 ) -> None:
-    """The neighbors of each sphere among all copies, in order; where there are more than fit, only their number."""
+    """Write the neighbors of each sphere among all copies, in order. If there are more than fit, only their number is
+    right.
+    """
     place, owner, copy = copies
     radius, reach = near
     shape, cell, begin, order = cells.shape, cells.cell, cells.start, cells.order
@@ -95,9 +96,7 @@ def fill_rows(
 
 @compiled_inside
 def is_ahead(copy: Integers, p: int) -> bool:
-    """Whether the first component of an image that is not zero is positive: of the two ways to name a copy of oneself,
-    one.
-    """
+    """Whether the first nonzero component of an image is positive; of an image and its opposite, one is kept."""
     for k in range(copy.shape[1]):
         if copy[p, k] != 0:
             return bool(copy[p, k] > 0)
@@ -106,7 +105,7 @@ def is_ahead(copy: Integers, p: int) -> bool:
 
 @compiled_inside
 def insert(row: Integers, found: int, p: int, names: tuple[Integers, Integers]) -> None:
-    """Put a copy into a row of so many, by its owner and image."""
+    """Insert a copy into a sorted row with `found` entries."""
     k = found
     while k > 0 and precedes(p, row[k - 1], names):
         row[k] = row[k - 1]
@@ -116,8 +115,8 @@ def insert(row: Integers, found: int, p: int, names: tuple[Integers, Integers]) 
 
 @compiled_inside
 def precedes(p: int, q: int, names: tuple[Integers, Integers]) -> bool:
-    """Whether one copy stands before another in the order of owners and images: those of one owner all have the same
-    image of it added.
+    """Whether one copy precedes another in the order of owners and images. All copies of one owner are shifted by the
+    same image, which does not matter here.
     """
     owner, copy = names
     if owner[p] != owner[q]:
@@ -136,7 +135,7 @@ def write_pairs(
     away: Integers,
     to: tuple[Integers, Integers, Array],
 ) -> None:
-    """The rows, one after the other."""
+    """Write the rows one after the other as pairs, images and vectors."""
     place, owner, copy = copies
     pair, image, between = to
     for i in prange(len(rows)):
@@ -153,8 +152,8 @@ def write_pairs(
 def periodic_copies(
     places: Array, sides: Array, shifts: tuple[Integers, Array], far: float
 ) -> tuple[Array, Integers, Integers]:
-    """The spheres in their box and their copies near its borders: places, owners, and images. The shifts are images and
-    by how much the tilt of the box moves them along the first axis.
+    """The spheres in their box and their copies near its borders: positions, owners, and images. `shifts` contains the
+    images, and the displacement of each along the first axis by the tilt of the box.
     """
     moves, leans = shifts
     count, dimensions = places.shape
@@ -198,16 +197,16 @@ def is_near(places: Array, sides: Array, shift: tuple[Integers, float], far: flo
 
 
 KEEPS_SCENE_ORDER = 36
-"""Spheres up to which their order is that of the scene."""
+"""The largest number of spheres that keep the order of the scene in the matrix."""
 CELL_SEARCH_FROM = 1000
-"""Spheres from which on cells are searched, by threads; a tree needs no compiled code."""
+"""The number of spheres from which cells are used, with threads; the tree needs no compiled code."""
 PairList = tuple[Integers, Integers, Array]
-"""Pairs, images, and the vectors between their centers."""
+"""Pairs, images, and the vectors between the centers."""
 
 
 def update_contact_list(parameters: Parameters, state: State, opened: PairList | None = None) -> bool:
-    """Open and close contacts at the present places; whether there was anything to do. `opened` are the newcomers
-    there, where these were looked for before.
+    """Open and close contacts at the present positions. Returns whether any changed. `opened` are the new pairs, if
+    they are known already.
     """
     if np.isinf(parameters.contacts.fade_to):
         return False
@@ -224,9 +223,9 @@ def update_contact_list(parameters: Parameters, state: State, opened: PairList |
 
 
 def new_pairs(parameters: Parameters, position: Array, box: Box, known: tuple[Integers, Integers]) -> PairList:
-    """The pairs below the reach that are not in contact; those that are, and their images, are `known`, in order.
+    """The pairs below the reach that are not in contact. `known` are the pairs in contact and their images, in order.
 
-    If films never fade, all spheres are in contact from the start.
+    If films never fade, all pairs are in contact from the start.
     """
     if np.isinf(parameters.contacts.fade_to):
         return np.zeros((0, 2), np.int64), np.zeros((0, position.shape[1]), np.int64), np.zeros((0, position.shape[1]))
@@ -248,7 +247,7 @@ def remove_known(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> 
 
 @compiled_inside
 def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool:
-    """Whether the first number that is not the same is less."""
+    """Whether the first component that differs is smaller."""
     for k in range(rows.shape[1]):
         if rows[row, k] != others[other, k]:
             return bool(rows[row, k] < others[other, k])
@@ -257,7 +256,7 @@ def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool
 
 @compiled
 def merged_order(rows: Integers, here: int) -> Integers:
-    """The order of rows of which the first so many are in order, and so are the others."""
+    """The sorted order of rows, of which the first `here` are sorted, and so are the others."""
     order = np.zeros(len(rows), np.int64)
     old, new = 0, here
     for place in range(len(rows)):
@@ -271,13 +270,13 @@ def merged_order(rows: Integers, here: int) -> Integers:
 
 
 def order_of(pair: Integers, image: Integers) -> Integers:
-    """That in which contacts stand: by the first of the pair, the second, and the copy that is met."""
+    """The order of contacts: by the first sphere, the second, and the image."""
     order: Integers = np.lexsort((*image.T[::-1], pair[:, 1], pair[:, 0]))
     return order
 
 
 def open_all(parameters: Parameters, state: State) -> None:
-    """The first contacts."""
+    """Open the contacts at time 0."""
     update_wall_contacts(parameters, state)
     if np.isinf(parameters.contacts.fade_to):
         pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
@@ -289,7 +288,7 @@ def open_all(parameters: Parameters, state: State) -> None:
 
 
 def update_wall_contacts(parameters: Parameters, state: State) -> bool:
-    """Open and close contacts with walls at the present places; whether there was anything to do."""
+    """Open and close contacts with walls at the present positions. Returns whether any changed."""
     touching, contacts = state.touching.astype(bool), parameters.contacts
     gap = wall_gaps(parameters, state.position, state.wall)
     fresh = ~touching & (gap < contacts.fade_from)
@@ -312,14 +311,14 @@ def update_wall_contacts(parameters: Parameters, state: State) -> bool:
 
 
 def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
-    """Gaps from each undeformed sphere to each wall, (N, W) m; the walls go through the points `wall`."""
+    """Gaps from each undeformed sphere to each wall, (N, W) m; `wall` is a point of each wall."""
     return np.asarray(gaps(position, through(parameters.walls.surfaces, wall)) - parameters.radius[:, None])
 
 
 def neighbors(parameters: Parameters, position: Array, box: Box) -> PairList:
-    """All pairs whose gap, without deflection, is below the reach, in order; across periodic borders too.
+    """All pairs whose gap without deflection is below the reach, in order, including periodic images.
 
-    A pair of which one is a copy is found from both sides; that is kept whose first is at home.
+    A pair with a periodic image is found twice; the one whose first sphere is in the box is kept.
     """
     radius = parameters.radius
     far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
@@ -344,7 +343,7 @@ def neighbors(parameters: Parameters, position: Array, box: Box) -> PairList:
 
 
 def box_in(parameters: Parameters, state: State) -> Box:
-    """The box as it is."""
+    """The present box."""
     return box_of(parameters.box, state.cell, state.position.shape[1])
 
 
@@ -367,7 +366,7 @@ def wrapped(position: Array, box: Box) -> Array:
 
 
 def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Integers]:
-    """The spheres in their box, and copies of those near its borders: places, owners, and which copy each is."""
+    """The spheres in their box and copies of those near its borders: positions, owners, and images."""
     count, dimensions = position.shape
     home = np.zeros((count, dimensions), np.int64)
     if not box.sides.any():
@@ -385,15 +384,13 @@ def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Int
 
 
 def _shifts(box: Box, dimensions: int) -> tuple[Integers, Array]:
-    """The copies of the box that may touch it: their images, and by how much the tilt moves each along the first
-    axis (m).
-    """
+    """The neighboring images of the box, and the displacement of each along the first axis by the tilt (m)."""
     moves = []
     for shift in np.ndindex(*(3,) * dimensions):
         move = np.array(shift) - 1
         if not move.any() or move[box.sides == 0.0].any():
             continue
-        # Sheared copies above and below are looked for among those that lie beside the box now.
+        # Above and below, the tilt moves the images; these are the three closest to the box.
         if box.tilt != 0.0:
             move[0] -= round(box.tilt * move[1] / box.sides[0])
         moves.append(move)
@@ -402,7 +399,7 @@ def _shifts(box: Box, dimensions: int) -> tuple[Integers, Array]:
 
 
 def _negative(image: Integers) -> NDArray[np.bool_]:
-    """Whether the first component that is not zero is negative: of the two ways to name a copy of oneself, one."""
+    """Whether the first nonzero component is negative; of an image and its opposite, one is kept."""
     first = np.argmax(image != 0, axis=1)
     return np.asarray(image[np.arange(len(image)), first] < 0)
 
@@ -419,7 +416,7 @@ def _keep(state: State, kept: Integers) -> None:
 
 
 def _open(parameters: Parameters, state: State, found: PairList) -> None:
-    """Add contacts that carry no force: the gap vector is that between the centers. All stay in the order of pairs."""
+    """Add contacts without a force: the gap vector is along the line of centers. The contacts remain sorted."""
     pair, image, between = found
     here = int(state.contacts[0])
     total = here + len(pair)

@@ -1,7 +1,7 @@
-"""All contacts, and what they answer to a displacement of the spheres within one step.
+"""The linear response of all contacts to displacements of the spheres within one step.
 
-Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is solved contact by contact (`contact`), linearized,
-and put into the forces: what is left is a linear system in the displacements of the spheres alone.
+Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is linearized and solved contact by contact
+(`contact`). Substituted into the forces, it leaves a linear system in the displacements of the spheres alone.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ from ecume.units import Array
 
 
 class Pairs(NamedTuple):
-    """The contacts there are; all arrays of their number."""
+    """The constants of all contacts, and the rotation of their pairs; each array has one row per contact."""
 
     first: Integers
     second: Integers
     image: Array
-    """(C, 3) how many boxes the second is away, in the copy that is met"""
+    """(C, 3) the periodic image of the second sphere, in boxes"""
     offset: Array
-    """(C, 3) m: what this adds to its place, at present"""
+    """(C, 3) m: the displacement of that image at present"""
     turn: Array
-    """(C, 3) rad: by how much the pair has spun since the step's beginning; (0, 3) where spheres do not spin"""
+    """(C, 3) rad: the rotation of the pair by spins since the start of the step; (0, 3) where spheres do not spin"""
     radius_sum: Array
     reduced_radius: Array
     modulus: Array
@@ -48,11 +48,11 @@ class Pairs(NamedTuple):
     """(C,) the table of the user's law of each contact, or -1; see `user_forces`"""
     ends: Array
     values: Array
-    """those tables"""
+    """the tables of these laws"""
 
 
 class Films(NamedTuple):
-    """The contacts in a stage, with the values at its start."""
+    """The state of all contacts in a stage, and at its start."""
 
     log_gap: Array
     direction: Array
@@ -62,18 +62,18 @@ class Films(NamedTuple):
 
 
 class ContactResponses(NamedTuple):
-    """The linearized responses of contacts in a stage."""
+    """The linearized response of each contact in a stage."""
 
     force: Array
-    """(C, 3) N on the first, as it is"""
+    """(C, 3) N on the first sphere, before the solution"""
     correction: Array
-    """(C, 3) N: what solving the contact adds"""
+    """(C, 3) N: the change of this force by the solution of the contact's equations"""
     stiffness: Array
     """(C, 3, 3) N/m: force over the displacement of the second against the first"""
     shift: Array
-    """(C, 4) what solving the contact adds to ln(gap) and direction"""
+    """(C, 4) the change of ln(gap) and direction by this solution"""
     response: Array
-    """(C, 4, 3) what a displacement adds"""
+    """(C, 4, 3) their change per displacement of the second sphere"""
     slope: Array
     """(C, 4) rates of ln(gap) and direction (1/s)"""
 
@@ -87,9 +87,9 @@ def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
 def contact_response(
     contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, responses: ContactResponses
 ) -> None:
-    """Linearize every contact over a span of time that its stage treats implicitly.
+    """Linearize each contact over the implicit time span of its stage.
 
-    Each is solved in a frame that rotates with its pair, and the result is given along the fixed axes.
+    Each contact is solved in a frame that rotates with its pair; the result is in the fixed frame.
     """
     first, second, offset = pairs.first, pairs.second, pairs.offset
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
@@ -121,7 +121,9 @@ def contact_response(
 
 @compiled_inside
 def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> Vector:
-    """The vector from one sphere to the other, in the image that it touches; without a third component in a layer."""
+    """The vector from the center of one sphere to the image of the other that it touches; in 2D its third component is
+    0.
+    """
     x = position[j, 0] - position[i, 0] + offset[c, 0]
     y = position[j, 1] - position[i, 1] + offset[c, 1]
     z = 0.0 if position.shape[1] == 2 else position[j, 2] - position[i, 2] + offset[c, 2]
@@ -130,7 +132,7 @@ def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> V
 
 @compiled_inside
 def turned(x: Vector, angle: Vector) -> Vector:
-    """A vector turned about an axis, by as many radians as the axis is long."""
+    """A vector rotated about an axis by an angle: the length of the axis vector (Rodrigues' formula)."""
     square = dot(angle, angle)
     if square == 0.0:
         return x
@@ -146,7 +148,7 @@ def turned(x: Vector, angle: Vector) -> Vector:
 
 @compiled_inside
 def store_forces(linear: LinearContact, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
-    """A contact's force, what solving it adds, and its stiffness, along the axes."""
+    """Store the force, correction and stiffness of a contact in the fixed frame."""
     force, correction, stiffness = to
     n, t, s = frame
     for k in range(3):
@@ -159,7 +161,7 @@ def store_forces(linear: LinearContact, frame: Frame, c: int, to: tuple[Array, A
 
 @compiled_inside
 def store_motion(linear: LinearContact, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
-    """The motion of a contact in the frame that rotates with it, without and with a displacement along the axes."""
+    """Store the changes and rates of a contact's ln(gap) and direction in the frame that rotates with the pair."""
     shift, response, slope = to
     _, t, s = frames[0]
     n_seen, t_seen, s_seen = frames[1]
@@ -174,13 +176,13 @@ def store_motion(linear: LinearContact, frames: tuple[Frame, Frame], c: int, to:
 
 
 def make_responses(count: int) -> ContactResponses:
-    """Room for the answers of so many contacts."""
+    """Arrays of zeros for the responses of `count` contacts."""
     shapes = ((3,), (3,), (3, 3), (4,), (4, 3), (4,))
     return ContactResponses(*(np.zeros((count, *shape)) for shape in shapes))
 
 
 def make_films(count: int) -> Films:
-    """Room for the places of so many contacts."""
+    """Arrays of zeros for the states of `count` contacts."""
     return Films(np.zeros(count), np.zeros((count, 3)), np.zeros(count), np.zeros((count, 3)))
 
 

@@ -1,10 +1,10 @@
-"""Spheres that spin: how contacts turn with them, the balance of torques, and what resists a spin.
+"""Rotation of spheres: the rotation of contacts with spins, the balance of torques, and its derivatives.
 
-A sphere's spin stands as the way its equator goes, sigma = R theta (m), since the step's beginning, and a torque as a
-force at the equator, T/R: so all unknowns are lengths and all that is left over are forces. Between two spheres lie
-the arms R_i/(R_i + R_j) X_ij and R_j/(R_i + R_j) X_ij. The pair turns by (sigma_i + sigma_j)/(R_i + R_j), the gap
-vector with it, and both spheres get the torque e x F at their equators, e = X_ij/(R_i + R_j): forces, and torques with
-the forces' moments, sum to zero.
+The rotation of a sphere since the start of the step is stored as the displacement of its equator, sigma = R theta (m),
+and a torque as a force at the equator, T/R: all unknowns are lengths, and all residuals forces. The contact divides
+X_ij into the arms R_i/(R_i + R_j) X_ij and R_j/(R_i + R_j) X_ij. The pair rotates by (sigma_i + sigma_j)/(R_i + R_j),
+and the gap vector with it. Both spheres get the torque e x F at their equators, e = X_ij/(R_i + R_j): total force and
+total torque are zero.
 """
 
 from __future__ import annotations
@@ -21,28 +21,28 @@ from ecume.models.soft.contacts.films import ContactResponses, Pairs, center_dis
 from ecume.units import Array
 
 SPIN_STIFFNESS = 1e-9
-"""A sphere with a single neighbor in 3D rotates without resistance about the line to it. This relative stiffness
-against spins is added to Newton's matrix, which makes it regular; the equations do not change.
+"""The relative stiffness added against spins. A sphere with a single neighbor in 3D rotates without resistance about
+the line to it; this makes Newton's matrix regular, and does not change the equations.
 """
 
 
 class Spins(NamedTuple):
-    """The spheres' spins in a step; with no rows of components, (N, 0), where spheres do not spin."""
+    """The rotation of all spheres in a step; its arrays have no columns, (N, 0), where spheres do not spin."""
 
     radius: Array
     """(N,) m"""
     turn: Array
-    """(N, s) m since the start of the step, of the stage; one component in a layer, three in 3D"""
+    """(N, s) m: the rotation since the start of the step, at the current stage; s is 1 in 2D and 3 in 3D"""
     start: Array
-    """(N, s) m: where the stage starts from; means something with drag only"""
+    """(N, s) m: its value at the start of the stage; used with drag only"""
     slope: Array
-    """(S, N, s) m/s of the stages, with drag only"""
+    """(S, N, s) m/s: its rate at each stage, with drag only"""
     drag: Array
     """(N,) N s/m at the equator"""
     torque: Array
-    """(N, s) N at the equator: external, at load 1"""
+    """(N, s) N: external torques as forces at the equator, at load 1"""
     pair_blocks: Array
-    """(C, 4, d + s, d + s) N/m: the blocks of the pairs"""
+    """(C, 4, d + s, d + s) N/m: the blocks of each pair in the matrix"""
 
 
 @compiled_inside
@@ -53,7 +53,7 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 @compiled_inside
 def axial(rows: Array, i: int) -> Vector:
-    """A row of spins as a vector: in a layer, out of the plane."""
+    """The rotation of a sphere as a 3D vector; in 2D along z."""
     if rows.shape[1] == 1:
         return 0.0, 0.0, rows[i, 0]
     return rows[i, 0], rows[i, 1], rows[i, 2]
@@ -61,7 +61,7 @@ def axial(rows: Array, i: int) -> Vector:
 
 @compiled
 def turn_pairs(pairs: Pairs, spins: Spins) -> None:
-    """The rotation of each pair."""
+    """Compute the rotation of each pair from the spins."""
     turn, to = spins.turn, pairs.turn
     for c in range(len(to)):
         a, b = axial(turn, pairs.first[c]), axial(turn, pairs.second[c])
@@ -71,8 +71,8 @@ def turn_pairs(pairs: Pairs, spins: Spins) -> None:
 
 @compiled_inside
 def rolled(x: Vector, size: float, ends: tuple[int, int], change: Array, d: int) -> Vector:
-    """The change of the distance x of a pair by changes of positions and spins, (N, d + s), in the frame that rotates
-    with it; the sum of its radii is its size.
+    """The change of the center distance x of a pair by changes of positions and spins, (N, d + s), in the frame that
+    rotates with the pair; `size` is the sum of its radii.
     """
     i, j = ends
     u = (change[j, 0] - change[i, 0], change[j, 1] - change[i, 1], 0.0 if d == 2 else change[j, 2] - change[i, 2])
@@ -87,7 +87,7 @@ def rolled(x: Vector, size: float, ends: tuple[int, int], change: Array, d: int)
 
 @compiled
 def add_torques(pairs: Pairs, responses: ContactResponses, position: Array, right: Array, corrected: bool) -> None:
-    """Add the torques of contacts on the spins of both their spheres, in the last columns of `right`."""
+    """Add the torques of contacts on both spheres to the last columns of `right`."""
     first, second, d = pairs.first, pairs.second, position.shape[1]
     for c in range(len(first)):
         i, j = first[c], second[c]
@@ -104,8 +104,8 @@ def add_torques(pairs: Pairs, responses: ContactResponses, position: Array, righ
 
 @compiled
 def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float, float]) -> None:
-    """External torques, and the drag on spins, into the last columns of `right`; `during` is the stage's span, and by
-    how much the liquid turns in it, out of the plane of x and y.
+    """Write external torques and the drag on spins into the last columns of `right`. `during` is the time span of the
+    stage, and the rotation of the liquid in it about z.
     """
     span, swirl = during
     width = spins.turn.shape[1]
@@ -120,7 +120,7 @@ def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float,
 
 @compiled
 def fill_pair_blocks(pairs: Pairs, responses: ContactResponses, spins: Spins, position: Array) -> None:
-    """The derivatives of forces and torques on both spheres of each pair by their displacements and spins."""
+    """Compute the derivatives of forces and torques on both spheres of each pair by their displacements and spins."""
     pair_blocks, d = spins.pair_blocks, position.shape[1]
     by_spin, torque_by = np.zeros((3, 3)), np.zeros((3, 3))
     for c in range(len(pair_blocks)):
@@ -146,15 +146,15 @@ def fill_pair_blocks(pairs: Pairs, responses: ContactResponses, spins: Spins, po
 
 @compiled_inside
 def row_times(matrix: Array, row: int, vector: Vector) -> float:
-    """A component of a product."""
+    """The product of a matrix row and a vector."""
     value: float = matrix[row, 0] * vector[0] + matrix[row, 1] * vector[1] + matrix[row, 2] * vector[2]
     return value
 
 
 @compiled_inside
 def store_pair_blocks(pair_blocks: Array, stiffness: Array, by_spin: Array, torque_by: Array) -> None:
-    """All blocks of a pair but spins against spins: forces on the first are opposite to those on the second, and what
-    moves the first is opposite to what moves the second; spins and torques are alike for both.
+    """Store all blocks of a pair except spin by spin: forces on the two spheres, and the effects of their
+    displacements, have opposite signs; torques and spins have equal signs.
     """
     d = 2 if pair_blocks.shape[1] == 3 else 3
     for row in range(d):
@@ -171,8 +171,8 @@ def store_pair_blocks(pair_blocks: Array, stiffness: Array, by_spin: Array, torq
 
 @compiled
 def regularize_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
-    """Make the matrix of spins regular where spheres are `free` to turn all together: the first one resists, which
-    `remove_free_rotation` makes good.
+    """Make the matrix of spins regular. If the spheres are `free` to rotate together, the first sphere gets a
+    resistance, which `remove_free_rotation` compensates.
     """
     own, blocks = matrix.pattern.diagonal, matrix.blocks
     begin = blocks.shape[1] - spins.turn.shape[1]
@@ -186,7 +186,7 @@ def regularize_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
 
 @compiled
 def begin_spins(spins: Spins, row: Array, time_step: float) -> None:
-    """The spins at the start of a stage, from the slopes of the stages before."""
+    """Set the rotation at the start of a stage, from the slopes of earlier stages."""
     start, slope = spins.start, spins.slope
     for i in range(len(spins.drag)):
         for k in range(start.shape[1]):
@@ -197,7 +197,7 @@ def begin_spins(spins: Spins, row: Array, time_step: float) -> None:
 
 @compiled
 def end_spins(spins: Spins, stage: int, span: float) -> None:
-    """The slopes of a solved stage."""
+    """Compute the slopes of a solved stage."""
     for i in range(len(spins.drag)):
         for k in range(spins.turn.shape[1]):
             spins.slope[stage, i, k] = (spins.turn[i, k] - spins.start[i, k]) / span
@@ -205,7 +205,9 @@ def end_spins(spins: Spins, stage: int, span: float) -> None:
 
 @compiled
 def carry(pairs: Pairs, direction: Array) -> None:
-    """Directions of gap vectors turn with their pairs: from the frame of the step's beginning to that of its end."""
+    """Rotate the directions of gap vectors with their pairs, from the frame at the start of the step to that at its
+    end.
+    """
     for c in range(len(pairs.turn)):
         angle = (pairs.turn[c, 0], pairs.turn[c, 1], pairs.turn[c, 2])
         n = turned((direction[c, 0], direction[c, 1], direction[c, 2]), angle)
@@ -215,7 +217,7 @@ def carry(pairs: Pairs, direction: Array) -> None:
 
 
 def make_spins(radius: Array, drag: Array, torque: Array, shape: tuple[int, int, int]) -> Spins:
-    """Spins at a step's beginning; the shape says how many stages, contacts, and unknowns a sphere there are."""
+    """Spins at the start of a step; `shape` contains the numbers of stages, of contacts, and of unknowns per sphere."""
     stages, contacts, width = shape
     count, spin = torque.shape
     return Spins(
@@ -242,16 +244,16 @@ def turned_orientation(orientation: Array, angle: Array) -> Array:
     return np.asarray(product / np.linalg.norm(product, axis=1, keepdims=True))
 
 
-# --- Spheres that spin and that nothing holds: how all of them lie together
+# --- Common rotation of freely rotating spheres
 
 
 SINGULAR = 1e-6
-"""Of what loads would resist a turn with, if nothing in it canceled: less than this says nothing of the turn."""
+"""Below this fraction of the largest possible resistance of the loads to a rotation, the rotation is undetermined."""
 
 
 @compiled
 def fill_rotation_sides(matrix: Matrix, spins: Spins, right: Array) -> None:
-    """Right sides, after the first one: torques on the first sphere that turn all of them by about a radian."""
+    """Fill the right sides after the first: torques on the first sphere that rotate all spheres by about one radian."""
     block, begin = matrix.blocks[matrix.pattern.diagonal[0]], matrix.blocks.shape[1] - spins.turn.shape[1]
     for k in range(spins.turn.shape[1]):
         for i in range(right.shape[1]):
@@ -262,9 +264,9 @@ def fill_rotation_sides(matrix: Matrix, spins: Spins, right: Array) -> None:
 
 @compiled
 def remove_free_rotation(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Array, float]) -> None:
-    """Add to the first change of positions and spins a multiple of the others, the responses to `fill_rotation_sides`,
-    so that the total moment of external forces is zero; if these do not resist a rotation, so that the mean spin is
-    zero. `pull` is the part proportional to the load, the constant part, and the load.
+    """Add a rotation of all spheres to Newton's step so that the total moment of external forces is zero; where these
+    do not resist a rotation, so that the mean spin is zero. The rotations are the solutions for the sides of
+    `fill_rotation_sides`. `pull` contains the forces proportional to the load, the constant forces, and the load.
 
     The matrix holds the first sphere: the remaining moment acts on it, since contacts have no total moment.
     """
@@ -300,7 +302,7 @@ def mean_spin(spins: Spins, change: Array) -> Array:
 
 @compiled
 def moment_of(position: Array, spins: Spins, change: Array, pull: tuple[Array, Array, float]) -> tuple[Array, float]:
-    """The moment of what pulls at changed places (N m), and how large it were if nothing in it canceled."""
+    """The total moment of external forces at the changed positions (N m), and the sum of magnitudes of its terms."""
     (by_load, always, load), (count, d) = pull, position.shape
     moment, size, middle = np.zeros(3), 0.0, np.zeros(3)
     for i in range(count):
@@ -319,7 +321,7 @@ def moment_of(position: Array, spins: Spins, change: Array, pull: tuple[Array, A
 
 @compiled
 def total_torque(spins: Spins, load: float) -> Array:
-    """The total of the torques on the spheres (N m)."""
+    """The sum of external torques on the spheres (N m)."""
     total, width = np.zeros(3), spins.turn.shape[1]
     for i in range(len(spins.torque)):
         for k in range(width):
@@ -329,8 +331,8 @@ def total_torque(spins: Spins, load: float) -> Array:
 
 @compiled
 def least_squares(matrix: Array, right: Array, otherwise: Array) -> Array:
-    """The solution of three equations by normal equations and elimination; undetermined components keep the given
-    value.
+    """The least-squares solution of three equations by normal equations; undetermined components
+    keep the given value.
     """
     rows, solution = np.zeros((3, 4)), np.zeros(3)
     for k in range(3):

@@ -1,9 +1,9 @@
-"""Plane walls: contacts of spheres with them, where they are, and what moves them.
+"""Plane walls: their motion, and the contacts of spheres with them.
 
-A wall is a sphere without end: R* = R, and its normal never turns. So a contact with it is the same film and surface in
-series, but what turns a gap vector between spheres is here a slip, by which the gap vector goes along the wall. Normals
-point from the spheres to the wall; distances and slips are those of the wall against the sphere. A wall on which a
-force acts has its place as an unknown of each stage, like the box that answers to a stress.
+A wall is the limit of a sphere with infinite radius: R* = R, and its normal never rotates. A contact with it is film
+and surface in series as between spheres, but the gap vector slips along the wall instead of rotating. Normals point
+from the spheres to the wall; distances and slips are those of the wall relative to the sphere. The position of a wall
+on which a force acts is an unknown of each stage, like the strain of a stress-controlled box.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from ecume.models.soft.parameters import Contacts, Planes
 from ecume.units import Array
 
 FAR = 1e12
-"""In radii: the center of a wall as a sphere, where its contacts are linearized."""
+"""The distance of the center of a wall, as a sphere, in radii of the sphere that touches it."""
 
 
 class Places(NamedTuple):
@@ -45,23 +45,23 @@ class Places(NamedTuple):
     normal: Array
     """(W, 3) from the spheres to the wall"""
     velocity: Array
-    """(W, 3) m/s where it is imposed"""
+    """(W, 3) m/s, prescribed"""
     force: Array
-    """(W, 3) N at load 1, where one moves the wall"""
+    """(W, 3) N at load 1 on walls that forces move"""
     free: Integers
-    """(A, 2) walls and directions in which forces move them"""
+    """(A, 2) walls and axes along which forces move them"""
     place: Array
-    """(W, 3) m, of the stage: on the axis where the plane is, along the others how far it has gone"""
+    """(W, 3) m at the stage: the position of the plane on its axis, and displacements along the others"""
     before: Array
-    """(W, 3)"""
+    """(W, 3) at the start of the step"""
     start: Array
-    """(W, 3) where the stage starts from"""
+    """(W, 3) at the start of the stage"""
     slope: Array
-    """(S, W, 3) m/s of the stages"""
+    """(S, W, 3) m/s at each stage"""
     past: Array
     """(W, 3) m/s at the end of the last step"""
     change: Array
-    """(W, 3) m in one of Newton's steps"""
+    """(W, 3) m in Newton's step"""
 
 
 class Touches(NamedTuple):
@@ -74,7 +74,7 @@ class Touches(NamedTuple):
     modulus: Array
     log_gap: Array
     slip: Array
-    """(C, 3) in radii: how far the gap vector reaches along the wall"""
+    """(C, 3) tangential displacement of the gap vector, in radii"""
     log_gap_start: Array
     slip_start: Array
     log_gap_before: Array
@@ -91,7 +91,7 @@ class Touches(NamedTuple):
     response: Array
     """(C, 4, 3)"""
     now: Array
-    """(C, 4) rates of ln(gap) and of the slip (1/s)"""
+    """(C, 4) rates of ln(gap) and of the slip (1/s) at the current state"""
 
 
 class Walls(NamedTuple):
@@ -102,7 +102,7 @@ class Walls(NamedTuple):
 
 
 def no_walls() -> Walls:
-    """Walls and contacts of a scene that has none."""
+    """Empty arrays for a scene without walls."""
     none, nobody = np.zeros((0, 3)), np.zeros(0, np.int64)
     places = Places(none, none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
     rates, line = np.zeros((0, 4)), np.zeros(0)
@@ -119,12 +119,12 @@ NO_WALLS = no_walls()
 
 
 def all_walls(walls: Walls | tuple[()]) -> Walls:
-    """The walls of a step, for Python: none of them where the scene has none."""
+    """The walls of a step; empty arrays where the scene has none."""
     return walls or NO_WALLS
 
 
 def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
-    """Room for a step; `now` is where the walls are, and how fast they went."""
+    """The positions of walls in a step; `now` contains their present positions and velocities."""
     (place, past), surfaces = now, planes.surfaces
     return Places(
         0.0 - surfaces.place, surfaces.velocity, planes.force, planes.free, place.copy(), place.copy(), place.copy(),
@@ -134,7 +134,7 @@ def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
 
 @compiled_inside
 def flattened(film: Film, far: float) -> Film:
-    """A contact as seen from a sphere without end: its surface is sheared by a slip, and its normal stays."""
+    """A contact with a sphere of infinite radius: a slip shears its surface, and its normal is constant."""
     return Film(
         film.gap, far, far, film.shear, film.stretch, film.surface, film.resistance, film.faded, film.fade_slope,
         film.remote_force, film.remote_slope, film.draw, film.held, film.slide_by_pull, film.slide_by_limit,
@@ -151,8 +151,8 @@ def normal_of(places: Places, w: int) -> Vector:
 
 @compiled_inside
 def wall_distance(walls: Walls, position: Array, turn: Array, c: int) -> Vector:
-    """The vector from a sphere to the material point of its wall, at the distance along the normal; spins roll it
-    along.
+    """The vector from a sphere to the material point of its wall at the foot of the normal; spins roll the sphere along
+    the wall.
     """
     i, w, places = walls.touches.first[c], walls.touches.wall[c], walls.places
     x = places.place[w, 0] - position[i, 0]
@@ -166,7 +166,7 @@ def wall_distance(walls: Walls, position: Array, turn: Array, c: int) -> Vector:
 
 @where_there()
 def wall_response(walls: Walls, contacts: Contacts, position: Array, turn: Array, span: float) -> None:
-    """Linearize every contact with a wall over a span of time that its stage treats implicitly."""
+    """Linearize each contact with a wall over the implicit time span of its stage."""
     touches, places = walls.touches, walls.places
     slip, slip_start = touches.slip, touches.slip_start
     for c in range(len(touches.first)):
@@ -189,7 +189,7 @@ def wall_response(walls: Walls, contacts: Contacts, position: Array, turn: Array
 
 @compiled_inside
 def store_wall_response(linear: LinearContact, frame: Frame, touches: Touches, c: int) -> None:
-    """The response of a contact, along the axes."""
+    """Store the response of a contact in the fixed frame."""
     n, t, s = frame
     shift, now, response = touches.shift, touches.now, touches.response
     shift[c, 0], now[c, 0] = linear.dq, linear.opening
@@ -208,8 +208,8 @@ def store_wall_response(linear: LinearContact, frame: Frame, touches: Touches, c
 
 @where_there((0.0, 0.0))
 def add_wall_forces(walls: Walls, position: Array, right: Array, corrected: bool) -> tuple[float, float]:
-    """Add the walls' forces and torques to what is left on the spheres; the largest force, and the largest of stiffness
-    times coordinates.
+    """Add forces and torques of walls to the residuals of spheres. Returns the largest force, and the largest product
+    of stiffness and coordinate.
     """
     touches, places, largest, stiffest = walls.touches, walls.places, 0.0, 0.0
     dimensions = position.shape[1]
@@ -247,7 +247,7 @@ def add_wrench(right: Array, i: int, dimensions: int, wrench: tuple[Vector, Vect
 
 @compiled_inside
 def wall_force_change(stiffness: Array, c: int, x: Vector) -> Vector:
-    """The force that a displacement of a wall against a sphere makes."""
+    """The change of the force by a displacement of the wall relative to the sphere."""
     return (
         stiffness[c, 0, 0] * x[0] + stiffness[c, 0, 1] * x[1] + stiffness[c, 0, 2] * x[2],
         stiffness[c, 1, 0] * x[0] + stiffness[c, 1, 1] * x[1] + stiffness[c, 1, 2] * x[2],
@@ -257,7 +257,7 @@ def wall_force_change(stiffness: Array, c: int, x: Vector) -> Vector:
 
 @compiled_inside
 def distance_derivative(k: int, dimensions: int, n: Vector) -> Vector:
-    """The derivative of the distance from a wall by an unknown of a sphere: its position, or its spin."""
+    """The derivative of the distance vector from a wall by an unknown of a sphere: a position or a spin."""
     axis = k if k < dimensions else 2 if dimensions == 2 else k - dimensions
     one = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
     if k >= dimensions:
@@ -267,7 +267,7 @@ def distance_derivative(k: int, dimensions: int, n: Vector) -> Vector:
 
 @where_there()
 def add_wall_stiffness(walls: Walls, blocks: Array, own: Integers, dimensions: int) -> None:
-    """Add what walls resist to the spheres' own blocks."""
+    """Add the stiffness of contacts with walls to the diagonal blocks of the spheres."""
     touches, width = walls.touches, blocks.shape[1]
     for c in range(len(touches.first)):
         place, n = own[touches.first[c]], normal_of(walls.places, touches.wall[c])
@@ -301,12 +301,12 @@ def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
     return total
 
 
-# --- How walls move through the stages of a step, and the contacts at them with the spheres
+# --- Motion of walls, and of the contacts with them, through the stages of a step
 
 
 @where_there(0.0)
 def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
-    """Apply a Newton step to the contacts with walls; returns the largest change."""
+    """Compute the changes of the contacts with walls that follow from Newton's step. Returns the largest."""
     touches, places = walls.touches, walls.places
     shift, response, largest = touches.shift, touches.response, 0.0
     for c in range(len(touches.first)):
@@ -324,7 +324,7 @@ def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
 
 @where_there()
 def move_walls(walls: Walls, part: float) -> None:
-    """Add a part of Newton's change to walls and their contacts."""
+    """Add a fraction of Newton's step to walls and their contacts."""
     touches, places = walls.touches, walls.places
     for w in range(len(places.place)):
         for k in range(3):
@@ -337,7 +337,7 @@ def move_walls(walls: Walls, part: float) -> None:
 
 @where_there()
 def first_walls(walls: Walls) -> None:
-    """Walls and contacts at the step's beginning."""
+    """Reset walls and their contacts to the start of the step."""
     touches, places = walls.touches, walls.places
     copy_rows(places.place, places.before)
     copy_rows(places.start, places.before)
@@ -351,13 +351,13 @@ def first_walls(walls: Walls) -> None:
 
 @where_there()
 def slopes_at_walls(walls: Walls) -> None:
-    """The rates of contacts and walls at the start of the step."""
+    """Copy the rates of contacts with walls at the start of the step."""
     copy_rows(walls.touches.rate[0], walls.touches.now)
 
 
 @where_there()
 def begin_walls(walls: Walls, scheme: Scheme, stage: int, time_step: float) -> None:
-    """The initial guess of a stage, with walls of prescribed motion at their positions at its end."""
+    """Set the start of a stage, and move walls with prescribed motion to their positions at its end."""
     touches, places, rows = walls.touches, walls.places, scheme.rows
     for c in range(len(touches.first)):
         touches.log_gap_start[c] = touches.log_gap_before[c]
@@ -378,7 +378,7 @@ def begin_walls(walls: Walls, scheme: Scheme, stage: int, time_step: float) -> N
 
 @where_there()
 def end_walls(walls: Walls, stage: int, span: float) -> None:
-    """The slopes of a solved stage."""
+    """Compute the slopes of a solved stage."""
     touches, places = walls.touches, walls.places
     for c in range(len(touches.first)):
         touches.rate[stage, c, 0] = (touches.log_gap[c] - touches.log_gap_start[c]) / span
@@ -406,7 +406,7 @@ def wall_error(walls: Walls, scheme: Scheme, time_step: float) -> float:
 
 @where_there()
 def accept_walls(walls: Walls, turn: Array) -> None:
-    """Start the next step: spins are counted from zero again, and slips keep the rolled distance."""
+    """Start the next step: the rotation of spheres is added to the slip of their contacts, and reset."""
     touches, places = walls.touches, walls.places
     for c in range(len(touches.first)):
         touches.log_gap_before[c] = touches.log_gap[c]
@@ -423,12 +423,14 @@ def accept_walls(walls: Walls, turn: Array) -> None:
     copy_rows(places.past, places.slope[-1])
 
 
-# --- Walls that yield to forces, in Newton's step: their places border the spheres' system, like a box's shear
+# --- Walls that forces move: their positions border the system of Newton's method, like the shear of a box
 
 
 @compiled
 def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensions: int) -> None:
-    """The forces on spheres that a wall's displacement changes, and how its own force changes with the spheres'."""
+    """Write the border of a movable wall: the change of forces on spheres by its displacement, and the change of the
+    force on the wall by displacements of spheres.
+    """
     (column, rows), touches = to, walls.touches
     wall, axis = walls.places.free[unknown]
     along = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
@@ -445,7 +447,7 @@ def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensio
 
 @compiled_inside
 def target_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
-    """The specified force on a movable wall (N); the component along it by the shear of walls, too."""
+    """The prescribed force on a movable wall (N); the factor of wall shear applies to its tangential components."""
     wall, axis = places.free[unknown]
     along = 1.0 if places.normal[wall, axis] != 0.0 else load[1]
     return float(load[0] * along * places.force[wall, axis])
@@ -453,7 +455,7 @@ def target_force(places: Places, unknown: int, load: tuple[float, float]) -> flo
 
 @compiled
 def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Array, Array]) -> None:
-    """The residual of the force on each movable wall, and its derivatives by the walls."""
+    """Compute the residual force on each movable wall, and its derivatives by displacements of walls."""
     (left, corner), touches, free = borders, walls.touches, walls.places.free
     for one in range(len(free)):
         wall, axis = free[one]
@@ -469,7 +471,7 @@ def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Arra
 
 @where_there(0.0)
 def wall_force_residual(walls: Walls, position: Array, load: tuple[float, float]) -> float:
-    """The largest part of a force on a wall that is missing, less rounding."""
+    """The largest residual of a force on a wall, relative to the sum of magnitudes, minus the rounding error."""
     touches, worst = walls.touches, 0.0
     for unknown in range(len(walls.places.free)):
         wall, axis = walls.places.free[unknown]

@@ -1,4 +1,4 @@
-"""A step of time: implicit stages one after the other, and what they say of its error."""
+"""One time step: the implicit stages of a DIRK scheme, one after the other, and the estimate of its error."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ from ecume.units import Array
 
 FAILED = -1.0
 BEGIN, BALANCE, STEP = range(3)
-"""What a solver may be asked: for the slopes at a step's beginning, for the places where forces and stresses balance at
-gaps as they are, or for a step.
+"""Tasks of a solver: compute the rates at the start of a step, find the positions where forces and stresses balance at
+constant gaps, or compute a step.
 """
 
 
@@ -71,7 +71,7 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
 
 @compiled
 def end_stage(step: Step, goal: StageTarget, stage: int) -> None:
-    """The slopes of a solved stage, from what it added to its start: nothing is amplified so."""
+    """Compute the slopes of a solved stage from its difference to its start, which does not amplify rounding errors."""
     films, slope, bodies, span = step.films, step.slope, step.bodies, goal.span
     end_cell(step.cell, goal, stage)
     end_walls(step.walls, stage, span)
@@ -91,7 +91,9 @@ def end_stage(step: Step, goal: StageTarget, stage: int) -> None:
 
 @compiled
 def background_velocity(cell: Cell, position: Array, i: int, k: int) -> float:
-    """The velocity of the liquid at a sphere by the deformation of the box, at the start of the step."""
+    """A component of the velocity of the liquid at a sphere, from the deformation rate of the box at the start of the
+    step.
+    """
     slope = cell.slope[0]
     speed = slope[WIDTH + k] * position[i, k]
     return float(speed + slope[STRAIN] * position[i, 1] if k == 0 else speed)
@@ -99,7 +101,7 @@ def background_velocity(cell: Cell, position: Array, i: int, k: int) -> float:
 
 @composed
 def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
-    """The slopes at the step's beginning."""
+    """Compute the slopes at the start of the step."""
     reset_to_start(step, drive)
     contact_response(contacts, step.pairs, step.films, step.bodies.position, 0.0, step.responses)
     wall_response(step.walls, contacts, step.bodies.position, step.spins.turn, 0.0)
@@ -109,7 +111,7 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
 
 @compiled
 def reset_to_start(step: Step, drive: Drive) -> None:
-    """Everything at the step's beginning."""
+    """Reset all positions to the start of the step."""
     films, bodies = step.films, step.bodies
     copy_line(films.log_gap, step.log_gap)
     copy_rows(films.direction, step.direction)
@@ -128,7 +130,7 @@ def reset_to_start(step: Step, drive: Drive) -> None:
 
 @compiled
 def first_slopes(step: Step) -> None:
-    """The rates at the start of the step."""
+    """Compute the rates of contacts, walls, and of spheres with drag at the start of the step."""
     bodies = step.bodies
     copy_rows(step.slope[0], step.responses.slope)
     slopes_at_walls(step.walls)
@@ -143,7 +145,7 @@ def first_slopes(step: Step) -> None:
 
 @compiled
 def first_spins(step: Step) -> None:
-    """The spins at the start of a step if drag determines them: half the vorticity of the liquid."""
+    """Compute the spins at the start of a step with drag: half the vorticity of the liquid, plus torque over drag."""
     spins, right, dimensions = step.spins, step.bodies.right, step.bodies.position.shape[1]
     for i in range(len(spins.drag)):
         for k in range(spins.turn.shape[1]):
@@ -168,15 +170,15 @@ def error_of(step: Step, scheme: Scheme, time_step: float) -> float:
 
 @compiled_inside
 def drive_of(row: Array) -> Drive:
-    """The imposed values, from the numbers of one stage."""
+    """The drive of one stage, from its row of numbers."""
     return Drive(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9])
 
 
 @inlined
 def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest) -> float:
-    """Try a step from its first stage on: the estimated error, or FAILED.
+    """Compute all stages of a step. Returns the estimated error, or FAILED.
 
-    The new places are in `step.films` and `step.bodies.position`.
+    The new state is in `step.films` and `step.bodies.position`.
     """
     span = scheme.diagonal * during.length
     origin = drive_of(during.drives[0])
@@ -195,8 +197,8 @@ def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme
 
 @compiled
 def step_dense(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int) -> float:
-    """All operations for few spheres: BEGIN, BALANCE over a time `during.length`, or try a STEP. One function instead
-    of three, each of which would take as long to compile.
+    """Do any task for few spheres: BEGIN, BALANCE over a time `during.length`, or a STEP. One function instead of
+    three, each of which would take as long to compile.
     """
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)
@@ -209,7 +211,7 @@ def step_dense(contacts: Contacts, step: Step, scheme: Scheme, during: StepReque
 def step_many(
     newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int
 ) -> float:
-    """The same of many spheres, each pass over them compiled by itself."""
+    """Do any task for many spheres, with each loop over them compiled separately."""
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)
     if task == STEP:
@@ -220,7 +222,7 @@ def step_many(
 
 @compiled
 def accept(step: Step) -> None:
-    """The end of a step is the next one's beginning."""
+    """Make the end of a step the start of the next."""
     carry(step.pairs, step.films.direction)
     accept_walls(step.walls, step.spins.turn)
     copy_line(step.log_gap, step.films.log_gap)

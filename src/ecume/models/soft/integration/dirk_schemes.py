@@ -1,7 +1,6 @@
-"""Implicit Runge-Kutta schemes for a step: every one L-stable, its last stage the step's end, the first one explicit.
+"""Implicit Runge-Kutta schemes: L-stable, with an explicit first stage, and with the last stage at the end of the step.
 
-With the last stage at the end the forces balance there exactly, and with one coefficient on the diagonal a stage is
-like the next.
+Forces therefore balance exactly at the end of a step. All stages have the same coefficient on the diagonal.
 """
 
 from __future__ import annotations
@@ -17,21 +16,23 @@ from ecume.units import Array
 
 
 class Scheme(NamedTuple):
-    """A Butcher tableau: stage i adds the earlier slopes, weighted by its row, and `diagonal` times its slope."""
+    """A Butcher tableau. A stage is the start plus the slopes of earlier stages, weighted by its row, plus `diagonal`
+    times its slope.
+    """
 
     rows: Array
-    """(S, S) strictly below the diagonal; the last row ends the step"""
+    """(S, S) coefficients below the diagonal; the last row gives the end of the step"""
     diagonal: float
     times: Array
-    """(S,) of the stages, in steps"""
+    """(S,) times of the stages, in steps"""
     error: Array
     """(S,) weights of the slopes in the difference from the embedded scheme"""
     weights: Array
-    """(2, S) of the slopes in a step; and of what is no slope in its mean over a step, by the more accurate of the
-    scheme and the embedded one
+    """(2, S) weights of the slopes in a step; and weights for the time mean of a quantity over a step, by the more
+    accurate of the scheme and the embedded one
     """
     order: int
-    """of the scheme; the embedded one's is one less"""
+    """order of the scheme; that of the embedded one is lower by one"""
 
 
 def _scheme(rows: list[list[float]], diagonal: float, embedded: list[float], order: int) -> Scheme:
@@ -72,17 +73,17 @@ def tr_bdf2() -> Scheme:
 
 @dataclass(frozen=True)
 class TimeScheme:
-    """A row of the table: a scheme and everything that depends on it. Its costs were measured: see `cost`."""
+    """A row of the table: a scheme, and the measured costs of steps with it; see `cost`."""
 
     tableau: Scheme
     paper: Callable[[], Scheme]
-    """whose docstring names the reference"""
+    """the function whose docstring contains the reference"""
     relaxing: float
-    """steps of a process of four spheres, at a tolerance of 1e-3"""
+    """number of steps of a T1 process of four spheres, at a tolerance of 1e-3"""
     straining: float
-    """steps in a unit of strain, at a tolerance of 1e-3, of many spheres"""
+    """number of steps per unit of strain of many spheres, at a tolerance of 1e-3"""
     refinement: float
-    """the power of one over the tolerance with which they grow"""
+    """exponent of the number of steps in 1/tolerance"""
     seconds: float
     """of a step for each film, with the tries that fail: `tr-bdf2` solves 13 systems in a step, `esdirk4` 29, in 25 to
     65 iterations each"""

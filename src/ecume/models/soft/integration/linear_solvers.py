@@ -1,4 +1,4 @@
-"""Which way a step's linear systems are solved: the choice among `engine.linear_solvers`, and what it goes by."""
+"""The choice of the linear solver of a step among those of `engine.linear_solvers`."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.state import Step, StepRequest, Workspace
 
 FINE = 1e-13
-"""The last change of a position, over its distance, with which spheres are said to be balanced."""
+"""The largest relative change of a position in the last iteration of a balance."""
 FINE_SPUN = 1e-10
-"""The same with spinning spheres: in 3D only loads resist a spin about the line of a contact, so that its rounding
-error is larger.
+"""The same with spinning spheres: in 3D only external loads resist a spin about the line of a contact, so that its
+rounding error is larger.
 """
 FEW = 72
-"""Unknowns up to which elimination is the fastest."""
+"""The largest number of unknowns for which dense elimination is the fastest."""
 AGAIN = 10
-"""Steps without gradients after which they are tried again: what they take may have become less."""
+"""The number of steps after which the iterative solver is tried again; it may need fewer iterations by then."""
 PATIENCE = 2
-"""Times that a step is shortened before a factorization stands in for gradients."""
+"""The number of times that a step is shortened before a factorization replaces the iterative solver."""
 ITERATIONS, WITHOUT, BROKEN = range(3)
-"""Places in `State.effort`."""
+"""Indices of `State.effort`."""
 
 Stepper = Callable[[Contacts, Step, Scheme, StepRequest, int], float]
-"""A function that begins a step, balances forces, or tries a step: its status, or `dirk.FAILED`."""
+"""A function that begins a step, balances forces, or computes a step. Returns the estimated error, or `dirk.FAILED`."""
 
 
 def solver_names(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
-    """The solvers to try, one after the other: by the number of unknowns, the pattern and the state, so that a run
-    chooses as the last one did.
+    """The solvers to try, one after the other, from the number of unknowns, the pattern and the state, so that a
+    resumed run chooses the same.
 
-    Gradients break down where the matrix is not positive: mostly since the step is too long. Where shorter ones break
-    down, too, a factorization stands in until they go through again.
+    The iterative solver breaks down where the matrix is not positive definite, mostly because the step is too long.
+    Where it also breaks down in shorter steps, a factorization replaces it until it succeeds again.
     """
     if parameters.solver not in ("auto", "iterative"):
         return (parameters.solver,)
@@ -53,7 +53,7 @@ def solver_names(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[
 
 
 def stepper(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Stepper:
-    """A step by one of the solvers."""
+    """The function that computes a step by one of the solvers."""
     solve = partial(solvers.SOLVERS[name], kept)
     if any(rules) or len(parameters.walls.free):
         return partial(dirk.step_many, partial(newton.newton_bordered, solve))
@@ -70,7 +70,7 @@ def attempt(parameters: Parameters, scratch: Workspace, during: StepRequest, rul
         error = stepper(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, dirk.STEP)
         if error != dirk.FAILED:
             break
-    if error == dirk.FAILED:  # which says little of what systems of shorter steps take
+    if error == dirk.FAILED:  # the iterations of a failed step do not predict those of a shorter one
         effort[BROKEN] += 1
     elif name == "iterative":
         effort[:] = -(-kept.iterations // kept.systems), 0, 0
@@ -80,10 +80,10 @@ def attempt(parameters: Parameters, scratch: Workspace, during: StepRequest, rul
 
 
 def balance(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, Rules], effort: Integers) -> bool:
-    """Move spheres and box to where forces and stresses balance while the gaps stay as they are; whether there is such
-    a place. `at` is what was imposed, what is, and what answers to a stress.
+    """Move spheres and box to the balance of forces and stresses at constant gaps. Returns False without a balance.
+    `at` contains the drive before, the drive now, and the components that stresses control.
 
-    Spheres on which the liquid drags are held by it, and go with the box.
+    Spheres with drag move with the box.
     """
     (origin, drive, rules), step, kept = at, scratch.step, scratch.kept
     step.cell.rules[:] = rules
@@ -99,7 +99,7 @@ def balance(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, 
 
 
 def begin_step(parameters: Parameters, step: Step, drive: Drive) -> None:
-    """Contacts and forces at the step's beginning, into `step`."""
+    """Compute contacts and forces at the start of a step, into `step`."""
     during, scheme = StepRequest(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme].tableau
     few = parameters.solver == "auto" and parameters.force.size <= FEW
     start = (

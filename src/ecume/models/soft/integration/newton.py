@@ -1,6 +1,6 @@
-"""Newton's method for a stage: all spheres, contacts, spins, walls and the box at once.
+"""Newton's method for a stage: one system for all spheres, contacts, spins, walls and the box.
 
-What pulls at each sphere, and what resists: right side and matrix of Newton's step.
+The right side is the residual force on each sphere, the matrix its negative derivative.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ from ecume.models.soft.state import Bodies, Step
 from ecume.units import Array
 
 CHUNK = 256
-"""Spheres or contacts that a thread takes at once."""
+"""Spheres or contacts per task of a thread."""
 
 
 def count_pairs(pairs: Pairs, *_: object) -> int:
@@ -72,8 +72,8 @@ def count_pairs(pairs: Pairs, *_: object) -> int:
 
 @composed
 def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[float, float, float]:
-    """Write the residual force on each sphere into `right`; returns its largest value, the largest force, and the
-    rounding error.
+    """Write the residual force on each sphere into `right`. Returns the largest residual, the largest force, and an
+    upper bound of the rounding error.
     """
     right, position, along = step.bodies.right, step.bodies.position, flow_gradient(step.cell)
     load_torques(step.spins, right, factor, (span, -0.5 * along[0, 1]))
@@ -87,7 +87,7 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
 
 @compiled
 def largest_of(right: Array) -> float:
-    """The largest magnitude."""
+    """The largest magnitude in an array."""
     worst = 0.0
     for i in range(right.shape[0]):
         for k in range(right.shape[1]):
@@ -104,10 +104,11 @@ def sum_forces(
     along: Array,
     given: tuple[float, float, float, float],
 ) -> tuple[float, float]:
-    """All forces on each sphere but walls', into `right`; the largest, and the largest of stiffness times place.
+    """Write the sum of external forces, drag and contact forces on each sphere into `right`. Returns the largest force,
+    and the largest product of stiffness and coordinate.
 
-    Given are what external forces are multiplied by, the stage's span, what part of the corrections counts, and the
-    strain of a box that answers to a stress.
+    `given` contains the factor of external forces, the time span of the stage, the factor of the corrections, and the
+    strain of a stress-controlled box.
     """
     right, position, count = bodies.right, bodies.position, len(bodies.drag)
     chunks = (count + CHUNK - 1) // CHUNK
@@ -128,7 +129,9 @@ def sum_forces(
 def set_external_forces(
     bodies: Bodies, right: Array, i: int, along: Array, during: tuple[float, float, float]
 ) -> tuple[float, float]:
-    """External force and drag on a sphere, into `right`; the largest force, and of stiffness times place."""
+    """Write external force and drag on a sphere into `right`. Returns the largest force, and the largest product of
+    stiffness and coordinate.
+    """
     factor, span, strain = during
     external, weight, drag, position = bodies.force, bodies.weight, bodies.drag, bodies.position
     moved, start = bodies.moved, bodies.start
@@ -141,7 +144,7 @@ def set_external_forces(
             for m in range(dimensions):
                 carried += along[k, m] * position[i, m]
             right[i, k] -= drag[i] * (moved[i, k] - carried) / span
-            # What is carried is known to the last digits of the box's strain, not to those of its change.
+            # The rounding error is that of the strain of the box, not that of its change.
             size = max(abs(moved[i, k]), abs(carried), strain * abs(position[i, k]))
             stiffest = max(stiffest, drag[i] / span * size)
     return largest, stiffest
@@ -151,8 +154,8 @@ def set_external_forces(
 def add_contact_forces(
     network: tuple[Pairs, ContactResponses, Pattern], bodies: tuple[Array, Array], i: int, corrected: float
 ) -> tuple[float, float]:
-    """Add the forces of a sphere's contacts, in their order; the largest force, and of stiffness times place, of those
-    that it is the first of.
+    """Add the forces of the contacts of a sphere, in their order. Returns the largest force, and the largest product of
+    stiffness and coordinate, of the contacts in which the sphere is the first.
     """
     (pairs, responses, pattern), (position, right) = network, bodies
     force, correction, stiffness = responses.force, responses.correction, responses.stiffness
@@ -174,7 +177,7 @@ def add_contact_forces(
 
 @composed
 def assemble_jacobian(step: Step, span: float) -> None:
-    """The matrix of Newton's step: what resists a displacement of each sphere."""
+    """Assemble the matrix of Newton's method: the negative derivative of forces by displacements."""
     bodies, spins, pattern, numbers = step.bodies, step.spins, step.matrix.pattern, step.matrix.blocks
     dimensions, width = bodies.position.shape[1], bodies.diagonal.shape[1]
     set_diagonal(bodies, spins.drag, span)
@@ -190,7 +193,7 @@ def assemble_jacobian(step: Step, span: float) -> None:
 
 @compiled
 def set_diagonal(bodies: Bodies, spin_drag: Array, span: float) -> None:
-    """Add the drag of the liquid, and what holds loose pieces."""
+    """Set the diagonal of the matrix to the drag of the liquid and the anchors of free pieces."""
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
         for k in range(bodies.diagonal.shape[1]):
@@ -205,28 +208,28 @@ def count_links(pattern: Pattern, *_: object) -> int:
 
 @shared(count_links)
 def fill_matrix(pattern: Pattern, numbers: Array, stiffness: Array, diagonal: Array) -> None:
-    """The rows of all spheres."""
+    """Fill the matrix rows of all spheres."""
     for i in prange(len(diagonal)):
         block_matrix.fill_row(pattern, numbers, stiffness, diagonal, i)
 
 
 @composed
 def rotates_freely(step: Step) -> bool:
-    """Whether nothing keeps the spheres from circling each other all together."""
+    """Whether the spheres can rotate together without resistance."""
     sides = step.cell.sides
     return not (is_anchored(step) or sides[0] > 0.0 or sides[1] > 0.0 or sides[2] > 0.0)
 
 
 @composed
 def is_anchored(step: Step) -> bool:
-    """Whether walls, or drag or anchors of some spheres, keep them from going away all together."""
+    """Whether walls, or the drag or anchors of some spheres, prevent a common translation."""
     bodies = step.bodies
     return len(step.walls) > 0 or largest_value(bodies.drag) > 0.0 or largest_value(bodies.anchor) > 0.0
 
 
 @compiled
 def largest_value(values: Array) -> float:
-    """The largest, or zero."""
+    """The largest value of a line, or zero."""
     largest = 0.0
     for i in range(len(values)):
         largest = max(largest, values[i])
@@ -236,25 +239,25 @@ def largest_value(values: Array) -> float:
 MOST_ITERATIONS = 24
 """Where films and surfaces change regime, the first ten to fifteen iterations look for the side of the kink."""
 BALANCE = 1e-9
-"""The largest force that may be left on a sphere, over the largest there is, or what may be missing of a stress."""
+"""The largest permitted residual force over the largest force; also that of stresses."""
 CLOSE, LIKELY = 1e-10, 0.1
-"""Newton's method continues as long as it halves the residual, down to this fraction of the largest force and of an
-upper bound of the rounding error.
+"""Newton's method continues while it halves the residual, until it falls below CLOSE times the largest force plus
+LIKELY times an upper bound of the rounding error.
 """
 
 Solve = Callable[[Matrix, Array, Array, int], bool]
-"""A solver of `engine.linear_solvers` with what it keeps."""
+"""A solver of `engine.linear_solvers`, with its stored factorization bound."""
 
 
 @composed
 def sides(step: Step) -> int:
-    """The number of right-hand sides: the residual, and the rotation of the first of free spheres."""
+    """The number of right-hand sides: the residual, and one for each rotation of freely rotating spheres."""
     return 1 + (step.spins.turn.shape[1] if rotates_freely(step) else 0)
 
 
 @compiled
 def solve_dense(step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
-    """Newton's step by dense elimination."""
+    """Compute Newton's step by dense elimination."""
     several = sides(step)
     return block_matrix.eliminate(
         step.matrix, step.borders.right[:several], step.borders.change[:several], null_space_dimension
@@ -262,20 +265,20 @@ def solve_dense(step: Step, goal: StageTarget, null_space_dimension: int) -> boo
 
 
 def solve_plain(solve: Solve, step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
-    """Newton's step, where spheres have nothing in common but their contacts."""
+    """Compute Newton's step where the box and walls have no unknowns."""
     several = sides(step)
     return solve(step.matrix, step.borders.right[:several], step.borders.change[:several], null_space_dimension)
 
 
 def solve_bordered(solve: Solve, step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
-    """Newton's step with what all spheres share."""
+    """Compute Newton's step with unknowns of the box or of walls."""
     count = fill_borders(step, goal)
     found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], null_space_dimension)
     return found and solve_borders(step, goal, count)
 
 
 def fill_borders(step: Step, goal: StageTarget) -> int:
-    """The borders of the system, by the box or by walls; how many there are."""
+    """Fill the borders of the system for the unknowns of the box or of walls. Returns their number."""
     walls, bodies, spins = all_walls(step.walls), step.bodies, step.spins
     if count := unknowns(step.cell):
         dragged = DragTerms(bodies.position, bodies.drag, spins.drag, spins.radius)
@@ -286,7 +289,9 @@ def fill_borders(step: Step, goal: StageTarget) -> int:
 
 
 def solve_borders(step: Step, goal: StageTarget, count: int) -> bool:
-    """Change what all spheres share, and the spheres with it; whether there is such a change."""
+    """Solve for the unknowns of the box or walls, and correct the displacements of spheres. Returns False without a
+    solution.
+    """
     change = border_solution(step.borders, count)
     if change is None:
         return False
@@ -299,13 +304,13 @@ def solve_borders(step: Step, goal: StageTarget, count: int) -> bool:
 
 @composed
 def network_of(step: Step) -> ContactNetwork:
-    """The data for the borders of the system."""
+    """The contacts of a step, as needed for the borders of the system."""
     return ContactNetwork(step.pairs, step.responses, step.bodies.position)
 
 
 @composed
 def stress_residual(step: Step, goal: StageTarget) -> float:
-    """The residual of the stresses that control the box, or of the forces on walls."""
+    """The relative residual of the stresses that control the box, or of the forces on walls."""
     if unknowns(step.cell) > 0:
         return box_stress_residual(step.cell, network_of(step), goal)
     load = (goal.drive.load, goal.drive.wall_shear)
@@ -314,7 +319,7 @@ def stress_residual(step: Step, goal: StageTarget) -> float:
 
 @composed
 def apply_drive(step: Step, goal: StageTarget) -> None:
-    """Impose the drive, and displace the spheres with the box."""
+    """Impose the drive on the box, and displace the spheres with it."""
     old = step.cell.shape.copy()
     impose(step.cell, goal)
     deform_positions(step.cell, old, step.bodies.position, step.bodies.moved)
@@ -323,7 +328,7 @@ def apply_drive(step: Step, goal: StageTarget) -> None:
 
 @composed
 def zero_residual(step: Step, goal: StageTarget) -> float:
-    """The residual of the stresses if nothing responds to a stress: zero."""
+    """The residual of the stresses where no stress is controlled: zero."""
     return 0.0
 
 
@@ -331,7 +336,9 @@ def zero_residual(step: Step, goal: StageTarget) -> float:
 def newton_with(
     solve: Callable[..., bool], residual: Callable[..., float], contacts: Contacts, step: Step, goal: StageTarget
 ) -> bool:
-    """Solve a stage: whether forces and stresses balance and the last change was fine enough."""
+    """Solve a stage by Newton's method. Returns whether forces and stresses balance and the last change was small
+    enough.
+    """
     apply_drive(step, goal)
     bodies, load, span = step.bodies, goal.drive.load, goal.span
     null_space_dimension = 0 if is_anchored(step) else bodies.position.shape[1]
@@ -359,25 +366,26 @@ def newton_with(
 
 @compiled
 def newton_dense(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """A stage of few spheres."""
+    """Solve a stage of few spheres."""
     return newton_with(solve_dense, zero_residual, contacts, step, goal)
 
 
 def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """A stage of many spheres. Each pass over them is compiled by itself: all in one took ten times as long, since
-    arrays that are reached through tuples are then counted in the inner loops.
+    """Solve a stage of many spheres. Each loop over them is compiled separately: one function for all took ten times as
+    long, since references to arrays in tuples are then counted in the inner loops.
     """
     return plainly(newton_with)(partial(solve_plain, solve), zero_residual, contacts, step, goal)
 
 
 def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """A stage whose box answers to stresses, or whose walls yield to forces."""
+    """Solve a stage with a stress-controlled box, or with walls that forces move."""
     return plainly(newton_with)(partial(solve_bordered, solve), stress_residual, contacts, step, goal)
 
 
 def balance_borders(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """Balance at once what all spheres share, while the liquid holds each sphere where it carries it: in no time none
-    goes through it, and its spin is half of the vorticity. What is left on a sphere drives it from then on.
+    """Balance the stresses of the box or the forces on walls in zero time, while drag prevents any motion of the
+    spheres relative to the liquid: they move with the box, and spin with half of its vorticity. The residual forces
+    move them from then on.
     """
     apply_drive(step, goal)
     bodies, spins, change, last = step.bodies, step.spins, step.borders.change, math.inf
@@ -399,16 +407,20 @@ def balance_borders(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     return False
 
 
-# --- One of Newton's changes, put in: box, spheres, walls and contacts move by as much of it as can be believed
+# --- Update by Newton's step, damped where it is outside the validity of the linearization
 
 
 LONGEST_CHANGE = 0.7
-"""Of ln(gap) in one iteration: beyond it the linear answer means nothing, and the update is shortened."""
+"""The largest change of ln(gap) in one iteration. Larger ones are outside the validity of the linearization, and the
+step is shortened.
+"""
 
 
 @composed
 def move(step: Step, goal: StageTarget) -> float:
-    """Add the solved change to box, spheres and contacts, shortened where it is too long; how large it was."""
+    """Add Newton's step to box, spheres, walls and contacts, shortened if it is too long. Returns its largest
+    component.
+    """
     bodies, films, responses, by = step.bodies, step.films, step.responses, step.cell.change
     largest = shift_contacts(step.pairs, responses, bodies, by)
     largest = max(largest, largest_change(by, bodies.change, bodies.position.shape[1], step.spins.radius))
@@ -427,7 +439,7 @@ def move(step: Step, goal: StageTarget) -> float:
 
 @shared(count_pairs)
 def shift_contacts(pairs: Pairs, responses: ContactResponses, bodies: Bodies, by: Array) -> float:
-    """Apply a Newton step to the contacts; returns the largest change."""
+    """Compute the changes of ln(gap) and direction that follow from Newton's step. Returns the largest."""
     first, second, offset, radius_sum = pairs.first, pairs.second, pairs.offset, pairs.radius_sum
     position, change, shift, response = bodies.position, bodies.change, responses.shift, responses.response
     count, dimensions = len(first), position.shape[1]
@@ -452,7 +464,7 @@ def count_films(films: Films, *_: object) -> int:
 
 @shared(count_films)
 def move_contacts(films: Films, responses: ContactResponses, part: float) -> None:
-    """Add a part of their change."""
+    """Add a fraction of the computed changes to ln(gap) and direction of all contacts."""
     log_gap, direction, shift = films.log_gap, films.direction, responses.shift
     for c in prange(len(log_gap)):
         move_contact(log_gap, direction, shift, part, c)
@@ -460,7 +472,7 @@ def move_contacts(films: Films, responses: ContactResponses, part: float) -> Non
 
 @compiled_inside
 def move_contact(log_gap: Array, direction: Array, shift: Array, part: float, c: int) -> None:
-    """Add a part of a contact's change."""
+    """Add a fraction of the computed changes to a contact, and normalize its direction."""
     log_gap[c] += part * shift[c, 0]
     length = 0.0
     for k in range(3):
@@ -473,7 +485,7 @@ def move_contact(log_gap: Array, direction: Array, shift: Array, part: float, c:
 
 @compiled
 def largest_change(by: Array, change: Array, dimensions: int, radius: Array) -> float:
-    """The largest change of the box, relative, and of spins (rad), in a Newton step."""
+    """The largest relative change of the box and the largest rotation of a sphere (rad) in Newton's step."""
     largest = 0.0
     for k in range(3):
         for m in range(3):
@@ -486,7 +498,7 @@ def largest_change(by: Array, change: Array, dimensions: int, radius: Array) -> 
 
 @compiled
 def displace(bodies: Bodies, turn: Array, by: Array, part: float) -> None:
-    """Add a part of Newton's change to places and spins."""
+    """Add a fraction of Newton's step to positions and spins."""
     position, change, dimensions = bodies.position, bodies.change, bodies.position.shape[1]
     moved_by = bodies.moved
     for i in range(len(position)):

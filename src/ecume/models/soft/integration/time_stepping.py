@@ -38,12 +38,14 @@ from ecume.units import Array
 SAFETY = 0.9
 MOST_GROWTH, MOST_SHRINK = 5.0, 0.2
 AFTER_FAILURE = 0.25
-"""What a step is multiplied by when its equations were not solved."""
+"""The factor of the next time step after the equations of a step could not be solved."""
 LEAST_ERROR = 1e-8
 MOST_TRIES = 60
-"""A step that is not good after so many, each shorter than the last, is given up, and with it the run."""
+"""The number of attempts of a step, each with a shorter time step, before the run ends."""
 LEAST_PER_CYCLE, COARSE = 20, 1e-3
-"""Steps in a cycle of what oscillates, at this tolerance or a larger one: a sine is to be as accurate as gaps are."""
+"""LEAST_PER_CYCLE time steps per cycle of an oscillation at tolerances of COARSE or more, so that a sine is as accurate
+as the gaps.
+"""
 AFTER_JUMP = 1e-6
 """Of the time between frames: the first step after a jump, whose relaxation the steps before say nothing of."""
 PER_AGE = 16.0
@@ -51,14 +53,14 @@ PER_AGE = 16.0
 at all rates, that of the widest films first, whose gaps change little, so that their error says nothing of the work.
 """
 NARROW = 0.5
-"""Of the reach of films: a gap below it that had no film before was come upon in too long a step."""
+"""A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
 NEARLY = 1e-9
-"""A step that would leave less than this part of itself to a frame or turn takes it along."""
+"""A step that would end within this fraction of itself before a frame or corner is extended to it."""
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """Integrate over at least that many ticks, but not past a frame; one step for 0 ticks. `CROWDED` if contacts opened
-    or closed.
+    """Integrate over at least that many ticks, but not past a frame; one step for 0 ticks. Returns `CROWDED` if
+    contacts opened or closed.
     """
     if scratch.generation != state.generation[0]:
         return CROWDED
@@ -79,8 +81,8 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 
 def update_contacts(parameters: Parameters, state: State, opened: PairList | None) -> bool:
-    """Open and close contacts; whether there was anything to do. If spheres met without a film while deflections are
-    beyond the range of the contact laws, Diverged names these as the cause.
+    """Open and close contacts. Returns whether any changed. If spheres meet without a film while deflections are beyond
+    the range of the contact laws, the message of Diverged names these as the cause.
     """
     try:
         return update_contact_list(parameters, state, opened)
@@ -93,8 +95,8 @@ def update_contacts(parameters: Parameters, state: State, opened: PairList | Non
 
 
 def rebalance(parameters: Parameters, state: State) -> None:
-    """Balance the forces again, at constant gaps, after contacts with a small force have faded; films dissipate what
-    this releases. Where there is no balance, the next step decides.
+    """Balance the forces again at constant gaps after contacts with a small force have faded; the films dissipate the
+    released energy. Without a balance, the next step decides.
     """
     scratch, now = workspace(parameters, state, 1.0), float(state.pace[CLOCK])
     interval = interval_at(parameters.protocol, now)
@@ -110,7 +112,9 @@ def rebalance(parameters: Parameters, state: State) -> None:
 
 
 def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairList | None:
-    """Try until a step is good, and take it; who has come near in it. None when there is no such step."""
+    """Repeat a step with shorter time steps until its error is small enough, and accept it. Returns the new contacts at
+    its end, or None without success.
+    """
     scheme = SCHEMES[parameters.scheme].tableau
     for _ in range(MOST_TRIES):
         length, end = _next(parameters, state)
@@ -143,7 +147,7 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
 
 
 def new_contacts(parameters: Parameters, step: Step) -> PairList:
-    """The pairs that need a film at the end of a step, and have none."""
+    """The pairs that need a film at the end of a step and have none."""
     box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
     pair = np.stack([step.pairs.first, step.pairs.second], axis=1)
     image = step.pairs.image[:, : parameters.dimensions].astype(np.int64)
@@ -151,8 +155,8 @@ def new_contacts(parameters: Parameters, step: Step) -> PairList:
 
 
 def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool:
-    """Whether spheres have come so close in a step, to each other or to walls, that a film should have been between
-    them long before.
+    """Whether a pair of spheres, or a sphere and a wall, are closer than new contacts should be: their film should have
+    appeared in an earlier step.
     """
     if missed_wall_contact(parameters, step, all_walls(step.walls)):
         return True
@@ -165,7 +169,7 @@ def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool
 
 
 def missed_wall_contact(parameters: Parameters, step: Step, walls: Walls) -> bool:
-    """The same of walls alone."""
+    """Whether a sphere is closer to a wall than a new contact should be."""
     touching = np.zeros((len(step.bodies.position), len(parameters.walls.modulus)), np.bool_)
     touching[walls.touches.first, walls.touches.wall] = True
     close = wall_gaps(parameters, step.bodies.position, walls.places.place) < NARROW * parameters.contacts.fade_from
@@ -181,8 +185,10 @@ def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> A
 
 
 def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """If the protocol jumps at this time, find the new balance with constant gaps; whether there is one.
-    A jump is the limit of a fast ramp: its work goes into deflections.
+    """Balance forces at constant gaps if the protocol jumps at this time. Returns False without a
+    balance.
+
+    A jump is the limit of a fast ramp: all its work is stored in deflections.
     """
     if not jumps_now(parameters, state):
         return True
@@ -210,14 +216,14 @@ def jumps_now(parameters: Parameters, state: State) -> bool:
 
 
 def _grown(state: State, length: float, ratio: float, scheme: Scheme) -> float:
-    """The next step, from this one's error and the last one's."""
+    """The length of the next step, from the errors of this step and the previous one (a PI controller)."""
     past = float(state.pace[PAST_ERROR]) or 1.0
     growth = SAFETY * ratio ** (-0.7 / scheme.order) * past ** (0.4 / scheme.order)
     return length * float(min(MOST_GROWTH, max(MOST_SHRINK, growth)))
 
 
 def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) -> None:
-    """The step's end becomes the state."""
+    """Copy the accepted step to the state."""
     accept(scratch.step)
     length = end - float(state.pace[CLOCK])
     state.velocity[:] = (scratch.step.bodies.before - state.position) / length
@@ -230,12 +236,12 @@ def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) 
 
 
 def _due(parameters: Parameters, frame: int) -> float:
-    """When a frame is due (s); the last one at the end."""
+    """The time of a frame (s); that of the last is the end of the run."""
     return min(frame * parameters.steps_per_frame * parameters.time_step, parameters.end)
 
 
 def _tick(parameters: Parameters, before: int, time: float) -> int:
-    """The tick of a time; between two frames, never a frame's own."""
+    """The tick of a time; between two frames it never equals that of a frame."""
     frame = before // parameters.steps_per_frame
     first, last = frame * parameters.steps_per_frame, (frame + 1) * parameters.steps_per_frame
     if parameters.end < math.inf:
@@ -263,13 +269,13 @@ def step_per_age(parameters: Parameters) -> float:
 
 
 def steps_per_cycle(parameters: Parameters) -> float:
-    """The least steps in a cycle: as the tolerance to the power -1/(p + 1), for an error of order p + 1 in a step."""
+    """The minimum number of steps per cycle, proportional to tolerance^(-1/(p + 1)) for a scheme of order p."""
     order = SCHEMES[parameters.scheme].tableau.order
     return float(LEAST_PER_CYCLE * max(COARSE / parameters.tolerance, 1.0) ** (1.0 / (order + 1.0)))
 
 
 def _next(parameters: Parameters, state: State) -> tuple[float, float]:
-    """The largest length of the next step, and its end: not beyond the next frame or corner of the protocol."""
+    """The length of the next step and the time of its end, at most that of the next frame or corner of the protocol."""
     now = float(state.pace[CLOCK])
     due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
     stop = next_stop(parameters.protocol, now, due)

@@ -1,11 +1,11 @@
-"""The energy budget of soft spheres: the work done on them, and the energy stored and dissipated.
+"""The energy budget of soft spheres: injected work, and stored and dissipated energy.
 
-Without inertia all work is dissipated in films and in the drag of the surrounding liquid, or stored in deflections. The
-powers are evaluated at each stage of a step, and added with the weights of the scheme: the budget closes with the order
-of the scheme. The work of external forces follows from displacements, since positions have no rates.
+Without inertia all work is stored in deflections, or dissipated in films and by the drag of the surrounding liquid. The
+powers are evaluated at each stage of a step and added with the weights of the scheme, so that the budget closes with
+the order of the scheme. The work of external forces follows from displacements, since positions have no rates.
 
-The surface law has no potential: the size of a contact follows its gap, without a force on the film. The energy that
-surfaces take or give in this way is a separate entry; see `soft_pair.gap_energy`.
+The surface law has no potential: the size of a contact depends on its gap, without a force on the film. The energy that
+surfaces gain or lose in this way is a separate entry; see `soft_pair.gap_energy`.
 """
 
 from __future__ import annotations
@@ -38,27 +38,31 @@ from ecume.models.soft.state import Bodies, Step, StepRequest
 from ecume.units import Array
 
 INJECTED, FILMS, DRAG, SIZE = range(4)
-"""Places in `State.budget` (J): work from outside; what films, and drag, dissipated; what contacts' sizes took."""
+"""Indices of `State.budget` (J): injected work, dissipation by films and by drag, and work of changing contact sizes.
+"""
 TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, RESPONDING, BY_LOAD, BY_WEIGHT = range(8)
-"""Columns of a stage's row: powers (W), but for SHRUNK, BY_LOAD and BY_WEIGHT (J). DRIVEN is prescribed motion;
-ANSWERED is motion that responds to stresses: its rates are slopes of the scheme, and its displacement their weighted
-sum.
+"""Columns of the row of a stage: powers (W), except SHRUNK, BY_LOAD and BY_WEIGHT (J). DRIVEN is the power of
+prescribed motion, RESPONDING that of motion controlled by stresses, whose displacement is the weighted sum of its
+rates.
 """
 
 OF_CONTACTS = ("first", "second", "image", "offset", "radius_sum", "reduced_radius", "modulus")
-"""The fields of `Pairs` that the stored energy takes."""
+"""The fields of `Pairs` that determine the stored energy."""
 Five = tuple[float, float, float, float, float]
 ContactArrays = tuple[tuple[Any, ...], tuple[Any, ...], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
-"""Arrays of contacts: who, how large, where the films are, forces and rates, places with the box's rates and memory."""
+"""Arrays of contacts: spheres and images; sizes; states of films; forces and rates; positions with the rates of the box
+and the values of the last stage.
+"""
 
 
 @compiled_inside
 def surface_work(
     contacts: Contacts, body: Body, at: tuple[float, float, float], before: tuple[float, float]
 ) -> tuple[float, float, Elastic]:
-    """The work of the size of a contact, at this gap, stretch and shear squared, by a change of ln(gap) (J); that of
-    its tangential stiffness since the previous stage (J), from that and shear squared there, by a tangential law
-    without a potential; the elastic response.
+    """The power by which the size of a contact changes energy, per rate of ln(gap) (J); the energy change by its
+    tangential stiffness since the previous stage (J), for tangential laws without a potential; and the elastic
+    response. `at` contains gap, stretch and shear squared; `before` the tangential stiffness and the shear squared at
+    the previous stage.
     """
     gap, stretch, square = at
     surface = elastic_of(contacts, body, gap, stretch, math.sqrt(square))
@@ -100,8 +104,8 @@ def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: StepReques
 
 @compiled_inside
 def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int], sums: Array, chunk: int) -> None:
-    """The energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
-    dissipates it, less the power of remote forces.
+    """Sum the energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
+    dissipates it, minus the power of long-range forces.
     """
     (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values) = (
         arrays[0],
@@ -136,7 +140,7 @@ def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int],
 
 @compiled
 def gather_line(sums: Array, line: Array, cell: Cell) -> None:
-    """Begin a line with what all pairs come to."""
+    """Start the row of a stage with the sums over all pairs."""
     for k in range(len(line)):
         line[k] = 0.0
     for chunk in range(len(sums)):
@@ -148,16 +152,14 @@ def gather_line(sums: Array, line: Array, cell: Cell) -> None:
 
 @compiled_inside
 def image_velocity(box: Array, image: Array, c: int) -> Vector:
-    """The velocity of the image that a pair touches, relative to its sphere (m/s)."""
+    """The velocity of the periodic image in a contact, relative to its sphere (m/s)."""
     i, j, k = image[c, 0], image[c, 1], image[c, 2]
     return box[0, 0] * i + box[0, 1] * j, box[1, 1] * j, box[2, 2] * k
 
 
 @where_there((0.0, 0.0, 0.0, 0.0, 0.0))
 def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: int, sheared: Array) -> Five:
-    """The first four of a line, of all contacts with walls, and what walls do that answer to forces: what moves a wall
-    bears the force on its spheres.
-    """
+    """The sums over contacts with walls: the first four columns, and the power of walls that forces move."""
     touches, places, (position, turn) = walls.touches, walls.places, at
     film, size, driven, shrunk, answered = 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(len(touches.first)):
@@ -185,7 +187,7 @@ def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: 
 
 @compiled
 def box_rates(cell: Cell, stage: int) -> Array:
-    """The rates of the sides of the box (m/s), as columns."""
+    """The rates of the edge vectors of the box (m/s), as columns."""
     rates, slope, shape = np.zeros((3, 3)), cell.slope[stage], cell.shape
     for k in range(3):
         rates[k, k] = cell.sides[k] * math.exp(shape[WIDTH + k]) * slope[WIDTH + k]
@@ -196,8 +198,8 @@ def box_rates(cell: Cell, stage: int) -> Array:
 
 @compiled
 def carried(cell: Cell, stage: int, span: float) -> Array:
-    """The velocity gradient of the liquid that a stage's drag goes by (1/s): the flow since its start, over its span.
-    That of a strain that is imposed as a sine differs from its rate at the stage.
+    """The velocity gradient of the liquid in the drag of a stage (1/s): the displacement gradient since its start, over
+    its time span. For an oscillating strain this differs from the rate at the stage.
     """
     if stage > 0:
         return flow_gradient(cell) / span
@@ -210,7 +212,9 @@ def carried(cell: Cell, stage: int, span: float) -> Array:
 
 @compiled
 def add_bodies(spheres: tuple[Bodies, Spins], along: Array, stage: int, line: Array) -> None:
-    """The rest of a stage's line: drag, and the way of what pulls and turns; the liquid goes by a gradient."""
+    """Add drag and the work of external forces and torques to the row of a stage; `along` is the velocity gradient of
+    the liquid.
+    """
     bodies, spins = spheres
     position, moved, force, weight, drag = bodies.position, bodies.moved, bodies.force, bodies.weight, bodies.drag
     for i in range(len(drag)):
@@ -229,17 +233,17 @@ def add_bodies(spheres: tuple[Bodies, Spins], along: Array, stage: int, line: Ar
 
 @compiled_inside
 def add_drag(line: Array, friction: float, speed: float, along: float) -> None:
-    """The drag power on a sphere in a liquid that the box carries along: drag times the speed of the liquid."""
+    """Add the dissipation by the drag on a sphere, and the power of the box, which moves the liquid."""
     line[DRAGGED] += friction * (speed - along) ** 2
     line[RESPONDING] -= friction * (speed - along) * along
 
 
 @compiled
 def add_step(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
-    """The contribution of a step to the energy budget, in the row after those of its stages.
+    """Sum the rows of all stages to the contribution of the step to the energy budget.
 
     A force with a load l(t), linear within a step, does the work integral of l dY over its displacement Y: l Y at the
-    end, less the integral of Y dl.
+    end, minus the integral of Y dl.
     """
     added, last = lines[len(lines) - 1], len(lines) - 2
     grown = drives[last, 0] - drives[0, 0]
