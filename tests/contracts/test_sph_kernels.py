@@ -94,12 +94,12 @@ def test_the_sums_of_a_tank_are_those_of_the_formulas_of_the_row(name, dimension
     scene = free_blob(dimension, kernel=name, viscosity=1.0, **method)
     parameters, state, workspace = at_start(scene)
     density_rate, acceleration = expected_rates(kernel(name, dimension), parameters, state)
-    take_thickening(parameters, state, workspace)
+    compute_density_rate(parameters, state, workspace)
     close(state.thickening, density_rate)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    compute_accelerations(parameters, state, workspace, parameters.time_step)
     close(state.acceleration, acceleration)
     state.thickening[...], state.acceleration[...] = 0.0, 0.0
-    take_both(parameters, state, workspace, parameters.time_step)
+    compute_rates(parameters, state, workspace, parameters.time_step)
     close(state.thickening, density_rate)
     close(state.acceleration, acceleration)
 
@@ -110,7 +110,7 @@ def test_the_mass_density_summed_over_particles_is_that_of_the_row(name, dimensi
     spec = {"count": 20, "low": [-0.3] * dimension, "high": [0.3] * dimension}
     scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "passive_tracers": [spec]})
     parameters, state, workspace = at_start(scene)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    compute_accelerations(parameters, state, workspace, parameters.time_step)
     found = surroundings(parameters, workspace, state.passive_position).fraction
     apart = state.position[:, :, None] - state.passive_position[:, None, :]
     weights = kernel(name, dimension).value(np.sqrt(np.sum(apart**2, axis=0)), smoothing_of(scene))
@@ -136,7 +136,7 @@ def test_a_number_that_no_kernel_has_is_refused(code):
     parameters, state, workspace = at_start(free_blob())
     parameters.numbers.kernel = code
     with pytest.raises(ValueError, match=rf"got {code}; expected a number of KERNEL_CODES"):
-        take_forces(parameters, state, workspace, parameters.time_step)
+        compute_accelerations(parameters, state, workspace, parameters.time_step)
     with pytest.raises(KeyError):
         kernel_type(parameters.constants)
 

@@ -12,7 +12,7 @@ from scipy.optimize import nnls
 
 from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import make_contacts
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 
 COMPILED = os.environ.get("NUMBA_DISABLE_JIT") != "1"
 sizes = st.tuples(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
@@ -85,7 +85,7 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
 def test_any_braced_raft_converges(rings, seed):
     contacts, start, mobility = raft(rings, seed)
     velocity = start.copy()
-    sweeps = impulse_solvers.solve(contacts, velocity, mobility, Goal(1e-9, 1e-7))
+    sweeps = impulse_solvers.solve(contacts, velocity, mobility, Tolerance(1e-9, 1e-7))
     assert sweeps <= impulse_solvers.MOST_SWEEPS
     wrong, unexplained = optimality(contacts, start, velocity, mobility)
     assert wrong <= 1e-7
@@ -116,7 +116,7 @@ def test_an_island_is_solved_without_touching_the_others(seed):
             getattr(both, name)[rows] = getattr(one, name)[:total]
     starts, mobilities = np.concatenate([start, 2.0 * start]), np.concatenate([mobility, mobility])
     velocity = starts.copy()
-    assert impulse_solvers.solve_by_active_set(both, (total, 2 * total), velocity, mobilities, Goal(1e-12, 1e-12))
+    assert impulse_solvers.solve_by_active_set(both, (total, 2 * total), velocity, mobilities, Tolerance(1e-12, 1e-12))
     np.testing.assert_array_equal(velocity[:count], starts[:count])
     assert not both.impulse[:total].any()
     one.impulse[:total] = both.impulse[total : 2 * total]
@@ -131,6 +131,6 @@ def test_what_cannot_be_solved_is_left_as_it_was():
     contacts.bound[: contacts.total[0]] = 1.0
     velocity = start.copy()
     span = (0, int(contacts.total[0]))
-    assert not impulse_solvers.solve_by_active_set(contacts, span, velocity, mobility, Goal(1e-12, 1e-12))
+    assert not impulse_solvers.solve_by_active_set(contacts, span, velocity, mobility, Tolerance(1e-12, 1e-12))
     np.testing.assert_array_equal(velocity, start)
     assert not contacts.impulse.any()

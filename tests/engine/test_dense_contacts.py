@@ -5,10 +5,10 @@ import pytest
 
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers, mobility_contacts
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.mobility_contacts import make_dense_rows, residual, row_speed, solve
 
-GOAL = Goal(1e-10, 1e-8)
+GOAL = Tolerance(1e-10, 1e-8)
 
 
 def chain(dice, count):

@@ -10,7 +10,7 @@ from ecume.engine.contact import friction as rough
 from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import Bodies, Memory
 from ecume.engine.contact.friction import Motion
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.walls import box, enclosed_by, no_walls
 
 DISC = 0.5
@@ -46,7 +46,7 @@ def energy(mass, motion):
 def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     position, _, motion = shaken_raft()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), friction, no_walls())
-    assert rough.solve(contacts, rubbing, motion, Goal(1e-10, 0.0)) <= impulse_solvers.MOST_SWEEPS
+    assert rough.solve(contacts, rubbing, motion, Tolerance(1e-10, 0.0)) <= impulse_solvers.MOST_SWEEPS
     rows, sliding = contacts.total[0], np.zeros(len(contacts.gap))
     rough.tangential_velocities(contacts, rubbing, motion, sliding)
     p, q, s = contacts.impulse[:rows], rubbing.impulse[:rows], sliding[:rows]
@@ -62,7 +62,7 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     """Rounding keeps the residual above zero."""
     position, _, motion = shaken_raft(7)
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.3, no_walls())
-    sweeps = rough.solve(contacts, rubbing, motion, Goal(0.0, 1e-6))
+    sweeps = rough.solve(contacts, rubbing, motion, Tolerance(0.0, 1e-6))
     assert sweeps % impulse_solvers.PATIENCE == 0
     assert sweeps < impulse_solvers.MOST_SWEEPS
 
@@ -82,7 +82,7 @@ def test_friction_keeps_momentum_and_angular_momentum_and_adds_no_energy(seed):
     scale, turned = np.sum(mass * np.abs(motion.velocity).sum(axis=1)), turning()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.4, no_walls(), reach=0.01)
     contacts.bound[:] = -np.maximum(contacts.gap, 0.0)
-    rough.solve(contacts, rubbing, motion, Goal(1e-9, 0.0))
+    rough.solve(contacts, rubbing, motion, Tolerance(1e-9, 0.0))
     assert np.count_nonzero(rubbing.impulse) > 10
     assert mass @ motion.velocity == pytest.approx(momentum, abs=1e-13 * scale)
     assert turning() == pytest.approx(turned, abs=1e-12 * scale)
@@ -94,9 +94,9 @@ def test_without_friction_the_solution_is_that_of_smooth_contacts():
     smooth = motion.velocity.copy()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.0, no_walls())
     spin = motion.spin.copy()
-    rough.solve(contacts, rubbing, motion, Goal(1e-11, 0.0))
+    rough.solve(contacts, rubbing, motion, Tolerance(1e-11, 0.0))
     contacts.impulse[:] = 0.0
-    impulse_solvers.solve(contacts, smooth, motion.mobility, Goal(1e-11, 0.0))
+    impulse_solvers.solve(contacts, smooth, motion.mobility, Tolerance(1e-11, 0.0))
     assert motion.velocity == pytest.approx(smooth, abs=1e-9)
     assert np.array_equal(motion.spin, spin)
 
@@ -106,7 +106,7 @@ def test_an_oblique_collision_slides_or_sticks_as_coulomb_says(friction, slide):
     # Two equal discs; the reduced tangential mass is 1/6 of one's mass, the normal one half of it.
     motion = Motion(np.array([[1.0, 0.5], [-1.0, 0.0]]), np.array([0.3, 0.0]), np.ones(2), np.full(2, 1.0 / DISC))
     contacts, rubbing = pressed(np.array([[0.0, 0.0], [2.0, 0.0]]), motion, np.ones(2), friction, no_walls())
-    rough.solve(contacts, rubbing, motion, Goal(1e-13, 0.0))
+    rough.solve(contacts, rubbing, motion, Tolerance(1e-13, 0.0))
     sticking = (0.5 + 0.3) / 6.0
     assert (friction * 1.0 < sticking) == slide
     pushed = min(sticking, friction * 1.0)
@@ -123,7 +123,7 @@ def on_a_slope(angle, friction, ease, steps=100):
         motion.velocity[0, 0] += math.sin(angle) / steps
         motion.velocity[0, 1] -= math.cos(angle) / steps
         contacts, rubbing = pressed(np.array([[0.0, 1.0]]), motion, np.ones(1), friction, floor)
-        rough.solve(contacts, rubbing, motion, Goal(1e-13, 0.0))
+        rough.solve(contacts, rubbing, motion, Tolerance(1e-13, 0.0))
     return motion.velocity[0, 0], motion.spin[0]
 
 
@@ -150,13 +150,13 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.4, no_walls())
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = motion._replace(velocity=motion.velocity.copy(), spin=motion.spin.copy())
-    rubbed = np.zeros(300)
-    first = rough.solve(contacts, rubbing, cold, Goal(1e-9, 0.0))
+    tangential_impulse = np.zeros(300)
+    first = rough.solve(contacts, rubbing, cold, Tolerance(1e-9, 0.0))
     found = rubbing.impulse.copy()
     touching.remember(touching.contact_keys(contacts), memory)
-    rough.remember(contacts, rubbing, memory, rubbed)
+    rough.remember(contacts, rubbing, memory, tangential_impulse)
     contacts.impulse[:], rubbing.impulse[:] = 0.0, 0.0
     touching.recall(touching.contact_keys(contacts), memory)
-    rough.recall(contacts, rubbing, memory, rubbed)
+    rough.recall(contacts, rubbing, memory, tangential_impulse)
     assert np.array_equal(rubbing.impulse, found)
-    assert rough.solve(contacts, rubbing, motion, Goal(1e-8, 0.0)) < 0.2 * first
+    assert rough.solve(contacts, rubbing, motion, Tolerance(1e-8, 0.0)) < 0.2 * first

@@ -6,7 +6,7 @@ from tests.engine.test_contacts import a_raft, gathered, round_wall
 
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers, mobility_contacts
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.walls import no_walls, wall_count
 
 
@@ -16,7 +16,7 @@ def test_projected_gradients_find_the_velocities_of_gauss_seidel(walls):
     velocity = np.add(velocity, [0.4, 0.0])
     mobility = np.concatenate([np.linspace(0.5, 2.0, len(position)), np.zeros(wall_count(walls))])
     velocity = np.concatenate([velocity, np.zeros((len(mobility) - len(position), 2))])
-    goal = Goal(1e-9, 1e-9)
+    goal = Tolerance(1e-9, 1e-9)
     contacts = gathered(position, np.ones(len(position)), walls, mobility)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     contacts.bound[: contacts.total[0]] = -np.maximum(contacts.gap[: contacts.total[0]], 0.0)

@@ -9,11 +9,11 @@ from tests.engine.test_outlines import needle, outlines, square
 from ecume.engine.contact import contacts
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.contacts import Memory, deepest_overlap, make_candidates
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
 from ecume.engine.outlines import Stance
 from ecume.engine.walls import box, enclosed_by, no_walls
 
-GOAL = Goal(1e-12, 1e-9)
+GOAL = Tolerance(1e-12, 1e-9)
 
 
 def party(bodies, mass=1.0, inertia=0.8, walls=None):
@@ -76,7 +76,7 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3))
     velocity[:, :2] += 1e6
     levers.bound[:] = 0.0
-    sweeps = touching.solve(levers, velocity, Goal(1e-14, 1e-6))
+    sweeps = touching.solve(levers, velocity, Tolerance(1e-14, 1e-6))
     assert PATIENCE < sweeps < MOST_SWEEPS
     assert sweeps % PATIENCE == 0
     assert touching.residual(levers, velocity) < 1e-6

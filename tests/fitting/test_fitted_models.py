@@ -8,7 +8,7 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Tracks, picked
-from ecume.fitting.estimation import Problem, astray, swapped
+from ecume.fitting.estimation import Problem, outlier, swapped
 from ecume.fitting.parameters import Free, free_parameters, with_values
 from ecume.fitting.tracks import start_at
 from ecume.scenes.load import from_plain, load_scene, to_plain
@@ -158,11 +158,11 @@ def test_a_measurement_far_from_all_others_is_named():
     free = Free("x", (("liquid", "viscosity"),), 1.0, "Pa*s")
     problem = Problem({}, [free], tracks, "scene", 1.0, tracks.position[0], np.zeros((2, 2)))
     left = np.random.default_rng(1).normal(0.0, 1e-6, tracks.position.shape)
-    assert astray(problem, left) == []
+    assert outlier(problem, left) == []
     left[4, 1] = 2e-3, 0.0
-    assert astray(problem, left) == ["object b is 2 mm off at t = 0.4 s: more than noise; delete such lines"]
+    assert outlier(problem, left) == ["object b is 2 mm off at t = 0.4 s: more than noise; delete such lines"]
     left[:5, 1] += 1e-3  # a quarter of all: it is the scene that is wrong
-    assert astray(problem, left) == []
+    assert outlier(problem, left) == []
 
 
 def test_objects_are_picked_by_name():

@@ -1,6 +1,4 @@
-"""Copies of arrays in compiled code: short loops, since an assignment to a slice brings in the formatting of its error
-message, and every kind of slice another one.
-"""
+"""Copies of arrays in compiled code, as loops: each assignment to a slice would compile its own error message."""
 
 from __future__ import annotations
 
@@ -10,14 +8,14 @@ from ecume.units import Array
 
 @compiled
 def copy_line(to: Array, source: Array) -> None:
-    """Copy as many numbers as fit."""
+    """Copy the elements of a 1D array, as many as both arrays have."""
     for i in range(to.shape[0]):
         to[i] = source[i]
 
 
 @compiled
 def copy_rows(to: Array, source: Array) -> None:
-    """The same of rows of numbers."""
+    """Copy the rows of a 2D array."""
     for i in range(to.shape[0]):
         for k in range(to.shape[1]):
             to[i, k] = source[i, k]
@@ -25,7 +23,7 @@ def copy_rows(to: Array, source: Array) -> None:
 
 @compiled
 def clear_rows(to: Array) -> None:
-    """Zeros."""
+    """Set all elements to zero."""
     for i in range(to.shape[0]):
         for k in range(to.shape[1]):
             to[i, k] = 0.0

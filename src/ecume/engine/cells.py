@@ -9,7 +9,8 @@ periodic axis a whole number of cells fills the period.
 Images of particles behind planes: mirrored ones, which keep a kernel's surroundings full at a wall, and shifted ones
 behind the sides of a periodic box.
 
-Each side is worked off in turn, and images are mirrored again by the sides that follow: a corner gets its own.
+The sides are processed one after the other, and later sides also mirror the images of earlier ones, so that corners are
+complete.
 """
 
 from __future__ import annotations
@@ -109,7 +110,7 @@ def _most_cells(count: int) -> int:
 
 @compiled
 def _lay_out(cells: Cells, position: Array, reach: float) -> int:
-    """Choose origin, edge and shape of the cells; the number of cells."""
+    """Choose origin, edge and shape of the cells. Returns the number of cells."""
     count, dimension = position.shape
     most = len(cells.start) - 1
     size = reach
@@ -135,7 +136,7 @@ def _lay_out(cells: Cells, position: Array, reach: float) -> int:
 
 @compiled
 def sort_into_cells(cells: Cells, position: Array, reach: float) -> None:
-    """Two particles closer than `reach` end up in the same cell or in cells that touch."""
+    """Sort particles into cells: two particles closer than `reach` are in the same cell or in adjacent ones."""
     count, dimension = position.shape
     total = _lay_out(cells, position, reach)
     for cell in range(total + 1):
@@ -157,7 +158,7 @@ def sort_into_cells(cells: Cells, position: Array, reach: float) -> None:
         cell = cells.cell[i]
         cells.start[cell + 1] -= 1
         cells.order[cells.start[cell + 1]] = i
-    # Every start was moved down by its own cell's particles: shift them back by one place.
+    # The loop moved each start to the end of its cell: shift them by one.
     for cell in range(total):
         cells.start[cell] = cells.start[cell + 1]
     cells.start[total] = count
@@ -180,16 +181,16 @@ class Images(NamedTuple):
     """The source of each image (it may be an earlier image), and the first image of each side."""
 
     source: Integers
-    """(images,)"""
+    """(images,) the particle or earlier image that each image copies"""
     start: Integers
     """(sides + 1,)"""
 
 
 def images_of(position: Array, sides: Sides, reach: float) -> Images:
-    """The images that stand closer than `reach` behind each side, of particles at `position`, (d, N).
+    """The images closer than `reach` to each side, of particles at `position`, (d, N).
 
-    What stands behind a side already has none there: the images of a periodic side would come back onto their sources
-    through the opposite one.
+    Images that are behind a side already have no image there: the images of a periodic side would coincide with their
+    sources.
     """
     found, start = [np.empty(0, np.int64)], [0]
     here = position
@@ -203,7 +204,7 @@ def images_of(position: Array, sides: Sides, reach: float) -> Images:
 
 
 def positions_of_images(position: Array, images: Images, sides: Sides) -> Array:
-    """(d, images), of particles at `position`."""
+    """The positions of images, (d, images), of particles at `position`."""
     here = position
     for side in range(len(sides.normal)):
         sources = images.source[images.start[side] : images.start[side + 1]]

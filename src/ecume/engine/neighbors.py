@@ -18,15 +18,15 @@ from ecume.units import Array
 Slots = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
 
 THREADS_FROM = 2000
-"""Below this many particles starting threads takes longer than they save."""
+"""The number of particles from which threads are used."""
 CHUNK = 256
-"""Slots that a thread takes at a time."""
+"""Slots per task of a thread."""
 STRETCHES = 32
-"""Parts of all pairs that are summed each by itself; how many must not depend on the threads."""
+"""Number of parts into which the sum over all pairs is divided; it does not depend on the number of threads."""
 
 
 Span = tuple[int, int, int]
-"""Slots from the first and up to the second, and the longest run of slots that is searched."""
+"""The first slot, the end, and the longest run of slots that is searched."""
 
 
 class Rows(NamedTuple):
@@ -36,29 +36,29 @@ class Rows(NamedTuple):
 
     first: Integers
     later: Integers
-    """(N,) where the neighbors with higher slots begin"""
+    """(N,) index of the first neighbor with a higher slot"""
     neighbor: Slots
     sorted_position: Array
     """(d, N) by slots"""
     edge: Integers
     """(STRETCHES + 1,) the first slot of each stretch (see `part_pairs`), and the end"""
     place: Integers
-    """(STRETCHES + 1,) where in a scratch a stretch's window lies"""
+    """(STRETCHES + 1,) offset of the window of each stretch in a scratch array"""
     periods: Array
     """(2, d): see `ecume.engine.cells`"""
 
 
 class NeighborLists(NamedTuple):
-    """Slot s is particle `cells.order[s]`; its neighbors stand in `rows`."""
+    """Slot s is particle `cells.order[s]`; its neighbors are in `rows`."""
 
     cells: Cells
     rows: Rows
     valid: Integers
-    """(1,) whether the lists hold; a new workspace has none"""
+    """(1,) whether the lists are valid"""
 
 
 def make_lists(count: int, dimension: int, capacity: int, periods: Array | None = None) -> NeighborLists:
-    """Room for `capacity` neighbors in all. Distances are those of nearest images in a periodic box."""
+    """Empty lists with room for `capacity` neighbors in total. Distances are to nearest images in a periodic box."""
     cells = make_cells(count, dimension, periods)
     return NeighborLists(
         cells=cells,
@@ -87,8 +87,8 @@ def sort_positions(lists: NeighborLists, position: Array) -> None:
 
 @compiled_inside
 def _beside(place: int, number: int, cells: int, periodic: bool) -> int:
-    """The `number`-th of the three cells around a place along an axis, in ascending order; -1 outside the grid, and for
-    a cell that would come twice in a short period.
+    """Cell `number` (0 to 2) of the three around a cell along an axis, in ascending order; -1 outside the grid, and for
+    the second occurrence of a cell in a short period.
     """
     if not periodic:
         other = place + number - 1
@@ -183,7 +183,7 @@ def _nearer(distance: Array, square: float) -> int:
 
 @compiled
 def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, neighbor: Slots) -> None:
-    """Write down the neighbors of some slots.
+    """Write the neighbors of some slots.
 
     Distances of a run first, then its slots, each written over the last one that was too far: loops without a branch.
     """
@@ -221,8 +221,8 @@ def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array
                 distance[n] += apart * apart
 
 
-# Inside a prange Numba writes to a copy of an array that is reached through a tuple; so it gets bare arrays. Slots are
-# signed as outside of threads, so that one compilation serves both.
+# Inside a prange Numba writes to a copy of an array in a tuple; so it gets plain arrays. Slots are signed in both, so
+# that one compilation serves both.
 
 
 @threaded
@@ -288,7 +288,9 @@ def make_room(lists: NeighborLists) -> bool:
 
 @compiled
 def part_pairs(first: Integers, later: Integers, edge: Integers) -> None:
-    """Stretches of slots with as many pairs each, a pair counting for its lower slot, so far as whole rows allow."""
+    """Divide the slots into stretches with equal numbers of pairs, as far as whole rows allow; a pair belongs to its
+    lower slot.
+    """
     total = 0
     for slot in range(len(later)):
         total += first[slot + 1] - later[slot]
@@ -323,7 +325,7 @@ def write_neighbors(lists: NeighborLists, reach: float, stretches: tuple[int, in
 
 @compiled
 def place_windows(place: Integers) -> None:
-    """Turn widths of windows into offsets."""
+    """Convert widths of windows to offsets."""
     place[0] = 0
     for k in range(STRETCHES):
         place[k + 1] += place[k]
@@ -338,7 +340,7 @@ def farthest_move(position: Array, reference: Array) -> float:
         for axis in range(position.shape[1]):
             moved = position[i, axis] - reference[i, axis]
             square += moved * moved
-        # Written so that a NaN is taken, and kept.
+        # The comparison is written so that a NaN propagates.
         if farthest == farthest and not square <= farthest:
             farthest = square
     return math.sqrt(farthest)

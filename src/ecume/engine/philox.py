@@ -1,4 +1,5 @@
-"""Chance without memory: random numbers as a function of who asks and when, so that neither threads nor pauses matter.
+"""Counter-based random numbers: a function of particle, step and purpose, independent of threads
+and restarts.
 
 Philox4x32-10 [salmon2011]: ten rounds of multiplication scramble a counter under a key.
 """
@@ -18,11 +19,11 @@ Words = tuple[int, int, int, int]
 
 @compiled_inside
 def philox(counter: Words, key: tuple[int, int]) -> Words:
-    """Four random words of 32 bits."""
+    """Four random words of 32 bits, from a counter and a key."""
     a, b, c, d = counter
     k, m = key
     for _ in range(ROUNDS):
-        # Products of two words run over in 64 bits with a sign; their halves are right all the same.
+        # Products of two words overflow signed 64 bits; their halves are still right.
         first, second = MULTIPLIER_0 * a, MULTIPLIER_1 * c
         a, b, c, d = (
             ((second >> 32) & WORD) ^ b ^ k,
@@ -43,14 +44,14 @@ def uniforms(counter: Words, seed: int) -> tuple[float, float]:
 
 @compiled_inside
 def normals(counter: Words, seed: int) -> tuple[float, float]:
-    """Two independent normal numbers of mean 0 and variance 1, by Box and Muller's way."""
+    """Two independent normal numbers of mean 0 and variance 1, by the Box-Muller transform."""
     first, second = uniforms(counter, seed)
     away, angle = math.sqrt(-2.0 * math.log(first)), 2.0 * math.pi * second
     return away * math.cos(angle), away * math.sin(angle)
 
 
 PAIRS = 1 << 16
-"""The first of the purposes of pairs, above those of single particles."""
+"""The first purpose of pairs, above those of single particles."""
 
 
 @compiled_inside
@@ -62,5 +63,5 @@ def counter_of_pair(first: int, second: int, when: int, turn: int) -> Words:
 
 @compiled_inside
 def counter_of(who: int, when: int, what: int) -> Words:
-    """The counter of a particle, a step, and a purpose."""
+    """The counter of a particle, a step and a purpose."""
     return int(who) & WORD, int(when) & WORD, (int(when) >> 32) & WORD, int(what)

@@ -1,4 +1,4 @@
-"""Where discs start: at random without overlap, on a triangular lattice, on a ring."""
+"""Initial positions of discs: at random without overlap, on a triangular lattice, on a ring."""
 
 from __future__ import annotations
 
@@ -16,21 +16,19 @@ from ecume.units import Array
 
 TRIES_PER_DISC = 2000
 MANY, TRIES_PER_DISC_OF_MANY = 10_000, 50
-"""Beyond this number of discs, each further one allows fewer tries: random sequential addition nears its jam as one
-over the square root of the tries, so that further ones place few more, and would take minutes.
+"""Above this number of discs, each further disc reduces the number of tries. Random sequential addition approaches
+jamming as one over the square root of the tries, so that more tries add few discs and take minutes.
 """
 CLEARANCE = 1e-6
-"""Discs placed at random keep this part of the smallest radius between them, so that rounding never makes them
-touch.
-"""
+"""The gap of discs placed at random, over the smallest radius, so that rounding never makes them overlap."""
 
 
 JAMMED = 0.547
-"""The part of a surface that many equal discs placed at random cover when no further one fits [feder1980]."""
+"""The covered fraction at which random sequential addition of equal discs jams [feder1980]."""
 AT_RANDOM = 0.5
-"""The part of a surface that discs placed at random cover before they jam, at least."""
+"""A lower bound of the covered fraction at which discs placed at random jam."""
 SURE = 0.95
-"""How much smaller still discs are to be, since another draw of places may jam a little earlier."""
+"""Safety factor of suggested radii, since another seed may jam earlier."""
 
 
 class Region(NamedTuple):
@@ -94,7 +92,7 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
 
 
 def _most_covered(radii: Array, start: int) -> float:
-    """A part of the surface beyond which discs cannot be placed at random: equal ones jam earlier than others."""
+    """The covered fraction above which random placement fails; equal discs jam earlier than unequal ones."""
     alike = start == 0 and radii[0] == radii[-1]
     return min(1.0, JAMMED + 1.0 / math.sqrt(len(radii))) if alike else 1.0
 
@@ -128,7 +126,7 @@ def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
 
 
 def _advice(radii: Array, start: int, placed: int, region: Region) -> str:
-    """What would fit: the placed number, smaller discs, or a lattice."""
+    """The alternatives that fit: the number placed, smaller discs, or a lattice."""
     squares = np.cumsum(radii**2)
     advice, container = [], "cell" if region.periodic else "dish"
     if placed > start:
@@ -221,7 +219,7 @@ def _fits(grid: _Grid, centers: Array, radii: Array, disc: int, walls: Walls) ->
 
 @compiled
 def _fill(points: Array, grid: _Grid, centers: Array, radii: Array, placed: int, walls: Walls) -> int:
-    """Place the next discs at the first of these points where they fit; how many are placed now."""
+    """Place the next discs at the first points where they fit. Returns the number placed so far."""
     for k in range(len(points)):
         if placed == len(radii):
             break
@@ -250,7 +248,7 @@ def place_on_lattice(count: int, spacing: float, center: Sequence[float]) -> Arr
 
 
 def place_on_ring(count: int, radius: float, center: Sequence[float]) -> Array:
-    """Evenly around a circle, the first to the right of its center.
+    """Points at equal distances on a circle; the first is to the right of its center.
 
     >>> place_on_ring(2, 1.0, (0.0, 0.0)).round(9).tolist()
     [[1.0, 0.0], [-1.0, 0.0]]

@@ -330,7 +330,7 @@ def concluded(problem: Problem, solution: Solution) -> Fit:
         *swapped(problem.tracks),
         *unsure(problem, at, sure),
         *met(scene, problem.tracks.times, there),
-        *astray(problem, left),
+        *outlier(problem, left),
         *no_noise(problem, left),
     ]
     if not solution.converged:
@@ -404,7 +404,7 @@ def swapped(tracks: Tracks) -> list[str]:
     return []
 
 
-def astray(problem: Problem, left: Array) -> list[str]:
+def outlier(problem: Problem, left: Array) -> list[str]:
     """A remark where single measurements lie far from where all others would have them."""
     off = np.linalg.norm(left, axis=2)
     far = np.flatnonzero(off[problem.seen] > ASTRAY * np.median(off[problem.seen]))

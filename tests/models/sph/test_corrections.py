@@ -28,7 +28,7 @@ def rate_of_density(force):
     x, y = state.position
     state.velocity[...] = x, -y
     middle = np.abs(x - 0.5) < 0.1
-    take_thickening(parameters, state, workspace)
+    compute_density_rate(parameters, state, workspace)
     rows = np.round((1.0 - y) * 12 - 0.5)
     return [float(np.abs(state.thickening[middle & (rows == row)]).max()) for row in range(12)]
 
@@ -48,8 +48,8 @@ def disordered(dimension=2, **method):
     )
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
     state.velocity[...] = np.sin(5.0 * state.position[::-1])
-    take_thickening(parameters, state, workspace)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    compute_density_rate(parameters, state, workspace)
+    compute_accelerations(parameters, state, workspace, parameters.time_step)
     return parameters, state, workspace
 
 

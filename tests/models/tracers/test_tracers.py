@@ -9,7 +9,7 @@ from ecume.errors import Diverged, SceneError
 from ecume.laws import diffusion, drag
 from ecume.models import MODELS, costs
 from ecume.models.tracers.parameters import bounds
-from ecume.models.tracers.time_stepping import NOWHERE, all_somewhere
+from ecume.models.tracers.time_stepping import UNBOUNDED, all_finite
 from ecume.scenes.tracers import (
     FlowSpec,
     FluidSpec,
@@ -196,10 +196,10 @@ def test_who_is_nowhere_is_named_and_not_put_back_inside(field, value):
 
 
 def test_what_is_nowhere_begins_at_its_bound():
-    inside, beyond = np.array([[0.0, np.nextafter(NOWHERE, 0.0)]]), np.array([[0.0, -NOWHERE]])
-    assert all_somewhere(inside, inside)
-    assert not all_somewhere(beyond, inside)
-    assert not all_somewhere(inside, beyond)
+    inside, beyond = np.array([[0.0, np.nextafter(UNBOUNDED, 0.0)]]), np.array([[0.0, -UNBOUNDED]])
+    assert all_finite(inside, inside)
+    assert not all_finite(beyond, inside)
+    assert not all_finite(inside, beyond)
 
 
 def test_a_run_that_would_never_end_is_refused():

@@ -17,7 +17,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.contact.contacts import Contacts, Memory, contact_keys, recall_each, remember_each
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
 from ecume.units import Array
 
 RELAXATION, LEAST_RELAXATION, STALLS = 0.7, 0.1, 8
@@ -126,10 +126,10 @@ def _sweep(contacts: Contacts, rows: FrictionRows, motion: Motion, relaxation: f
         speed, sliding = x * apart_x + y * apart_y, x * apart_y - y * apart_x - arm_i * spin[i] - arm_j * spin[j]
         new = max(impulse[row] + weight[row] * (bound[row] - speed), 0.0)
         edge = friction[row] * new
-        rubbed = min(max(tangential[row] - relaxation * tangential_mass[row] * sliding, -edge), edge)
-        p, q = new - impulse[row], rubbed - tangential[row]
+        tangential_impulse = min(max(tangential[row] - relaxation * tangential_mass[row] * sliding, -edge), edge)
+        p, q = new - impulse[row], tangential_impulse - tangential[row]
         impulse[row], change[row] = new, p
-        tangential[row], tangential_change[row] = rubbed, q
+        tangential[row], tangential_change[row] = tangential_impulse, q
         push_x, push_y = p * x - q * y, p * y + q * x
         velocity[i, 0] -= mobility[i] * push_x
         velocity[i, 1] -= mobility[i] * push_y
@@ -171,11 +171,11 @@ def _accelerate(contacts: Contacts, rows: FrictionRows, motion: Motion, ratio: f
     step, tangential_step = contacts.scratch, rows.scratch
     for row in range(contacts.total[0]):
         along, across = ratio * contacts.direction[row], ratio * rows.direction[row]
-        old, rubbed = contacts.impulse[row], rows.impulse[row]
+        old, tangential_impulse = contacts.impulse[row], rows.impulse[row]
         contacts.impulse[row] = max(old + along, 0.0)
         edge = rows.friction[row] * contacts.impulse[row]
-        rows.impulse[row] = min(max(rubbed + across, -edge), edge)
-        step[row], tangential_step[row] = contacts.impulse[row] - old, rows.impulse[row] - rubbed
+        rows.impulse[row] = min(max(tangential_impulse + across, -edge), edge)
+        step[row], tangential_step[row] = contacts.impulse[row] - old, rows.impulse[row] - tangential_impulse
         contacts.direction[row] = along + contacts.change[row]
         rows.direction[row] = across + rows.change[row]
     if ratio > 0.0:
@@ -183,7 +183,7 @@ def _accelerate(contacts: Contacts, rows: FrictionRows, motion: Motion, ratio: f
 
 
 @compiled
-def solve(contacts: Contacts, rows: FrictionRows, motion: Motion, goal: Goal) -> int:
+def solve(contacts: Contacts, rows: FrictionRows, motion: Motion, tolerance: Tolerance) -> int:
     """Solve for the impulses and change velocities and spins by them, until the residual is below the goal.
 
     The initial guess is in `contacts` and `rows`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
@@ -194,12 +194,12 @@ def solve(contacts: Contacts, rows: FrictionRows, motion: Motion, goal: Goal) ->
     square_before, residual_before, relaxation, stalls = 0.0, np.inf, 1.0, 0
     for sweep in range(1, MOST_SWEEPS + 1):
         largest = _sweep(contacts, rows, motion, relaxation)
-        if largest <= goal.target and residual(contacts, rows, motion) <= goal.target:
+        if largest <= tolerance.target and residual(contacts, rows, motion) <= tolerance.target:
             return sweep
         if sweep % PATIENCE == 0:
             left = residual(contacts, rows, motion)
             if left > 0.5 * residual_before:
-                if left <= goal.acceptable:
+                if left <= tolerance.acceptable:
                     return sweep
                 stalls += 1
                 if stalls % STALLS == 0:
@@ -215,12 +215,12 @@ def solve(contacts: Contacts, rows: FrictionRows, motion: Motion, goal: Goal) ->
 
 
 @compiled
-def remember(contacts: Contacts, rows: FrictionRows, memory: Memory, rubbed: Array) -> None:
+def remember(contacts: Contacts, rows: FrictionRows, memory: Memory, tangential_impulse: Array) -> None:
     """Keep the tangential impulses of the contacts that `contacts.remember` keeps."""
-    remember_each(contact_keys(contacts), rows.impulse, memory, rubbed)
+    remember_each(contact_keys(contacts), rows.impulse, memory, tangential_impulse)
 
 
 @compiled
-def recall(contacts: Contacts, rows: FrictionRows, memory: Memory, rubbed: Array) -> None:
+def recall(contacts: Contacts, rows: FrictionRows, memory: Memory, tangential_impulse: Array) -> None:
     """Set the tangential impulses to those of the previous step."""
-    recall_each(contact_keys(contacts), rows.impulse, memory, rubbed)
+    recall_each(contact_keys(contacts), rows.impulse, memory, tangential_impulse)

@@ -13,7 +13,8 @@ until the largest island converges.
 
 `solve_by_active_set` is exact, for the few islands on which sweeps do not converge. A raft that is braced by more
 contacts than it has degrees of freedom has self-stresses, along which impulses can change without changing any
-velocity. Sweeps then creep along one of them by the thousand, until a contact opens. The velocities are nevertheless
+velocity. Sweeps then progress slowly along one of them, for thousands of sweeps, until a contact opens. The velocities
+are nevertheless
 unique: they are the nearest to the given ones, in the norm of kinetic energy, that break no condition. This is least
 distance programming, which becomes nonnegative least squares [lawson1974, chapter 23]: minimize |E u - f| over u >= 0,
 with the contacts' directions and bounds as the columns of E. The method is direct, and its cost grows with the cube of
@@ -34,7 +35,7 @@ from ecume.units import Array
 
 MOST_SWEEPS = 20_000
 PATIENCE = 128
-"""Sweeps after which the residual should have halved."""
+"""The number of sweeps within which the residual must be halved."""
 CONVERGED = 1e-7
 """The target residual, as a fraction of the largest approach velocity."""
 SWEEPS_BEFORE_ACTIVE_SET = 4_000
@@ -216,7 +217,7 @@ def residual(contacts: Contacts, velocity: Array) -> float:
     return _residual((0, contacts.total[0]), bodies_of(contacts), impulses_of(contacts), velocity)
 
 
-class Goal(NamedTuple):
+class Tolerance(NamedTuple):
     """Convergence criteria, as residuals (m/s)."""
 
     target: float
@@ -225,55 +226,60 @@ class Goal(NamedTuple):
 
 
 @compiled
-def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> int:
+def solve(contacts: Contacts, velocity: Array, mobility: Array, tolerance: Tolerance) -> int:
     """Solve for the impulses and change `velocity` by them, until the residual is below the goal.
 
     The initial guess is `contacts.impulse`. Returns the largest number of sweeps of an island, MOST_SWEEPS + 1 without
     convergence.
     """
-    if begin(contacts, velocity, mobility, goal):
+    if begin(contacts, velocity, mobility, tolerance):
         return 1
     if contacts.total[0] < LEAST_FOR_ISLANDS:
-        return solve_islands(contacts, np.array([0, contacts.total[0]]), velocity, mobility, goal)
+        return solve_islands(contacts, np.array([0, contacts.total[0]]), velocity, mobility, tolerance)
     islands = islands_of(contacts, mobility)
     some = contacts_of_rows(contacts, islands.rows)
-    sweeps = solve_islands(some, islands.first, velocity, mobility, goal)
+    sweeps = solve_islands(some, islands.first, velocity, mobility, tolerance)
     scatter_impulses(contacts, islands.rows, some)
     return sweeps
 
 
 @compiled
-def begin(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> bool:
-    """Do the first sweep; return whether it converged."""
+def begin(contacts: Contacts, velocity: Array, mobility: Array, tolerance: Tolerance) -> bool:
+    """Do the first sweep. Returns whether it converged."""
     span, bodies, unknowns = (0, contacts.total[0]), bodies_of(contacts), impulses_of(contacts)
     apply_impulses(contacts, contacts.impulse, velocity, mobility)
     largest = _sweep(span, bodies, unknowns, (velocity, mobility))
-    return bool(largest <= goal.target and _residual(span, bodies, unknowns, velocity) <= goal.target)
+    return bool(largest <= tolerance.target and _residual(span, bodies, unknowns, velocity) <= tolerance.target)
 
 
 @compiled
-def solve_islands(contacts: Contacts, first: Integers, velocity: Array, mobility: Array, goal: Goal) -> int:
+def solve_islands(contacts: Contacts, first: Integers, velocity: Array, mobility: Array, tolerance: Tolerance) -> int:
     """Do all further sweeps of each island; return the largest number of sweeps of one."""
     bodies, unknowns, most = bodies_of(contacts), impulses_of(contacts), 1
     for island in range(len(first) - 1):
         span = first[island], first[island + 1]
-        if not _residual(span, bodies, unknowns, velocity) <= goal.target:
+        if not _residual(span, bodies, unknowns, velocity) <= tolerance.target:
             small = span[1] - span[0] <= LARGEST
             sweeps = _iterate(
-                span, bodies, unknowns, (velocity, mobility), goal, SWEEPS_BEFORE_ACTIVE_SET if small else MOST_SWEEPS
+                span,
+                bodies,
+                unknowns,
+                (velocity, mobility),
+                tolerance,
+                SWEEPS_BEFORE_ACTIVE_SET if small else MOST_SWEEPS,
             )
             if (
                 small
                 and sweeps > SWEEPS_BEFORE_ACTIVE_SET
-                and not solve_by_active_set(contacts, span, velocity, mobility, goal)
+                and not solve_by_active_set(contacts, span, velocity, mobility, tolerance)
             ):
-                sweeps = _iterate(span, bodies, unknowns, (velocity, mobility), goal, MOST_SWEEPS)
+                sweeps = _iterate(span, bodies, unknowns, (velocity, mobility), tolerance, MOST_SWEEPS)
             most = max(most, sweeps)
     return most
 
 
 @compiled
-def solve_by_active_set(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> bool:
+def solve_by_active_set(contacts: Contacts, span: Span, velocity: Array, mobility: Array, tolerance: Tolerance) -> bool:
     """Solve an island by the active-set method; return whether the result is accepted. Nothing changes otherwise."""
     rows = _solvable(contacts, span)
     some = contacts_of_rows(contacts, rows)
@@ -283,7 +289,7 @@ def solve_by_active_set(contacts: Contacts, span: Span, velocity: Array, mobilit
     before = contacts_of_rows(contacts, rows)
     scatter_impulses(contacts, rows, some)
     left = _residual(span, bodies_of(contacts), impulses_of(contacts), velocity)
-    if left <= max(goal.target, goal.acceptable):
+    if left <= max(tolerance.target, tolerance.acceptable):
         return True
     scatter_impulses(contacts, rows, before)
     for body in range(len(velocity)):
@@ -303,7 +309,9 @@ def _solvable(contacts: Contacts, span: Span) -> Integers:
 
 
 @compiled_inside
-def _iterate(span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Motion, goal: Goal, most: int) -> int:
+def _iterate(
+    span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Motion, tolerance: Tolerance, most: int
+) -> int:
     """Do the sweeps of an island after the first; return the number of all, `most` + 1 without convergence."""
     velocity, change, direction = motion[0], unknowns[3], unknowns[4]
     for row in range(span[0], span[1]):
@@ -318,13 +326,13 @@ def _iterate(span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Moti
         _accelerate(span, bodies, unknowns, motion, ratio)
         square_before = square
         largest = _sweep(span, bodies, unknowns, motion)
-        if largest <= goal.target and _residual(span, bodies, unknowns, velocity) <= goal.target:
+        if largest <= tolerance.target and _residual(span, bodies, unknowns, velocity) <= tolerance.target:
             return sweep
         if sweep % PATIENCE == 0:
             # In an overconstrained raft, rounding of the gaps lets impulses drift without end along self-stresses,
             # which change no velocity.
             left = _residual(span, bodies, unknowns, velocity)
-            if left <= goal.acceptable and left > 0.5 * residual_before:
+            if left <= tolerance.acceptable and left > 0.5 * residual_before:
                 return sweep
             residual_before = left
     return most + 1
@@ -341,20 +349,21 @@ def scatter_impulses(contacts: Contacts, rows: Integers, some: Contacts) -> None
 Choice = NDArray[np.bool_]
 
 LARGEST = 128
-"""Contacts of an island; so many take about a tenth of a second, and larger islands are left to sweeps."""
+"""The largest number of contacts of an island that is solved exactly; it takes about a tenth of a second."""
 DEPENDENT = 1e-10
-"""What must be left of a column beside the others, over its length, for it to count as independent."""
+"""The smallest part of a column that is independent of the others, over its length; below it counts as dependent."""
 OPTIMAL = 1e-13
 """The largest gradient that still counts as zero, where the longest columns are about one."""
 FEASIBLE = 1e-12
-"""What must be left of the last row: less is rounding, and no velocity fulfills all conditions."""
+"""The smallest residual of the last row that is not rounding; below it no velocity fulfills all conditions."""
 
 
 @compiled
 def nearest_velocity(
     pair: tuple[Integers, Integers, Array], bound: Array, impulse: Array, velocity: Array, mobility: Array
 ) -> bool:
-    """Solve contacts (first, second, normal) exactly, from impulses that stand in `velocity` already; both change.
+    """Solve contacts (first, second, normal) exactly. `velocity` already contains the effect of the initial impulses;
+    both are updated. Returns False, without changes, if no solution was found.
 
     False, and no change, where no solution was found.
     """
@@ -453,8 +462,8 @@ def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array
 
 @compiled
 def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tuple[Array, bool]:
-    """The u >= 0 for which |matrix u - right| is least, and whether it was found; `guess` says which components may be
-    positive to begin with. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
+    """The u >= 0 that minimizes |matrix u - right|, and whether it was found; `guess` flags the components that are
+    positive in the initial guess. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
     """
     count = matrix.shape[1]
     solution, passive, barred = np.zeros(count), np.empty(count, np.bool_), np.zeros(count, np.bool_)
@@ -477,7 +486,7 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
             return solution, True
         passive[entering] = True
         settled = _settle(matrix, right, solution, passive)
-        # One that leaves at once depends on those that are there, to rounding: it would come and go for ever.
+        # A component that leaves at once depends linearly on the others, to rounding: the loop would not end.
         barred[entering] = not passive[entering]
         if not barred[entering]:
             for k in range(count):
@@ -500,7 +509,9 @@ def _rest(matrix: Array, right: Array, solution: Array) -> Array:
 
 @compiled
 def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bool:
-    """Solve least squares for the passive components; those that would become negative leave the set, one by one."""
+    """Solve least squares for the passive components; those that would become negative are removed from the set, one by
+    one.
+    """
     for _ in range(2 * len(solution) + 2):
         target = _least_squares(matrix, right, passive)
         share = 1.0

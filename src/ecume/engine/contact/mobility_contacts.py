@@ -25,18 +25,18 @@ from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Contacts, normal_velocities
 from ecume.engine.contact.friction import LEAST_RELAXATION, RELAXATION, STALLS
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
 from ecume.units import Array
 
 ENTRIES = 6
-"""Numbers of a row: two velocities and a spin of each body."""
+"""Entries of a row: two velocities and a spin of each body."""
 
 
 class DenseRows(NamedTuple):
     """Rows of the Jacobian: all normal ones, then as many tangential ones if there is friction."""
 
     place: Integers
-    """(rows, ENTRIES) numbers of the velocities and spins; zero where `value` is zero"""
+    """(rows, ENTRIES) indices of velocities and spins; zero where `value` is zero"""
     value: Array
     """(rows, ENTRIES)"""
     response: Array
@@ -118,8 +118,8 @@ def _sweep(rows: DenseRows, mobility: Array, motion: Array, relaxation: float) -
         across = contacts + row
         if across < len(impulse):
             edge, sliding = rows.friction[row] * new, row_speed(place, value, across, motion)
-            rubbed = min(max(impulse[across] - relaxation * weight[across] * sliding, -edge), edge)
-            change[across], impulse[across] = rubbed - impulse[across], rubbed
+            tangential_impulse = min(max(impulse[across] - relaxation * weight[across] * sliding, -edge), edge)
+            change[across], impulse[across] = tangential_impulse - impulse[across], tangential_impulse
             if change[across] != 0.0:
                 add_impulse(rows, across, change[across], mobility, motion)
                 largest = max(largest, abs(change[across]) / weight[across])
@@ -161,7 +161,7 @@ def _accelerate(rows: DenseRows, mobility: Array, motion: Array, ratio: float) -
 
 
 @compiled
-def solve(rows: DenseRows, mobility: Array, motion: Array, goal: Goal) -> int:
+def solve(rows: DenseRows, mobility: Array, motion: Array, tolerance: Tolerance) -> int:
     """Solve for the impulses and change velocities and spins by them, until the residual is below the goal.
 
     The initial guess is `rows.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
@@ -173,12 +173,12 @@ def solve(rows: DenseRows, mobility: Array, motion: Array, goal: Goal) -> int:
     square_before, residual_before, relaxation, stalls = 0.0, np.inf, 1.0, 0
     for sweep in range(1, MOST_SWEEPS + 1):
         largest = _sweep(rows, mobility, motion, relaxation)
-        if largest <= goal.target and residual(rows, motion) <= goal.target:
+        if largest <= tolerance.target and residual(rows, motion) <= tolerance.target:
             return sweep
         if sweep % PATIENCE == 0:
             left = residual(rows, motion)
             if left > 0.5 * residual_before:
-                if left <= goal.acceptable:
+                if left <= tolerance.acceptable:
                     return sweep
                 stalls += 1
                 if stalls % STALLS == 0:
@@ -213,10 +213,12 @@ def residual_by_products(excess: Array, push: Array, weight: Array) -> float:
     return float(np.max(np.maximum(-excess, np.minimum(excess, push / weight)), initial=0.0))
 
 
-def solve_by_products(contacts: Contacts, velocity: Array, respond: Callable[[Array], Array], goal: Goal) -> int:
+def solve_by_products(
+    contacts: Contacts, velocity: Array, respond: Callable[[Array], Array], tolerance: Tolerance
+) -> int:
     """Solve for the forces in `contacts.impulse`, which are also the initial guess, and change velocities (N + walls,
     2) by them; `respond(forces)` returns the velocities by forces on all bodies. Returns the number of products,
-    MOST_PRODUCTS + 1 if the residual is above `goal.acceptable`.
+    MOST_PRODUCTS + 1 if the residual is above `tolerance.acceptable`.
     """
     total = int(contacts.total[0])
     scale, bound = np.sqrt(contacts.weight[:total]), contacts.bound[:total]
@@ -231,7 +233,7 @@ def solve_by_products(contacts: Contacts, velocity: Array, respond: Callable[[Ar
     share = contacts.impulse[:total] / scale
     slope, products, length = gradient(share), 1, 1.0
     best, least = share, residual_by_products(slope / scale, scale * share, contacts.weight[:total])
-    while least > goal.target and products < MOST_PRODUCTS:
+    while least > tolerance.target and products < MOST_PRODUCTS:
         other = np.maximum(share - length * slope, 0.0)
         steeper = gradient(other)
         products += 1
@@ -243,9 +245,9 @@ def solve_by_products(contacts: Contacts, velocity: Array, respond: Callable[[Ar
         curvature = dot(step, change)
         if not curvature > 0.0:
             break
-        # The two lengths in turns: the first is the longer one.
+        # The two Barzilai-Borwein lengths alternate; the first is the longer one.
         length = dot(step, step) / curvature if products % 2 else curvature / dot(change, change)
     if best is not share:
         gradient(best)
     contacts.impulse[:total] = scale * best
-    return products if least <= max(goal.target, goal.acceptable) else MOST_PRODUCTS + 1
+    return products if least <= max(tolerance.target, tolerance.acceptable) else MOST_PRODUCTS + 1

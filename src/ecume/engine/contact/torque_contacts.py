@@ -16,13 +16,13 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates, ContactKeys, deepest_overlap
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
 
 FEATURES = 4096
-"""Exceeds the number of features (corner and edge) at which two bodies can be near."""
+"""An upper bound of the number of features (corner and edge) at which two bodies can be near."""
 
 
 class TorqueContacts(NamedTuple):
@@ -217,7 +217,7 @@ def _accelerate(contacts: TorqueContacts, velocity: Array, ratio: float) -> None
 
 
 @compiled
-def solve(contacts: TorqueContacts, velocity: Array, goal: Goal) -> int:
+def solve(contacts: TorqueContacts, velocity: Array, tolerance: Tolerance) -> int:
     """Solve for the impulses and change `velocity` by them: see `impulse_solvers.solve`.
 
     The initial guess is `contacts.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
@@ -228,11 +228,11 @@ def solve(contacts: TorqueContacts, velocity: Array, goal: Goal) -> int:
     square_before, residual_before = 0.0, np.inf
     for sweep in range(1, MOST_SWEEPS + 1):
         largest = _sweep(contacts, velocity)
-        if largest <= goal.target and residual(contacts, velocity) <= goal.target:
+        if largest <= tolerance.target and residual(contacts, velocity) <= tolerance.target:
             return sweep
         if sweep % PATIENCE == 0:
             left = residual(contacts, velocity)
-            if left <= goal.acceptable and left > 0.5 * residual_before:
+            if left <= tolerance.acceptable and left > 0.5 * residual_before:
                 return sweep
             residual_before = left
         square = 0.0
@@ -262,7 +262,7 @@ def separate(
         for row in range(contacts.total[0]):
             contacts.impulse[row] = 0.0
             contacts.bound[row] = -contacts.gap[row] - 0.25 * slop
-        solve(contacts, shift, Goal(1e-3 * slop, 1e-2 * slop))
+        solve(contacts, shift, Tolerance(1e-3 * slop, 1e-2 * slop))
         for i in range(len(position)):
             position[i, 0] += shift[i, 0]
             position[i, 1] += shift[i, 1]

@@ -2,7 +2,7 @@
 
 The preconditioner is symmetric Gauss-Seidel (SSOR) within chunks of rows, by Eisenstat's trick.
 
-With D, L and U the diagonal and what is left and right of it within a chunk, and R what ties chunks to one another,
+With D, L and U the diagonal and the lower and upper triangles within each chunk, and R the blocks between chunks,
 (D + L)^-1 A (D + U)^-1 D y = (D + L)^-1 b is solved for y, and x = (D + U)^-1 D y. A product takes a sweep up for
 w = x(y) and one down: it is w + (D + L)^-1 (U w + R w), no more work than A's own [eisenstat1981].
 
@@ -23,39 +23,41 @@ from ecume.engine.linear_solvers.block_matrix import CHUNK, Matrix, invert_diago
 from ecume.units import Array
 
 FEW = 2000
-"""Particles below which threads are not worth waking."""
+"""The number of particles from which threads are used."""
 R, R0, P, V, S, T, Y, W, UW = range(9)
-"""Vectors of the scratch: r, the first r, p and its product, s and its product, y, w, and what the sweep down adds."""
+"""Vectors of the method: r, r0 (shadow residual), p, v = A p, s, t = A s, y, w (see the module), and U w or the
+increment of w.
+"""
 MAKE_P, MAKE_S, SWEEP_DOWN, UPDATE, MAKE_X = range(5)
-"""Passes over a chunk: up for p, up for s, down, to the end of an iteration, and up for y."""
+"""Passes over a chunk: update p and sweep up, update s and sweep up, sweep down, update y and r, sweep up for x."""
 
 
 class Tolerance(NamedTuple):
-    """The accuracy, and the largest number of iterations."""
+    """The relative accuracy, and the largest number of iterations."""
 
     accuracy: float
     most: int
 
 
 class Gradients(NamedTuple):
-    """Scratch of the gradients."""
+    """Scratch memory of the method."""
 
     vectors: Array
     """(9, N, b), by rows"""
     inverse: Array
-    """(N, b, b) of the diagonal's blocks, by rows"""
+    """(N, b, b) inverse diagonal blocks, by rows"""
     sums: Array
     """(chunks, 2)"""
 
 
 def make_gradients(count: int, width: int) -> Gradients:
-    """Room for a solution."""
+    """Scratch memory for systems of this size."""
     chunks = (count + CHUNK - 1) // CHUNK
     return Gradients(np.zeros((9, count, width)), np.zeros((count, width, width)), np.zeros((chunks, 2)))
 
 
 class Rows(NamedTuple):
-    """The matrix in a pass: bare arrays, which threads can be given."""
+    """The matrix as plain arrays, as threads require."""
 
     start: Integers
     column: Integers
@@ -65,7 +67,7 @@ class Rows(NamedTuple):
 
 
 class PassArguments(NamedTuple):
-    """Arguments of a pass: the vector that it makes, one by which it is multiplied, and scalars."""
+    """Arguments of a pass: the vector that it computes, the vector of the scalar product, and alpha, omega, beta."""
 
     vector: int
     other: int
@@ -95,7 +97,9 @@ def sweep_up(rows: Rows, y: Array, w: Array, uw: Array, chunk: tuple[int, int, i
 
 @compiled_inside
 def sweep_down(rows: Rows, image: Array, w: Array, uw: Array, chunk: tuple[int, int, int]) -> None:
-    """Forward substitution in a chunk of rows: w + (D + L)^-1 (U w + R w); the increment of w replaces U w."""
+    """Forward substitution in a chunk of rows: `image` = w + (D + L)^-1 (U w + R w). The increment
+    of w replaces U w.
+    """
     start, column, inside, blocks, inverse = rows.start, rows.column, rows.inside, rows.blocks, rows.inverse
     begin, end, width = chunk
     left = np.empty(width)
@@ -124,7 +128,7 @@ def sweep_down(rows: Rows, image: Array, w: Array, uw: Array, chunk: tuple[int, 
 
 @compiled_inside
 def sweep(task: int, rows: Rows, buffers: tuple[Array, Array, Array], chunk: tuple[int, int, int]) -> None:
-    """A sweep up or down."""
+    """A sweep up or down over a chunk of rows."""
     vector, w, uw = buffers
     if task == SWEEP_DOWN:
         sweep_down(rows, vector, w, uw, chunk)
@@ -134,7 +138,7 @@ def sweep(task: int, rows: Rows, buffers: tuple[Array, Array, Array], chunk: tup
 
 @compiled_inside
 def update_direction(task: int, vectors: Array, given: PassArguments, begin: int, end: int) -> None:
-    """The direction of an iteration before its sweep up: p = r + beta (p - omega p's image), s = r - alpha p's."""
+    """Compute p = r + beta (p - omega v), or s = r - alpha v."""
     r, p, v, s = vectors[R], vectors[P], vectors[V], vectors[S]
     for row in range(begin, end):
         for k in range(r.shape[1]):
@@ -146,7 +150,7 @@ def update_direction(task: int, vectors: Array, given: PassArguments, begin: int
 
 @compiled_inside
 def update_solution(vectors: Array, given: PassArguments, begin: int, end: int) -> None:
-    """The end of an iteration: y, and the new residual."""
+    """Compute y += alpha p + omega s, and r = s - omega t."""
     r, p, s, t, y = vectors[R], vectors[P], vectors[S], vectors[T], vectors[Y]
     for row in range(begin, end):
         for k in range(r.shape[1]):
@@ -156,7 +160,7 @@ def update_solution(vectors: Array, given: PassArguments, begin: int, end: int) 
 
 @compiled_inside
 def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Array, Array], chunk: int) -> None:
-    """One pass over a chunk, and the two sums in which it ends: of what it made with another vector, and squared."""
+    """One pass over a chunk of rows, and two sums: the product of its vector with another, and its square."""
     vectors, sums = work
     width = rows.blocks.shape[1]
     begin, end = chunk * CHUNK, min((chunk + 1) * CHUNK, vectors.shape[1])
@@ -166,7 +170,7 @@ def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Arr
         update_solution(vectors, given, begin, end)
     else:
         buffers = (vectors[given.vector], vectors[W], vectors[UW])
-        # Three times the same, twice with a width that the compiler knows.
+        # The same call three times: a width known to the compiler unrolls its loops.
         if width == 2:
             sweep(task, rows, buffers, (begin, end, 2))
         elif width == 3:
@@ -184,21 +188,21 @@ def pass_over_chunk(task: int, given: PassArguments, rows: Rows, work: tuple[Arr
 
 @compiled
 def pass_serial(task: int, given: PassArguments, rows: Rows, vectors: Array, sums: Array) -> None:
-    """One pass over all chunks."""
+    """One pass over all chunks, in one thread."""
     for chunk in range(len(sums)):
         pass_over_chunk(task, given, rows, (vectors, sums), chunk)
 
 
 @threaded
 def pass_threaded(task: int, given: PassArguments, rows: Rows, vectors: Array, sums: Array) -> None:
-    """The same, by threads."""
+    """One pass over all chunks, by several threads."""
     for chunk in prange(len(sums)):
         pass_over_chunk(task, given, rows, (vectors, sums), chunk)
 
 
 @compiled
 def total(sums: Array, which: int) -> float:
-    """The sum of the chunks' sums."""
+    """The sum over all chunks."""
     value = 0.0
     for chunk in range(len(sums)):
         value += sums[chunk, which]
@@ -207,7 +211,7 @@ def total(sums: Array, which: int) -> float:
 
 @compiled
 def start_from(right: Array, order: Integers, vectors: Array) -> None:
-    """A right side by rows, for a sweep down from zero."""
+    """Copy a right side to the order of rows, and set the solution to zero."""
     for row in range(len(order)):
         for k in range(right.shape[1]):
             vectors[UW, row, k] = right[order[row], k]
@@ -223,8 +227,8 @@ def solve_one(
     scratch: Gradients,
     tolerance: Tolerance,
 ) -> int:
-    """Stabilized biconjugate gradients from zero for one right side: how many iterations, -1 where they break down or
-    are too many.
+    """Solve for one right side by BiCGStab from zero. Returns the number of iterations, or -1 at a breakdown or after
+    too many.
     """
     (right, solution), (vectors, _, sums) = sides, scratch
     start_from(right, order, vectors)
@@ -261,7 +265,7 @@ def solve_one(
 def solve_all(
     run_pass: Callable[..., None], matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, tolerance: Tolerance
 ) -> int:
-    """All right sides, one after the other: how many iterations they took, -1 where one breaks down."""
+    """Solve for all right sides. Returns the total number of iterations, or -1 if one fails."""
     pattern, (right, solution), iterations = matrix.pattern, sides, 0
     if not invert_diagonal(matrix, scratch.inverse):
         return -1
@@ -289,8 +293,8 @@ def solve_threaded(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradient
 def biconjugate_gradients(
     matrix: Matrix, right: Array, solution: Array, scratch: Gradients, tolerance: Tolerance
 ) -> int:
-    """Shrink what is left of each right side, measured by (D + L)^-1, to `tolerance.accuracy` of it; how many
-    iterations all took, -1 where they break down or are too many. The matrix need not be symmetric.
+    """Reduce the residual of each right side, in the norm of (D + L)^-1 r, by `tolerance.accuracy`. Returns the total
+    number of iterations, or -1 at a breakdown or after too many. The matrix need not be symmetric.
     """
     solve = solve_threaded if right.shape[1] >= FEW else solve_serial
     return int(solve(matrix, (right, solution), scratch, tolerance))

@@ -1,13 +1,14 @@
 """Block systems of pairs: a matrix with a block for each particle and for each pair of neighbors.
 
-`make_pattern` is made once for a set of pairs; `assemble` or `assemble_pair_blocks` fills it. A block is as wide as a
-particle has unknowns. `solvers` solves the systems. A row belongs to one thread, its sums are in the order of pairs:
+`make_pattern` is called once for a set of pairs; `assemble` or `assemble_pair_blocks` fills the blocks. The width of a
+block is the number of unknowns per particle. `solvers` solves the systems. A row belongs to one thread, its sums are in
+the order of pairs:
 bits do not depend on threads.
 
 Systems of a few particles are solved here, by dense elimination (`eliminate`). Right sides and solutions are (R, N, b):
-several for one matrix, which is factorized once. Where nothing holds the particles in place, the first
-`null_space_dimension` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0
-where something holds them): the first particle is then held, and the mean is taken out.
+several for one matrix, which is factorized once. Where nothing fixes the particles, a common shift of the first
+`null_space_dimension` unknowns (the number of dimensions; otherwise 0) has no resistance: the first particle is then
+fixed, and the mean of the solution is subtracted.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ OWN, ACROSS, BACK, OTHER = range(4)
 CHUNK = 1024
 """Rows that one thread processes at once. Their coupling to other chunks is omitted from the preconditioner."""
 BITS = 16
-"""Of a coordinate, in the order along Morton's curve."""
+"""Bits per coordinate in the order along Morton's curve."""
 
 
 class Pattern(NamedTuple):
@@ -35,23 +36,23 @@ class Pattern(NamedTuple):
     """(N + 1,)"""
     column: Integers
     order: Integers
-    """(N,) the particle that each row is of"""
+    """(N,) the particle of each row"""
     rank: Integers
     """(N,) the row of each particle"""
     diagonal: Integers
-    """(N,) place of the block (i, i) of each particle"""
+    """(N,) index of the block (i, i) of each particle"""
     inside: Integers
-    """(N, 3) in each row, the places of the first block of its chunk of rows, of the diagonal block, and of the first
-    block beyond the chunk
+    """(N, 3) in each row the indices of the first block of its chunk, of the diagonal block, and of the first block
+    beyond the chunk
     """
     upper: Integers
-    """(P,) place of the block (i, j) of a pair"""
+    """(P,) index of the block (i, j) of each pair"""
     lower: Integers
     """(P,) and of (j, i)"""
     first_link: Integers
     """(N + 1,) the pairs of particle i are link[first_link[i]:first_link[i + 1]], in their order"""
     link: Integers
-    """(2P,) twice the number of a pair, and 1 more where the particle is its second"""
+    """(2P,) twice the number of a pair, plus 1 where the particle is its second"""
 
 
 class Matrix(NamedTuple):
@@ -63,8 +64,8 @@ class Matrix(NamedTuple):
 
 
 def make_pattern(count: int, first: Integers, second: Integers, order: Integers | None = None) -> Pattern:
-    """The pattern of pairs (first, second), each of which may stand several times, among so many particles; rows in
-    their order unless another one is given.
+    """The pattern of pairs (first, second), which may be repeated, among `count` particles; rows in the order of
+    particles unless another one is given.
     """
     order = np.arange(count) if order is None else order
     rank = np.empty(count, np.int64)
@@ -80,7 +81,7 @@ def make_pattern(count: int, first: Integers, second: Integers, order: Integers 
 
 @compiled
 def links_of(count: int, first: Integers, second: Integers) -> tuple[Integers, Integers]:
-    """The pairs of each particle, as in a `Pattern`, by counting."""
+    """The pairs of each particle, as in a `Pattern`, by a counting sort."""
     first_link, link = np.zeros(count + 1, np.int64), np.zeros(2 * len(first), np.int64)
     for c in range(len(first)):
         first_link[first[c] + 1] += 1
@@ -103,7 +104,9 @@ def count_blocks(
     pairs: tuple[Integers, Integers],
     links: tuple[Integers, Integers],
 ) -> None:
-    """Where the blocks of each row start. Columns are passed in their order, so that repetitions follow each other."""
+    """Compute where the blocks of each row start. Columns are visited in order, so that repeated pairs follow each
+    other.
+    """
     (order, rank), (first, second), (first_link, link) = ranks, pairs, links
     last = np.full(len(order), -1)
     for q in range(len(order)):
@@ -126,7 +129,7 @@ def place_blocks(
     links: tuple[Integers, Integers],
     to: tuple[Integers, Integers, Integers, Integers],
 ) -> None:
-    """Columns, limits of chunks, and places of pairs, column by column."""
+    """Compute columns, limits of chunks, and indices of pairs, column by column."""
     (order, rank), (first, second), (first_link, link) = ranks, pairs, links
     column, inside, upper, lower = to
     free = start[:-1].copy()
@@ -148,7 +151,7 @@ def place_blocks(
 
 @compiled_inside
 def add_block(row: int, q: int, free: Integers, column: Integers, inside: Integers) -> None:
-    """The next block of a row, in column q."""
+    """Append a block in column q to a row."""
     begin = row // CHUNK * CHUNK
     column[free[row]] = q
     free[row] += 1
@@ -159,7 +162,7 @@ def add_block(row: int, q: int, free: Integers, column: Integers, inside: Intege
 
 
 def near_order(position: Array) -> Integers:
-    """An order in which those that are near one another mostly stand near one another: along Morton's curve."""
+    """An order of particles in which neighbors are mostly close: along Morton's curve."""
     low, span = position.min(axis=0), np.ptp(position, axis=0).max()
     cell = ((position - low) / (span or 1.0) * (2**BITS - 1)).astype(np.int64)
     code = np.zeros(len(position), np.int64)
@@ -170,14 +173,14 @@ def near_order(position: Array) -> Integers:
 
 
 def make_matrix(pattern: Pattern, width: int) -> Matrix:
-    """Room for the blocks of particles with so many unknowns."""
+    """A matrix of zeros with `width` unknowns per particle."""
     return Matrix(pattern, np.zeros((len(pattern.column), width, width)))
 
 
 @compiled
 def assemble(matrix: Matrix, stiffness: Array, diagonal: Array) -> None:
-    """Blocks of pairs that resist their relative displacement, (P, b, b) or wider, and what resists each particle's
-    own, (N, b).
+    """Fill the matrix from stiffnesses of pairs against relative displacement, (P, b, b) or wider, and of each
+    particle, (N, b).
     """
     pattern, blocks = matrix.pattern, matrix.blocks
     for i in range(len(diagonal)):
@@ -186,8 +189,8 @@ def assemble(matrix: Matrix, stiffness: Array, diagonal: Array) -> None:
 
 @compiled
 def assemble_pair_blocks(matrix: Matrix, pair_blocks: Array, diagonal: Array) -> None:
-    """The four blocks of each pair, (P, 4, b, b) in the order OWN, ACROSS, BACK, OTHER, and what resists each
-    particle's own, (N, b).
+    """Fill the matrix from the four blocks of each pair, (P, 4, b, b) in the order OWN, ACROSS, BACK, OTHER, and the
+    stiffness of each particle, (N, b).
     """
     pattern, blocks = matrix.pattern, matrix.blocks
     for i in range(len(diagonal)):
@@ -211,7 +214,7 @@ def fill_row(pattern: Pattern, blocks: Array, stiffness: Array, diagonal: Array,
 
 @compiled_inside
 def fill_row_quads(pattern: Pattern, blocks: Array, pair_blocks: Array, diagonal: Array, i: int) -> None:
-    """The row of one particle, of pairs that have four blocks."""
+    """Fill the row of one particle from pairs with four blocks."""
     here, upper, lower, link = pattern.diagonal[i], pattern.upper, pattern.lower, pattern.link
     width = blocks.shape[1]
     begin_row(pattern, blocks, diagonal, i)
@@ -227,7 +230,7 @@ def fill_row_quads(pattern: Pattern, blocks: Array, pair_blocks: Array, diagonal
 
 @compiled_inside
 def begin_row(pattern: Pattern, blocks: Array, diagonal: Array, i: int) -> None:
-    """Zeros, and what resists the particle's own displacement."""
+    """Set the row to zero, with the stiffness of the particle on the diagonal."""
     row, here, width = pattern.rank[i], pattern.diagonal[i], blocks.shape[1]
     for place in range(pattern.start[row], pattern.start[row + 1]):
         for k in range(width):
@@ -252,7 +255,7 @@ def center(vectors: Array, null_space_dimension: int) -> None:
 
 @compiled
 def eliminate(matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
-    """Solve by dense elimination with pivots; whether there is a solution."""
+    """Solve by dense elimination with pivots. Returns False without a solution."""
     (several, count, width), order = right.shape, matrix.pattern.order
     size = count * width
     full = np.zeros((size, size + several))
@@ -275,7 +278,7 @@ def eliminate(matrix: Matrix, right: Array, solution: Array, null_space_dimensio
 
 @compiled
 def hold(full: Array, null_space_dimension: int) -> None:
-    """Keep the first unknowns, so many, where they are."""
+    """Replace the equations of the first unknowns by x = 0."""
     size, wide = full.shape
     for k in range(null_space_dimension):
         for i in range(size):
@@ -287,7 +290,7 @@ def hold(full: Array, null_space_dimension: int) -> None:
 
 @compiled
 def scatter(matrix: Matrix, full: Array) -> None:
-    """The blocks into a dense matrix."""
+    """Copy the blocks to a dense matrix."""
     start, column, blocks = matrix.pattern.start, matrix.pattern.column, matrix.blocks
     width = blocks.shape[1]
     for i in range(len(start) - 1):

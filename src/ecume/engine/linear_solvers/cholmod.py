@@ -1,8 +1,9 @@
-"""Block systems by CHOLMOD [chen2008], through cvxopt: an optional way, since both are under the GNU GPL.
+"""Block systems by CHOLMOD [chen2008], through cvxopt: optional, since both are under the GNU GPL.
 
-CHOLMOD factorizes what is symmetric and positive. So it is given a matrix's symmetric part, along an analysis that is
-made once for a pattern, and GMRES [saad1986] makes up for the rest in a few iterations. Its sums go by the BLAS at
-hand: bits may depend on the machine and its threads, the first ten digits do not.
+CHOLMOD factorizes symmetric positive definite matrices: here the symmetric part, with a symbolic analysis that is
+computed once per pattern. GMRES [saad1986] with this factorization as preconditioner corrects for the rest in a few
+iterations. CHOLMOD uses the installed BLAS: the last digits may depend on the machine and its threads, the first ten do
+not.
 """
 
 from __future__ import annotations
@@ -22,18 +23,18 @@ MOST_ITERATIONS = 60
 
 
 class Analysis(NamedTuple):
-    """CHOLMOD's analysis of a pattern, and where its numbers come from."""
+    """CHOLMOD's analysis of a pattern, and the indices of its entries."""
 
     symbolic: Any
     lower: Any
-    """the lower triangle as cvxopt keeps it, by columns"""
+    """the lower triangle in cvxopt's format, by columns"""
     row: Integers
-    """of each of its numbers"""
+    """row of each entry"""
     column: Integers
     place: Integers
-    """in all blocks"""
+    """index of each entry in the array of all blocks"""
     across: Integers
-    """and that of the number on the other side of the diagonal"""
+    """and of the entry on the other side of the diagonal"""
 
 
 def library() -> Any:
@@ -64,18 +65,21 @@ def analyze(pattern: Pattern, width: int) -> Analysis:
 
 
 def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, null_space_dimension: int) -> bool:
-    """Solve for all right sides; False where the symmetric part is not positive, or is not all that matters."""
+    """Solve for all right sides. Returns False if the symmetric part is not positive definite, or GMRES does not
+    converge.
+    """
     from scipy.sparse import bsr_array
 
     cvxopt, pattern, size = library(), matrix.pattern, right[0].size
     numbers = matrix.blocks.ravel()
     values = 0.5 * (numbers[analysis.place] + numbers[analysis.across])
-    held = analysis.column < null_space_dimension  # nothing stands above the first rows' diagonal in the lower triangle
+    # In the lower triangle the columns of the first unknowns have no entries above the diagonal.
+    held = analysis.column < null_space_dimension
     values[held] = analysis.row[held] == analysis.column[held]
     analysis.lower.V = cvxopt.matrix(values)
     try:
         cvxopt.cholmod.numeric(analysis.lower, analysis.symbolic)
-    except ArithmeticError:  # so it says of what is not positive
+    except ArithmeticError:  # raised for matrices that are not positive definite
         return False
     whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(size, size))
 
@@ -101,7 +105,7 @@ Map = Callable[[Array], Array]
 
 
 def _one(right: Array, solution: Array, at: tuple[Integers, int], ways: tuple[Map, Map]) -> bool:
-    """Solve for one right side with what CHOLMOD knows of the matrix."""
+    """Solve for one right side by GMRES with CHOLMOD's factorization."""
     from scipy.sparse.linalg import LinearOperator, gmres
 
     (order, null_space_dimension), (size, (product, factored)) = at, (right.size, ways)

@@ -18,15 +18,15 @@ from ecume._portable import dot, length
 from ecume.units import Array
 
 ACCURATE = 1e-6
-"""Relative change of the result at which the iteration ends."""
+"""The relative change of the result at which the iteration ends."""
 FACTORIZED = 96
-"""Size of a matrix up to which Cholesky's factorization is faster."""
+"""The largest size of a matrix for which Cholesky's factorization is faster."""
 EVERY = 3
-"""Iterations between two tests."""
+"""The number of iterations between convergence tests."""
 MOST = 200
-"""Iterations at most."""
+"""The largest number of iterations."""
 ROTATED = 1e-15
-"""Off-diagonal numbers over the diagonal that count as zero."""
+"""Off-diagonal entries, relative to the diagonal, that count as zero."""
 
 
 @compiled
@@ -121,7 +121,7 @@ def root_by_products(product: Callable[[Array], Array], scale: Array, vector: Ar
 
 @compiled
 def _extend(matrix: Array, scale: Array, basis: Array, used: int) -> float:
-    """Write the next direction, not yet of unit length, after the last; return the diagonal number of the last."""
+    """Write the next basis vector, not yet normalized. Returns the diagonal entry of the last."""
     last, following, size = basis[used], basis[used + 1], len(scale)
     # Row by row, which is the same for a symmetric matrix: sums along a row do not vectorize.
     for row in range(size):
@@ -131,7 +131,7 @@ def _extend(matrix: Array, scale: Array, basis: Array, used: int) -> float:
     for row in range(size):
         following[row] /= scale[row]
     own = _dot(last, following)
-    # Against all directions, twice: rounding would let them turn toward each other.
+    # Orthogonalize against all basis vectors, twice: rounding would make them lose orthogonality.
     for _ in range(2):
         for step in range(used + 1):
             along = _dot(basis[step], following)
@@ -186,7 +186,7 @@ def root_column(diagonal: Array, beside: Array, column: Array) -> None:
 
 @compiled
 def _rotate(rows: Array, vectors: Array, p: int, q: int) -> None:
-    """Make one off-diagonal number of a symmetric matrix zero; the vectors turn along."""
+    """Make one off-diagonal entry of a symmetric matrix zero by a rotation, also applied to the vectors."""
     half = 0.5 * (rows[q, q] - rows[p, p]) / rows[p, q]
     tangent = (1.0 if half >= 0.0 else -1.0) / (abs(half) + math.sqrt(1.0 + half * half))
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)

@@ -1,4 +1,4 @@
-"""How block systems are solved: the table of solvers, what they keep for a pattern, and which is the cheapest.
+"""The table of solvers of block systems, their stored data for a pattern, and the estimate of which is cheaper.
 
 Right sides and solutions are (R, N, b): several for one matrix. Where nothing holds the particles in place, the first
 `null_space_dimension` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0
@@ -6,8 +6,8 @@ where something holds them): the mean is then taken out.
 
 `iterative` follows biconjugate gradients as closely as a step of Newton's method can use, `direct` factorizes by
 SuperLU, `cholmod` has the symmetric part factorized by SuiteSparse, and `dense` is for a few particles. `does_less`
-says which is cheaper: by operations that are estimated, never by a clock, so that equal states choose alike. What is
-ill-conditioned takes more iterations, and so the direct way.
+compares costs as numbers of operations, not times, so that equal states choose the same solver. Ill-conditioned systems
+need more iterations, and are therefore solved directly.
 """
 
 from __future__ import annotations
@@ -23,36 +23,36 @@ from ecume.units import Array
 
 MOST_ITERATIONS = 2000
 NEWTON = 1e-4
-"""How closely a step of Newton's method needs its linear system solved."""
+"""The relative accuracy of linear systems in Newton's method."""
 DENSER = 0.3
-"""The time of an operation of a factorization, over that of one in a sweep, which waits for the memory."""
+"""The time of an operation in a factorization over that in a sweep, which waits for memory."""
 FEW = 10
-"""Iterations that no factorization is cheaper than: none is tried then."""
+"""With fewer iterations no factorization is cheaper, and none is tried."""
 MOST_WORK = 2e12
-"""Operations of a factorization beyond which nothing is gained by standing in."""
+"""The largest number of operations of a factorization that replaces the iterative solver."""
 
 
 @dataclass
 class Kept:
-    """Data that solvers keep for all systems of a pattern; without them the solutions are the same."""
+    """Data that solvers store for all systems of a pattern; they do not change solutions."""
 
     pattern: Pattern
     width: int
     dimensions: int
     accuracy: float = NEWTON
-    """of the gradients"""
+    """of the iterative solver"""
     iterations: int = 0
-    """of the gradients since this was set to zero"""
+    """of the iterative solver since the counter was reset"""
     systems: int = 0
-    """matrices that they were for"""
+    """number of matrices in these iterations"""
     gradients: Gradients | None = None
     elimination: sparse_lu.Analysis | None = None
     analysis: Any = None
-    """CHOLMOD's"""
+    """by CHOLMOD"""
 
 
 Solve = Callable[[Kept, Matrix, Array, Array, int], bool]
-"""Solve, into `solution`; whether there is a solution."""
+"""Solve, into `solution`. Returns False without a solution."""
 
 
 def densely(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:
@@ -90,21 +90,21 @@ SOLVERS: dict[str, Solve] = {"dense": densely, "iterative": iteratively, "direct
 
 
 def does_less(kept: Kept, iterations: int) -> bool:
-    """Whether a factorization does less than so many iterations of gradients."""
+    """Whether a factorization needs fewer operations than this number of iterations."""
     return iterations > FEW and DENSER * work(kept) < iterations * operations_of_iteration(kept) and pays(kept)
 
 
 def pays(kept: Kept) -> bool:
-    """Whether a factorization is worth waiting for where gradients break down."""
+    """Whether a factorization is fast enough to replace the iterative solver where that breaks down."""
     return work(kept) <= MOST_WORK
 
 
 def work(kept: Kept) -> float:
-    """Operations of a factorization."""
+    """The number of operations of a factorization."""
     return sparse_lu.operations(len(kept.pattern.order), kept.width, kept.dimensions)
 
 
 def operations_of_iteration(kept: Kept) -> float:
-    """Multiplications and additions of an iteration: two products with their sweeps, and six sums over vectors."""
+    """The number of operations of an iteration: two products with their sweeps, and six sums over vectors."""
     blocks, rows = float(len(kept.pattern.column)), float(len(kept.pattern.order))
     return 4.0 * blocks * kept.width**2 + 12.0 * rows * kept.width

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.engine.walls.event_driven import CAPPED, MOST_EVENTS, fly_all
-from ecume.engine.walls.sheets import GRAIN, SCALE, Sheet, sheet
+from ecume.engine.walls.event_driven import CAPPED, MOST_EVENTS, move_all
+from ecume.engine.walls.sheets import RELATIVE_ROUNDING, SCALE, Sheet, sheet
 from ecume.engine.walls.surfaces import PLANE, Surfaces, described, numbers_of
 from ecume.errors import BadInput
 from ecume.units import Array
@@ -66,9 +66,9 @@ def reflect(
     packed = sheet(walls, restitution, tangential)
     _require_inside(new, width, walls, packed)
     hits = np.zeros(len(new), np.int64)
-    fate = _flown((new, fast, pushed, width), float(dt), packed, _no_log(new.shape[1]), hits)
-    if fate.min(initial=0) < 0:
-        worst = int(np.argmin(fate))
+    status = _flown((new, fast, pushed, width), float(dt), packed, _no_log(new.shape[1]), hits)
+    if status.min(initial=0) < 0:
+        worst = int(np.argmin(status))
         raise BadInput(
             f"reflect: particle {worst} met walls more than {MOST_EVENTS} times within {dt:g} s; take a shorter step"
         )
@@ -103,9 +103,9 @@ def trace(
     total = int(first[-1])
     log = (first, np.zeros(total, np.int64), np.zeros(total), np.zeros((total, dimension)))
     again = _prepared(position, velocity, acceleration, radius)
-    fate = _flown(again, float(dt), packed, log, np.zeros_like(hits))
+    status = _flown(again, float(dt), packed, log, np.zeros_like(hits))
     who = np.repeat(np.arange(count), hits)
-    return Trace(again[0], again[1], hits, who, *log[1:], np.maximum(fate, 0) - 1, fate == CAPPED)
+    return Trace(again[0], again[1], hits, who, *log[1:], np.maximum(status, 0) - 1, status == CAPPED)
 
 
 Prepared = tuple[Array, Array, Array, Array]
@@ -117,11 +117,11 @@ def _no_log(dimension: int) -> Any:
 
 
 def _flown(started: Prepared, dt: float, packed: Sheet, log: Any, hits: Integers) -> Integers:
-    fate = np.zeros(len(hits), np.int64)
+    status = np.zeros(len(hits), np.int64)
     per_surface = np.zeros(len(packed.kind), np.int64)
-    counts: Any = (hits, fate, per_surface)
-    fly_all(*started, dt, *packed, *log, *counts)
-    return fate
+    counts: Any = (hits, status, per_surface)
+    move_all(*started, dt, *packed, *log, *counts)
+    return status
 
 
 def _require_step(dt: float, walls: Surfaces) -> None:
@@ -181,8 +181,8 @@ def _require_inside(position: Array, radius: Array, walls: Surfaces, packed: She
         raise BadInput(f"position: got {position.shape[1]} coordinates; the walls have {walls.dimension}")
     clear, which = clearance(position, walls)
     scale = float(packed.number[:, SCALE].max(initial=0.0))
-    grain = GRAIN * (scale + np.linalg.norm(position, axis=1))
-    out = np.flatnonzero(clear - radius < -grain)
+    rounding = RELATIVE_ROUNDING * (scale + np.linalg.norm(position, axis=1))
+    out = np.flatnonzero(clear - radius < -rounding)
     if len(out):
         i = int(out[0])
         point = ", ".join(f"{value:.9g}" for value in position[i])

@@ -1,4 +1,5 @@
-"""Surfaces in compiled loops: vectors as tuples, where surfaces are at a time, and when a flight meets one.
+"""Surfaces in compiled loops: vectors as tuples, gaps and normals at a time, and times at which a flight meets a
+surface.
 
 Three numbers at a time: a vector as a tuple, which compiled code keeps in registers. In two dimensions z is 0.
 
@@ -40,7 +41,7 @@ def length(a: Vector) -> float:
 
 
 @compiled_inside
-def plus(a: Vector, factor: float, b: Vector) -> Vector:
+def axpy(a: Vector, factor: float, b: Vector) -> Vector:
     """A + factor b"""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
@@ -52,31 +53,32 @@ def scaled(factor: float, a: Vector) -> Vector:
 
 
 @compiled_inside
-def flown(position: Vector, velocity: Vector, acceleration: Vector, time: float) -> Vector:
+def ballistic(position: Vector, velocity: Vector, acceleration: Vector, time: float) -> Vector:
     """X + v t + a t^2 / 2"""
-    return plus(plus(position, time, velocity), 0.5 * time * time, acceleration)
+    return axpy(axpy(position, time, velocity), 0.5 * time * time, acceleration)
 
 
 @compiled_inside
-def row(array: Array, i: int) -> Vector:
-    """Row i of an (N, 2) or (N, 3) array."""
+def load(array: Array, i: int) -> Vector:
+    """Row i of an (N, 2) or (N, 3) array as a vector."""
     return array[i, 0], array[i, 1], array[i, 2] if array.shape[1] > 2 else 0.0
 
 
 @compiled_inside
-def put(array: Array, i: int, vector: Vector) -> None:
-    """Write row i."""
+def store(array: Array, i: int, vector: Vector) -> None:
+    """Write a vector to row i of an array."""
     array[i, 0], array[i, 1] = vector[0], vector[1]
     if array.shape[1] > 2:
         array[i, 2] = vector[2]
 
 
 @compiled_inside
-def eased(vector: Vector, first: Vector, second: Vector, third: Vector) -> Vector:
-    """The nearest vector that leads into none of three supports; a support that is absent has the normal 0.
+def projected_on_cone(vector: Vector, first: Vector, second: Vector, third: Vector) -> Vector:
+    """The nearest vector that leads into none of three supports; an absent support has the normal
+    0.
 
-    It is the vector itself, or its projection on a face, on an edge, or nothing of it: the projection on the cone
-    w.n >= 0, found by trying.
+    This is the projection on the cone w.n >= 0: the vector itself, its projection on a face or an edge, or zero,
+    whichever is the first that is allowed.
     """
     normals = (first, second, third)
     slack = -1e-12 * length(vector)
@@ -85,7 +87,7 @@ def eased(vector: Vector, first: Vector, second: Vector, third: Vector) -> Vecto
     for k in range(3):
         pressed = dot(vector, normals[k])
         if pressed < 0.0:
-            on_face = plus(vector, -pressed, normals[k])
+            on_face = axpy(vector, -pressed, normals[k])
             if allowed(on_face, normals, slack):
                 return on_face
     best = (0.0, 0.0, 0.0)
@@ -101,23 +103,25 @@ def eased(vector: Vector, first: Vector, second: Vector, third: Vector) -> Vecto
 
 @compiled_inside
 def allowed(vector: Vector, normals: tuple[Vector, Vector, Vector], least: float) -> bool:
-    """Whether it leads into none of the supports."""
+    """Whether a vector leads into none of the supports."""
     return dot(vector, normals[0]) >= least and dot(vector, normals[1]) >= least and dot(vector, normals[2]) >= least
 
 
 SIZE, SPEED, RESTITUTION, TANGENTIAL, SCALE = 3, 4, 7, 8, 9
-"""Columns of `Sheet.number`; the first three are the place."""
-GRAIN = 1e-12
-"""A point that is outside by less than this part of the lengths it is computed from is on the surface."""
+"""Columns of `Sheet.number`; the first three are the position."""
+RELATIVE_ROUNDING = 1e-12
+"""The relative rounding error of gaps: a point outside by less than this fraction of the lengths involved is on the
+surface.
+"""
 
 
 class Sheet(NamedTuple):
-    """Surfaces with their coefficients, as few arrays: `Surfaces` explains the numbers."""
+    """Surfaces with their coefficients, as a few arrays; see `Surfaces`."""
 
     kind: Integers
     """(K, 3): kind, and the range of an obstacle's planes"""
     number: Array
-    """(K, 10): place, size, velocity, restitution, tangential factor, the length of the whole"""
+    """(K, 10): position, size, velocity, restitution, tangential factor, the extent of all surfaces"""
     hole: Integers
     """(M,)"""
     part: Array
@@ -125,7 +129,7 @@ class Sheet(NamedTuple):
 
 
 def sheet(walls: Surfaces, restitution: Any = 1.0, tangential: Any = 1.0) -> Sheet:
-    """Pack them. The coefficients, in [0, 1], are one number for all surfaces, or one for each."""
+    """Pack surfaces into arrays. The coefficients, in [0, 1], are one number for all surfaces, or one for each."""
     number = np.zeros((len(walls.kind), 10))
     number[:, :3], number[:, SIZE], number[:, SPEED : SPEED + 3] = walls.place, walls.size, walls.velocity
     number[:, RESTITUTION] = _proportion(restitution, "restitution", len(walls.kind))
@@ -133,7 +137,7 @@ def sheet(walls: Surfaces, restitution: Any = 1.0, tangential: Any = 1.0) -> She
     centers = walls.place * (walls.kind != PLANE)[:, None]
     number[:, SCALE] = max((float(np.abs(part).max()) for part in (centers, walls.size) if part.size), default=0.0)
     kind = np.column_stack([walls.kind, walls.face])
-    # An opening is flat, and a point of its surface is there only up to rounding.
+    # An opening is a flat part of a surface: compare to rounding.
     slack = 1e-9 * np.linalg.norm(walls.high - walls.low, axis=1)[:, None]
     return Sheet(kind, number, walls.hole.copy(), np.hstack([walls.low - slack, walls.high + slack]))
 
@@ -160,12 +164,12 @@ def wall_velocity(number: Array, k: int) -> Vector:
 @compiled_inside
 def from_center(number: Array, k: int, x: Vector, time: float) -> Vector:
     """The vector from the center of sphere k, at that time, to x."""
-    return plus(plus(x, -1.0, place_of(number, k)), -time, wall_velocity(number, k))
+    return axpy(axpy(x, -1.0, place_of(number, k)), -time, wall_velocity(number, k))
 
 
 @compiled_inside
 def inward_normal(kind: Integers, number: Array, k: int, x: Vector, time: float) -> Vector:
-    """The slope of the gap. At the very center of a circle every direction leads to it; the first axis is taken."""
+    """The gradient of the gap. At the center of a circle it is undefined, and the first axis is used."""
     if kind[k, 0] == PLANE:
         return place_of(number, k)
     out = from_center(number, k, x, time)
@@ -184,9 +188,10 @@ def gap_to(kind: Integers, number: Array, k: int, x: Vector, time: float) -> flo
 
 @compiled_inside
 def piece_gap(kind: Integers, number: Array, k: int, x: Vector, time: float) -> tuple[float, int, int]:
-    """The gap to the wall or obstacle that begins with surface k, the surface that sets it, and where the next begins.
+    """The gap to the wall or obstacle whose first surface is k, the surface that determines it, and the first surface
+    of the next.
 
-    An obstacle's gap is that of its farthest face.
+    The gap of an obstacle is the largest among its faces.
     """
     gap, nearest, stop = gap_to(kind, number, k, x, time), k, max(int(kind[k, 2]), k + 1)
     for other in range(k + 1, stop):
@@ -208,16 +213,16 @@ def worst_gap(kind: Integers, number: Array, x: Vector, time: float) -> tuple[fl
 
 
 @compiled_inside
-def grain_at(number: Array, k: int, x: Vector) -> float:
-    """The distance below which a gap to surface k counts as zero: rounding."""
-    return GRAIN * (float(number[k, SCALE]) + length(x))
+def rounding_at(number: Array, k: int, x: Vector) -> float:
+    """The rounding error of a gap to surface k."""
+    return RELATIVE_ROUNDING * (float(number[k, SCALE]) + length(x))
 
 
 @compiled_inside
 def hole_at(hole: Integers, part: Array, number: Array, k: int, moment: tuple[Vector, float]) -> int:
-    """The opening of surface k that is there, or -1."""
+    """The opening of surface k at this point, or -1."""
     x, time = moment
-    y = plus(x, -time, wall_velocity(number, k))
+    y = axpy(x, -time, wall_velocity(number, k))
     for m in range(hole.shape[0]):
         within = part[m, 0] <= y[0] <= part[m, 3] and part[m, 1] <= y[1] <= part[m, 4]
         if hole[m] == k and within and part[m, 2] <= y[2] <= part[m, 5]:
@@ -233,8 +238,8 @@ Quartic = tuple[float, float, float, float, float]
 def time_to_plane(gap: float, speed: float, push: float) -> float:
     """The first t >= 0 at which gap + speed t + push t^2/2 turns negative, from above.
 
-    The form of the root is chosen so that numbers of one sign are added. What begins below, as it may beside an
-    obstacle's face, must come up first.
+    The form of the root avoids cancellation. A flight that starts at a negative gap, as beside the face of an obstacle,
+    must first become positive.
     """
     if gap < 0.0 and not (speed > 0.0 and push < 0.0 and speed * speed > 2.0 * push * gap):
         return NEVER

@@ -208,9 +208,9 @@ def range_of(total: Any, part: Any, parameters: Parameters, accuracy: float) -> 
     for touching, pair, mask, _ in pairs_of_kinds(part, parameters):
         distances = np.geomspace(touching, max(min(widest, MOST_RADII * touching), 2.0 * touching), PLACES)
         force = np.abs([float(total(distance, pair, mask)) for distance in distances.tolist()])
-        felt = np.flatnonzero(force > accuracy * force.max())
-        if len(felt):
-            found = max(found, min(float(distances[felt[-1]]), widest))
+        acting = np.flatnonzero(force > accuracy * force.max())
+        if len(acting):
+            found = max(found, min(float(distances[acting[-1]]), widest))
     return found
 
 

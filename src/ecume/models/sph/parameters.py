@@ -1,4 +1,4 @@
-"""What never changes while the liquid moves."""
+"""The constant parameters of a tank."""
 
 from __future__ import annotations
 
@@ -116,11 +116,11 @@ class Drive(NamedTuple):
     """(n, T)"""
 
 
-class Gate(NamedTuple):
-    """A side that liquid comes in or goes out through, with a buffer behind it."""
+class OpenBoundary(NamedTuple):
+    """A side of the tank with inflow or outflow, and its buffer."""
 
     zone: int
-    """what `State.zone` says of its buffer's particles"""
+    """the value of `State.zone` of particles in its buffer"""
     axis: int
     inward: float
     """1 at the low end of the axis, -1 at the high end"""
@@ -269,7 +269,7 @@ class Parameters(NamedTuple):
     """1/s, of the pull towards a point; zero without"""
     pull_center: Array
     """(d,) m"""
-    gates: tuple[Gate, ...]
+    gates: tuple[OpenBoundary, ...]
     bounds: Array
     """(2, d) beyond which liquid is lost"""
     moves: bool

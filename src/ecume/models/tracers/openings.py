@@ -51,7 +51,7 @@ class Arrivals(NamedTuple):
     """(A,) through which"""
 
 
-class Newcomers(NamedTuple):
+class Inflow(NamedTuple):
     """Those of a run before it is cut into steps."""
 
     time: Array
@@ -64,7 +64,7 @@ class Newcomers(NamedTuple):
     opening: Integers
 
 
-def newcomers_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Newcomers:
+def inflow_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Inflow:
     """All particles that will enter. Raises SceneError for an opening through which none can."""
     faults, found, d = list[Fault](), [], scene.dimensions
     for index, hole in enumerate(scene.openings):
@@ -75,13 +75,13 @@ def newcomers_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> New
             faults.append(Fault(f"openings[{index}]", str(error)))
     if faults:
         raise SceneError(faults)
-    none = Newcomers(np.zeros(0), np.zeros((0, d)), np.zeros((0, d)), np.zeros(0, np.int64), np.zeros(0, np.int64))
-    everyone = Newcomers(*(np.concatenate(parts) for parts in zip(none, *found, strict=True)))
-    order = np.argsort(everyone.time, kind="stable")
-    return Newcomers._make(part[order] for part in everyone)
+    none = Inflow(np.zeros(0), np.zeros((0, d)), np.zeros((0, d)), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    every = Inflow(*(np.concatenate(parts) for parts in zip(none, *found, strict=True)))
+    order = np.argsort(every.time, kind="stable")
+    return Inflow._make(part[order] for part in every)
 
 
-def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int) -> Newcomers:
+def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int) -> Inflow:
     hole, door = scene.openings[index], entrance(surfaces, index)
     species = species_of(scene, hole)
     speed = inward_speed(door, velocity_at(door.middle[None], hole, stream, species))[0]
@@ -98,7 +98,7 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
     time = (who + _draws(who, 0, (scene.seed, PURPOSE + 4 * index))[:, 0]) / rate
     position = _places(scene, surfaces, stream, index, count)
     velocity = velocity_at(position, hole, stream, species)
-    return Newcomers(time, position, velocity, np.full(count, species), np.full(count, index))
+    return Inflow(time, position, velocity, np.full(count, species), np.full(count, index))
 
 
 def species_of(scene: TracersScene, hole: OpeningSpec) -> int:
@@ -148,26 +148,26 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
     raise BadInput(f"no room for a radius of {radius:g} m in the opening; expected a wider one")
 
 
-def _draws(who: Integers, when: int, chance: tuple[int, int]) -> Array:
+def _draws(who: Integers, when: int, key: tuple[int, int]) -> Array:
     """(n, 4) numbers in (0, 1); chance = (seed, purpose), which takes two purposes."""
     drawn = np.empty((len(who), 4))
-    draw(who, when, chance, drawn)
+    draw(who, when, key, drawn)
     return drawn
 
 
 @compiled
-def draw(who: Integers, when: int, chance: tuple[int, int], drawn: Array) -> None:
+def draw(who: Integers, when: int, key: tuple[int, int], drawn: Array) -> None:
     """Fill (n, 4) with numbers in (0, 1) of each who."""
-    seed, purpose = chance
+    seed, purpose = key
     for i in range(len(who)):
         drawn[i, 0], drawn[i, 1] = uniforms(counter_of(int(who[i]), when, purpose), seed)
         drawn[i, 2], drawn[i, 3] = uniforms(counter_of(int(who[i]), when, purpose + 1), seed)
 
 
-def arrivals_of(newcomers: Newcomers, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
+def arrivals_of(inflow: Inflow, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
     """Cut into steps: each is where it flew to by the end of its step, or in the opening where that is blocked."""
-    step = np.maximum(np.ceil(newcomers.time / time_step).astype(np.int64), 1)
-    flown = newcomers.position + (step * time_step - newcomers.time)[:, None] * newcomers.velocity
+    step = np.maximum(np.ceil(inflow.time / time_step).astype(np.int64), 1)
+    flown = inflow.position + (step * time_step - inflow.time)[:, None] * inflow.velocity
     blocked = clearance(flown, surfaces)[0] < radius if len(step) else np.zeros(0, bool)
-    position = np.where(blocked[:, None], newcomers.position, flown)
-    return Arrivals(step, np.ascontiguousarray(position), np.ascontiguousarray(newcomers.velocity), newcomers.opening)
+    position = np.where(blocked[:, None], inflow.position, flown)
+    return Arrivals(step, np.ascontiguousarray(position), np.ascontiguousarray(inflow.velocity), inflow.opening)

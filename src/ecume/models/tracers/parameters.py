@@ -23,7 +23,7 @@ from ecume.models.actions import Access
 from ecume.models.liquids import named_liquid
 from ecume.models.model import Layout, code_of
 from ecume.models.step_counts import ending_on_a_step
-from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
+from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, inflow_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sizes import largest_radius, radii_of
 from ecume.scenes.tracers import FluidSpec, ObstacleSpec, ParticleSpec, TankSpec, TracersScene, WallSpec
@@ -233,8 +233,8 @@ def parameters_of(scene: TracersScene) -> Parameters:
     surfaces, fluid = surfaces_of(scene), fluid_of(scene)
     settling = np.array([settling_speed(scene, fluid, (one.radius, one.density)) for one in scene.particles])
     stream = Stream(np.array(fluid.flow), fluid.shear_rate, np.where(np.isfinite(settling), settling, 0.0))
-    newcomers = newcomers_of(scene, surfaces, stream)
-    bodies = bodies_of(scene, fluid, newcomers.species)
+    inflow = inflow_of(scene, surfaces, stream)
+    bodies = bodies_of(scene, fluid, inflow.species)
     step = time_step_of(scene, surfaces, fluid, bodies)
     late = np.where(bodies.friction > 0.0, bodies.mass / np.maximum(bodies.friction, 1e-300), math.inf) * LONGEST < step
     regime = scene.integration.integrator
@@ -255,7 +255,7 @@ def parameters_of(scene: TracersScene) -> Parameters:
         DragChoice(code_of(DRAGS, scene.hydrodynamics.drag), DRAGS[scene.hydrodynamics.drag].linear),
         fluid,
         bodies._replace(overdamped=overdamped.astype(np.int64)),
-        arrivals_of(newcomers, surfaces, bodies.radius[len(bodies.radius) - len(newcomers.time) :], step),
+        arrivals_of(inflow, surfaces, bodies.radius[len(bodies.radius) - len(inflow.time) :], step),
         sheet(surfaces, *coefficients_of(scene)),
         sheet(surfaces, 0.0, 1.0),
         sheet(surfaces),
@@ -290,10 +290,10 @@ def medium_of(given: FluidSpec) -> tuple[float, float, float]:
 AIR = "air"
 
 
-def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
+def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
     """Masses, weights, frictions and terminal speeds: species by species, then those of the newcomers' species."""
     counts = [species.count for species in scene.particles]
-    kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), newcomers])
+    kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), inflow])
     # By species first: there may be millions of particles, mostly equal.
     equal = not any(one.radii or one.sizes for one in scene.particles)
     radius, of = _radii(scene, kind, equal)
@@ -455,7 +455,7 @@ class Workspace(NamedTuple):
     radius: Array
     hits: Integers
     """(N,)"""
-    fate: Integers
+    status: Integers
     """(N,)"""
 
 

@@ -35,7 +35,13 @@ from ecume.models.tracers.parameters import (
     workspace,
 )
 from ecume.models.tracers.parameters import TRACERS as ACCESS
-from ecume.models.tracers.time_stepping import NOWHERE, advance, brings, exchange, lent
+from ecume.models.tracers.time_stepping import (
+    UNBOUNDED,
+    advance,
+    exchange,
+    has_external_work,
+    overdamped_kinetic_energy,
+)
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, duration_text, size_text, with_prefix
@@ -104,8 +110,8 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         **{f"came_through_opening_{m}": float((entered == m).sum()) for m in range(holes)},
         "flights_cut_short": float(state.tally[CAPPED]),
     }
-    if brings(parameters):
-        numbers[INJECTED] = float(state.work[0]) + lent(parameters, state)
+    if has_external_work(parameters):
+        numbers[INJECTED] = float(state.work[0]) + overdamped_kinetic_energy(parameters, state)
     units = {name: "J" if name.endswith(("energy", INJECTED)) else "1" for name in numbers}
     units |= {"mean_height": "m", "largest_speed": "m/s"}
     return Frame(int(state.step[0]) * parameters.time_step, arrays, numbers, {**ARRAY_UNITS, **units})
@@ -126,7 +132,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 def _somewhere(numbers: Array) -> Array:
     """The positions, with NaN for values too large to be one."""
-    return np.where(np.abs(numbers) < NOWHERE, numbers, np.nan)
+    return np.where(np.abs(numbers) < UNBOUNDED, numbers, np.nan)
 
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
@@ -237,8 +243,8 @@ RISE = 1e-6
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
     """The rows of a scene. The work of liquid and openings is in the energy budget, see `time_stepping`."""
-    everyone = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
-    return [everyone, energy_never_rises(RISE)]
+    every = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
+    return [every, energy_never_rises(RISE)]
 
 
 def _missing(seen: Seen) -> float:

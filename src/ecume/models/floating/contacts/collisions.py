@@ -26,7 +26,7 @@ from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact import impulse_solvers
 from ecume.engine.contact.contacts import Bodies, Contacts, Memory
 from ecume.engine.contact.friction import FrictionRows, Motion
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.laws import drag, flotation
 from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths, require_distances
@@ -68,7 +68,7 @@ class Friction(NamedTuple):
 class FrictionScratch(NamedTuple):
     """Workspace of contacts with friction."""
 
-    rubbing: FrictionRows
+    friction_rows: FrictionRows
     spin: Array
     """(N + walls,) rad/s, during this step; walls do not turn"""
     before: Array
@@ -91,23 +91,23 @@ def memory_of(state: State) -> Memory:
 
 @compiled
 def solve_with_friction(
-    part: Friction, rubbing: FrictionRows, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal
+    part: Friction, friction_rows: FrictionRows, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Tolerance
 ) -> int:
     """Solve contacts with friction for these velocities and spins; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
-    coulomb.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
-    return coulomb.solve(contacts, rubbing, motion, goal)
+    coulomb.prepare(contacts, friction_rows, bodies.radius, part.friction, motion)
+    return coulomb.solve(contacts, friction_rows, motion, goal)
 
 
 @compiled
 def stop_with_friction(
-    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
+    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
 ) -> int:
     """Stop all relative motion, starting from zero impulses; return the number of sweeps."""
     for row in range(contacts.total[0]):
-        own.rubbing.impulse[row] = 0.0
+        own.friction_rows.impulse[row] = 0.0
     motion = Motion(velocity, own.before, bodies.mobility, part.ease)
-    return solve_with_friction(part, own.rubbing, bodies, contacts, motion, goal)
+    return solve_with_friction(part, own.friction_rows, bodies, contacts, motion, goal)
 
 
 @compiled
@@ -115,33 +115,33 @@ def push_with_friction(
     part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
 ) -> None:
     """Apply the impulses of collisions to the midstep velocities and the spins."""
-    rubbing = own.rubbing
+    friction_rows = own.friction_rows
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-        rubbing.impulse[row] *= contacts.scratch[row]
+        friction_rows.impulse[row] *= contacts.scratch[row]
     motion = Motion(midstep_velocity, own.spin, bodies.mobility, part.ease)
-    coulomb.apply_impulses(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
+    coulomb.apply_impulses(contacts, friction_rows, (contacts.impulse, friction_rows.impulse), motion)
 
 
 @compiled
 def continue_with_friction(
-    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
+    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
 ) -> int:
     """Solve for velocities and spins, starting from the stored impulses; return the number of sweeps."""
     motion = Motion(velocity, own.spin, bodies.mobility, part.ease)
-    return solve_with_friction(part, own.rubbing, bodies, contacts, motion, goal)
+    return solve_with_friction(part, own.friction_rows, bodies, contacts, motion, goal)
 
 
 @compiled
 def recall_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
     """Start from the tangential impulses of the previous step."""
-    coulomb.recall(workspace.contacts, own.rubbing, memory_of(state), state.rub)
+    coulomb.recall(workspace.contacts, own.friction_rows, memory_of(state), state.rub)
 
 
 @compiled
 def remember_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
     """Store the tangential impulses for the next step."""
-    coulomb.remember(workspace.contacts, own.rubbing, memory_of(state), state.rub)
+    coulomb.remember(workspace.contacts, own.friction_rows, memory_of(state), state.rub)
 
 
 @compiled
@@ -340,9 +340,9 @@ def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace:
 
 
 @compiled_inside
-def goal_for(parameters: Parameters, fastest: float) -> Goal:
+def goal_for(parameters: Parameters, fastest: float) -> Tolerance:
     """Return the tolerance of impulses for an approach at this speed."""
-    return Goal(impulse_solvers.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    return Tolerance(impulse_solvers.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
 
 
 @compiled
@@ -364,7 +364,7 @@ def count_bounces(contacts: Contacts, of_float: Array) -> float:
 
 
 @compiled
-def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
+def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance) -> int:
     """Solve contacts without friction; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
     return impulse_solvers.solve(contacts, velocity, bodies.mobility, goal)
@@ -440,7 +440,7 @@ SOLVERS: dict[type, Solver] = {
 
 
 @compiled
-def goal_of(parameters: Parameters, contacts: Contacts | TorqueContacts) -> Goal:
+def goal_of(parameters: Parameters, contacts: Contacts | TorqueContacts) -> Tolerance:
     """Return the tolerance of impulses for the speeds in `contacts.scratch`; zero if no pair approaches too far."""
     fastest = 0.0
     for row in range(contacts.total[0]):

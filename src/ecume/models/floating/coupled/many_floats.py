@@ -26,7 +26,7 @@ from ecume.engine.cells import Integers, make_cells, sort_into_cells
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import mobility_contacts
 from ecume.engine.contact.contacts import Contacts
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.interpolation import Spread
 from ecume.engine.linear_solvers.lanczos import root_by_products
 from ecume.laws import ewald, pair_mobility
@@ -455,10 +455,10 @@ def predict_on_grid(
 
 def add_noise_on_grid(part: CoupledKicks, own: GridScratch, parameters: Parameters, state: State) -> None:
     """Add Brownian motion to the velocities: displacements with the covariance 2 kT M dt."""
-    grid, chance = own.grid[0], np.empty(len(own.motion.motion))
-    fill_normals(part, int(state.step[0]), parameters.drift.seed, chance)
+    grid, noise = own.grid[0], np.empty(len(own.motion.motion))
+    fill_normals(part, int(state.step[0]), parameters.drift.seed, noise)
     scale = np.repeat(np.sqrt(grid.unit / part.radius), 2)
-    moved = root_by_products(lambda force: flow_product(grid, force.reshape(-1, 2)).ravel(), scale, chance, ERROR)
+    moved = root_by_products(lambda force: flow_product(grid, force.reshape(-1, 2)).ravel(), scale, noise, ERROR)
     own.motion.motion[:] += math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step) * moved
 
 
@@ -495,7 +495,9 @@ def collide_on_grid(
     store_velocities(own.motion, state, workspace)
 
 
-def push_on_grid(own: GridScratch, parameters: Parameters, state: State, workspace: Workspace, wanted: Goal) -> None:
+def push_on_grid(
+    own: GridScratch, parameters: Parameters, state: State, workspace: Workspace, wanted: Tolerance
+) -> None:
     """Solve for the forces of all contacts and change the motion by them."""
     contacts, grid, count = workspace.contacts, own.grid[0], len(own.motion.current)
     total = int(contacts.total[0])
@@ -508,7 +510,7 @@ def push_on_grid(own: GridScratch, parameters: Parameters, state: State, workspa
         return moved
 
     fastest = float(np.max(contacts.bound[:total] - contacts.scratch[:total]))
-    goal = Goal(max(wanted.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Tolerance(max(wanted.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step)
     products = mobility_contacts.solve_by_products(contacts, velocity, respond, goal)
     state.tally[SWEEPS] += products
     state.tally[UNCONVERGED] += 1.0 if products > mobility_contacts.MOST_PRODUCTS else 0.0

@@ -28,7 +28,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers, mobility_contacts
 from ecume.engine.contact.contacts import Contacts, Memory
-from ecume.engine.contact.impulse_solvers import Goal
+from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.mobility_contacts import DenseRows, make_dense_rows
 from ecume.engine.linear_solvers.lanczos import root_product
 from ecume.engine.philox import counter_of, normals
@@ -280,22 +280,22 @@ def fill_current(own: CoupledScratch, parameters: Parameters, state: State) -> N
 @compiled
 def add_coupled_noise(part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State) -> None:
     """Add Brownian motion to the velocities and spins: displacements with the covariance 2 kT M dt."""
-    chance, moved = np.empty(len(own.motion)), np.empty(len(own.motion))
-    fill_normals(part, int(state.step[0]), parameters.drift.seed, chance)
-    root_product(own.mobility, chance, moved)
+    noise, moved = np.empty(len(own.motion)), np.empty(len(own.motion))
+    fill_normals(part, int(state.step[0]), parameters.drift.seed, noise)
+    root_product(own.mobility, noise, moved)
     far = math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step)
     for k in range(len(moved)):
         own.motion[k] += far * moved[k]
 
 
 @compiled
-def fill_normals(part: CoupledKicks, step: int, seed: int, chance: Array) -> None:
+def fill_normals(part: CoupledKicks, step: int, seed: int, noise: Array) -> None:
     """Write a normally distributed number for each velocity and spin."""
     count = len(part.radius)
     for i in range(count):
-        chance[2 * i], chance[2 * i + 1] = normals(counter_of(i, step, 0), seed)
+        noise[2 * i], noise[2 * i + 1] = normals(counter_of(i, step, 0), seed)
         if len(part.spin) > 0:
-            chance[2 * count + i] = normals(counter_of(i, step, SPINS), seed)[0]
+            noise[2 * count + i] = normals(counter_of(i, step, SPINS), seed)[0]
 
 
 @composed
@@ -382,15 +382,15 @@ def collide_coupled(
     if goal.target > 0.0:
         rows = dense_rows_of(part, contacts, parameters, len(own.motion))
         if turning:
-            recall_rubbing(rows, contacts, memory, state.rub, parameters.time_step)
+            recall_friction(rows, contacts, memory, state.rub, parameters.time_step)
         sweeps = mobility_contacts.solve(rows, own.mobility, own.motion, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
         keep_impulses(rows, contacts, parameters, own)
         touching.remember(touching.contact_keys(contacts), memory)
         if turning:
-            rubbing = parameters.time_step * rows.impulse[contacts.total[0] :]
-            touching.remember_each(touching.contact_keys(contacts), rubbing, memory, state.rub)
+            tangential_impulse = parameters.time_step * rows.impulse[contacts.total[0] :]
+            touching.remember_each(touching.contact_keys(contacts), tangential_impulse, memory, state.rub)
     else:
         clear_impulses(contacts)
         touching.remember(touching.contact_keys(contacts), memory)
@@ -452,7 +452,7 @@ def gather_contacts(parameters: Parameters, state: State, workspace: Workspace) 
 
 
 @compiled
-def begin_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Goal:
+def begin_contacts(parameters: Parameters, state: State, workspace: Workspace) -> Tolerance:
     """Start from the impulses of the last step; return the tolerance of their solution."""
     contacts = workspace.contacts
     touching.recall(touching.contact_keys(contacts), memory_of(state))
@@ -494,10 +494,12 @@ def set_direction(rows: DenseRows, row: int, pair: tuple[int, int], way: tuple[f
 
 
 @compiled
-def recall_rubbing(rows: DenseRows, contacts: Contacts, memory: Memory, rubbed: Array, time: float) -> None:
+def recall_friction(
+    rows: DenseRows, contacts: Contacts, memory: Memory, tangential_impulse: Array, time: float
+) -> None:
     """Start from the tangential impulses of the previous step, as mean forces."""
     total = contacts.total[0]
-    touching.recall_each(touching.contact_keys(contacts), rows.impulse[total:], memory, rubbed)
+    touching.recall_each(touching.contact_keys(contacts), rows.impulse[total:], memory, tangential_impulse)
     for row in range(total):
         rows.impulse[total + row] /= time
 

@@ -301,13 +301,13 @@ def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
         constant, amplitude, turning, np.array(given.phase), induced, permanent, dipole_strength(1.0, 1.0), cutoff
     )
     highest = float(np.linalg.norm(np.abs(constant) + np.abs(amplitude)))
-    quickest = quickest_at_contact(parameters, induced * highest + np.abs(permanent))
+    quickest = shortest_time_at_contact(parameters, induced * highest + np.abs(permanent))
     if np.any(amplitude):
         quickest = min(quickest, 20.0 * 2.0 * math.pi / turning / PER_PERIOD)
     return Built(part, quickest, reach=cutoff)
 
 
-def quickest_at_contact(parameters: Parameters, moment: Array) -> float:
+def shortest_time_at_contact(parameters: Parameters, moment: Array) -> float:
     """The shortest time scale of two touching floats with these moments (s), each kind with each."""
     floats, quickest = parameters.floats, math.inf
     friction = floats.mass / floats.relaxation_time

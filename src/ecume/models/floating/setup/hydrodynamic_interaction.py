@@ -28,7 +28,7 @@ from ecume.units import Array
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
-CROWD = 1.7
+RAFT_MOBILITY = 1.7
 """Speed of a compact raft over that of a single float, over the square root of the number of floats: that of a flat
 disc of the same area, 9 pi/16 sqrt(0.9069), which smaller rafts do not reach.
 """
@@ -115,7 +115,7 @@ HYDRODYNAMICS = {
         name="'rotne-prager'", moves=lambda integrator: COUPLED, make=coupled_kicks_of,
         contacts={"none": "coupled", "impulse": "coupled", "friction": "coupled friction"},
         resistances={"films": "coupled films"},
-        collective=lambda count: CROWD * math.sqrt(count), raft_speeds=included_in_rafts, most_reynolds=1.0,
+        collective=lambda count: RAFT_MOBILITY * math.sqrt(count), raft_speeds=included_in_rafts, most_reynolds=1.0,
         laws=(pair_mobility.pair_mobility,),
         needs={
             "no inertia": "the mobility is that of creeping flow, which follows the forces at once",

@@ -238,14 +238,14 @@ def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> S
 def initial_angles(scene: FloatingScene) -> Array:
     """The angles of all floats, given or random."""
     count = sum(one.count for one in scene.particles)
-    chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
+    angles = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
     turned = [species.shape or species.disc for species in scene.particles]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
     listed = np.repeat(given, [one.count for one in scene.particles])
     listed = np.concatenate([listed, [row.angle for row in scene.rows]])
     if scene.waves is not None and scene.waves.headings:
         listed = np.array(scene.waves.headings)
-    return np.where(np.isnan(listed), chance, listed)
+    return np.where(np.isnan(listed), angles, listed)
 
 
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:

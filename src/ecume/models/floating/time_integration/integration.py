@@ -190,9 +190,9 @@ renew = selected(lambda kind: LISTS[kind])
 def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """Make new lists before the old ones become invalid; only reference positions and skin of the state change."""
     speed = highest_speed(parts.integrator, scratch.integrator, parameters, state, workspace)
-    status = list_status(parameters, state, workspace, speed)
-    if status != CROWDED:
-        return status
+    validity = list_validity(parameters, state, workspace, speed)
+    if validity != OUTDATED:
+        return DONE if validity == VALID else DIVERGED
     former = state.skin[0]
     copy_rows(workspace.stages[0], state.reference)
     copy_rows(state.reference, state.position)
@@ -204,17 +204,21 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
     return DONE
 
 
+VALID, OUTDATED, TOO_FAST = range(3)
+"""Neighbor lists: hold for another step, must be made again, cannot hold for any step."""
+
+
 @compiled_inside
-def list_status(parameters: Parameters, state: State, workspace: Workspace, speed: float) -> int:
-    """Return `DONE` if lists are valid for another step at this highest speed, `CROWDED` if not, `DIVERGED` if no list
-    can be. All that moves floats shares the skin: speeds, among them those by the forces, noise and a moving dish.
+def list_validity(parameters: Parameters, state: State, workspace: Workspace, speed: float) -> int:
+    """Return `VALID` if the lists hold for another step at this highest speed, `OUTDATED` if new ones are needed, and
+    `TOO_FAST` if no list can hold. The skin covers all motion: by velocities, forces, noise and a moving dish.
     """
     ahead = parameters.time_step * speed + parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
     workspace.travel[0] = ahead
     if not ahead <= USED * WIDEST * parameters.skin:
-        return DIVERGED
-    return CROWDED if moved + ahead > USED * skin_of(parameters, state) else DONE
+        return TOO_FAST
+    return OUTDATED if moved + ahead > USED * skin_of(parameters, state) else VALID
 
 
 @composed

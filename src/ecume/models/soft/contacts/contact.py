@@ -4,7 +4,7 @@ The state of a contact is the logarithm q of its gap and the direction n of its 
 positions of the spheres determine the deflection of its surfaces, delta = X_j - X_i - G. The force of the deflection
 drives the film, dG/dt = Z^-1 F.
 
-The Jacobian is the response to changes of these variables and of the positions. In the plane of n and the shear
+The Jacobian is the response to changes of these variables and of the positions. In the coordinates of n and the shear
 direction a contact has four variables: q, the rotation of n, and the normal
 and shear components of X_ij. Forces are on sphere i, from i to j: tension is positive here.
 """

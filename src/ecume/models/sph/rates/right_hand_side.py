@@ -1,4 +1,4 @@
-"""The rates at the present positions: tables filled, neighbors summed, what they do stored; and shifting.
+"""The right-hand side: fields at the present positions, sums over neighbors, rates of the state; and particle shifting.
 
 Particle shifting: a transport velocity relative to the liquid that keeps the particles evenly spaced.
 """
@@ -20,8 +20,8 @@ from ecume.engine.shapes import Flags
 from ecume.laws import incompressible
 from ecume.laws.incompressible import shifting_coefficient
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
-from ecume.models.sph.boundaries.open_boundaries import hold_buffers
-from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
+from ecume.models.sph.boundaries.open_boundaries import zero_buffer_rates
+from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
 from ecume.models.sph.fields import Floats, number
@@ -47,9 +47,9 @@ INDEX = np.uint64
 admit(incompressible)
 
 SURFACE = 0.75
-"""Below this part of the full divergence of position a particle is at the surface."""
+"""A particle with a divergence of position below this fraction of the full one is at the surface."""
 MOST = 0.5
-"""The fastest shift, in fastest speeds."""
+"""The largest transport velocity, over the largest flow speed."""
 
 
 def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -58,10 +58,10 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
     state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
     if not parameters.fixed_volume:
-        keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
+        keep_volume(state, workspace.rates.even_concentration_gradient[: parameters.dimension].astype(np.float64), time)
 
 
-def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
+def keep_volume(state: State, gradient: NDArray[np.floating], time: float) -> None:
     """Reduce the density by the mean of 2 W.sum_j V_j F x_ij over particles with a transport velocity W; dummies count
     half.
 
@@ -73,27 +73,27 @@ def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
     The factor of one half: for a pair of liquid particles, W_i and W_j enter the sums of differences of both, which
     over all pairs is twice W_i.F x_ij; a dummy has no W, and no sum that W_i could enter.
     """
-    spread = (state.transport * crowd).sum(axis=0)
+    spread = (state.transport * gradient).sum(axis=0)
     moved = (state.transport != 0.0).any(axis=0)
     count = int(moved.sum())
     if count:
         state.density[moved] *= 1.0 - 2.0 * time * float(spread.sum()) / count
 
 
-def of_background(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+def of_background(parameters: Parameters, state: State, workspace: Workspace, gradient: Array, time: float) -> Array:
     """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
     eq. 13, with equal volumes).
     """
-    return time * parameters.background / state.density * crowd
+    return time * parameters.background / state.density * gradient
 
 
-def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+def delta_plus(parameters: Parameters, state: State, workspace: Workspace, gradient: Array, time: float) -> Array:
     """4 h u sum_j (1 + 0.2 (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface
     (Sun et al. 2017). Less in a step in which particles would move beyond the middle between their neighbors.
     """
     fastest = fastest_speed(parameters, state)
     strongest = parameters.shifting_limit / time
-    transport = min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * crowd
+    transport = min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * gradient
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
     limited[:, near_surface(parameters, workspace)] = 0.0
@@ -101,12 +101,13 @@ def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd
 
 
 def fastest_speed(parameters: Parameters, state: State) -> float:
-    """m/s: that of the flow, at most the fastest expected."""
+    """The largest speed of the flow (m/s), at most the expected maximum."""
     return min(parameters.material.fastest, largest(state.velocity))
 
 
 def shifts_needed(parameters: Parameters, state: State, time: float) -> int:
-    """Into how many equal shifts a step of this time is divided, so that none of them overshoots.
+    """The number of equal shifts into which a step of this time is divided, so that none
+    overshoots.
 
     Steps that resolve sound waves need one; those of incompressible liquids are about ten times as long.
     """
@@ -121,7 +122,7 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
     real = len(lists.counts)
     at_surface = np.zeros(real + len(images.source), np.bool_)
     at_surface[:liquid] = workspace.rates.fullness < SURFACE * parameters.dimension
-    # Side by side: an image may be of an earlier side's image.
+    # One side after the other: an image may copy an image of an earlier side.
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         at_surface[real + first : real + last] = at_surface[images.source[first:last]]
     near = at_surface[:liquid].copy()
@@ -149,34 +150,36 @@ class Shifting(NamedTuple):
 
 
 SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
-"""By name; without shifting only a background pressure, where there is one, spreads particles."""
+"""Shifting methods by name; with "none", a background pressure, if there is one, still spreads particles."""
 
 
 UNIT = np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]])
-"""The matrix of liquid in buffers, which continues beyond their ends."""
+"""The correction matrix of liquid in buffers, which continues beyond their ends: the unit matrix."""
 
 
-def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The rate of density at the present positions."""
-    parameters = instant(parameters, state)
+def compute_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Compute the rate of density at the present positions."""
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     _sum_stretch(parameters, workspace)
     _store_thickening(parameters, state, workspace)
 
 
-def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False) -> None:
-    """The acceleration at the present positions, and the transport for the next drift. `summed`: the lists are still
-    those by which `take_thickening` summed the rate of density half a drift ago; acoustic damping takes that one.
+def compute_accelerations(
+    parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False
+) -> None:
+    """Compute the acceleration at the present positions, and the transport velocity of the next drift. With `summed`,
+    the lists are those of the last `compute_density_rate`, whose result acoustic damping uses.
     """
-    parameters = instant(parameters, state)
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     _sum_push(parameters, workspace, summed)
     _store_acceleration(parameters, state, workspace, time)
 
 
-def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The acceleration at the present positions without the pressure, and the transport for the next drift."""
-    parameters = instant(parameters, state)
+def compute_nonpressure_accelerations(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Compute the acceleration without the pressure force, and the transport velocity of the next drift."""
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     workspace.fields.force_term[...] = 0.0
     workspace.rates.acceleration[...] = 0.0
@@ -185,16 +188,16 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
     _store_acceleration(parameters, state, workspace, time)
 
 
-def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The transport for the next drift, and nothing else."""
-    now = instant(parameters, state)
+def compute_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Compute the transport velocity of the next drift only."""
+    now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     shift(now, state, workspace, time)
 
 
-def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
-    parameters = instant(parameters, state)
+def compute_rates(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Compute the rates of density and velocity; in one sum without diffusion and dummies."""
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     lists = workspace.lists
     diffuses = parameters.density_diffusion.excess is not None
@@ -243,7 +246,7 @@ def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = Fals
 
 
 def _copy_to_images(workspace: Workspace, field: Floats) -> None:
-    """Give the images the values of their sources; an image may be the source of another."""
+    """Copy a field from sources to images; an image may be the source of another."""
     images, real = workspace.images, len(workspace.lists.counts)
     for first, last in itertools.pairwise(images.start):
         field[real + first : real + last] = field[images.source[first:last]]
@@ -255,14 +258,14 @@ def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
+    store_density_rate(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.fixed_volume:
-        hold_volume(state, workspace)
+        enforce_volume(state, workspace)
     if parameters.gates:
-        hold_buffers(state)
+        zero_buffer_rates(state)
 
 
-def hold_volume(state: State, workspace: Workspace) -> None:
+def enforce_volume(state: State, workspace: Workspace) -> None:
     """Add the same strain rate to all particles, so that sum m/rho does not change: a full tank of rigid walls keeps
     its volume. It counts as diffusion, which does work.
 
@@ -301,7 +304,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     if parameters.transports:
         shift(parameters, state, workspace, time)
     if parameters.gates:
-        hold_buffers(state)
+        zero_buffer_rates(state)
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:

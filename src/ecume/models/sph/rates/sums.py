@@ -255,7 +255,7 @@ TRANSPORTED_PRESSURE = neighbor_sum(
 
 
 @spread
-def store_thickening(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
+def store_density_rate(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
     """D rho/dt: the sum is per density where neighbors count by their volumes."""
     for i in prange(len(density)):
         share = 1.0 if by_mass else density[i]
