@@ -18,7 +18,7 @@ from ecume._jit import use_threads
 from ecume._quick import parser_of, sized
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers
-from ecume.engine.contact.impulse_solvers import CONVERGED, Goal
+from ecume.engine.contact.impulse_solvers import CONVERGED, Tolerance
 from ecume.models.floating.contacts.collisions import TOLERABLE, contact_bodies
 from ecume.models.floating.time_integration.integration import forces_at
 
@@ -49,7 +49,7 @@ def solved(run: TimedRun, velocity: np.ndarray) -> tuple[int, float, float]:
     rows = contacts.total[0]
     contacts.bound[:rows] = -np.maximum(contacts.gap[:rows], 0.0) / parameters.time_step
     fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
-    goal = Goal(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Tolerance(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     began = time.process_time()
     sweeps = impulse_solvers.solve(contacts, velocity, mobility, goal)
     spent = time.process_time() - began

@@ -19,7 +19,7 @@ from ecume._quick import parser_of, sized
 from ecume.engine.linear_solvers import solvers
 from ecume.errors import BadInput
 from ecume.models.soft import SOFT
-from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.contacts.films import contact_response
 from ecume.models.soft.integration.dirk import begin_stage, first_stage
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.newton import assemble_jacobian, imbalance
@@ -45,7 +45,7 @@ def fill(parameters: object, scratch: Workspace, span: float) -> None:
     """The matrix and the right side of a stage of this length (s)."""
     step = scratch.step
     begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
-    answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.responses)  # type: ignore[attr-defined]
+    contact_response(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.responses)  # type: ignore[attr-defined]
     imbalance(step, 1.0, span, True)
     assemble_jacobian(step, span)
     height = step.bodies.position[:, 1]

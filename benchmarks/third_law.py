@@ -15,7 +15,7 @@ from timed_runs import lammps_library
 
 from ecume._quick import parser_of, sized
 from ecume.models.soft import SOFT
-from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
 from ecume.scenes.load import from_plain
 from ecume.units import Array
@@ -40,7 +40,7 @@ def forces_in_ecume(ratio: float, gap: float, direction: tuple[float, float]) ->
     state = SOFT.start(scene, parameters)
     step = SOFT.workspace(parameters, state, 1.0).step
     step.bodies.before[1] += DISPLACED * np.array(direction)
-    begin(parameters, step, drive_at(parameters.protocol, 0.0))
+    begin_step(parameters, step, drive_at(parameters.protocol, 0.0))
     return np.array(step.bodies.right[:, :2])
 
 

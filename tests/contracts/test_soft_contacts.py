@@ -20,7 +20,7 @@ from ecume.models.soft.contacts.contact import (
     normal_energy,
     remote_force_and_slope,
 )
-from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import elastic_energy
 from ecume.scenes.load import from_plain
@@ -102,7 +102,7 @@ def test_a_step_pulls_at_spheres_with_minus_the_gradient_of_the_energy_that_fram
     step, found = SOFT.workspace(parameters, state, 1.0).step, []
     for x in (2.03 - 0.01 - 1e-6, 2.03 - 0.01 + 1e-6, 2.03 - 0.01):
         step.bodies.before[1, 0] = x
-        begin(parameters, step, drive_at(parameters.protocol, 0.0))
+        begin_step(parameters, step, drive_at(parameters.protocol, 0.0))
         found.append(elastic_energy(parameters.contacts, step))
     assert found[2] > 0.0
     assert step.responses.force[0, 0] == pytest.approx((found[1] - found[0]) / 2e-6, rel=1e-6)

@@ -9,7 +9,7 @@ import pytest
 from ecume.laws.soft_pair import PREFACTORS, SoftPair, surface_energy
 from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
-from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.record import ROUNDED, most_missing
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, energy_of_faded
@@ -146,7 +146,7 @@ def test_films_take_what_contacts_hold_that_fade():
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     step = SOFT.workspace(parameters, state, 1.0).step
-    begin(parameters, step, drive_at(parameters.protocol, 0.0))
+    begin_step(parameters, step, drive_at(parameters.protocol, 0.0))
     assert len(step.log_gap) > 0 < len(step.walls.touches.first)
     assert energy_of_faded(parameters.contacts, step) == 0.0
     gone = math.log(1.1 * parameters.contacts.fade_to)

@@ -8,7 +8,7 @@ from ecume.models.soft.cell import (
     STRAIN,
     TILT,
     WIDTH,
-    Goal,
+    StageTarget,
     box_of,
     deform_positions,
     end_cell,
@@ -49,7 +49,7 @@ def test_the_strain_that_answers_to_a_stress_is_what_the_tilt_says():
     cell.rules[0] = 1
     cell.start[:5] = OLD
     drive = drive_at(SOFT.parameters(sheared(0.0)).protocol, 0.0)
-    end_cell(cell, Goal(drive, drive, 0.5, 0.0), 0)
+    end_cell(cell, StageTarget(drive, drive, 0.5, 0.0), 0)
     height_over_width = SIDES[1] / SIDES[0] * np.exp(NEW[HEIGHT] - NEW[WIDTH])
     assert cell.shape[STRAIN] - OLD[STRAIN] == pytest.approx((NEW[TILT] - OLD[TILT]) / height_over_width)
     assert cell.slope[0, STRAIN] == pytest.approx((cell.shape[STRAIN] - OLD[STRAIN]) / 0.5)

@@ -11,7 +11,7 @@ from ecume.analysis.rheology import stress_tensor
 from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
-from ecume.models.soft.cell import Goal
+from ecume.models.soft.cell import StageTarget
 from ecume.models.soft.integration import dirk, newton
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
@@ -111,7 +111,7 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
     dirk.begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, 0.1)
     changes.clear()
     dirk.first_stage(parameters.contacts, step, drive)
-    goal = Goal(drive._replace(shear_stress=3e-4), drive, 0.5, 1e-13)
+    goal = StageTarget(drive._replace(shear_stress=3e-4), drive, 0.5, 1e-13)
     assert newton.newton_bordered(functools.partial(SOLVERS["dense"], scratch.kept), parameters.contacts, step, goal)
     assert math.log(changes[3]) / math.log(changes[2]) > 1.8
 

@@ -13,7 +13,7 @@ from ecume.errors import SceneError
 from ecume.laws.drag import stokes_friction
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import SOFT
-from ecume.models.soft.cell import Goal
+from ecume.models.soft.cell import StageTarget
 from ecume.models.soft.integration import newton
 from ecume.models.soft.integration.dirk import first_stage
 from ecume.models.soft.integration.time_stepping import one_step
@@ -201,7 +201,7 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
     first_stage(parameters.contacts, step, drive)
     integrate = newton.newton_bordered if top else newton.newton_many
     solve = functools.partial(SOLVERS["dense" if top else "direct"], scratch.kept)
-    assert integrate(solve, parameters.contacts, step, Goal(drive, drive, 0.02, 1e-13))
+    assert integrate(solve, parameters.contacts, step, StageTarget(drive, drive, 0.02, 1e-13))
     if dimensions == 3 and rotation:  # Turns add up there as vectors, which they do for small ones only.
         assert changes[-1] < 1e-2 * changes[-2] < 1e-8
     else:
