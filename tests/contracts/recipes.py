@@ -1,4 +1,4 @@
-"""A copy of the package that is changed as CONTRIBUTING says."""
+"""A copy of the package that is changed as the recipes in docs/extend say."""
 
 from __future__ import annotations
 
@@ -12,17 +12,25 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
+RECIPES = ROOT / "docs" / "extend"
+
+
+def page_of(name: str) -> str:
+    """The text of the page that contains a block."""
+    texts = [page.read_text(encoding="utf-8") for page in sorted(RECIPES.glob("*.md"))]
+    (found,) = [text for text in texts if re.search(rf"```(?:python|text) {name}\n", text)]
+    return found
+
+
 def block(name: str) -> str:
-    """A block of code of the page."""
-    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    (found,) = re.findall(rf"```(?:python|text) {name}\n(.*?)```", page, re.DOTALL)
+    """A block of code of a recipe."""
+    (found,) = re.findall(rf"```(?:python|text) {name}\n(.*?)```", page_of(name), re.DOTALL)
     return str(found)
 
 
 def place_of(name: str) -> tuple[str, str]:
     """Where the text before a block puts it: above a line, last in a table, or at the end of the file."""
-    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    text = re.split(rf"```(?:python|text) {name}\n", page)[0].rpartition("```")[2]
+    text = re.split(rf"```(?:python|text) {name}\n", page_of(name))[0].rpartition("```")[2]
     found = re.findall(r"(above|end\s+of)\s+(?:`([^`]+)`|the\s+file)", text, re.IGNORECASE)
     assert found, f"the text before {name} does not say where it goes"
     where, anchor = found[-1]
@@ -56,7 +64,7 @@ class Copy:
         self.changed.add(path)
 
     def follow(self, file: str, name: str) -> None:
-        """Put a block of the page where the text before it says."""
+        """Put a block of a recipe where the text before it says."""
         where, anchor = place_of(name)
         self.edit(file, where, anchor, block(name) + "\n\n" * (where == "before"))
 

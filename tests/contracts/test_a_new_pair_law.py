@@ -1,4 +1,4 @@
-"""CONTRIBUTING's recipe for a pair law, followed to the letter in a copy of the package."""
+"""The recipe docs/extend/pair-law.md, followed to the letter in a copy of the package."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""CONTRIBUTING's recipe for a dish of a new shape, followed to the letter in a copy of the package."""
+"""The recipe docs/extend/wall.md for a dish of a new shape, followed to the letter in a copy of the package."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""CONTRIBUTING's recipes for a many-body method, an integrator, a measured quantity and a figure, run in a copy."""
+"""The recipes in docs/extend for a many-body method, an integrator, a measured quantity and a figure, run in a copy."""
 
 import json
 import re

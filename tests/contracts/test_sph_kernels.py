@@ -156,7 +156,7 @@ def test_the_default_smoothing_length_of_a_kernel_gives_neither_few_nor_many_nei
         assert not remark.startswith(("few", "many"))
 
 
-RECIPE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("\n### a kernel\n")[1].split("\n### ")[0]
+RECIPE = (ROOT / "docs" / "extend" / "kernel.md").read_text(encoding="utf-8")
 FORMULAS, ROW = (
     textwrap.indent(textwrap.dedent(block), "    " * inside)
     for inside, block in enumerate(re.findall(r"```python\n(.*?) *```", RECIPE, re.DOTALL))

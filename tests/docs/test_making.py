@@ -75,7 +75,7 @@ def test_signs_in_docstrings_mean_themselves(makers):
 def test_links_lead_from_where_a_page_stands_on_the_site_to_where_the_other_does(makers, tmp_path):
     staging = makers("staging")
     pages = dict(staging.written(tmp_path))
-    assert "](../contributing.md)" in pages["how-to/own-laws.md"]
+    assert "](../extend/pair-law.md)" in pages["how-to/own-laws.md"]
     assert "](benchmarks.md)" in pages["performance.md"]
     assert "index.md" in pages
     assert not any("../../" in text for text in pages.values())

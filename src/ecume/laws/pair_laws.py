@@ -367,7 +367,7 @@ PAIR_LAWS = {
         reciprocal=False,
     ),
 }
-"""The choices of `interaction.law`. To add a law, add a row: see CONTRIBUTING."""
+"""The choices of `interaction.law`. To add a law, add a row: see docs/extend/pair-law.md."""
 INTERNAL = (
     PairLaw(Dipoles, lambda setting: None, dipoles_force, dipoles_energy, (), dipoles_pull, needs_radii=False),
     PairLaw(Short, lambda setting: None, short_force, None, (), short_pull, needs_radii=False),
