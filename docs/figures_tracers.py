@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from ecume.engine import walls
-from ecume.laws import diffusion, drag
+from ecume.laws import brownian_motion, drag
 from ecume.scenes.tracers import ParticleSpec, TankSpec, TracerHydrodynamicsSpec, TracersScene
 from ecume.show.style import INK, MUTED, PALETTE, RIM, figure, legend_outside
 from ecume.simulation import simulate
@@ -80,10 +80,10 @@ def two_at_most() -> Figure:
 
 def settling_profile() -> Figure:
     """Grains that sink and diffuse, at three times, beside the equilibrium."""
-    radius, thermal = 0.5e-6, diffusion.thermal_energy(293.15)
-    layer = diffusion.sedimentation_length(thermal, 4 / 3 * math.pi * radius**3 * 100.0 * 9.81)
+    radius, thermal = 0.5e-6, brownian_motion.thermal_energy(293.15)
+    layer = brownian_motion.sedimentation_length(thermal, 4 / 3 * math.pi * radius**3 * 100.0 * 9.81)
     tall = 4.0 * layer
-    spread = diffusion.diffusivity(thermal, drag.stokes_friction(radius, 1e-3, 1.0))
+    spread = brownian_motion.diffusivity(thermal, drag.stokes_friction(radius, 1e-3, 1.0))
     unit = layer * layer / spread
     scene = TracersScene(
         duration=16 * unit,

@@ -19,9 +19,10 @@ from tests.oracles import dam_breaks, liquids, soft_contacts, swirls
 import ecume.laws
 from ecume import _jit
 from ecume.laws import (
+    brownian_motion,
     capillarity,
     contact_lines,
-    diffusion,
+    density_diffusion,
     drag,
     flotation,
     flows,
@@ -50,7 +51,8 @@ MODULES = sorted(
 )
 COMPILED = (
     special,
-    diffusion,
+    density_diffusion,
+    brownian_motion,
     capillarity,
     friction,
     kernels,
@@ -66,9 +68,10 @@ COMPILED = (
     wall_forces,
 )
 RESCALED = (
-    diffusion, capillarity, friction, drag, meniscus, flotation.bodies, flotation.balance, flotation.equilibria,
-    flotation.nonspherical, flotation.young_laplace, states, viscous, tension, time_step_limits, flows, long_range,
-    soft_pair, contact_lines, surfaces, interfaces, wall_forces, dam_breaks, liquids, soft_contacts, swirls,
+    density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies, flotation.balance,
+    flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
+    time_step_limits, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, wall_forces, dam_breaks,
+    liquids, soft_contacts, swirls,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -190,7 +193,7 @@ PLAIN = {
 }  # fmt: skip
 """What compiled code does not call, or calls with the names of arguments."""
 UNSCALED = {
-    diffusion.thermal_energy,
+    brownian_motion.thermal_energy,
     states.absolute_pressure,
     states.hydrostatic_fault,
     flows.viscous_decay,
@@ -273,7 +276,7 @@ TABLES = {
     "balances": list(flotation.BALANCES.values()),
     "kernels": [law for form in kernels.KERNELS.values() for law in (form.value, form.slope, *(form.line or ()))],
     "laminar": list(viscous.LAMINAR.values()),
-    "excesses": list(diffusion.EXCESSES.values()),
+    "excesses": list(density_diffusion.EXCESSES.values()),
     "quadrupoles": [
         contact_lines.quadrupole_strength,
         contact_lines.quadrupole_energy,

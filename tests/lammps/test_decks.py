@@ -15,7 +15,7 @@ from ecume.lammps.expressible import FLOATS, LEAST_RESTITUTION, MOST_GROUPS, MOS
 from ecume.lammps.numbers import nominal, numbers_of
 from ecume.laws import capillarity
 from ecume.laws.friction import dashpot_restitution
-from ecume.models.floating.contacts.contact_models import damping_of
+from ecume.models.floating.contacts.springs import damping_of
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from tests.oracles import liquids
 
-from ecume.laws import diffusion, incompressible, states, tension, time_step_limits, viscous
+from ecume.laws import density_diffusion, incompressible, states, tension, time_step_limits, viscous
 from ecume.laws.kernels import kernel
 
 
@@ -97,21 +97,21 @@ def test_in_a_column_at_rest_the_exact_excess_is_nothing(exponent):
     density = [states.hydrostatic_density(depth, G, RHO, C0, exponent) for depth in DEPTHS]
     local = liquids.tait_sound_speed(density[0], RHO, C0, exponent)
     for depth, other in zip(DEPTHS, density, strict=True):
-        excess = diffusion.fourtakas_excess(density[0], other, G * (depth - DEPTHS[0]), local, exponent)
+        excess = density_diffusion.fourtakas_excess(density[0], other, G * (depth - DEPTHS[0]), local, exponent)
         assert abs(excess) < 1e-8
-        assert depth == DEPTHS[0] or abs(diffusion.molteni_excess(density[0], other)) > 0.5
+        assert depth == DEPTHS[0] or abs(density_diffusion.molteni_excess(density[0], other)) > 0.5
 
 
 def test_the_linear_excess_is_exact_for_a_linear_profile_only():
-    step = diffusion.fourtakas_linear_excess(1000.0, 1000.0 + 1000.0 * G * 0.05 / C0**2, G * 0.05, RHO, C0)
+    step = density_diffusion.fourtakas_linear_excess(1000.0, 1000.0 + 1000.0 * G * 0.05 / C0**2, G * 0.05, RHO, C0)
     assert step == pytest.approx(0.0, abs=1e-9)
     density = [states.hydrostatic_density(depth, G, RHO, C0) for depth in (0.9, 0.95)]
-    assert diffusion.fourtakas_linear_excess(*density, G * 0.05, RHO, C0) < -1.0
+    assert density_diffusion.fourtakas_linear_excess(*density, G * 0.05, RHO, C0) < -1.0
 
 
 def test_antuonos_excess_is_nothing_on_a_linear_density():
-    assert diffusion.antuono_excess(1000.0, 1000.7, 0.7, 0.7) == pytest.approx(0.0, abs=1e-12)
-    assert diffusion.antuono_excess(1000.0, 1001.0, 0.7, 0.7) > 0.0
+    assert density_diffusion.antuono_excess(1000.0, 1000.7, 0.7, 0.7) == pytest.approx(0.0, abs=1e-12)
+    assert density_diffusion.antuono_excess(1000.0, 1001.0, 0.7, 0.7) > 0.0
 
 
 @pytest.mark.parametrize(("head", "tolerance"), [(0.1 / 6, 1e-7), (-0.1 / 6, 1e-7), (0.01 / 6, 3e-14)])
@@ -119,12 +119,12 @@ def test_antuonos_excess_is_nothing_on_a_linear_density():
 def test_the_series_is_as_exact_as_it_says(head, tolerance, exponent):
     a = exponent - 1.0
     exact = math.expm1(head) if a == 0.0 else math.expm1(math.log1p(a * head) / a)
-    assert diffusion.hydrostatic_gain(head, exponent) == pytest.approx(exact, rel=tolerance)
+    assert density_diffusion.hydrostatic_gain(head, exponent) == pytest.approx(exact, rel=tolerance)
 
 
 def test_density_flows_from_dense_to_thin():
-    assert diffusion.strength(0.1, 0.1, 10.0) > 0.0
-    assert diffusion.flow(2.0, -3.0) > 0.0 > diffusion.flow(-2.0, -3.0)
+    assert density_diffusion.strength(0.1, 0.1, 10.0) > 0.0
+    assert density_diffusion.flow(2.0, -3.0) > 0.0 > density_diffusion.flow(-2.0, -3.0)
 
 
 def test_cohesion_attracts_far_neighbors_and_keeps_off_near_ones():

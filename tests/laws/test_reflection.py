@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.laws.diffusion import reflected_gain
+from ecume.laws.brownian_motion import reflected_gain
 
 COUNT = 40_000
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import k0
 
-from ecume.laws.diffusion import thermal_energy
+from ecume.laws.brownian_motion import thermal_energy
 from ecume.laws.pair_mobility import surface_mobility
 from ecume.validation import clusters, driven_floats
 from ecume.validation.driven_floats import PER_PERIOD, closed_form

@@ -14,7 +14,7 @@ from ecume.lammps.expressible import require_expressible
 from ecume.lammps.numbers import ACCURACY, DRAG_STEP, OVERLAP, DeckNumbers, PairTable, numbers_of, pair_tables, text_of
 from ecume.lammps.script import DATA, TABLES, data_text, script_text
 from ecume.lammps.tanks import TANKS, tank_of
-from ecume.models.floating.contacts.contact_models import SHALLOW
+from ecume.models.floating.contacts.springs import SHALLOW
 from ecume.models.floating.dishes import NO_WALL_LAW
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.trajectories.records import storing, write_whole

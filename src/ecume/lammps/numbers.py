@@ -25,7 +25,7 @@ from ecume.lammps.expressible import shape_of
 from ecume.laws.special import scaled_bessel_i1
 from ecume.models.floating.contacts import contact_models
 from ecume.models.floating.contacts.collisions import float_inertia
-from ecume.models.floating.contacts.contact_models import Springs
+from ecume.models.floating.contacts.springs import Springs
 from ecume.models.floating.dishes import DISH, NO_WALL_LAW, PLANE
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, PairParameters, Parameters, State

@@ -12,8 +12,8 @@ import numpy as np
 
 from ecume.analysis.clusters import entropy_production, rigid_weight, topology_of, touching_pairs
 from ecume.analysis.series import Mean
+from ecume.laws.brownian_motion import thermal_energy
 from ecume.laws.capillarity import pair_energy, pair_strength
-from ecume.laws.diffusion import thermal_energy
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.models.liquids import liquid_of

@@ -14,7 +14,7 @@ from ecume.analysis.structure import mean_square_displacement
 from ecume.laws.flows import wave_frequency
 from ecume.laws.radiated_waves import ripples
 from ecume.models import MODELS
-from ecume.models.floating.forces.flow_and_noise import Activity
+from ecume.models.floating.forces.activity import Activity
 from ecume.models.floating.forces.waves import Waves
 from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.scenes.floating import FloatingScene

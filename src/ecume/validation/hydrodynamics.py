@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import i1
 
 from ecume.errors import EcumeError
-from ecume.laws.diffusion import thermal_energy
+from ecume.laws.brownian_motion import thermal_energy
 from ecume.laws.drag import pair_factor
 from ecume.laws.pair_mobility import compact_raft, raft_speed_factor, surface_mobility
 from ecume.models import MODELS

@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.engine import walls
 from ecume.engine.walls import Surfaces
-from ecume.laws import diffusion, drag
+from ecume.laws import brownian_motion, drag
 from ecume.scenes.load import Scene
 from ecume.scenes.tracers import (
     ParticleSpec,
@@ -163,7 +163,7 @@ GRAINS = 4000
 GRAIN = 0.5e-6
 """Radius of what diffuses, m."""
 FRICTION = drag.stokes_friction(GRAIN, 1e-3, 1.0)
-THERMAL = diffusion.thermal_energy(293.15)
+THERMAL = brownian_motion.thermal_energy(293.15)
 
 
 def settling_rows() -> list[Row]:
@@ -221,7 +221,7 @@ def spreading() -> list[Row]:
         )
         frame = _last(scene)
         late = 1.5 * tau if regime == "inertial" else 0.0
-        exact = 2.0 * diffusion.diffusivity(THERMAL, FRICTION) * (frame.time - late)
+        exact = 2.0 * brownian_motion.diffusivity(THERMAL, FRICTION) * (frame.time - late)
         computed = float((frame.arrays["position"] ** 2).mean()) / exact
         found.append(within(f"{regime}: <x^2> / 2 D t", computed, 1.0, 4.0 * math.sqrt(2.0 / (3 * GRAINS))))
     return found
@@ -230,9 +230,9 @@ def spreading() -> list[Row]:
 def equilibrium() -> list[Row]:
     """Grains that sink and diffuse in a tank three layers high."""
     weight = 4.0 / 3.0 * math.pi * GRAIN**3 * 100.0 * 9.81
-    layer = diffusion.sedimentation_length(THERMAL, weight)
+    layer = brownian_motion.sedimentation_length(THERMAL, weight)
     tall = 3.0 * layer
-    settled = tall**2 / diffusion.diffusivity(THERMAL, FRICTION)
+    settled = tall**2 / brownian_motion.diffusivity(THERMAL, FRICTION)
     scene = TracersScene(
         duration=3 * settled,
         frame_every=settled,

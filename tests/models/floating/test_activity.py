@@ -8,7 +8,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.models.floating.forces.flow_and_noise import Activity, ActivityScratch, renew_activity
+from ecume.models.floating.forces.activity import Activity, ActivityScratch, renew_activity
 from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 

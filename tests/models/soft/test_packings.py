@@ -10,7 +10,7 @@ from ecume.errors import SceneError
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.cell import Box
-from ecume.models.soft.contacts import contact_list
+from ecume.models.soft.contacts import contact_list, neighbor_search
 from ecume.models.soft.contacts.contact_list import neighbors, new_pairs
 from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.load import from_plain
@@ -140,7 +140,7 @@ def test_cells_find_the_pairs_of_the_tree_in_its_order_with_its_bits(monkeypatch
         box = Box(parameters.box[:dimensions], tilt * parameters.box[0])
         by_tree = neighbors(parameters, position, box)
         monkeypatch.setattr(contact_list, "CELL_SEARCH_FROM", 1)
-        monkeypatch.setattr(contact_list, "ROOM", 2)
+        monkeypatch.setattr(neighbor_search, "ROOM", 2)
         by_cells = neighbors(parameters, position, box)
         monkeypatch.undo()
         assert len(by_tree[0]) > len(np.unique(by_tree[0], axis=0))

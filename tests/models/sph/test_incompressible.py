@@ -13,7 +13,8 @@ from ecume.models.sph import SPH
 from ecume.models.sph import projection as equations
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.projection import Problem, solve
-from ecume.models.sph.rates.right_hand_side import compute_shift, fill, shifts_needed
+from ecume.models.sph.rates.right_hand_side import compute_shift, fill
+from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.state import ITERATIONS, RESIDUAL
 from ecume.scenes.load import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC

@@ -6,7 +6,7 @@ import pytest
 
 import ecume
 from ecume.errors import Diverged, SceneError
-from ecume.laws import diffusion, drag
+from ecume.laws import brownian_motion, drag
 from ecume.models import MODELS, costs
 from ecume.models.tracers.parameters import bounds
 from ecume.models.tracers.time_stepping import UNBOUNDED, all_finite
@@ -90,8 +90,8 @@ def test_grains_diffuse_by_twice_d_t_along_each_axis_whatever_the_regime(regime)
         duration=100 * relaxation, frame_every=50 * relaxation, gravity=0.0, particles=(grain,), **motion
     )
     frame = last(scene)
-    thermal = diffusion.thermal_energy(293.15)
-    spread = diffusion.diffusivity(thermal, drag.stokes_friction(1e-6, 1e-3, 1.0))
+    thermal = brownian_motion.thermal_energy(293.15)
+    spread = brownian_motion.diffusivity(thermal, drag.stokes_friction(1e-6, 1e-3, 1.0))
     # From rest it takes three halves of a relaxation time to get going.
     late = 1.5 * relaxation if regime == "inertial" else 0.0
     expected = 2.0 * spread * (frame.time - late)
@@ -104,11 +104,11 @@ def test_grains_diffuse_by_twice_d_t_along_each_axis_whatever_the_regime(regime)
 
 @pytest.mark.compiled
 def test_in_equilibrium_a_suspension_thins_upwards_by_its_weight_over_kt():
-    radius, excess, thermal = 0.5e-6, 100.0, diffusion.thermal_energy(293.15)
-    layer = diffusion.sedimentation_length(thermal, 4 / 3 * math.pi * radius**3 * excess * 9.81)
+    radius, excess, thermal = 0.5e-6, 100.0, brownian_motion.thermal_energy(293.15)
+    layer = brownian_motion.sedimentation_length(thermal, 4 / 3 * math.pi * radius**3 * excess * 9.81)
     tall = 3.0 * layer
     grains = ParticleSpec(radius=radius, density=1000.0 + excess, count=2000)
-    settled = tall**2 / diffusion.diffusivity(thermal, drag.stokes_friction(radius, 1e-3, 1.0))
+    settled = tall**2 / brownian_motion.diffusivity(thermal, drag.stokes_friction(radius, 1e-3, 1.0))
     scene = TracersScene(
         duration=3 * settled,
         frame_every=settled,

@@ -5,7 +5,7 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.laws import diffusion
+from ecume.laws import brownian_motion
 from ecume.models import MODELS
 from ecume.models.tracers.record import FlowWarning
 from ecume.scenes.load import from_plain, load_scene
@@ -31,7 +31,7 @@ def equilibrium(length, dice):
 def test_the_layer_of_settling_particles_is_barometric_from_contact_on():
     dice = np.random.default_rng(5)
     weight = 4.0 / 3.0 * np.pi * RADIUS**3 * EXCESS * 9.81
-    length = diffusion.sedimentation_length(diffusion.thermal_energy(293.15), weight)
+    length = brownian_motion.sedimentation_length(brownian_motion.thermal_energy(293.15), weight)
     places = np.column_stack([dice.uniform(RADIUS, HEIGHT - RADIUS, COUNT), equilibrium(length, dice)])
     grains = ParticleSpec(radius=RADIUS, density=998.2 + EXCESS, positions=tuple(map(tuple, places.tolist())))
     scene = TracersScene(

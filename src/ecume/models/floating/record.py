@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import capillarity, contact_lines, diffusion, drag, flotation, meniscus, pair_laws
+from ecume.laws import brownian_motion, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
 from ecume.models.actions import Access
 from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between

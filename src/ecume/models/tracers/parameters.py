@@ -18,7 +18,7 @@ from ecume.engine import walls
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet, Surfaces, clearance, described, sheet
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import diffusion, drag, gases
+from ecume.laws import brownian_motion, drag, gases
 from ecume.models.actions import Access
 from ecume.models.liquids import named_liquid
 from ecume.models.model import Layout, code_of
@@ -271,7 +271,7 @@ def fluid_of(scene: TracersScene) -> Fluid:
         density if given.density is None else given.density,
         viscosity if given.viscosity is None else given.viscosity,
         scene.gravity,
-        diffusion.thermal_energy(given.temperature) if scene.hydrodynamics.brownian else 0.0,
+        brownian_motion.thermal_energy(given.temperature) if scene.hydrodynamics.brownian else 0.0,
         (flow[0], flow[1], flow[2]),
         scene.flow.shear_rate,
         path if given.mean_free_path is None else given.mean_free_path,
@@ -389,10 +389,10 @@ def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces,
     layer = room
     if fluid.thermal > 0.0 and weight != 0.0:
         # A layer thinner than its grains is a floor with grains on it.
-        layer = min(room, max(radius, diffusion.sedimentation_length(fluid.thermal, abs(weight))))
+        layer = min(room, max(radius, brownian_motion.sedimentation_length(fluid.thermal, abs(weight))))
     limit = FINENESS * room / abs(speed) if speed else math.inf
     if fluid.thermal > 0.0:
-        limit = min(limit, FINENESS * layer * layer / diffusion.diffusivity(fluid.thermal, friction))
+        limit = min(limit, FINENESS * layer * layer / brownian_motion.diffusivity(fluid.thermal, friction))
     return limit
 
 
@@ -432,7 +432,7 @@ class State(NamedTuple):
     tally: Integers
     """(1,) flights with more bounces than a step may have"""
     work: Array = np.zeros(1)
-    """(1,) J of work from outside: see `time_stepping`"""
+    """(1,) J of work from outside: see `energy_budget`"""
 
 
 class Workspace(NamedTuple):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import diffusion, drag, gases
+from ecume.laws import brownian_motion, drag, gases
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.gravity import gravity_text
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
@@ -17,6 +17,7 @@ from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
+from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
     AIR,
@@ -35,13 +36,7 @@ from ecume.models.tracers.parameters import (
     workspace,
 )
 from ecume.models.tracers.parameters import TRACERS as ACCESS
-from ecume.models.tracers.time_stepping import (
-    UNBOUNDED,
-    advance,
-    exchange,
-    has_external_work,
-    overdamped_kinetic_energy,
-)
+from ecume.models.tracers.time_stepping import UNBOUNDED, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, duration_text, size_text, with_prefix
@@ -186,10 +181,10 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
         ]
         rows += slip_of(scene, fluid, index)
     if fluid.thermal > 0.0 and friction > 0.0:
-        spread, weight = diffusion.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
+        spread, weight = brownian_motion.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
         rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
         if weight > 0.0:
-            layer = diffusion.sedimentation_length(fluid.thermal, weight)
+            layer = brownian_motion.sedimentation_length(fluid.thermal, weight)
             rows.append(
                 (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
             )
@@ -242,7 +237,7 @@ RISE = 1e-6
 
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene. The work of liquid and openings is in the energy budget, see `time_stepping`."""
+    """The rows of a scene. The work of liquid and openings is in the energy budget, see `energy_budget`."""
     every = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
     return [every, energy_never_rises(RISE)]
 
@@ -264,7 +259,7 @@ def _through(way: str, numbers: Numbers) -> float:
 def laws_of(scene: Any) -> list[Source]:
     """Drag and heat."""
     heat: list[Source] = (
-        [diffusion.diffusivity, diffusion.displacement_variance] if scene.hydrodynamics.brownian else []
+        [brownian_motion.diffusivity, brownian_motion.displacement_variance] if scene.hydrodynamics.brownian else []
     )
     medium: list[Source] = (
         [gases.air_density, gases.air_viscosity, gases.mean_free_path]
@@ -272,7 +267,7 @@ def laws_of(scene: Any) -> list[Source]:
         else correlations_of(scene.liquid.name)
     )
     slip: list[Source] = [drag.cunningham_factor] if fluid_of(scene).mean_free_path > 0.0 else []
-    walls: list[Source] = [diffusion.reflected_gain] if scene.hydrodynamics.brownian else []
+    walls: list[Source] = [brownian_motion.reflected_gain] if scene.hydrodynamics.brownian else []
     return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip]
 
 

@@ -1,187 +1,54 @@
-"""Time integration of tracers, and the work done on them.
+"""Time integration of tracers.
 
 With inertia, the flight of a step is exact without walls, and a parabola between collisions. Without inertia and noise,
 a step is two halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls
 by Lepingle's scheme, which is exact for flat walls and a constant drift, however long the step: the layer of settling
 particles is right from contact on [lepingle1995].
-
-The work of the liquid and of openings on tracers. Their energy minus this work never increases.
-
-The power of the drag force G on a particle is G.v = G.u - (dissipation), with the liquid's velocity u; a flowing
-liquid does at most the work of G.u, where u is constant during a step, as in the flight. In a step with a collision the
-drag continues as in free flight and may do more work in a flow, G.v, which then counts. A liquid at rest does no work:
-energy gained from drag after a bounce is an error, and is detected as one. Thermal noise adds heat, the difference of
-the energies with and without it. Particles that enter or leave carry their energy. Tracers without inertia have no
-kinetic energy: their velocity in a frame is that of the liquid.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ecume._jit import admit, compiled, compiled_inside, selection
-from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import Sheet, reflect_all
 from ecume.engine.walls.sheets import axpy, hole_at, inward_normal, load, piece_gap, scaled, store
-from ecume.laws import diffusion, drag
+from ecume.laws import brownian_motion, drag
 from ecume.models.model import DIVERGED, DONE, EXCHANGE, codes
 from ecume.models.tracers import parameters
-from ecume.models.tracers.parameters import CAPPED, DRAGS, DragChoice, Parameters, State, Workspace, came
+from ecume.models.tracers.energy_budget import INACTIVE, has_budget, work_of_drifts, work_of_flights, work_of_noise
+from ecume.models.tracers.parameters import CAPPED, DRAGS, DragChoice, Parameters, State, Workspace
 from ecume.units import Array
 
-INACTIVE = 1 << 40
-"""Status of particles that do not take part in a step."""
+admit(brownian_motion, drag, parameters)
 
-
-@compiled
-def has_budget(parameters: Parameters) -> bool:
-    """Whether the liquid flows or has thermal noise, or particles may leave."""
-    return bool(is_driven(parameters) or len(parameters.bouncing.hole) > 0)
-
-
-@compiled
-def is_driven(parameters: Parameters) -> bool:
-    """Whether the liquid flows or has thermal noise."""
-    flow, fluid = parameters.fluid.flow, parameters.fluid
-    return bool(fluid.thermal > 0.0 or fluid.shear_rate != 0.0 or flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0)
-
-
-@compiled
-def flow_at(parameters: Parameters, height: float, axis: int) -> float:
-    """A component of the velocity of the liquid at a height (m/s)."""
-    fluid = parameters.fluid
-    speed: float = fluid.flow[axis] + (fluid.shear_rate * height if axis == 0 else 0.0)
-    return speed
-
-
-@compiled
-def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) -> float:
-    """Work on tracers with inertia in a step (J)."""
-    total, bodies, moved = 0.0, parameters.bodies, is_driven(parameters)
-    for i in range(len(scratch.status)):
-        if scratch.status[i] <= 0:
-            if moved:
-                carried = carry_of_flight(parameters, state, scratch, i)
-                total += bodies.mass[i] * (carried + heat_of_flight(parameters, state, scratch, i))
-        elif scratch.status[i] < INACTIVE:
-            total -= bodies.mass[i] * energy_before(parameters, scratch, i)
-    return total
-
-
-@compiled
-def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
-    """Energy of a tracer with inertia at the start of the step, per mass (J/kg)."""
-    last = scratch.origin.shape[1] - 1
-    energy: float = parameters.bodies.push[i] * scratch.origin[i, last]
-    for axis in range(last + 1):
-        energy += 0.5 * scratch.travel[i, axis] ** 2
-    return energy
-
-
-@compiled
-def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
-    """Work of the flow per mass (J/kg): the impulse of the steady drag times the velocity of the liquid; after a
-    collision at least the work of this drag along the path.
-    """
-    h, last, by_flow, along = parameters.time_step, scratch.origin.shape[1] - 1, 0.0, 0.0
-    height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
-    for axis in range(last + 1):
-        impulse = h * scratch.push[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
-        impulse -= h * scratch.external[i, axis]
-        if axis == last:
-            impulse += h * parameters.bodies.push[i]
-        by_flow += impulse * flow_at(parameters, height, axis)
-        along += impulse / h * (state.position[i, axis] - scratch.origin[i, axis])
-    return max(by_flow, along) if scratch.hits[i] > 0 else by_flow
-
-
-@compiled
-def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
-    """Work of thermal noise per mass (J/kg): exact in free flight; after wall collisions, its work
-    along the parabola.
-    """
-    h, last, heat = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
-    for axis in range(last + 1):
-        shift, kicked = scratch.shift[i, axis], scratch.noise[i, axis]
-        if scratch.hits[i] > 0:
-            heat += 2.0 * shift / (h * h) * (state.position[i, axis] - scratch.origin[i, axis])
-        else:
-            kicked += 2.0 * shift / h
-            heat += parameters.bodies.push[i] * shift if axis == last else 0.0
-        heat += kicked * (state.velocity[i, axis] - 0.5 * kicked)
-    return heat
-
-
-@compiled
-def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, time: float) -> float:
-    """Work on tracers without inertia during a time (J): drag times the velocity of the liquid."""
-    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
-    for i in range(len(scratch.status)):
-        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
-        if scratch.status[i] <= 0:
-            friction = weight / bodies.settling[i] if bodies.settling[i] != 0.0 else bodies.friction[i]
-            height = start - 0.5 * time * bodies.settling[i]
-            for axis in range(last + 1):
-                flow = flow_at(parameters, height, axis)
-                behind = time * flow - (state.position[i, axis] - scratch.origin[i, axis])
-                total += friction * behind * flow
-        elif scratch.status[i] < INACTIVE:
-            total -= weight * start
-    return total
-
-
-@compiled
-def work_of_noise(parameters: Parameters, state: State, scratch: Workspace) -> float:
-    """Work on tracers without inertia in a step with thermal noise (J): the change of potential energy, plus the
-    dissipation by settling.
-    """
-    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
-    for i in range(len(scratch.status)):
-        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
-        if scratch.status[i] <= 0:
-            total += weight * (state.position[i, last] - start + parameters.time_step * bodies.settling[i])
-        elif scratch.status[i] < INACTIVE:
-            total -= weight * start
-    return total
-
-
-def has_external_work(parameters: Parameters) -> bool:
-    """Whether any process may add or remove energy."""
-    return bool(has_budget(parameters) or np.any(parameters.bodies.overdamped))
-
-
-def overdamped_kinetic_energy(parameters: Parameters, state: State) -> float:
-    """The kinetic energy (J) of the velocities that frames contain for tracers without inertia."""
-    some = (state.left < 0) & (parameters.bodies.overdamped[: len(state.left)] == 1)
-    mass = parameters.bodies.mass[: len(state.left)][some]
-    return 0.5 * float(np.sum(mass * (state.velocity[some] ** 2).sum(axis=1)))
-
-
-def exchange(parameters: Parameters, state: State) -> State:
-    """The state with all particles that have entered by now, and their energy in the budget."""
-    arrivals, first, bodies = parameters.arrivals, came(parameters, state), parameters.bodies
-    last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
-    position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]
-    here = slice(len(state.left), len(state.left) + last - first)
-    moving = 0.5 * (velocity**2).sum(axis=1) * (bodies.overdamped[here] == 0)
-    brought = dot(bodies.mass[here], moving + bodies.push[here] * position[:, -1])
-    return state._replace(
-        position=np.concatenate([state.position, position]),
-        velocity=np.concatenate([state.velocity, velocity]),
-        left=np.concatenate([state.left, np.full(last - first, -1, np.int64)]),
-        work=state.work + brought,
-    )
-
-
-admit(diffusion, drag, parameters)
 
 STARTED_OUTSIDE = -2
 UNBOUNDED = 1e100
 """A position (m) or speed (m/s) above this counts as diverged; products of larger ones would overflow."""
+
+
+@compiled
+def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+    """Integrate: see `ecume.models.model.Model.advance`."""
+    overdamped = parameters.bodies.overdamped
+    for _ in range(steps):
+        if not all_finite(state.position, state.velocity):
+            return DIVERGED
+        if select_regime(scratch.status, state.left, overdamped, 0) > 0 and not inertial_step(
+            parameters, state, scratch
+        ):
+            return DIVERGED
+        if select_regime(scratch.status, state.left, overdamped, 1) > 0 and not overdamped_step(
+            parameters, state, scratch
+        ):
+            return DIVERGED
+        state.step[0] += 1
+        if inflow_due(parameters, state):
+            return EXCHANGE
+    return DONE
 
 
 @compiled
@@ -335,13 +202,16 @@ def diffusive_step(
 
 @compiled
 def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> None:
-    """Add the reflection of the noise at walls and obstacles to the velocities: see `diffusion.reflected_gain`."""
+    """Add the reflection of the noise at walls and obstacles to the velocities (`brownian_motion.reflected_gain`)."""
     sheet, h, thermal = parameters.mirroring, parameters.time_step, parameters.fluid.thermal
     kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
     for i in range(len(scratch.status)):
         if scratch.status[i] != 0:
             continue
-        variance, radius = 2.0 * diffusion.diffusivity(thermal, parameters.bodies.friction[i]) * h, scratch.radius[i]
+        variance, radius = (
+            2.0 * brownian_motion.diffusivity(thermal, parameters.bodies.friction[i]) * h,
+            scratch.radius[i],
+        )
         x, way = load(state.position, i), scaled(h, load(scratch.travel, i))
         k, piece = 0, 0
         while k < kind.shape[0]:
@@ -370,27 +240,6 @@ def inflow_due(parameters: Parameters, state: State) -> bool:
     arrives = parameters.arrivals.step
     following = state.position.shape[0] - (len(parameters.bodies.radius) - len(arrives))
     return bool(following < len(arrives) and arrives[following] <= state.step[0])
-
-
-@compiled
-def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """Integrate: see `ecume.models.model.Model.advance`."""
-    overdamped = parameters.bodies.overdamped
-    for _ in range(steps):
-        if not all_finite(state.position, state.velocity):
-            return DIVERGED
-        if select_regime(scratch.status, state.left, overdamped, 0) > 0 and not inertial_step(
-            parameters, state, scratch
-        ):
-            return DIVERGED
-        if select_regime(scratch.status, state.left, overdamped, 1) > 0 and not overdamped_step(
-            parameters, state, scratch
-        ):
-            return DIVERGED
-        state.step[0] += 1
-        if inflow_due(parameters, state):
-            return EXCHANGE
-    return DONE
 
 
 # --- Free flight: exact for linear drag, constant force and thermal noise, for any time step
@@ -437,7 +286,7 @@ def midway_friction(
     friction = friction_at(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
     if not liquid[0].linear:
         ratio = friction / inertia
-        change = (math.exp(-ratio), fall * diffusion.velocity_gain(ratio))
+        change = (math.exp(-ratio), fall * brownian_motion.velocity_gain(ratio))
         friction = friction_at(relative_speed(velocity, i, flow, change), (radius, stokes), liquid)
     return friction
 
@@ -472,12 +321,12 @@ def plan_flights(
         body = (radius[i], stokes[i], 2.0 * mass[i] / h, 0.5 * h * weight[i])
         friction = midway_friction(velocity, i, flow, body, (law, density, viscosity)) if stokes[i] > 0.0 else 0.0
         ratio = h * friction / mass[i]
-        gain, way = diffusion.velocity_gain(ratio), diffusion.displacement_gain(ratio)
+        gain, way = brownian_motion.velocity_gain(ratio), brownian_motion.displacement_gain(ratio)
         fast, far, both = 0.0, 0.0, 0.0
         if thermal > 0.0 and friction > 0.0:
-            fast = math.sqrt(thermal / mass[i] * diffusion.velocity_variance(ratio))
-            both = thermal / friction * diffusion.covariance(ratio) / fast
-            far = thermal * mass[i] / (friction * friction) * diffusion.displacement_variance(ratio) - both * both
+            fast = math.sqrt(thermal / mass[i] * brownian_motion.velocity_variance(ratio))
+            both = thermal / friction * brownian_motion.covariance(ratio) / fast
+            far = thermal * mass[i] / (friction * friction) * brownian_motion.displacement_variance(ratio) - both * both
             far = math.sqrt(max(far, 0.0))
         for axis in range(last + 1):
             start = (flow[axis] - velocity[i, axis]) * friction / mass[i] + external[i, axis]
@@ -559,6 +408,6 @@ def plan_steps(friction: Array, status: Integers, key: tuple[int, int, float], t
     seed, step, thermal = key
     for i in range(velocity.shape[0]):
         if status[i] == 0:
-            far = math.sqrt(2.0 * diffusion.diffusivity(thermal, friction[i]) / time)
+            far = math.sqrt(2.0 * brownian_motion.diffusivity(thermal, friction[i]) / time)
             for axis in range(velocity.shape[1]):
                 velocity[i, axis] = far * normals(counter_of(i, step, axis), seed)[0]

@@ -16,6 +16,16 @@ from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import contact_lines, ewald, multipole, pair_laws, radiated_waves
 from ecume.models.floating.coupled.mobility import CoupledFilms, apply_coupled_films, coupled_films_of
+from ecume.models.floating.forces.activity import (
+    Activity,
+    activity_forces,
+    activity_of,
+    add_work_of_activity,
+    make_activity_scratch,
+    no_activity_energy,
+    renew_activity,
+    with_activity,
+)
 from ecume.models.floating.forces.ewald_grid import (
     Split,
     make_reference,
@@ -25,17 +35,7 @@ from ecume.models.floating.forces.ewald_grid import (
     split_lines,
 )
 from ecume.models.floating.forces.films import Films, apply_films, films_of
-from ecume.models.floating.forces.flow_and_noise import (
-    Activity,
-    activity_forces,
-    activity_of,
-    add_flow,
-    add_work_of_activity,
-    make_activity_scratch,
-    no_activity_energy,
-    renew_activity,
-    with_activity,
-)
+from ecume.models.floating.forces.flow_and_noise import add_flow
 from ecume.models.floating.forces.magnets import (
     DipoleMoments,
     MagneticField,

@@ -18,11 +18,11 @@ from ecume.engine.neighbors import NeighborLists
 from ecume.engine.philox import counter_of, normals
 from ecume.engine.walls.surfaces import farthest
 from ecume.errors import BadInput
-from ecume.laws import diffusion, radiated_waves
-from ecume.laws.diffusion import diffusivity
+from ecume.laws import brownian_motion, radiated_waves
+from ecume.laws.brownian_motion import diffusivity
 from ecume.laws.radiated_waves import Ripples, slope_per_force
 from ecume.models.floating.contacts.collisions import float_inertia
-from ecume.models.floating.forces.flow_and_noise import HEADINGS
+from ecume.models.floating.forces.activity import HEADINGS
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import WORK, Parameters, State, Workspace
 from ecume.models.floating.setup.kinds import distinct_kinds, turning_frictions
@@ -33,7 +33,7 @@ from ecume.units import Array, with_prefix
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
-admit(diffusion)
+admit(brownian_motion)
 
 PER_WAVELENGTH = 64
 """Nodes of the table."""

@@ -21,13 +21,14 @@ from ecume.engine.placement import place_at_random
 from ecume.engine.walls import Walls, surfaces
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
+from ecume.models.floating.contacts.candidates import list_candidates
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, make_state
 from ecume.models.floating.setup.places import given_places, region_of
-from ecume.models.floating.time_integration.integration import WIDEST, inertia_of, list_candidates
+from ecume.models.floating.time_integration.integration import WIDEST, inertia_of
 from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.model import Layout
 from ecume.units import Array, with_prefix

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 from ecume._jit import admit, compiled, compiled_inside, composed, selected
 from ecume._tables import by_constants
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import diffusion, drag, flows
-from ecume.laws.diffusion import diffusivity
+from ecume.laws import brownian_motion, drag, flows
+from ecume.laws.brownian_motion import diffusivity
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.flows import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.coupled.many_floats import (
@@ -70,7 +70,7 @@ from ecume.models.floating.shaped.bodies import (
 from ecume.models.model import DONE
 from ecume.units import Array
 
-admit(diffusion, drag, flows)
+admit(brownian_motion, drag, flows)
 
 
 @compiled

@@ -17,7 +17,7 @@ from ecume._portable import product
 from ecume.engine.cells import Integers, Sides
 from ecume.engine.neighbor_rows import cell_at
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import diffusion, drag
+from ecume.laws import brownian_motion, drag
 from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import CarriedGroup, Parameters
@@ -25,7 +25,7 @@ from ecume.models.sph.rates.kernel_loops import value_of
 from ecume.models.sph.state import CellLists, State, Workspace
 from ecume.units import Array
 
-admit(diffusion, drag)
+admit(brownian_motion, drag)
 
 INSIDE = 0.5
 """The part of a kernel's full surroundings from which on a particle is in the liquid."""
@@ -163,7 +163,7 @@ def fall(
     inertia = own + 0.5 * around
     volume = 4.0 / 3.0 * math.pi * radius * radius * radius
     rate = rate_of(math.sqrt(square), radius, inertia * volume, liquid) if around > 0.0 else 0.0
-    gain, way = diffusion.velocity_gain(rate * time), diffusion.displacement_gain(rate * time)
+    gain, way = brownian_motion.velocity_gain(rate * time), brownian_motion.displacement_gain(rate * time)
     for axis in range(len(gravity)):
         push = (own - around) / inertia * gravity[axis] - rate * (velocity[axis] - flow[axis])
         position[axis] += time * velocity[axis] + 0.5 * time * time * push * way

@@ -44,8 +44,8 @@ from ecume.models.sph.rates.right_hand_side import (
     compute_nonpressure_accelerations,
     compute_rates,
     compute_shift,
-    shifts_needed,
 )
+from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,

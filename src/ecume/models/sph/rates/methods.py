@@ -127,8 +127,12 @@ FRICTIONS: Mapping[str, Friction] = {
 }
 DIFFUSIONS: Mapping[str, DensityDiffusion] = {
     "none": DensityDiffusion(None, "density", balances_weight=False, gradients=False),
-    "molteni": DensityDiffusion(diffusion.molteni_excess, "density", balances_weight=False, gradients=False),
-    "antuono": DensityDiffusion(diffusion.antuono_excess, "density", balances_weight=False, gradients=True),
-    "linear": DensityDiffusion(diffusion.fourtakas_linear_excess, "density", balances_weight=True, gradients=False),
-    "hydrostatic": DensityDiffusion(diffusion.fourtakas_excess, "enthalpy", balances_weight=True, gradients=False),
+    "molteni": DensityDiffusion(density_diffusion.molteni_excess, "density", balances_weight=False, gradients=False),
+    "antuono": DensityDiffusion(density_diffusion.antuono_excess, "density", balances_weight=False, gradients=True),
+    "linear": DensityDiffusion(
+        density_diffusion.fourtakas_linear_excess, "density", balances_weight=True, gradients=False
+    ),
+    "hydrostatic": DensityDiffusion(
+        density_diffusion.fourtakas_excess, "enthalpy", balances_weight=True, gradients=False
+    ),
 }

@@ -1,22 +1,14 @@
-"""The right-hand side: fields at the present positions, sums over neighbors, rates of the state; and particle shifting.
-
-Particle shifting: a transport velocity relative to the liquid that keeps the particles evenly spaced.
-"""
+"""The right-hand side: fields at the present positions, sums over neighbors, and rates of the state."""
 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecume._jit import admit, prange, spread
 from ecume._portable import dot
 from ecume.engine.neighbor_rows import Lists
-from ecume.engine.shapes import Flags
 from ecume.laws import incompressible
 from ecume.laws.incompressible import shifting_coefficient
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
@@ -44,6 +36,8 @@ from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
 
 INDEX = np.uint64
+
+
 admit(incompressible)
 
 SURFACE = 0.75

@@ -15,7 +15,7 @@ import numpy as np
 
 from ecume.engine.shapes import Box, covered_volume
 from ecume.errors import Fault, SceneError
-from ecume.laws import diffusion, incompressible, kernels, states, time_step_limits, viscous, wall_forces
+from ecume.laws import density_diffusion, incompressible, kernels, states, time_step_limits, viscous, wall_forces
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import ICE_POINT, LiquidProperties
 from ecume.laws.states import hydrostatic_fault
@@ -32,7 +32,7 @@ from ecume.models.sph.rates.methods import (
     PressureForce,
     PressureMethod,
 )
-from ecume.models.sph.rates.right_hand_side import SHIFTINGS
+from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of, solid_of
 from ecume.scenes.faults import suggestion
@@ -110,7 +110,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     term = DIFFUSIONS[diffusion_of(scene, pull)]
     delta = 0.0
     if term.excess is not None:
-        delta = diffusion.strength(scene.method.diffusion_coefficient, smoothing, material.sound_speed)
+        delta = density_diffusion.strength(scene.method.diffusion_coefficient, smoothing, material.sound_speed)
     if term.field == "enthalpy":
         delta *= spring
     by_mass = pressure_force_of(scene).by_mass
@@ -356,7 +356,7 @@ def laws_of(scene: Any) -> list[Source]:
     excess = DIFFUSIONS[name].excess
     form = kernels.KERNELS[scene.method.kernel]
     laws: list[Source] = [form.value, *PRESSURE_LAWS[scene.method.pressure]]
-    laws += [diffusion.strength, excess] if excess is not None else []
+    laws += [density_diffusion.strength, excess] if excess is not None else []
     if pressure_force_of(scene).continuity is not None:
         laws += [kernels.missing_neighbors, kernels.correction_share]
     laws += [viscous.artificial_viscosity] if artificial_viscosity_of(scene) else []

@@ -1,24 +1,18 @@
-"""Diffusion: of density between particles, which takes the noise out of the pressure, and of spheres by thermal noise.
+"""Diffusion of density between SPH particles, which removes noise from the pressure.
 
     drho_i/dt = ... + sum_j V_j flow_ij,    with what j has in excess of i by one of these laws.
 
-The excess must vanish in a liquid at rest under its weight, or the level creeps: Molteni's does not (the surface
-lifts, and the tank blows up in the end), Fourtakas's linear one nearly does, Fourtakas's with the exact column and
-Antuono's do. Antuono's gradients are wrong beside walls of dummy particles: keep it off those.
-
-Brownian motion of a sphere: how far it is kicked in a time, with and without its inertia.
-
-A particle of mass m and friction zeta relaxes in tau = m / zeta; with the ratio r = t / tau the velocity and the
-displacement after a time t are normal numbers whose variances are exact for any r.
+The excess must vanish in a liquid at rest under gravity; otherwise the level drifts. Molteni's does not vanish (the
+surface rises until the tank diverges), Fourtakas's linear one nearly does, Fourtakas's with the exact column and
+Antuono's do. Antuono's gradients are wrong beside walls of dummy particles and are not used there.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Annotated
 
-from ecume.units import Area, Density, Force, Friction, Length, Number, Speed, Unit
+from ecume.units import Density, Length, Number, Speed, Unit
 
 Potential = Annotated[float, Unit("m^2/s^2")]
 Diffusivity = Annotated[float, Unit("m^2/s")]

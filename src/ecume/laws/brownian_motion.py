@@ -1,0 +1,115 @@
+"""Brownian motion of a sphere: random displacements and velocities in a time, with and without inertia.
+
+A particle of mass m and friction zeta relaxes in tau = m / zeta; with the ratio r = t / tau the velocity and the
+displacement after a time t are normal numbers whose variances are exact for any r.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from ecume.units import Area, Force, Friction, Length, Number, Unit
+
+Diffusivity = Annotated[float, Unit("m^2/s")]
+Energy = Annotated[float, Unit("J")]
+
+BOLTZMANN = 1.380649e-23
+"""J/K, exact by definition."""
+SMALL = 0.05
+"""Below this ratio a series replaces differences that would cancel."""
+
+
+def thermal_energy(temperature: Annotated[float, Unit("K")]) -> Energy:
+    """Thermal energy kT, J. [einstein1905].
+
+    >>> round(thermal_energy(293.15) * 1e21, 4)
+    4.0474
+    """
+    return BOLTZMANN * temperature
+
+
+def diffusivity(thermal: Energy, friction: Friction) -> Diffusivity:
+    """Diffusion coefficient D = kT / zeta: along each axis <x^2> = 2 D t. [einstein1905].
+
+    >>> diffusivity(4.0, 2.0)
+    2.0
+    """
+    return thermal / friction
+
+
+def sedimentation_length(thermal: Energy, weight: Force) -> Length:
+    """The height kT / W over which a suspension thins by e: c(y) = c(0) exp(-y W / kT). [perrin1909].
+
+    >>> sedimentation_length(4.0, 2.0)
+    2.0
+    """
+    return thermal / weight
+
+
+def velocity_variance(ratio: Number) -> Number:
+    """Variance of the velocity over kT/m, 1 - e^(-2 r), r = t/tau, from a given one. [uhlenbeck1930].
+
+    >>> round(velocity_variance(0.5), 6)
+    0.632121
+    """
+    return -math.expm1(-2.0 * ratio)
+
+
+def displacement_variance(ratio: Number) -> Number:
+    """Variance of the displacement over kT tau^2/m, 2 r - 3 + 4 e^-r - e^(-2 r); 2 r for long times. [uhlenbeck1930].
+
+    >>> round(displacement_variance(1.0), 6), round(displacement_variance(100.0), 6)
+    (0.336182, 197.0)
+    """
+    if ratio < SMALL:
+        tail = 7.0 / 30.0 - ratio * (1.0 / 12.0 - ratio * (31.0 / 1260.0 - ratio / 160.0))
+        return ratio**3 * (2.0 / 3.0 - ratio * (0.5 - ratio * tail))
+    lost = -math.expm1(-ratio)
+    return 2.0 * (ratio - lost) - lost * lost
+
+
+def covariance(ratio: Number) -> Number:
+    """Covariance of displacement and velocity over kT tau/m, (1 - e^-r)^2. [uhlenbeck1930].
+
+    >>> round(covariance(1.0), 6)
+    0.399576
+    """
+    lost = -math.expm1(-ratio)
+    return lost * lost
+
+
+def velocity_gain(ratio: Number) -> Number:
+    """What an initial acceleration A gives in a time t against linear drag: A t (1 - e^-r)/r. [uhlenbeck1930].
+
+    >>> velocity_gain(0.0), round(velocity_gain(1.0), 6)
+    (1.0, 0.632121)
+    """
+    return -math.expm1(-ratio) / ratio if ratio > 0.0 else 1.0
+
+
+def displacement_gain(ratio: Number) -> Number:
+    """What it adds to the displacement v t: (A t^2 / 2) 2 (r - 1 + e^-r)/r^2. [uhlenbeck1930].
+
+    >>> displacement_gain(0.0), round(displacement_gain(1.0), 6)
+    (1.0, 0.735759)
+    """
+    if ratio < SMALL:
+        return 1.0 - ratio * (1.0 / 3.0 - ratio * (1.0 / 12.0 - ratio * (1.0 / 60.0 - ratio * (1.0 / 360.0))))
+    return 2.0 * (ratio + math.expm1(-ratio)) / (ratio * ratio)
+
+
+def reflected_gain(change: Length, variance: Area, exponential: Number) -> Length:
+    """How far a reflected Brownian motion is at least from its wall at the end of a step (m), and where it is if it met
+    the wall: [d + sqrt(d^2 + 2 s^2 E)]/2. [lepingle1995; gobet2001].
+
+    The distance from the wall would change by `change` d, drift and noise together, with the variance s^2; E is a
+    random number from the exponential distribution of mean 1. Then d less the result is distributed as the lowest
+    distance less the initial one on a path with this end, so that the larger of the free and this distance is exactly
+    that of the reflected motion with a constant drift, for a flat wall and any length of the step. At curved walls and
+    contacts of discs the error of mean values is of first order in the step.
+
+    >>> reflected_gain(-2.0, 0.0, 1.0), reflected_gain(0.0, 2.0, 1.0)
+    (0.0, 1.0)
+    """
+    return 0.5 * (change + math.sqrt(change * change + 2.0 * variance * exponential))
