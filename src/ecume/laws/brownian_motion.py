@@ -12,12 +12,12 @@ from typing import Annotated
 from ecume.units import Area, Force, Friction, Length, Number, Unit
 
 Diffusivity = Annotated[float, Unit("m^2/s")]
-Energy = Annotated[float, Unit("J")]
-
 BOLTZMANN = 1.380649e-23
 """J/K, exact by definition."""
 SMALL = 0.05
 """Below this ratio a series replaces differences that would cancel."""
+
+Energy = Annotated[float, Unit("J")]
 
 
 def thermal_energy(temperature: Annotated[float, Unit("K")]) -> Energy:
@@ -113,3 +113,51 @@ def reflected_gain(change: Length, variance: Area, exponential: Number) -> Lengt
     (0.0, 1.0)
     """
     return 0.5 * (change + math.sqrt(change * change + 2.0 * variance * exponential))
+
+
+def reflected_gap(mirrored: Length, approach: Length, drift: Length, variance: Area, draw: Number) -> Length:
+    """The gap at the end of a step (m) of a reflected Brownian motion whose free path ends beyond the wall, at the
+    distance `mirrored` m: without drift it is m. [scala2007; behringer2012].
+
+    The gap is y at the beginning; it changes by the drift d (positive away from the wall) and by noise of the variance
+    s^2, which ends it at -m: the `approach` by noise is y + d + m. The reflected motion is above z with the probability
+    P(free > z) + exp(2 d z/s^2) Phi(-(z + y + d)/s). Its second term over its value at z = 0 is the distribution of the
+    gaps that this function returns. The mirrored ones have the same without the exponential. For an attraction the
+    gap is therefore the smaller of m and of a number from the exponential distribution of mean s^2/(2 |d|), which is
+    kT over the force. For a repulsion some gaps grow, to the next event beyond m of a process whose rate is the hazard
+    rate of the mirrored gaps less 2 d/s^2, linear in the gap. This holds for drifts up to s/2, above which collisions
+    are rare. `draw` is a random number between 0 and 1.
+
+    >>> reflected_gap(0.5, 1.0, 0.0, 1.0, 0.3), reflected_gap(0.5, 1.0, -10.0, 1.0, math.exp(-1.0))
+    (0.5, 0.05)
+    """
+    rate = -2.0 * drift / variance
+    if rate >= 0.0:
+        return min(mirrored, -math.log(draw) / rate) if rate > 0.0 else mirrored
+    spread, deviations = math.sqrt(variance), max(approach, 0.0) / math.sqrt(variance)
+    hazard = hazard_rate(deviations)
+    growing = min(-rate * spread / hazard, MOST_GROWING)
+    if draw >= growing:
+        return mirrored
+    # The hazard rate of the gaps grows with its slope at m.
+    least, slope = hazard * (1.0 - growing), hazard * (hazard - deviations)
+    return mirrored + spread * (math.sqrt(least * least - 2.0 * slope * math.log(draw / growing)) - least) / slope
+
+
+MOST_GROWING = 0.8
+"""The largest fraction of gaps that grow by a repulsion."""
+
+FAR = 20.0
+"""Standard deviations beyond which Mills's ratio is that of its asymptotic series."""
+
+
+def hazard_rate(deviations: Number) -> Number:
+    """The hazard rate of the normal distribution, exp(-a^2/2)/integral of it beyond a: the inverse of Mills's ratio.
+
+    >>> round(hazard_rate(0.0), 6), round(hazard_rate(30.0), 3)
+    (0.797885, 30.033)
+    """
+    if deviations > FAR:
+        return deviations + 1.0 / deviations
+    beyond = 0.5 * math.sqrt(2.0 * math.pi) * math.erfc(deviations / math.sqrt(2.0))
+    return math.exp(-0.5 * deviations * deviations) / beyond

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm
 
 from ecume.engine.contact import contacts as touching
-from ecume.laws.diffusion import reflected_gap
+from ecume.laws.brownian_motion import reflected_gap
 from ecume.models import MODELS
 from ecume.models.floating.contacts.collisions import contact_bodies, free_shares, require_gaps
 from ecume.models.floating.contacts.thermal_collisions import Flow, collide_on_paths

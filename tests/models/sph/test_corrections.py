@@ -92,7 +92,7 @@ def fastest_rates(positions):
     for column in range(2 * count):
         state.velocity[...] = 0.0
         state.velocity[column % 2, column // 2] = 1.0
-        take_thickening(parameters, state, workspace)
+        compute_density_rate(parameters, state, workspace)
         divergence[:, column] = state.thickening / 1000.0
     shares = parameters.pressure_force.damping_shares(workspace.fields, count)
     rates = [divergence, np.sqrt(shares)[:, None] * divergence]

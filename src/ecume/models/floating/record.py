@@ -42,7 +42,7 @@ def laws_of(scene: Any) -> list[Source]:
     if scene.shaped:
         resistance = [contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []
-    laws += [diffusion.diffusivity, diffusion.reflected_gap] if scene.hydrodynamics.brownian else []
+    laws += [brownian_motion.diffusivity, brownian_motion.reflected_gap] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.hydrodynamics.laws, *chosen.contacts.laws]
 
 

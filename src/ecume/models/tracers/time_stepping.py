@@ -227,7 +227,7 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
                 continue
             draw = uniforms(counter_of_pair(i, piece, int(state.step[0]), 0), parameters.seed)[0]
-            end = diffusion.reflected_gain(after - gap, variance, -math.log(draw))
+            end = brownian_motion.reflected_gain(after - gap, variance, -math.log(draw))
             if end > after:
                 way = axpy(way, end - after, normal)
                 state.hits[nearest] += 1

@@ -4,7 +4,7 @@ In a step each float moves along a straight line, by the sum of its displacement
 paths meet, their relative velocity along the normal is reflected, as in elastic collisions of masses that are inversely
 proportional to the mobilities. Such billiards conserve the volume of configurations and the distribution of the noise:
 without forces every allowed configuration stays equally likely, for any number of floats and any time step. With forces
-the gap after a collision is that of a reflected Brownian motion with drift: see `diffusion.reflected_gap`. Means
+the gap after a collision is that of a reflected Brownian motion with drift: see `brownian_motion.reflected_gap`. Means
 converge with the first order in the time step, as in schemes that reflect at one wall [bossy2004].
 
 Floats that are pressed together by much more than kT per step collide without end. These lasting contacts, and all
@@ -30,13 +30,13 @@ from ecume.engine.contact.contacts import Contacts
 from ecume.engine.contact.event_queue import make_event_queue, schedule
 from ecume.engine.philox import counter_of_pair, uniforms
 from ecume.engine.walls import is_circle, wall_distance
-from ecume.laws import diffusion, pair_mobility
-from ecume.laws.diffusion import reflected_gain, reflected_gap
+from ecume.laws import brownian_motion, pair_mobility
+from ecume.laws.brownian_motion import reflected_gain, reflected_gap
 from ecume.laws.pair_mobility import rotne_prager
 from ecume.models.floating.parameters import Parameters, State
 from ecume.units import Array
 
-admit(diffusion, pair_mobility)
+admit(brownian_motion, pair_mobility)
 
 MOST_HITS = 12
 """Collisions of a float in one step; with more it is in lasting contact."""

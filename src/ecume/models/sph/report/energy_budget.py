@@ -190,7 +190,7 @@ def add_work(
         state.budget[RATE] = 0.0
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
-        rate, numerical = powers_of_forces(instant(parameters, state), state, workspace)
+        rate, numerical = powers_of_forces(with_moved_solids(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_base_excitation(parameters, state)
     state.budget[WORK] += 0.5 * ((before if known else before + rate) + after) * time
