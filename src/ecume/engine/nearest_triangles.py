@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.engine.walls.sheets import Vector, dot, plus
+from ecume.engine.walls.sheets import Vector, axpy, dot
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -85,31 +85,31 @@ def _tree(data: bytes) -> tuple[Boxes, cKDTree]:
 def nearest_in(point: Vector, corners: Corners) -> Vector:
     """The point of a triangle that is nearest to a point: at a corner, on an edge, or inside."""
     a, b, c = corners
-    along, across, away = plus(b, -1.0, a), plus(c, -1.0, a), plus(point, -1.0, a)
+    along, across, away = axpy(b, -1.0, a), axpy(c, -1.0, a), axpy(point, -1.0, a)
     d1, d2 = dot(along, away), dot(across, away)
     if d1 <= 0.0 and d2 <= 0.0:
         return a
-    from_b = plus(point, -1.0, b)
+    from_b = axpy(point, -1.0, b)
     d3, d4 = dot(along, from_b), dot(across, from_b)
     if d3 >= 0.0 and d4 <= d3:
         return b
     beside_c = d1 * d4 - d3 * d2
     if beside_c <= 0.0 and d1 >= 0.0 and d3 <= 0.0 and d1 > d3:
-        return plus(a, d1 / (d1 - d3), along)
-    from_c = plus(point, -1.0, c)
+        return axpy(a, d1 / (d1 - d3), along)
+    from_c = axpy(point, -1.0, c)
     d5, d6 = dot(along, from_c), dot(across, from_c)
     if d6 >= 0.0 and d5 <= d6:
         return c
     beside_b = d5 * d2 - d1 * d6
     if beside_b <= 0.0 and d2 >= 0.0 and d6 <= 0.0 and d2 > d6:
-        return plus(a, d2 / (d2 - d6), across)
+        return axpy(a, d2 / (d2 - d6), across)
     beside_a = d3 * d6 - d5 * d4
     if beside_a <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0 and (d4 - d3) + (d5 - d6) > 0.0:
-        return plus(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), plus(c, -1.0, b))
+        return axpy(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), axpy(c, -1.0, b))
     whole = beside_a + beside_b + beside_c
     if whole == 0.0:  # three corners on a line
         return a
-    return plus(plus(a, beside_b / whole, along), beside_c / whole, across)
+    return axpy(axpy(a, beside_b / whole, along), beside_c / whole, across)
 
 
 @compiled_inside
@@ -140,7 +140,7 @@ def find_nearest(points: Array, boxes: Boxes, guess: Integers, which: Integers, 
     for i in range(points.shape[0]):
         point = points[i, 0], points[i, 1], points[i, 2]
         best, spot = guess[i], nearest_in(point, corners_of(boxes.corner, guess[i]))
-        away = plus(point, -1.0, spot)
+        away = axpy(point, -1.0, spot)
         least = dot(away, away)
         k = 0
         while k < len(boxes.after):
@@ -150,7 +150,7 @@ def find_nearest(points: Array, boxes: Boxes, guess: Integers, which: Integers, 
             if boxes.first[k] >= 0:
                 for own in range(boxes.first[k], boxes.end[k]):
                     near = nearest_in(point, corners_of(boxes.corner, own))
-                    away = plus(point, -1.0, near)
+                    away = axpy(point, -1.0, near)
                     square = dot(away, away)
                     if square < least:
                         least, best, spot = square, own, near

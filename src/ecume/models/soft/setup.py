@@ -22,7 +22,7 @@ from ecume.models.liquids import material_of
 from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.contacts.connected_pieces import UNBALANCED, loose_spheres, pieces
-from ecume.models.soft.contacts.contact_list import box_in, neighbors, newcomers, open_all, wall_gaps
+from ecume.models.soft.contacts.contact_list import box_in, neighbors, new_pairs, open_all, wall_gaps
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
@@ -338,7 +338,7 @@ def rolled_into(parameters: Parameters, state: State) -> str:
     nothing resists rolling around one film. Empty where there is room.
     """
     known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
-    pair, _, between = newcomers(parameters, state.position, box_in(parameters, state), known)
+    pair, _, between = new_pairs(parameters, state.position, box_in(parameters, state), known)
     overlap = parameters.radius[pair].sum(axis=1) - np.linalg.norm(between, axis=1)
     if not (overlap >= 0.0).any():
         return ""

@@ -230,7 +230,7 @@ def force_residual(step: Step) -> float:
     far = 2.0 * float(np.abs(step.bodies.position).max(initial=0.0))
     touches = all_walls(step.walls).touches
     rounding = ROUNDING * max(
-        stiffest(step.answers.stiffness, step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)),
+        stiffest(step.responses.stiffness, step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)),
         stiffest(touches.stiffness, touches.radius + far),
     )
     return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0
