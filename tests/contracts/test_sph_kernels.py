@@ -18,7 +18,6 @@ from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.rates.kernel_loops import kernel_type, slope_of, value_of
-from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark
 from ecume.models.sph.setup.choices import smoothing_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.flows import viscous_decay
-from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies

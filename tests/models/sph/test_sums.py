@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.viscous import friction_left
-from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.sums import RADIAL_FRICTION
 from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH

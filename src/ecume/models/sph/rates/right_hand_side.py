@@ -28,7 +28,6 @@ from ecume.models.sph.rates.sums import (
     CONTINUITY_AND_PRESSURE,
     PRESSURE,
     store_acceleration,
-    store_thickening,
 )
 from ecume.models.sph.rates.surface_tension import add_surface_tension
 from ecume.models.sph.rates.taking import take_sum
