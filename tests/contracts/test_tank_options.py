@@ -14,7 +14,7 @@ from ecume.laws.kernels import KERNELS
 from ecume.models.model import DONE, EXCHANGE
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, PRESSURES
-from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.right_hand_side import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.observation import invariants

@@ -20,16 +20,14 @@ from ecume.engine.cells import Integers
 from ecume.units import Array
 
 Slots = NDArray[np.int32]
-"""Signed integers: they serve unchanged as offsets in sums over eight neighbors; read as `INDEX`, they are never
-negative.
-"""
+"""Signed: so they are sums' offsets as they stand, eight at a time; read as `INDEX`, they are never negative."""
 INDEX = np.uint64
 CHUNK = 128
-"""Particles per task of a thread."""
+"""Particles that one thread takes at a time."""
 BLOCKS = 16
 """Blocks of particles that are counted separately; their number must not depend on the number of threads."""
 SLICES = 4
-"""Cells per reach along the last axis."""
+"""Cells in a reach along the last axis."""
 STRIDE = 8
 """Rows of neighbors go on to a multiple of this with the particle itself, so that whole vectors can be read."""
 ROOMIER = 1.1
@@ -57,7 +55,7 @@ class Lists(NamedTuple):
 
 
 def room_for(centers: int, neighbors: int) -> Lists:
-    """Empty lists; `neighbors` is a guess of the largest number of neighbors."""
+    """Lists of nothing; `neighbors` is a guess of the most that anybody has."""
     room = STRIDE * math.ceil(max(neighbors, 1) / STRIDE)
     return Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.int32))
 
@@ -87,7 +85,7 @@ class Sorted(NamedTuple):
     position: Array
     """(d, N)"""
     order: Slots
-    """(N,) the particle at each position"""
+    """(N,) who stands here"""
     start: Integers
     """(cells + 1,) where each cell begins"""
 
@@ -158,7 +156,7 @@ def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, befo
 
 
 def _longest_run(start: Integers, cells: int) -> int:
-    """The largest number of particles in `cells` consecutive cells."""
+    """The most particles in so many cells that follow one another."""
     if len(start) <= cells:
         return int(start[-1])
     return int((start[cells:] - start[:-cells]).max())
@@ -174,7 +172,7 @@ def _fill(
     Distances of a run first, then its indexes, each written over the last one that was too far: two loops without a
     branch.
     """
-    dimension, every = position.shape
+    dimension, everyone = position.shape
     room = neighbor.shape[1]
     first, last, longest = limits[0], limits[1], limits[2]
     deep = dimension == 3
@@ -183,10 +181,10 @@ def _fill(
     x_low, y_low, z_low = low[dimension - 1], low[dimension - 2], low[0]
     y_edge, z_edge = edge[dimension - 2], edge[0]
     inverse, square = 1.0 / edge[dimension - 1], reach * reach
-    for chunk in prange((every + CHUNK - 1) // CHUNK):
+    for chunk in prange((everyone + CHUNK - 1) // CHUNK):
         distance = np.empty(longest, np.float64)
         found = np.empty(9 * longest + STRIDE, np.int32)
-        for place in range(INDEX(chunk * CHUNK), INDEX(min(every, (chunk + 1) * CHUNK))):
+        for place in range(INDEX(chunk * CHUNK), INDEX(min(everyone, (chunk + 1) * CHUNK))):
             i = order[place]
             if i >= len(count):
                 continue

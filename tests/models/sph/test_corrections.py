@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.flows import viscous_decay
-from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
 from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies
@@ -28,7 +28,7 @@ def rate_of_density(force):
     x, y = state.position
     state.velocity[...] = x, -y
     middle = np.abs(x - 0.5) < 0.1
-    compute_density_rate(parameters, state, workspace)
+    take_thickening(parameters, state, workspace)
     rows = np.round((1.0 - y) * 12 - 0.5)
     return [float(np.abs(state.thickening[middle & (rows == row)]).max()) for row in range(12)]
 
@@ -48,8 +48,8 @@ def disordered(dimension=2, **method):
     )
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
     state.velocity[...] = np.sin(5.0 * state.position[::-1])
-    compute_density_rate(parameters, state, workspace)
-    compute_accelerations(parameters, state, workspace, parameters.time_step)
+    take_thickening(parameters, state, workspace)
+    take_forces(parameters, state, workspace, parameters.time_step)
     return parameters, state, workspace
 
 
@@ -92,7 +92,7 @@ def fastest_rates(positions):
     for column in range(2 * count):
         state.velocity[...] = 0.0
         state.velocity[column % 2, column // 2] = 1.0
-        compute_density_rate(parameters, state, workspace)
+        take_thickening(parameters, state, workspace)
         divergence[:, column] = state.thickening / 1000.0
     shares = parameters.pressure_force.damping_shares(workspace.fields, count)
     rates = [divergence, np.sqrt(shares)[:, None] * divergence]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.rates.right_hand_side import compute_accelerations, compute_density_rate
+from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_sums import at_start
 
@@ -16,8 +16,8 @@ def rates(scene):
     x, y, *_ = state.position - np.array(scene.tank.low)[:, None]
     state.velocity[0], state.velocity[1] = 0.3 * np.sin(5.0 * y), 0.2 * np.cos(7.0 * x)
     state.density[...] *= 1.0 + 0.003 * np.sin(7.0 * x)
-    compute_density_rate(parameters, state, workspace)
-    compute_accelerations(parameters, state, workspace, parameters.time_step)
+    take_thickening(parameters, state, workspace)
+    take_forces(parameters, state, workspace, parameters.time_step)
     return workspace, state.thickening, state.acceleration
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.models.sph.integration.time_stepping import displacement_of_solids, divisions_needed, move, renew
-from ecume.models.sph.rates.right_hand_side import compute_accelerations
+from ecume.models.sph.rates.right_hand_side import take_forces
 from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain
 from tests.models.sph.scenes import free_blob
@@ -83,7 +83,7 @@ def test_a_solid_that_comes_down_on_calm_water_feels_it_as_with_fresh_lists(soli
     fresh, lists = copy_of(state), begun(calm(**solid))[2]
     renew(parameters, fresh, lists)
     for one, scratch in ((state, workspace), (fresh, lists)):
-        compute_accelerations(parameters, one, scratch, parameters.time_step)
+        take_forces(parameters, one, scratch, parameters.time_step)
     places = [np.argsort(one.identity) for one in (state, fresh)]
     found, expected = (one.acceleration[:, place] for one, place in zip((state, fresh), places, strict=True))
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())

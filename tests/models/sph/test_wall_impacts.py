@@ -6,7 +6,7 @@ import pytest
 import ecume
 from ecume.laws.kernels import kernel
 from ecume.laws.wall_forces import impact_braking
-from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
+from ecume.models.sph.boundaries.rigid_bodies import instant
 from ecume.models.sph.boundaries.walls import all_braked, weight_at
 from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain, to_plain
@@ -92,7 +92,7 @@ def test_the_braking_is_relative_to_a_moving_wall():
     moving = {"kind": "wall", "motion": {"amplitude": 0.05, "frequency": 1.0, "phase": 0.0}}
     plain = to_plain(thrown())
     parameters, state, _ = started(from_plain({**plain, "tank": {**plain["tank"], "right": moving}}))
-    now = with_moved_solids(parameters, state)
+    now = instant(parameters, state)
     speed = now.boundary.guard.sheet.number[now.boundary.guard.owner == 1][0, 4]
     state.position[0] += 0.37
     state.velocity[0] = speed + 1e-12 * np.sign(speed)

@@ -13,8 +13,7 @@ until the largest island converges.
 
 `solve_by_active_set` is exact, for the few islands on which sweeps do not converge. A raft that is braced by more
 contacts than it has degrees of freedom has self-stresses, along which impulses can change without changing any
-velocity. Sweeps then progress slowly along one of them, for thousands of sweeps, until a contact opens. The velocities
-are nevertheless
+velocity. Sweeps then creep along one of them by the thousand, until a contact opens. The velocities are nevertheless
 unique: they are the nearest to the given ones, in the norm of kinetic energy, that break no condition. This is least
 distance programming, which becomes nonnegative least squares [lawson1974, chapter 23]: minimize |E u - f| over u >= 0,
 with the contacts' directions and bounds as the columns of E. The method is direct, and its cost grows with the cube of
@@ -35,7 +34,7 @@ from ecume.units import Array
 
 MOST_SWEEPS = 20_000
 PATIENCE = 128
-"""The number of sweeps within which the residual must be halved."""
+"""Sweeps after which the residual should have halved."""
 CONVERGED = 1e-7
 """The target residual, as a fraction of the largest approach velocity."""
 SWEEPS_BEFORE_ACTIVE_SET = 4_000
@@ -245,7 +244,7 @@ def solve(contacts: Contacts, velocity: Array, mobility: Array, tolerance: Toler
 
 @compiled
 def begin(contacts: Contacts, velocity: Array, mobility: Array, tolerance: Tolerance) -> bool:
-    """Do the first sweep. Returns whether it converged."""
+    """Do the first sweep; return whether it converged."""
     span, bodies, unknowns = (0, contacts.total[0]), bodies_of(contacts), impulses_of(contacts)
     apply_impulses(contacts, contacts.impulse, velocity, mobility)
     largest = _sweep(span, bodies, unknowns, (velocity, mobility))
@@ -349,21 +348,20 @@ def scatter_impulses(contacts: Contacts, rows: Integers, some: Contacts) -> None
 Choice = NDArray[np.bool_]
 
 LARGEST = 128
-"""The largest number of contacts of an island that is solved exactly; it takes about a tenth of a second."""
+"""Contacts of an island; so many take about a tenth of a second, and larger islands are left to sweeps."""
 DEPENDENT = 1e-10
-"""The smallest part of a column that is independent of the others, over its length; below it counts as dependent."""
+"""What must be left of a column beside the others, over its length, for it to count as independent."""
 OPTIMAL = 1e-13
 """The largest gradient that still counts as zero, where the longest columns are about one."""
 FEASIBLE = 1e-12
-"""The smallest residual of the last row that is not rounding; below it no velocity fulfills all conditions."""
+"""What must be left of the last row: less is rounding, and no velocity fulfills all conditions."""
 
 
 @compiled
 def nearest_velocity(
     pair: tuple[Integers, Integers, Array], bound: Array, impulse: Array, velocity: Array, mobility: Array
 ) -> bool:
-    """Solve contacts (first, second, normal) exactly. `velocity` already contains the effect of the initial impulses;
-    both are updated. Returns False, without changes, if no solution was found.
+    """Solve contacts (first, second, normal) exactly, from impulses that stand in `velocity` already; both change.
 
     False, and no change, where no solution was found.
     """
@@ -462,8 +460,8 @@ def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array
 
 @compiled
 def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tuple[Array, bool]:
-    """The u >= 0 that minimizes |matrix u - right|, and whether it was found; `guess` flags the components that are
-    positive in the initial guess. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
+    """The u >= 0 for which |matrix u - right| is least, and whether it was found; `guess` says which components may be
+    positive to begin with. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
     """
     count = matrix.shape[1]
     solution, passive, barred = np.zeros(count), np.empty(count, np.bool_), np.zeros(count, np.bool_)
@@ -486,7 +484,7 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
             return solution, True
         passive[entering] = True
         settled = _settle(matrix, right, solution, passive)
-        # A component that leaves at once depends linearly on the others, to rounding: the loop would not end.
+        # One that leaves at once depends on those that are there, to rounding: it would come and go for ever.
         barred[entering] = not passive[entering]
         if not barred[entering]:
             for k in range(count):
@@ -509,9 +507,7 @@ def _rest(matrix: Array, right: Array, solution: Array) -> Array:
 
 @compiled
 def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bool:
-    """Solve least squares for the passive components; those that would become negative are removed from the set, one by
-    one.
-    """
+    """Solve least squares for the passive components; those that would become negative leave the set, one by one."""
     for _ in range(2 * len(solution) + 2):
         target = _least_squares(matrix, right, passive)
         share = 1.0

@@ -1,9 +1,9 @@
 """Direct solutions of block systems: SciPy's SuperLU [demmel1999], in the order of a nested dissection [george1973].
 
 The order in which a direct solver eliminates a block system: nested dissection [george1973]. Rows that are close to
-each other in a pattern are close to each other in position (`block_matrix.near_order`). Each part is cut into two
-halves at its middle. The rows of one half that are connected to the other, on the side where they are fewer, become the
-separator. Parts are eliminated before the separators that bound them. Fill-in then grows like N
+each other in a pattern are close to each other in position (`block_matrix.near_order`). So each part of them is cut
+into two halves at its middle; of the rows on the two sides of the cut, the fewer become the separator, without which
+the halves are not connected. Parts are eliminated before the separators that bound them. Fill-in then grows like N
 log N in 2D.
 
 The pattern of a block system is symmetric, so that SuperLU runs in its symmetric mode: it keeps to the given order
@@ -11,8 +11,8 @@ and to pivots on the diagonal unless these are tiny. SuperLU's own orders (minim
 3,000 discs, but 3.8 times as long for 10,000 discs and 1.4 times as long for 1,000 spheres
 (`benchmarks/factorizations.py`).
 
-SuperLU uses the installed BLAS. Its sums have the same order for any number of threads, but the last digits depend on
-the processor, as those of LAPACK do.
+SuperLU calls the BLAS at hand. Its sums are in one order for any number of threads, but the last digits depend on the
+processor, as those of LAPACK do.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
 LEAF = 12
-"""The largest number of rows of a part that is not cut further."""
+"""Rows of a part that is not cut any further."""
 
 
 def elimination_order(pattern: Pattern) -> Integers:
     """The rows of a pattern in the order of their elimination."""
     level, part, depth = _cut(pattern)
-    end = (part + 1) << (depth - level)  # parts that are complete at this level
-    return np.lexsort((-level, end))  # within a branch, deeper levels first
+    end = (part + 1) << (depth - level)  # parts of the last level that end with this one
+    return np.lexsort((-level, end))  # of those that end together, deeper ones first
 
 
 def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
-    """For each row the level of its separator or part, and its number within the level; and the last level."""
+    """For each row the level of its separator or last part, and its number within the level; and the last level."""
     count = len(pattern.order)
     depth = max(int(np.ceil(np.log2(max(count / LEAF, 1.0)))), 0)
     level, part = np.full(count, depth), np.zeros(count, np.int64)
@@ -75,14 +75,14 @@ def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
 
 
 Indexes = NDArray[np.int32]
-"""The integer type of SuperLU's indices."""
+"""What SuperLU counts with."""
 ACCURATE = 1e-11
 """The residual, relative to the right side, above which a solution is refined."""
 USEFUL = 1e-6
 """The largest residual that is accepted after refinement, for ill-conditioned systems."""
 MOST_REFINEMENTS = 2
 PIVOT_THRESHOLD = 1e-3
-"""A diagonal pivot is used unless it is smaller than this fraction of the largest entry of its column."""
+"""A pivot stays on the diagonal unless it is smaller than this part of the largest number of its column."""
 OPERATIONS = {2: 75.0, 3: 36.0}
 """Operations of a factorization, over the cube of the block width and N^(3/2) in 2D or N^2 in 3D: fitted to nested
 dissections of packings of 300 to 10,000 discs (within 20 %) and of 1,000 spheres.
@@ -93,20 +93,20 @@ class Analysis(NamedTuple):
     """The symbolic factorization, shared by all matrices of a pattern."""
 
     order: Integers
-    """the unknowns in the order of their elimination"""
+    """the unknowns, counted by the rows of blocks, in the order of their elimination"""
     rank: Integers
-    """the position of each unknown in this order"""
+    """the place of each unknown in this order"""
     place: Integers
-    """the index of each entry of the compressed columns in the array of all blocks"""
+    """of each number of the compressed columns, among all numbers of the blocks"""
     row: Indexes
-    """row of each entry, in the order of elimination"""
+    """of each number, in the order of the elimination"""
     column: Indexes
     start: Indexes
     """where each column begins"""
 
 
 def analyze(pattern: Pattern, width: int) -> Analysis:
-    """The order of elimination, and the indices of the entries of the blocks in the reordered matrix."""
+    """The order of the elimination, and where the numbers of the blocks stand in the reordered matrix."""
     count, within = len(pattern.order), np.arange(width)
     order = (elimination_order(pattern)[:, None] * width + within).ravel()
     rank = np.empty(count * width, np.int64)
@@ -122,12 +122,12 @@ def analyze(pattern: Pattern, width: int) -> Analysis:
 
 
 def operations(count: int, width: int, dimensions: int) -> float:
-    """An estimate of the operations of a factorization, from the scaling of nested dissection [george1973]."""
+    """An estimate of the operations of a factorization, by how nested dissections scale [george1973]."""
     return OPERATIONS[dimensions] * width**3 * math.pow(count, 1.5 if dimensions == 2 else 2.0)
 
 
 def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, null_space_dimension: int) -> bool:
-    """Solve for all right sides. Returns False if the matrix is singular, or a solution inaccurate."""
+    """Solve for all right sides; False where the matrix is singular, or a solution is not accurate."""
     whole, held = reordered(matrix, analysis, null_space_dimension), analysis.rank[:null_space_dimension]
     factors = factorize(whole)
     if factors is None:
@@ -143,8 +143,10 @@ def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, nul
     return True
 
 
-def reordered(matrix: Matrix, analysis: Analysis, loose: int) -> csc_array:
-    """The matrix in the order of its elimination; the equations of the first `loose` unknowns are replaced by x = 0."""
+def reordered(matrix: Matrix, analysis: Analysis, null_space_dimension: int) -> csc_array:
+    """The matrix in the order of its elimination; the equations of the first `null_space_dimension` unknowns are
+    replaced by x = 0.
+    """
     from scipy.sparse import csc_array
 
     numbers, (row, column) = matrix.blocks.ravel()[analysis.place], (analysis.row, analysis.column)
@@ -170,7 +172,7 @@ def factorize(whole: csc_array) -> SuperLU | None:
 
 
 def refined(whole: csc_array, factors: SuperLU, side: Array) -> Array | None:
-    """A solution after iterative refinement; None if its residual remains too large."""
+    """A solution, refined iteratively; None where its residual stays too large."""
     values, residual, largest, worst = np.zeros_like(side), side, float(np.abs(side).max()), math.inf
     for _ in range(1 + MOST_REFINEMENTS):
         values = values + factors.solve(residual)

@@ -1,4 +1,4 @@
-"""The constant parameters of a tank."""
+"""What never changes while the liquid moves."""
 
 from __future__ import annotations
 
@@ -116,11 +116,11 @@ class Drive(NamedTuple):
     """(n, T)"""
 
 
-class OpenBoundary(NamedTuple):
-    """A side of the tank with inflow or outflow, and its buffer."""
+class Gate(NamedTuple):
+    """A side that liquid comes in or goes out through, with a buffer behind it."""
 
     zone: int
-    """the value of `State.zone` of particles in its buffer"""
+    """what `State.zone` says of its buffer's particles"""
     axis: int
     inward: float
     """1 at the low end of the axis, -1 at the high end"""
@@ -269,7 +269,7 @@ class Parameters(NamedTuple):
     """1/s, of the pull towards a point; zero without"""
     pull_center: Array
     """(d,) m"""
-    gates: tuple[OpenBoundary, ...]
+    gates: tuple[Gate, ...]
     bounds: Array
     """(2, d) beyond which liquid is lost"""
     moves: bool
@@ -277,7 +277,7 @@ class Parameters(NamedTuple):
     integrator: str
     """a name of `time_stepping.INTEGRATORS`"""
     shifting: str
-    """a name of `shifting.SHIFTINGS`"""
+    """a name of `right_hand_side.SHIFTINGS`"""
     shifting_limit: float
     """m^2: the largest product of the shifting coefficient and the time of a shift that does not overshoot; infinite
     without shifting"""

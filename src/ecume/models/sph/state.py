@@ -1,4 +1,4 @@
-"""The state of a tank of SPH particles, and the scratch memory of its lists."""
+"""What the physics moves, and the scratch beside it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
 SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, ITERATIONS, MOST_ITERATIONS, RESIDUAL, WORST = range(8)
-"""Indices of `State.tally`."""
+"""Places in `State.tally`."""
 WORK, RATE = range(2)
-"""Indices of `State.budget`."""
-ENTERED, LEFT, LOST, NEXT = range(4)
-"""Indices of `State.population`."""
+"""Places in `State.budget`."""
+CAME, LEFT, LOST, NEXT = range(4)
+"""Places in `State.population`."""
 SORT_EVERY = 16
-"""The number of renewals of the lists between sorts of the particles by cell."""
+"""Particles are put into cell order at every so many-th renewal of the lists."""
 
 
 FIRST_SKIN, LEAST_SKIN, MOST_SKIN = 0.1, 0.03, 0.25
@@ -33,9 +33,7 @@ LIST_COST, CALL_COST = 1.5, 400.0
 
 
 class State(NamedTuple):
-    """All arrays that can change a later result. Particles are in cell order; `identity` is the permanent number of
-    each.
-    """
+    """Everything that can change a later bit. Particles stand in cell order; `identity` says who is who."""
 
     position: Array
     """(d, N) m: axis by axis, so that loops over neighbors read along contiguous rows"""
@@ -44,11 +42,11 @@ class State(NamedTuple):
     acceleration: Array
     """(d, N) m/s^2, at the end of the last step"""
     transport: Array
-    """(d, N) m/s: the transport velocity in addition to the velocity"""
+    """(d, N) m/s: what particles move with beside the velocity"""
     density: Array
     """(N,) kg/m^3"""
     pressure: Array
-    """(N,) Pa, of incompressible liquids: the initial guess of the next step"""
+    """(N,) Pa, of incompressible liquids alone; the first guess of the next step"""
     thickening: Array
     """(N,) kg/(m^3 s): the rate of density, of the Verlet scheme alone"""
     mass: Array
@@ -58,19 +56,19 @@ class State(NamedTuple):
     region: Integers
     """(N,)"""
     zone: Integers
-    """(N,) 0 for liquid, otherwise the buffer that contains the particle: see `open_boundaries`"""
+    """(N,) 0 for liquid, else the buffer it is in: see `open_boundaries`"""
     reference: Array
     """(d, N) positions when the lists were made, which determine the order of sums"""
     skin: Array
-    """(1,) m: the reach of the lists minus the support"""
+    """(1,) m: how far beyond the support the lists look"""
     pose: Array
-    """(7, B) position (of the center) and quaternion of rigid bodies"""
+    """(7, B) of rigid bodies: middle and quaternion"""
     motion: Array
-    """(6, B) velocity and spin of rigid bodies"""
+    """(6, B) of rigid bodies: velocity and spin"""
     push: Array
-    """(6, B) accelerations of rigid bodies at the end of the last step"""
+    """(6, B) what changes those, at the end of the last step"""
     felt: Array
-    """(6, B) m/s^2, 1/s^2: the same, relaxed over several evaluations, for the pressure of the dummies of bodies"""
+    """(6, B) m/s^2, 1/s^2: the same, some steps late, as the pressure of the bodies' dummies has it"""
     pose_reference: Array
     """(7, B) when the lists were made"""
     passive_position: Array
@@ -80,11 +78,11 @@ class State(NamedTuple):
     passive_clock: Integers
     """(1,) number of steps of passive particles, the counter of their random numbers"""
     clock: Array
-    """(2,) s: the present time, within a step too; the time when the lists were made"""
+    """(2,) s: now, within a step too; when the lists were made"""
     step: Integers
     """(1,)"""
     ready: Integers
-    """(1,) whether `acceleration` is that at the present positions"""
+    """(1,) whether `acceleration` holds at the present positions"""
     tally: Array
     """substeps, hits of the guard, renewals of the lists, most substeps in a step; of incompressible liquids:
     iterations, most iterations in a substep, the last error of the solver, the particle where it is largest
@@ -110,7 +108,7 @@ class State(NamedTuple):
 
 
 class CellLists(NamedTuple):
-    """All particles in cells, as of the last renewal of the lists."""
+    """All particles in cells, as they were when the neighbor lists were made."""
 
     grid: Grid
     sorted: Sorted
@@ -120,7 +118,7 @@ class CellLists(NamedTuple):
 
 @dataclass
 class Workspace:
-    """Scratch memory of one set of lists; renewed lists replace it."""
+    """Scratch of one set of lists; renewed lists take its place."""
 
     images: Images
     lists: Lists
@@ -136,7 +134,7 @@ class Workspace:
     """(d, N) m/s^2 by laws of the user, at the last evaluation"""
 
     def take(self, other: Workspace) -> None:
-        """Replace all arrays by those of another workspace."""
+        """Become the other."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
         self.rates, self.records = other.rates, other.records
         self.before, self.cells = other.before, other.cells
@@ -235,7 +233,7 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     boundary, reach = parameters.boundary, parameters.support + float(state.skin[0])
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
     images = images_of(real, boundary.sides, max(reach, parameters.color_reach + float(state.skin[0])))
-    every = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
+    everyone = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
     lists = before.lists if before else room_for(count, guess)
@@ -255,12 +253,12 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     return Workspace(images, lists, fields, rates, records, rates_before, cells)
 
 
-def cells_of(every: Array, support: float, skin: float) -> CellLists | None:
+def cells_of(everyone: Array, support: float, skin: float) -> CellLists | None:
     """All particles in cells as wide as the reach of the lists."""
-    if not every.shape[1]:
+    if not everyone.shape[1]:
         return None
-    grid = grid_around(every, support + skin)
-    return CellLists(grid, sort_by_cell(every, grid), skin)
+    grid = grid_around(everyone, support + skin)
+    return CellLists(grid, sort_by_cell(everyone, grid), skin)
 
 
 def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:

@@ -1,4 +1,4 @@
-"""Motion of solids: rigid bodies, and sides, bodies and tanks with prescribed motion.
+"""What moves beside the liquid: rigid bodies, and sides, bodies and tanks whose motion is prescribed.
 
 Rigid bodies: the equations of motion, their dummy particles, and collisions. Quaternions are (w, x, y, z). Bodies
 collide with sides, obstacles and each other: impulses act at the deepest point of each contact, in sweeps over all
@@ -25,8 +25,8 @@ from ecume.models.sph.state import State
 from ecume.units import Array
 
 LEAST_DELAY = 4.0
-"""The smallest relaxation of accelerations, in evaluations, so that sound waves do not make a body oscillate."""
-ADDED_MASS_SHARE = 0.2
+"""In evaluations: sound waves must not make a body oscillate."""
+ANSWERED = 0.2
 """The part of the displaced liquid that moves with a body of two spacings' radius, by the pressure of its dummies."""
 
 
@@ -79,7 +79,7 @@ def delay(bodies: Bodies, density: float) -> Array:
     mass to body mass is an upper bound of the gain.
     """
     volume = np.array([shape.volume() for shape in bodies.shapes])
-    late: Array = LEAST_DELAY + ADDED_MASS_SHARE * density * volume / bodies.mass
+    late: Array = LEAST_DELAY + ANSWERED * density * volume / bodies.mass
     return late
 
 
@@ -345,18 +345,18 @@ def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
     return value, rate, second
 
 
-def with_moved_solids(parameters: Parameters, state: State) -> Parameters:
-    """The parameters with sides, dummies and gravity at the present time."""
+def instant(parameters: Parameters, state: State) -> Parameters:
+    """The parameters with everything where it is now."""
     return at(parameters, float(state.clock[0]), state.pose, state.motion)
 
 
 def at_reference(parameters: Parameters, state: State) -> Parameters:
-    """The parameters with solids at their positions when the lists were made."""
+    """The parameters with everything at its position when the lists were made."""
     return at(parameters, float(state.clock[1]), state.pose_reference, state.motion)
 
 
 def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Parameters:
-    """The parameters with solids at their positions at a time."""
+    """The parameters with everything at its position at a time."""
     if not parameters.moves:
         return parameters
     boundary = parameters.boundary

@@ -87,11 +87,11 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)
     v = before.T.copy()  # a copy in any case: columns that were picked may lie the other way round in memory
-    status = np.zeros(len(x), np.int64)
-    tally = (np.zeros_like(status), status, hits)
+    fate = np.zeros(len(x), np.int64)
+    tally = (np.zeros_like(fate), fate, hits)
     earlier = _as_before(guard.sheet, time)
     reflect_all(x, v, np.zeros((1, x.shape[1])), time, earlier, np.array([guard.radius]), tally)
-    for i in np.flatnonzero(status < 0):
+    for i in np.flatnonzero(fate < 0):
         x[i] = position[:, np.flatnonzero(out)[i]]
         _push_inside(guard, x[i], v[i], hits)
     position[:, out] = x.T

@@ -1,4 +1,4 @@
-"""Elementwise updates of particles, with threads."""
+"""The elementwise parts of a step, over threads."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BLOCKS = 16
 
 @spread
 def kick(velocity: Array, acceleration: Array, time: float) -> None:
-    """Update velocities: v += a t."""
+    """V += a t."""
     for i in prange(velocity.shape[1]):
         for axis in range(velocity.shape[0]):
             velocity[axis, i] += time * acceleration[axis, i]
@@ -23,15 +23,15 @@ def kick(velocity: Array, acceleration: Array, time: float) -> None:
 
 @spread
 def drift(position: Array, velocity: Array, time: float) -> None:
-    """Update positions: x += v t."""
+    """X += v t."""
     for i in prange(position.shape[1]):
         for axis in range(position.shape[0]):
             position[axis, i] += time * velocity[axis, i]
 
 
 @spread
-def add_density_rate(density: Array, thickening: Array, time: float) -> None:
-    """Update densities: rho += (d rho/dt) t."""
+def thicken(density: Array, thickening: Array, time: float) -> None:
+    """Rho += (d rho/dt) t."""
     for i in prange(len(density)):
         density[i] += time * thickening[i]
 
@@ -40,9 +40,7 @@ def add_density_rate(density: Array, thickening: Array, time: float) -> None:
 def predict(
     velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
 ) -> None:
-    """Predict velocities (already half a step ahead) and densities from the present rates, which are copied to
-    `before`.
-    """
+    """Predict velocities (already half a step ahead) and densities with the present rates, which `before` keeps."""
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -56,7 +54,7 @@ def predict(
 def correct(
     velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
 ) -> None:
-    """Correct the predicted values to the mean of the rates before and after."""
+    """Correct the predicted values to those of the mean of the rates before and now."""
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -65,7 +63,7 @@ def correct(
 
 
 def largest(vectors: Array) -> float:
-    """The largest length of a column; NaN or infinity if one is."""
+    """The largest length among the columns; NaN or infinite where one is."""
     most = np.zeros(BLOCKS)
     largest_squares(vectors, most)
     return math.sqrt(most.max())
@@ -84,11 +82,11 @@ def largest_squares(vectors: Array, most: Array) -> None:
                 square += vectors[axis, i] * vectors[axis, i]
             found = square if square > found else found
             total += square
-        most[block] = larger_or_nan(found, total)
+        most[block] = larger_or_nowhere(found, total)
 
 
 def farthest(position: Array, reference: Array) -> float:
-    """The largest displacement from the reference; NaN or infinity if a position is."""
+    """The largest displacement from the reference; NaN or infinite if a position is."""
     most = np.zeros(BLOCKS)
     farthest_squares(position, reference, most)
     return math.sqrt(most.max())
@@ -108,10 +106,10 @@ def farthest_squares(position: Array, reference: Array, most: Array) -> None:
                 square += along * along
             found = square if square > found else found
             total += square
-        most[block] = larger_or_nan(found, total)
+        most[block] = larger_or_nowhere(found, total)
 
 
 @compiled_inside
-def larger_or_nan(found: float, total: float) -> float:
-    """The largest of some squares; their sum if that is not finite, since a comparison with NaN ignores it."""
+def larger_or_nowhere(found: float, total: float) -> float:
+    """The largest of some squares, and their sum where that is no number: a comparison with NaN keeps nothing of it."""
     return found if total < math.inf else total

@@ -1,8 +1,7 @@
-"""Time integration of a tank: the order of operations is Python, each loop over particles is compiled.
+"""One step after another. Python says what comes next; every pass over particles is compiled.
 
 A step is some milliseconds of work for ten thousand particles, and calling six compiled loops from Python costs less
-than a tenth of one: so each scheme is written here as a sequence of calls, and each loop is compiled once for all
-scenes.
+than a tenth of one: so the scheme stands here in words, and each loop is compiled once for all scenes.
 """
 
 from __future__ import annotations
@@ -20,32 +19,32 @@ from ecume.models.sph.boundaries.rigid_bodies import (
     collide,
     displacement_of_sides,
     expel_liquid,
+    instant,
     largest_displacement,
     move_bodies,
-    with_moved_solids,
 )
 from ecume.models.sph.boundaries.walls import add_impulses, expel_from_drawn, reflect_particles
 from ecume.models.sph.fields import number
 from ecume.models.sph.integration.particle_loops import (
-    add_density_rate,
     correct,
     drift,
     farthest,
     kick,
     largest,
     predict,
+    thicken,
 )
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.projection import failed, project
 from ecume.models.sph.rates.right_hand_side import (
-    compute_accelerations,
-    compute_density_rate,
-    compute_nonpressure_accelerations,
-    compute_rates,
-    compute_shift,
+    shifts_needed,
+    take_both,
+    take_forces,
+    take_other_forces,
+    take_shift,
+    take_thickening,
 )
-from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,
@@ -69,15 +68,15 @@ from ecume.models.sph.state import (
 )
 
 MOST_DIVISIONS = 64
-"""The largest number of substeps; a step that needs more has diverged."""
+"""A step that must be divided more often than this will not recover."""
 CALM = 0.01
-"""Collisions of bodies slower than this fraction of the maximum speed have no restitution."""
+"""What collides more slowly than this part of the fastest speed does not bounce."""
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """Integrate over that many steps; each is divided if speeds or forces require it."""
     step = INTEGRATORS[parameters.integrator]
-    # A particle without a finite position has no neighbors, so that no force reveals it.
+    # Who is nowhere has no neighbors, and would do no harm that anyone notices.
     if not np.isfinite(state.position).all():
         return DIVERGED
     status = DONE
@@ -94,9 +93,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             if failed(parameters, state):
                 return DIVERGED
             if parameters.passive_tracers.start[-1]:
-                move_passive_particles(
-                    with_moved_solids(parameters, state), state, workspace, parameters.time_step / divisions
-                )
+                move_passive_particles(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
         state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions
@@ -104,7 +101,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         if exchange_due(parameters, state):
             status = EXCHANGE
             break
-    # Check the last step too, before a frame is written.
+    # What the last step broke must not become a frame.
     return status if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
 
 
@@ -126,15 +123,15 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
     """Kick, drift half, density, drift half, kick (Adami et al. 2012, eqs. 28-31)."""
     if not state.ready[0]:
         renew(parameters, state, workspace)
-        compute_accelerations(parameters, state, workspace, time)
+        take_forces(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, 0.5 * time)
-    compute_density_rate(parameters, state, workspace)
+    take_thickening(parameters, state, workspace)
     add_diffusion_work(parameters, state, workspace, time)
-    add_density_rate(state.density, state.thickening, time)
+    thicken(state.density, state.thickening, time)
     renewals = int(state.tally[RENEWALS])
     move(parameters, state, workspace, 0.5 * time)
-    compute_accelerations(parameters, state, workspace, time, summed=int(state.tally[RENEWALS]) == renewals)
+    take_forces(parameters, state, workspace, time, summed=int(state.tally[RENEWALS]) == renewals)
     kick_all(state, 0.5 * time)
     state.ready[0] = 1
 
@@ -145,14 +142,14 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
-        compute_rates(parameters, state, workspace, time)
+        take_both(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, time)
     moved = state.velocity, state.acceleration, state.density, state.thickening
     bodies_before = state.push.copy()
     predict(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * bodies_before
-    compute_rates(parameters, state, workspace, time)
+    take_both(parameters, state, workspace, time)
     add_diffusion_work(parameters, state, workspace, time)
     correct(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * (state.push - bodies_before)
@@ -167,12 +164,12 @@ def projection_step(parameters: Parameters, state: State, workspace: Workspace, 
     if not state.ready[0]:
         renew(parameters, state, workspace)
     shifts = shifts_needed(parameters, state, time)
-    compute_nonpressure_accelerations(parameters, state, workspace, time / shifts)
+    take_other_forces(parameters, state, workspace, time / shifts)
     kick_all(state, time)
     project(parameters, state, workspace, time)
     move(parameters, state, workspace, time / shifts)
     for _ in range(shifts - 1):
-        compute_shift(parameters, state, workspace, time / shifts)
+        take_shift(parameters, state, workspace, time / shifts)
         move(parameters, state, workspace, time / shifts)
     state.ready[0] = 1
 
@@ -191,7 +188,7 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
     state.clock[0] += time
     if parameters.bodies.shapes:
         move_bodies(state.pose, state.motion, time)
-    now = with_moved_solids(parameters, state)
+    now = instant(parameters, state)
     resolve_collisions(now, state, time)
     if farthest(state.position, state.reference) + displacement_of_solids(parameters, state) > 0.5 * state.skin[0]:
         renew(parameters, state, workspace)
@@ -249,4 +246,4 @@ def wrap(parameters: Parameters, state: State) -> None:
 
 
 INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step, "projection": projection_step}
-"""Integrators by name."""
+"""By name."""

@@ -40,7 +40,7 @@ from ecume.engine.vectors import (
     trace,
     zero_matrix,
 )
-from ecume.laws import diffusion, kernels
+from ecume.laws import density_diffusion, kernels
 from ecume.models.sph.fields import FIELD, Fields, Floats, Numbers
 from ecume.models.sph.rates.neighbor_sums import NOTHING, Particle, Reading, neighbor_sum
 from ecume.models.sph.rates.sums import (
@@ -61,7 +61,7 @@ from ecume.models.sph.rates.sums import (
 )
 from ecume.units import Array
 
-admit(diffusion, kernels)
+admit(density_diffusion, kernels)
 SINGULAR = 1e-3
 """Below this determinant of its matrix a particle has too few neighbors for a gradient."""
 MATRIX = (*range(FIELD.correction, FIELD.correction + 6), NOTHING, NOTHING)
@@ -177,9 +177,9 @@ def pair_corrected_continuity(
     (rise, _, zero, _), (stretching, flow) = given, total
     change, liquid = difference(other.vector, own.vector), max(other.weight, zero)
     radial = dot(change, completed(own, apart)) if other.weight > zero else dot(change, apart)
-    beyond = diffusion.beyond_rest(own.value, other.value, dot(rise, apart))
+    beyond = density_diffusion.beyond_rest(own.value, other.value, dot(rise, apart))
     more = pair_divergence(slope * abs(other.weight), radial)
-    return stretching + more, flow + diffusion.flow(beyond, slope * liquid)
+    return stretching + more, flow + density_diffusion.flow(beyond, slope * liquid)
 
 
 @summed_inside

@@ -30,7 +30,7 @@ from ecume.engine.vectors import (
     zero_matrix,
     zeros,
 )
-from ecume.laws import diffusion, viscous
+from ecume.laws import density_diffusion, viscous
 from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import SINGULAR
@@ -38,7 +38,7 @@ from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
 from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.state import Workspace
 
-admit(diffusion, viscous)
+admit(density_diffusion, viscous)
 
 
 @summed_inside
@@ -104,8 +104,10 @@ def pair_gradient_diffusion(
 ) -> float:
     """Less what both particles' gradients say lies between them; dummies do not take part."""
     zero = given[0]
-    rise = diffusion.mean_rise(dot(own.vector, apart), dot(other.vector, apart))
-    return total + diffusion.flow(diffusion.beyond_rest(zero, zero, rise), slope * max(other.weight, zero))
+    rise = density_diffusion.mean_rise(dot(own.vector, apart), dot(other.vector, apart))
+    return total + density_diffusion.flow(
+        density_diffusion.beyond_rest(zero, zero, rise), slope * max(other.weight, zero)
+    )
 
 
 @summed_inside

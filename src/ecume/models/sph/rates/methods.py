@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ecume.laws import viscous
+from ecume.laws import density_diffusion, viscous
 from ecume.models.sph.fields import FIELD, ConstantDensity, EquationOfState, Fields, Tait
 from ecume.models.sph.rates.corrections import (
     CORRECTED_CONTINUITY,

@@ -1,19 +1,27 @@
-"""The right-hand side: fields at the present positions, sums over neighbors, and rates of the state."""
+"""The rates at the present positions: tables filled, neighbors summed, what they do stored; and shifting.
+
+Particle shifting: a transport velocity relative to the liquid that keeps the particles evenly spaced.
+"""
 
 from __future__ import annotations
 
 import itertools
+import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ecume._jit import admit, prange, spread
 from ecume._portable import dot
 from ecume.engine.neighbor_rows import Lists
+from ecume.engine.shapes import Flags
 from ecume.laws import incompressible
 from ecume.laws.incompressible import shifting_coefficient
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
-from ecume.models.sph.boundaries.open_boundaries import zero_buffer_rates
-from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
+from ecume.models.sph.boundaries.open_boundaries import hold_buffers
+from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
 from ecume.models.sph.fields import Floats, number
@@ -28,6 +36,7 @@ from ecume.models.sph.rates.sums import (
     CONTINUITY_AND_PRESSURE,
     PRESSURE,
     store_acceleration,
+    store_thickening,
 )
 from ecume.models.sph.rates.surface_tension import add_surface_tension
 from ecume.models.sph.rates.taking import take_sum
@@ -35,14 +44,12 @@ from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
 
 INDEX = np.uint64
-
-
 admit(incompressible)
 
 SURFACE = 0.75
-"""A particle with a divergence of position below this fraction of the full one is at the surface."""
+"""Below this part of the full divergence of position a particle is at the surface."""
 MOST = 0.5
-"""The largest transport velocity, over the largest flow speed."""
+"""The fastest shift, in fastest speeds."""
 
 
 def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -51,10 +58,10 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
     state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
     if not parameters.fixed_volume:
-        keep_volume(state, workspace.rates.even_concentration_gradient[: parameters.dimension].astype(np.float64), time)
+        keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
 
 
-def keep_volume(state: State, gradient: NDArray[np.floating], time: float) -> None:
+def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
     """Reduce the density by the mean of 2 W.sum_j V_j F x_ij over particles with a transport velocity W; dummies count
     half.
 
@@ -66,27 +73,27 @@ def keep_volume(state: State, gradient: NDArray[np.floating], time: float) -> No
     The factor of one half: for a pair of liquid particles, W_i and W_j enter the sums of differences of both, which
     over all pairs is twice W_i.F x_ij; a dummy has no W, and no sum that W_i could enter.
     """
-    spread = (state.transport * gradient).sum(axis=0)
+    spread = (state.transport * crowd).sum(axis=0)
     moved = (state.transport != 0.0).any(axis=0)
     count = int(moved.sum())
     if count:
         state.density[moved] *= 1.0 - 2.0 * time * float(spread.sum()) / count
 
 
-def of_background(parameters: Parameters, state: State, workspace: Workspace, gradient: Array, time: float) -> Array:
+def of_background(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
     """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
     eq. 13, with equal volumes).
     """
-    return time * parameters.background / state.density * gradient
+    return time * parameters.background / state.density * crowd
 
 
-def delta_plus(parameters: Parameters, state: State, workspace: Workspace, gradient: Array, time: float) -> Array:
+def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
     """4 h u sum_j (1 + 0.2 (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface
     (Sun et al. 2017). Less in a step in which particles would move beyond the middle between their neighbors.
     """
     fastest = fastest_speed(parameters, state)
     strongest = parameters.shifting_limit / time
-    transport = min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * gradient
+    transport = min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * crowd
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
     limited[:, near_surface(parameters, workspace)] = 0.0
@@ -94,13 +101,12 @@ def delta_plus(parameters: Parameters, state: State, workspace: Workspace, gradi
 
 
 def fastest_speed(parameters: Parameters, state: State) -> float:
-    """The largest speed of the flow (m/s), at most the expected maximum."""
+    """m/s: that of the flow, at most the fastest expected."""
     return min(parameters.material.fastest, largest(state.velocity))
 
 
 def shifts_needed(parameters: Parameters, state: State, time: float) -> int:
-    """The number of equal shifts into which a step of this time is divided, so that none
-    overshoots.
+    """Into how many equal shifts a step of this time is divided, so that none of them overshoots.
 
     Steps that resolve sound waves need one; those of incompressible liquids are about ten times as long.
     """
@@ -115,7 +121,7 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
     real = len(lists.counts)
     at_surface = np.zeros(real + len(images.source), np.bool_)
     at_surface[:liquid] = workspace.rates.fullness < SURFACE * parameters.dimension
-    # One side after the other: an image may copy an image of an earlier side.
+    # Side by side: an image may be of an earlier side's image.
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         at_surface[real + first : real + last] = at_surface[images.source[first:last]]
     near = at_surface[:liquid].copy()
@@ -143,36 +149,34 @@ class Shifting(NamedTuple):
 
 
 SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
-"""Shifting methods by name; with "none", a background pressure, if there is one, still spreads particles."""
+"""By name; without shifting only a background pressure, where there is one, spreads particles."""
 
 
 UNIT = np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]])
-"""The correction matrix of liquid in buffers, which continues beyond their ends: the unit matrix."""
+"""The matrix of liquid in buffers, which continues beyond their ends."""
 
 
-def compute_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Compute the rate of density at the present positions."""
-    parameters = with_moved_solids(parameters, state)
+def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The rate of density at the present positions."""
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     _sum_stretch(parameters, workspace)
     _store_thickening(parameters, state, workspace)
 
 
-def compute_accelerations(
-    parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False
-) -> None:
-    """Compute the acceleration at the present positions, and the transport velocity of the next drift. With `summed`,
-    the lists are those of the last `compute_density_rate`, whose result acoustic damping uses.
+def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False) -> None:
+    """The acceleration at the present positions, and the transport for the next drift. `summed`: the lists are still
+    those by which `take_thickening` summed the rate of density half a drift ago; acoustic damping takes that one.
     """
-    parameters = with_moved_solids(parameters, state)
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     _sum_push(parameters, workspace, summed)
     _store_acceleration(parameters, state, workspace, time)
 
 
-def compute_nonpressure_accelerations(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Compute the acceleration without the pressure force, and the transport velocity of the next drift."""
-    parameters = with_moved_solids(parameters, state)
+def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """The acceleration at the present positions without the pressure, and the transport for the next drift."""
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     workspace.fields.force_term[...] = 0.0
     workspace.rates.acceleration[...] = 0.0
@@ -181,16 +185,16 @@ def compute_nonpressure_accelerations(parameters: Parameters, state: State, work
     _store_acceleration(parameters, state, workspace, time)
 
 
-def compute_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Compute the transport velocity of the next drift only."""
-    now = with_moved_solids(parameters, state)
+def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """The transport for the next drift, and nothing else."""
+    now = instant(parameters, state)
     fill(now, state, workspace)
     shift(now, state, workspace, time)
 
 
-def compute_rates(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Compute the rates of density and velocity; in one sum without diffusion and dummies."""
-    parameters = with_moved_solids(parameters, state)
+def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     lists = workspace.lists
     diffuses = parameters.density_diffusion.excess is not None
@@ -239,7 +243,7 @@ def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = Fals
 
 
 def _copy_to_images(workspace: Workspace, field: Floats) -> None:
-    """Copy a field from sources to images; an image may be the source of another."""
+    """Give the images the values of their sources; an image may be the source of another."""
     images, real = workspace.images, len(workspace.lists.counts)
     for first, last in itertools.pairwise(images.start):
         field[real + first : real + last] = field[images.source[first:last]]
@@ -251,14 +255,14 @@ def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    store_density_rate(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
+    store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.fixed_volume:
-        enforce_volume(state, workspace)
+        hold_volume(state, workspace)
     if parameters.gates:
-        zero_buffer_rates(state)
+        hold_buffers(state)
 
 
-def enforce_volume(state: State, workspace: Workspace) -> None:
+def hold_volume(state: State, workspace: Workspace) -> None:
     """Add the same strain rate to all particles, so that sum m/rho does not change: a full tank of rigid walls keeps
     its volume. It counts as diffusion, which does work.
 
@@ -297,7 +301,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     if parameters.transports:
         shift(parameters, state, workspace, time)
     if parameters.gates:
-        zero_buffer_rates(state)
+        hold_buffers(state)
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:

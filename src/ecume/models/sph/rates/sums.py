@@ -11,12 +11,12 @@ from typing import Any
 
 from ecume._jit import admit, prange, spread, summed_inside
 from ecume.engine.vectors import Vector, add_vector, difference, dot, plus, scaled, store_vector, vector_of, zeros
-from ecume.laws import diffusion, viscous
+from ecume.laws import density_diffusion, viscous
 from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
 from ecume.models.sph.rates.neighbor_sums import NOTHING, NeighborSum, Particle, Reading, neighbor_sum, rows_of
 from ecume.units import Array
 
-admit(viscous, diffusion)
+admit(viscous, density_diffusion)
 Damper = tuple[float, float, float, float]
 
 
@@ -81,9 +81,9 @@ def pair_continuity(
     """Stretching and flow with those of a pair. Dummies do not take part in diffusion."""
     (rise, _, zero, _), (stretching, flow) = given, total
     radial = dot(difference(other.vector, own.vector), apart)
-    beyond = diffusion.beyond_rest(own.value, other.value, dot(rise, apart))
+    beyond = density_diffusion.beyond_rest(own.value, other.value, dot(rise, apart))
     more = pair_divergence(slope * math.fabs(other.weight), radial)
-    return stretching + more, flow + diffusion.flow(beyond, slope * max(other.weight, zero))
+    return stretching + more, flow + density_diffusion.flow(beyond, slope * max(other.weight, zero))
 
 
 @summed_inside
@@ -149,7 +149,7 @@ CONTINUITY = by_diffusing_field(
     neighbor_sum(MOVED, given_continuity, no_continuity, pair_continuity, store_continuity), MOVED
 )
 """Continuity, and the diffusion of a field beyond g.x_ij by which it changes along x when the liquid is at rest
-(Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.diffusion`).
+(Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.density_diffusion`).
 """
 PRESSURE = neighbor_sum(
     MOVED._replace(value=FIELD.force_term),
@@ -255,7 +255,7 @@ TRANSPORTED_PRESSURE = neighbor_sum(
 
 
 @spread
-def store_density_rate(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
+def store_thickening(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
     """D rho/dt: the sum is per density where neighbors count by their volumes."""
     for i in prange(len(density)):
         share = 1.0 if by_mass else density[i]

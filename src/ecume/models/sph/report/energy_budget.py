@@ -33,7 +33,7 @@ from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import states
 from ecume.laws.states import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
-from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, with_moved_solids
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, instant
 from ecume.models.sph.boundaries.touching_solids import power_on_bodies
 from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
@@ -190,7 +190,7 @@ def add_work(
         state.budget[RATE] = 0.0
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
-        rate, numerical = powers_of_forces(with_moved_solids(parameters, state), state, workspace)
+        rate, numerical = powers_of_forces(instant(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_base_excitation(parameters, state)
     state.budget[WORK] += 0.5 * ((before if known else before + rate) + after) * time

@@ -28,7 +28,7 @@ from ecume.laws.states import hydrostatic_pressure, tait_pressure
 from ecume.laws.wall_forces import between_planes, covered_part, smeared
 from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads
-from ecume.models.sph.boundaries.rigid_bodies import drive_at, with_moved_solids
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import (
     Repelled,
@@ -53,7 +53,7 @@ from ecume.models.sph.report.energy_budget import (
 from ecume.models.sph.setup.choices import filled, held_pull
 from ecume.models.sph.setup.shapes import part_of as part_of_space
 from ecume.models.sph.state import (
-    ENTERED,
+    CAME,
     GUARD_HITS,
     ITERATIONS,
     LEFT,
@@ -364,7 +364,7 @@ def in_dimension(units: Mapping[str, str], dimension: int) -> dict[str, str]:
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant. In 2D energies, masses, momenta, forces and volumes are per meter of depth."""
     still = parameters.gravity
-    parameters = with_moved_solids(parameters, state)
+    parameters = instant(parameters, state)
     leaning = all_repelled(parameters, state)
     solid, units = of_solids(parameters, state, workspace, [*leaning, *all_braked(parameters, state)])
     propped = sum(energy_of(parameters, state, each) for each in leaning)
@@ -540,7 +540,7 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "density_change": change.max(),
         "volume": np.sum(state.mass / state.density),
         "guard_hits": state.tally[GUARD_HITS],
-        "came": state.population[ENTERED],
+        "came": state.population[CAME],
         "left": state.population[LEFT],
         "lost": state.population[LOST],
         "substeps": state.tally[SUBSTEPS],

@@ -32,7 +32,7 @@ from ecume.models.sph.rates.methods import (
     PressureForce,
     PressureMethod,
 )
-from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.right_hand_side import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of, solid_of
 from ecume.scenes.faults import suggestion

@@ -243,8 +243,8 @@ def pairs_of(particles: Particles, reach: float) -> Pairs:
     images, volume = images_of(np.ascontiguousarray(particles.position.T), particles.sides, reach), particles.volume
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         volume = np.concatenate([volume, volume[images.source[first:last]]])
-    every = with_images(particles, images).T
-    moves = np.zeros(len(every), bool)
+    everyone = with_images(particles, images).T
+    moves = np.zeros(len(everyone), bool)
     moves[particles.moving] = True
     from scipy.spatial import cKDTree
 
