@@ -165,8 +165,9 @@ USE = """
 import json, sys
 import numpy as np
 from ecume.laws.kernels import KERNELS, kernel
+from ecume.models.sph.fields import FIELD
 from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
-from ecume.models.sph.rates.sums import DENSITY_CONTINUITY, PRESSURE
+from ecume.models.sph.rates.sums import CONTINUITY, PRESSURE
 from tests.contracts.test_sph_kernels import at_start, close, expected_rates
 from tests.models.sph.scenes import free_blob
 
@@ -178,7 +179,7 @@ parameters, state, workspace = at_start(free_blob(kernel=name, density_diffusion
 density_rate, acceleration = expected_rates(kernel(name, 2), parameters, state)
 take_thickening(parameters, state, workspace)
 take_forces(parameters, state, workspace, parameters.time_step)
-loops = [taken.loop.alone for taken in (DENSITY_CONTINUITY, PRESSURE)]
+loops = [taken.loop.alone for taken in (CONTINUITY[FIELD.density], PRESSURE)]
 print(json.dumps({
     "name": name,
     "off": max(off(state.thickening, density_rate), off(state.acceleration, acceleration)),

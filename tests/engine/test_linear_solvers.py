@@ -165,7 +165,7 @@ def test_memory_that_is_not_there_is_reported_with_the_way_out(monkeypatch):
         raise MemoryError
 
     matrix, _, right = system(2, True)
-    monkeypatch.setattr(sparse_lu, "splu", none_left)
+    monkeypatch.setattr("scipy.sparse.linalg.splu", none_left)
     with pytest.raises(BadInput, match="60 unknowns needs more memory than there is; choose the solver auto"):
         solvers.directly(solvers.Kept(matrix.pattern, 2, 2), matrix, right, right.copy(), 0)
 
