@@ -98,6 +98,13 @@ def test_faults_of_the_command_line_have_the_form_of_all_messages(words: list[st
     assert done.stderr.replace("ecume root", "ecume") == f"ecume: {message}\n"
 
 
+def test_a_choice_that_is_missing_is_one_line_with_all_choices() -> None:
+    done = cli.invoke(app, ["export", "run"])
+    assert done.exit_code == 2
+    assert done.stderr.splitlines() == [done.stderr.rstrip("\n")]
+    assert done.stderr.startswith("ecume: --to: is missing; expected one of csv, numbers, samples, xyz, ")
+
+
 def test_each_line_of_a_message_has_the_prefix(capsys: pytest.CaptureFixture[str]) -> None:
     say("bad.toml: one\nbad.toml: two")
     assert capsys.readouterr().err == "ecume: bad.toml: one\necume: bad.toml: two\n"

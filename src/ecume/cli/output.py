@@ -133,6 +133,7 @@ WORDINGS = (
     (r"(?:Value error, )?'([^']*)' is not one of (.+)", r"got '\1'; expected one of \2"),
     (r"No such (option|command):? '?([^\s']+)'?", r"\2: no such \1"),
     (r"\(Possible options: (.+)\)", r"(did you mean \1?)"),
+    (r"Missing (?:option|argument|parameter) '(.+?)'\. Choose from: (.+)", r"\1: is missing; expected one of \2"),
     (r"Missing (?:option|argument|parameter) '(.+?)'.*", r"\1: is missing"),
     (r"Got unexpected extra argument(?:s|\(s\))? \((.+)\)", r"got too many arguments: \1"),
     (r"Option '(.+?)' requires an argument", r"\1: expected a value"),
@@ -188,6 +189,7 @@ def _in_style(message: str) -> str:
     >>> _in_style("Invalid value for '--fps': Input should be greater than or equal to 1")
     '--fps: expected 1 or more'
     """
+    message = " ".join(message.split())
     for pattern, wording in WORDINGS:
         message = re.sub(pattern, wording, message)
     return message.rstrip(".")
