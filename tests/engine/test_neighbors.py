@@ -1,8 +1,8 @@
+import numba
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from ecume._jit import numba
 from ecume.engine.cells import periods_of
 from ecume.engine.neighbors import THREADS_FROM, build, farthest_move, make_lists
 

@@ -309,7 +309,7 @@ def test_a_body_comes_to_rest_on_the_floor_without_sinking_into_it():
             {"bodies": [{"center": [0.5, 0.5], "radius": radius, "density": 1.0} for radius in (0.1, 0.3)]},
             "bodies[1]: starts 200 mm inside bodies[0]",
         ),
-        ({"obstacles": [{"vertices": [[0, 0], [1, 0], [0.2, 0.2], [0, 1]]}]}, "obstacles[0].vertices"),
+        ({"obstacles": [{"vertices": [[0, 0], [1, 1], [1, 0], [0, 1]]}]}, "obstacles[0].vertices"),
         ({"obstacles": [{"center": [0.5, 0.5, 0.5], "radius": 0.2}]}, "obstacles[0].center"),
         ({"bodies": [{"center": [0.5, 0.5], "radius": 0.2, "mass": 1.0, "spin": [0, 0, 1]}]}, "bodies[0].spin"),
     ],

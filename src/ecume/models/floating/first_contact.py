@@ -21,6 +21,8 @@ FINE = 0.01
 MOST_STEPS = 4000
 NEAREST = 4
 """Pairs that are followed: those with the narrowest gaps."""
+LEAST = 1e-7
+"""Relaxation times in a step, at least: with fewer, differences of what drag does would be lost to rounding."""
 SHOWN = 10
 """Frames before a contact from which on a run shows it."""
 
@@ -71,11 +73,11 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
         if step <= 0.0:
             return math.inf
         if parameters.scheme.inertia:
-            # Drag is exact for a constant pull.
-            limit = pull * relaxation
-            left = np.exp(-step / relaxation)
-            mean = limit + (speed - limit) * relaxation * (1.0 - left) / step
-            speed = limit + (speed - limit) * left
+            # Drag is exact for a constant pull, and may be none.
+            passed = np.maximum(step / relaxation, LEAST)
+            lasting = -np.expm1(-passed) / passed
+            mean = speed * lasting + pull * step * (1.0 - lasting) / passed
+            speed = speed + (pull * step - speed * passed) * lasting
         else:
             mean = speed
         distance -= step * float(mean.sum())

@@ -310,7 +310,7 @@ class Parameters(NamedTuple):
     @property
     def corrects(self) -> bool:
         """Whether gradients are completed at free surfaces."""
-        return self.pressure_force.continuity is not None or (self.friction is not None and self.friction.corrected)
+        return self.pressure_force.corrected or (self.friction is not None and self.friction.corrected)
 
     @property
     def transports(self) -> bool:

@@ -190,7 +190,7 @@ def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, grou
         transported=parameters.pressure_force.transported,
         viscous=friction is not None,
         radial=friction is not None and friction.radial,
-        corrected=parameters.pressure_force.continuity is not None,
+        corrected=parameters.pressure_force.corrected,
         completed=friction is not None and friction.corrected,
     )
     press(workspace.fields.table, mine, group, lists, constants, forces, force)

@@ -65,9 +65,14 @@ class PressureForce(NamedTuple):
     continuity: Mapping[int, NeighborSum] = CONTINUITY
     """the equation of continuity to which it is adjoint, by the row of the field that diffuses"""
 
+    @property
+    def corrected(self) -> bool:
+        """Whether gradients are completed where neighbors are missing."""
+        return self.continuity is not CONTINUITY
+
     def damping_shares(self, fields: Fields, count: int) -> Array:
         """(N,) the part of the acoustic damping that each of the first particles has: less with completed gradients."""
-        return np.ones(count) if self.continuity is CONTINUITY else completion_factors(fields, count) ** -2.0
+        return completion_factors(fields, count) ** -2.0 if self.corrected else np.ones(count)
 
 
 class Friction(NamedTuple):

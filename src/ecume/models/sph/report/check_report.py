@@ -130,7 +130,7 @@ def total_viscosity(scene: SphScene, parameters: Parameters) -> float:
 
 def resolved_spacing(scene: SphScene, parameters: Parameters) -> float:
     """The spacing, if sums without neighbors above the surface damp waves."""
-    completed = parameters.pressure_force.continuity is not None
+    completed = parameters.pressure_force.corrected
     return 0.0 if completed else scene.spacing
 
 

@@ -357,7 +357,7 @@ def laws_of(scene: Any) -> list[Source]:
     form = kernels.KERNELS[scene.method.kernel]
     laws: list[Source] = [form.value, *PRESSURE_LAWS[scene.method.pressure]]
     laws += [density_diffusion.strength, excess] if excess is not None else []
-    if pressure_force_of(scene).continuity is not None:
+    if pressure_force_of(scene).corrected:
         laws += [kernels.missing_neighbors, kernels.correction_share]
     laws += [viscous.artificial_viscosity] if artificial_viscosity_of(scene) else []
     laws += [viscous.acoustic_damping] if acoustic_damping_of(scene) else []
