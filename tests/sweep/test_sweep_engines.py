@@ -14,7 +14,10 @@ from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.executors import write_array
 from ecume.sweep.spec import load_sweep
 
+STOKES = '[fixed]\n"hydrodynamics.drag" = "stokes"\n"hydrodynamics.added_mass" = false\n'
+"""LAMMPS has no drag by Reynolds number, which the template has."""
 TWO = BOWLS.replace("[1, 2, 3, 4]", "[1, 2]").replace("0.2 s", "0.02 s").replace("50 ms", "10 ms")
+TWO = TWO.replace("[fixed]\n", STOKES)
 LED = 'engine = "lammps"\n'
 
 
@@ -61,7 +64,10 @@ def test_tasks_of_an_array_have_a_core_for_each_rank(file, tmp_path):
         ("ranks = 2\n" + TWO, "ranks: expected them with engine = 'lammps' only"),
         ('engine = "mpi"\n' + TWO, "got 'mpi'; expected one of local, lammps"),
         (LED + 'process = "t1"\naxes = [{key = "gap", values = [0.1]}]', "engine: the process t1 integrates its own"),
-        (LED + TWO.replace("cereal-bowl", "sheared-packing"), "got a scene of the model soft"),
+        (
+            LED + TWO.replace("cereal-bowl", "sheared-packing").replace(STOKES, "[fixed]\n"),
+            "got a scene of the model soft",
+        ),
         (LED + TWO.replace('key = "seed"', 'key = "interaction.method"').replace("[1, 2]", '["multipoles"]'), "LAMMPS"),
     ],
 )
