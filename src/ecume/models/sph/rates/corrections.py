@@ -52,7 +52,6 @@ from ecume.models.sph.rates.sums import (
     drag,
     given_continuity,
     given_pressure,
-    given_radial_friction,
     no_continuity,
     no_vector,
     pair_divergence,
@@ -201,16 +200,22 @@ def pair_corrected_pressure(
 
 @summed_inside
 def completion(own: Particle, other: Particle, apart: Vector) -> float:
-    """x.(B_i + B_j) x / 2 of a pair: by how much it counts for the friction that is missing, times r^2."""
-    twice: float = dot(completed(own, apart), apart) + dot(completed(other, apart), apart)
-    return twice / 2
+    """x.(B_i + B_j) x of a pair: twice r^2 times how much it counts for the friction that is missing."""
+    found: float = dot(completed(own, apart), apart) + dot(completed(other, apart), apart)
+    return found
+
+
+@summed_inside
+def given_corrected_friction(numbers: Numbers, settings: Any, like: Vector) -> tuple[float, float]:
+    """The least distance squared, and factors: half of those of `sums.given_radial_friction`."""
+    return numbers.softening, 0.5 * numbers.slope_factor * (numbers.dimension + 2)
 
 
 @summed_inside
 def pair_corrected_friction(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> Vector:
-    """The viscous force of `sums.pair_radial_friction`, each pair times the `completion` over r^2."""
+    """The viscous force of `sums.pair_radial_friction`, each pair times the `completion` over 2 r^2."""
     square = max(dot(apart, apart), given[0])
     radial = dot(difference(own.vector, other.vector), apart) / square
     found: Vector = plus(total, drag(slope, own, other) * radial * (completion(own, other, apart) / square), apart)
@@ -228,5 +233,5 @@ CORRECTED_PRESSURE = neighbor_sum(
     given_pressure, no_vector, pair_corrected_pressure, store_pressure_force,
 )  # fmt: skip
 CORRECTED_FRICTION = neighbor_sum(
-    VISCOUS._replace(more=MATRIX), given_radial_friction, no_vector, pair_corrected_friction, add_radial_friction
+    VISCOUS._replace(more=MATRIX), given_corrected_friction, no_vector, pair_corrected_friction, add_radial_friction
 )

@@ -34,8 +34,8 @@ def given_crowd(numbers: Numbers, settings: Any, like: Vector) -> Any:
 
 @summed_inside
 def no_crowd(zero: float, like: Vector) -> Crowd:
-    """Empty sums."""
-    return Crowd(zero, zeros(zero, like), zeros(zero, like))
+    """Empty sums, in double precision."""
+    return Crowd(0.0, zeros(0.0, like), zeros(0.0, like))
 
 
 @summed_inside

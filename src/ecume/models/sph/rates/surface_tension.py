@@ -27,14 +27,12 @@ import numpy as np
 
 from ecume._jit import admit, compiled_inside, prange, spread, summed_inside
 from ecume.engine.cells import Integers
-from ecume.engine.vectors import Vector, add_vector, dot, plus
+from ecume.engine.vectors import Vector, add_vector, dot, plus, zeros
 from ecume.laws import kernels, tension
 from ecume.laws.kernels import kernel
 from ecume.models.sph.fields import FIELD, Floats, Numbers
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.rates.gradients import no_number
 from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
-from ecume.models.sph.rates.sums import no_vector
 from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
@@ -323,6 +321,19 @@ def given_cohesion(numbers: Numbers, settings: tuple[float, float], like: Vector
 
 
 @summed_inside
+def no_pull(zero: float, like: Vector) -> Vector:
+    """An empty sum of vectors, in double precision."""
+    found: Vector = zeros(0.0, like)
+    return found
+
+
+@summed_inside
+def no_sum(zero: float, like: Vector) -> float:
+    """An empty sum of energies, in double precision."""
+    return 0.0
+
+
+@summed_inside
 def pair_cohesion(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> Vector:
@@ -362,10 +373,14 @@ def store_energy(
 SAME = 1e-30
 """m, two particles that are nearer are one: see `neighbor_sums`."""
 COHESION = neighbor_sum(
-    Reading(weight=FIELD.volume, value=FIELD.density), given_cohesion, no_vector, pair_cohesion, add_to_acceleration
+    Reading(weight=FIELD.volume, value=FIELD.density), given_cohesion, no_pull, pair_cohesion, add_to_acceleration
 )
 COHESION_ENERGY = neighbor_sum(
-    Reading(weight=FIELD.volume, value=FIELD.density, signed=True), given_cohesion, no_number, pair_energy, store_energy
+    Reading(weight=FIELD.volume, value=FIELD.density, signed=True),
+    given_cohesion,
+    no_sum,
+    pair_energy,
+    store_energy,
 )
 
 
