@@ -119,7 +119,7 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
         ('"1.5 mm"', '"-1 mm"', "particles[0].radius", "got '-1 mm'; expected 1e-08 or more"),
         ('"1.5 mm"', "true", "particles[0].radius", "got true; expected a number, or text with a unit"),
         ('"1.5 mm"', '"7"', "particles[0].radius", "text without a unit"),
-        ('"1.5 mm"', "[1]", "particles[0].radius", "got a list of 1"),
+        ('"1.5 mm"', "[1]", "particles[0].radius", "got 1 radii; expected one for each of 40 particles"),
         ('"1.5 mm"', "1979-05-27", "particles[0].radius", "expected a number"),
         ('"1.5 mm"', "0x" + "f" * 5000, "particles[0].radius", "got a whole number of 20000 bits"),
         ("= 40", "= 0", "particles[0].count", "expected 1 or more"),
