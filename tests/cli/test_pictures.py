@@ -227,7 +227,7 @@ def test_plot_lists_the_figures_of_a_run_with_what_they_show(monkeypatch: pytest
     assert (done.exit_code, done.stderr) == (0, "")
     lines = dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
     assert lines["force-law"].startswith("The force between two floats over their distance")
-    assert set(lines) == {*FLOATING_FIGURES, "samples"}
+    assert set(lines) == {*FLOATING_FIGURES, "sizes", "samples"}
     assert not list(Path("bowl").glob("**/*.png"))
 
 
