@@ -11,21 +11,23 @@ from ecume.models.sph.record import bytes_per_particle
 
 TEMPLATES = Path(ecume.__file__).parent / "templates"
 PEAK = """
-import resource, sys
+import sys
+from pathlib import Path
 import ecume
 from ecume.run import RunOptions, run
 scene = ecume.load_scene(sys.argv[1], sys.argv[3:])
-for _ in range(2):
-    run(scene, sys.argv[2], force=True, options=RunOptions(threads=1))
+run(scene, sys.argv[2], force=True, options=RunOptions(threads=1))
 frame = ecume.open_trajectory(sys.argv[2])[0]
-print(len(frame.arrays["position"]), 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+largest = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
+print(len(frame.arrays["position"]), 1024 * int(largest.split()[1]))
 """
-SIZES = {"dam-break": ("4 mm", "1.4 mm"), "dam-break-3d": ("20 mm", "8 mm")}
+"""Not `ru_maxrss`: it counts the process that started this one, whose memory it had until it was replaced."""
+SIZES = {"dam-break": ("4 mm", "1.4 mm"), "dam-break-3d": ("20 mm", "6 mm")}
 
 
 @pytest.mark.compiled
 @pytest.mark.long
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the unit of the largest memory is that of Linux")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the largest memory is read from /proc")
 @pytest.mark.parametrize("template", SIZES)
 def test_memory_per_particle_is_measured(template, tmp_path):
     """The difference of two sizes, within 15 %: what Python and compiled code take is the same in both."""
