@@ -70,7 +70,7 @@ def test_a_finished_piece_is_kept_and_not_computed_again(monkeypatch, tmp_path):
     assert len(calls) == 2
     (path, _) = sorted(tmp_path.iterdir())
     assert len(json.loads(path.read_text(encoding="utf-8"))) == len(first)
-    assert re.fullmatch(r"[0-9a-f]{16}\.json", path.name)
+    assert re.fullmatch(r"[0-9a-f]{16}-[0-9a-f]{16}\.json", path.name)  # of the scene, and of the code
     assert first.shear.value == pytest.approx(2.0, abs=0.03)
     assert first.first_difference.value == pytest.approx(-2.0)
     assert first.settled

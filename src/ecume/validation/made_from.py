@@ -22,8 +22,10 @@ RUNNER = f"{CASES}runner"
 """Imported by every case: the models that it names say nothing about one."""
 NOT_TIMED = re.compile(r"ecume(\.(cli(\..*)?|_version|validation(\.made_from)?))?$")
 """Modules on which neither numbers nor times depend: their effect is that of what they import."""
-NO_NUMBERS = re.compile(r"ecume\.(?:(citing|lammps|run|show|trajectories)(\..*)?|models\.costs|.*\.check_report)$")
-"""Modules on which no number of a case depends."""
+NO_NUMBERS = re.compile(
+    r"ecume\.(?:(citing|lammps|run|show|trajectories)(\..*)?|models\.(costs|gravity|size_report)|.*\.(check_report|first_contact))$"
+)
+"""Modules on which no number of a case depends: they draw, store, or say what `ecume check` prints."""
 OF_A_MODEL = re.compile(r"ecume\.(?:models|scenes)\.(floating|soft|sph|tracers)(?:\..*)?$")
 MODELS = frozenset({"floating", "soft", "sph", "tracers"})
 QUOTED = re.compile(r"\"([\w-]+)\"")
