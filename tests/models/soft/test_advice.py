@@ -150,13 +150,27 @@ def test_what_is_usual_is_not_doubted():
     assert report(two(1e-3)) == ""
 
 
-def test_the_number_of_steps_is_predicted_within_a_factor_of_three():
-    scene = packing(protocol=[{"time": 0.0}, {"time": 4.0, "strain": 0.1}])
-    parameters = SOFT.parameters(scene)
+def test_the_strain_of_a_protocol_is_summed():
+    parameters = SOFT.parameters(packing(protocol=[{"time": 0.0}, {"time": 4.0, "strain": 0.1}]))
     assert strain_of(parameters, 4.0) == pytest.approx(0.1)
     assert strain_of(parameters, 1.0) == pytest.approx(0.025)
+
+
+@pytest.mark.parametrize("filled", [0.7, 0.8])
+@pytest.mark.parametrize("strain", [0.03, 0.1, 1.0])
+def test_the_number_of_steps_is_predicted_within_a_factor_of_three(filled, strain):
+    scene = packing(filled=filled, protocol=[{"time": 0.0}, {"time": 4.0, "strain": strain}])
+    assert_predicted(scene)
+
+
+@pytest.mark.parametrize("strain", [0.1, 1.0])
+def test_the_number_of_steps_of_a_flow_is_predicted_within_a_factor_of_three(strain):
+    assert_predicted(rheology.sheared(40, 1, [{"time": 0.0, "shear_rate": 0.25}], strain / 0.25, 1))
+
+
+def assert_predicted(scene):
     numbers = list(simulate(scene))[-1].numbers
-    assert 1 / 3 < steps_of(scene, parameters) / (numbers["time_steps"] + numbers["rejected_steps"]) < 3
+    assert 1 / 3 < steps_of(scene, SOFT.parameters(scene)) / (numbers["time_steps"] + numbers["rejected_steps"]) < 3
 
 
 def test_a_sine_strains_by_four_amplitudes_a_cycle():
