@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ecume._quick import folder_of, parser_of, sized
 from ecume.analysis.rheology import over_seeds, steady_state
 from ecume.analysis.series import Mean
 from ecume.simulation import simulate
@@ -20,13 +21,14 @@ from ecume.trajectories.frame import Frame
 from ecume.validation.rheology import sheared
 
 RECORDED = Path(__file__).parent / "recorded-stress-or-rate.csv"
+WRITTEN = folder_of(RECORDED.parent) / RECORDED.name
 START, FRACTION = 0.80, 0.84
 """Volume fractions: of the start, and after a pre-shear to a strain of 1."""
 RATE = 0.8
 """1/s, 1.6e-5 of modulus over viscosity."""
-STRAINS = {60: 10.0, 240: 8.0, 960: 4.0}
+STRAINS = sized({60: 10.0, 240: 8.0, 960: 4.0}, {12: 0.5})
 """After the pre-shear, by the number of spheres."""
-SEEDS = {60: (1, 2, 3), 240: (1,), 960: (1,)}
+SEEDS = sized({60: (1, 2, 3), 240: (1,), 960: (1,)}, {12: (1,)})
 FRAMES, TRANSIENT = 60, 0.2
 """Frames per unit of strain; the part of creep that is left out."""
 
@@ -57,7 +59,7 @@ def main(sizes: list[int]) -> None:
         for seed in SEEDS[spheres]:
             stress, ratio = measured(spheres, seed)
             ratios.append(Mean(ratio, 0.0))
-            with RECORDED.open("a", encoding="utf-8", newline="") as file:
+            with WRITTEN.open("a", encoding="utf-8", newline="") as file:
                 csv.writer(file, lineterminator="\n").writerow(
                     [spheres, seed, f"{stress.value:.5g}", f"{stress.error:.2g}", f"{ratio:.4g}"]
                 )
@@ -66,4 +68,6 @@ def main(sizes: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main([int(word) for word in sys.argv[1:]])
+    parser = parser_of(__doc__)
+    parser.add_argument("sizes", metavar="SPHERES", type=int, nargs="*", default=[min(STRAINS)])
+    main(parser.parse_args().sizes)
