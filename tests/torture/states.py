@@ -148,6 +148,8 @@ def digest_of(file: Path, count: int, few: int = FEW, **environment: str) -> str
 
 LATEST = 50
 """Steps within which something that is no number has to be found."""
+PARTED = 1e-6
+"""Of their distance: how far two spheres are then from where they were; a film of the trial opens by less in a step."""
 
 
 def poisoned(model: str) -> Callable[[float, Path], Outcome]:
@@ -196,30 +198,35 @@ def _named(output: str) -> bool:
 
 
 def overlapping(model: str) -> Callable[[float, Path], Outcome]:
-    """One is put into its neighbor: both are named, soon."""
+    """One is put into its neighbor: both are named, soon, or the next step parts them as they were.
+
+    The model of soft spheres may do the latter: films remember their gaps, and centers follow from the forces.
+    """
 
     def trial(scale: float, folder: Path) -> Outcome:
         warmed(model)
-        chance, tried, found = random.Random(model), times(scale, 20), []
-        for _ in range(tried):
-            found.append(_overlap_found_after(model, chance))
+        chance, tried = random.Random(model), times(scale, 20)
+        found = [_overlap_found_after(model, chance) for _ in range(tried)]
         soon = [late for late in found if late is not None and late <= LATEST]
-        return Outcome(tried, len(soon), f"found after {max(soon, default=0)} steps at most, both named")
+        return Outcome(tried, len(soon), f"named, or parted, after {max(soon, default=0)} steps at most")
 
     return trial
 
 
 def _overlap_found_after(model: str, chance: random.Random) -> int | None:
-    """After how many steps; None where it is not found, or not both are named."""
+    """After how many steps both are named or parted; None where neither is so."""
     scene, wanted = scene_of(model, SHORT[model]), chance.randrange(3, 60)
     state = next(copied(one.state) for one in moments(scene, patience=1e-9) if one.step >= min(wanted, one.steps // 2))
     hurt, one = _steps(state), chance.randrange(len(state.position))
     away = np.linalg.norm(state.position - state.position[one], axis=1)
     away[one] = np.inf
-    other = int(np.argmin(away))
+    other, apart = int(np.argmin(away)), float(away.min())
     state.position[one] += 0.95 * (state.position[other] - state.position[one])
     try:
         for now in moments(scene, state=state, patience=1e-9):
+            distance = float(np.linalg.norm(now.state.position[other] - now.state.position[one]))
+            if model == "soft" and now.step > hurt and abs(distance - apart) < PARTED * apart:
+                return now.step - hurt
             if now.step > hurt + LATEST:
                 return None
     except Diverged as error:
