@@ -74,3 +74,13 @@ def test_what_a_cut_leaves_out_is_the_integral_of_the_short_force_squared():
 def test_splines_keep_long_waves_and_half_of_the_shortest():
     assert ewald.spline_share(1e-3, 4) == pytest.approx(1.0, abs=1e-12)
     assert ewald.spline_share(np.pi, 6) == pytest.approx(0.5, abs=1e-5)
+
+
+def test_rounding_does_not_choose_among_fits_of_the_short_pull(monkeypatch):
+    """As for K1: see `test_special`. Here all but the nearest shifts fit to rounding."""
+    one, fit = ewald.fit_short(0.1, 1.1, 1.2), ewald._fit
+    noise = np.random.default_rng(5)
+    rounded = lambda *words: (made := fit(*words))._replace(error=made.error + 1e-15 * noise.normal())  # noqa: E731
+    monkeypatch.setattr(ewald, "_fit", rounded)
+    assert {ewald.fit_short(0.1, 1.1, 1.2).shift for _ in range(5)} == {one.shift}
+    assert one.error < 1e-12

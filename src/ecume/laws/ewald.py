@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from ecume._fused import fused
 from ecume.errors import BadInput
-from ecume.laws.special import decay
+from ecume.laws.special import ENOUGH, decay
 from ecume.units import Number, Numbers
 
 DEGREE = 10
@@ -205,7 +205,7 @@ def fit_short(eta: Number, lower: Number, upper: Number) -> SplitFit:
     sharpness = 0.25 / eta
     if sharpness * upper**2 > FARTHEST:
         raise BadInput(f"the short part is cut off at {upper!r}; expected at most {math.sqrt(FARTHEST / sharpness)!r}")
-    return min((_fit(eta, lower, upper, shift) for shift in SHIFTS), key=lambda fit: fit.error)
+    return min((_fit(eta, lower, upper, shift) for shift in SHIFTS), key=lambda fit: max(fit.error, ENOUGH))
 
 
 def _fit(eta: float, lower: float, upper: float, shift: float) -> SplitFit:

@@ -227,6 +227,9 @@ DEGREE = 16
 FARTHEST = 25.0
 """The argument up to which `decay` is accurate."""
 SHIFTS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0)
+ENOUGH = 1e-12
+"""Errors that are as good as none: `decay` has as much. Below, rounding, which depends on the processor, would choose
+among fits whose constants are far apart."""
 HALVINGS = 32.0
 HALF_PI = 0.5 * math.pi
 """A name, since a loop in single precision takes only names and literals of this module in single precision."""
@@ -251,13 +254,13 @@ def fit_k1(lower: float, upper: float) -> ScreenedFit:
 
     K1(x) = exp(-x) sqrt(1 + pi x / 2) / x * Q(s), where Q stays between 0.8 and 1.1: 1/x is K1's pole, and the root its
     tail. Q is a polynomial in s, a shifted and scaled 1/(x + c); the best c depends on how close pairs come. The error
-    is at most 2e-7, however close they come, and 1e-14 where they stay a capillary length apart. If `upper` is above
+    is at most 2e-7, however close they come, and 1e-12 where they stay a capillary length apart. If `upper` is above
     25, `decay` adds its error at the distance from the middle of the interval: 1e-5 at the ends for upper = 100.
 
     >>> fit_k1(0.2, 10.0).error < 1e-9
     True
     """
-    return min((_fit(lower, upper, shift) for shift in SHIFTS), key=lambda fit: fit.error)
+    return min((_fit(lower, upper, shift) for shift in SHIFTS), key=lambda fit: max(fit.error, ENOUGH))
 
 
 def _fit(lower: float, upper: float, shift: float) -> ScreenedFit:
