@@ -170,6 +170,52 @@ IN_SPACE = {
 }  # fmt: skip
 
 
+def solids() -> Figure:
+    """A hollow obstacle that holds a liquid; at the start, cylinders of each kind, and a body of triangles."""
+    size, pictures = Size(512, 384), []
+    for number, plain in enumerate(SOLIDS):
+        scene = from_plain({"model": "sph", **plain})
+        frames = list(simulate(scene)) if number == 0 else [next(simulate(scene))]
+        picture = liquid_picture(scene, frames, size, "region" if number else "speed")
+        pictures.append(picture.pixels(frames[-1]).copy())
+    whole = np.concatenate(pictures, axis=1)
+    drawn = Figure(figsize=(whole.shape[1] / 120, whole.shape[0] / 120), layout="none")
+    drawn.add_axes((0.0, 0.0, 1.0, 1.0), frameon=False, xticks=[], yticks=[]).imshow(whole)
+    return drawn
+
+
+OCTAHEDRON = [
+    [[0.3 + 0.1 * x, 0.2, 0.15], [0.3, 0.2 + 0.1 * y, 0.15], [0.3, 0.2, 0.15 + 0.1 * z]][:: x * y * z]
+    for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)
+]  # fmt: skip
+"""Its faces, with their corners counterclockwise from outside."""
+IN_A_BOX = {
+    "duration": 0.2, "frame_every": 0.2, "spacing": 0.025, "liquid": {"maximum_speed": 2.5},
+    "tank": {"low": [0.0, 0.0, 0.0], "high": [0.6, 0.4, 0.3], "top": OPEN, "front": FREE, "back": FREE},
+}  # fmt: skip
+SOLIDS: tuple[dict[str, Any], ...] = (
+    {
+        "title": "obstacles: hollow = true", "duration": 0.25, "frame_every": 0.25, "spacing": 0.02,
+        "tank": {"low": [0.0, 0.0], "high": [1.2, 0.8], "top": OPEN},
+        "fluid": [{"low": [0.2, 0.2], "high": [0.5, 0.6]}],
+        "obstacles": [{"vertices": [[0.3, 0.1], [0.9, 0.1], [1.1, 0.8], [0.1, 0.8]], "hollow": True}],
+        "liquid": {"maximum_speed": 3.0},
+    },
+    {
+        **IN_A_BOX, "title": "axis: of liquid, an obstacle and a body",
+        "fluid": [{"center": [0.12, 0.2, 0.125], "radius": 0.1, "axis": [0.0, 0.0, 0.25], "color": "#4682b4"}],
+        "obstacles": [{"center": [0.4, 0.125, 0.15], "radius": 0.05, "axis": [0.0, 0.25, 0.0], "color": "#8e44ad"}],
+        "bodies": [{"center": [0.27, 0.05, 0.15], "radius": 0.04, "axis": [0.0, 0.0, 0.16],
+             "density": 500, "color": "#c0392b"}],
+    },
+    {
+        **IN_A_BOX, "title": "triangles: of a body",
+        "fluid": [{"low": [0.0, 0.0, 0.0], "high": [0.6, 0.2, 0.3], "color": "#4682b4"}],
+        "bodies": [{"triangles": OCTAHEDRON, "density": 300.0, "color": "#c0392b"}],
+    },
+)  # fmt: skip
+
+
 def inlets() -> Figure:
     """Profiles of an inflow, a stream with a surface over a step, and the pressure at which liquid leaves."""
     drawn = figure(11.0, 4.8)
@@ -333,6 +379,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "sph-sides": sides,
     "sph-pulls": pulls,
     "sph-colors": colors,
+    "sph-solids": solids,
     "sph-inlets": inlets,
     "sph-gauges": gauges,
     "sph-turbulence": turbulence,
