@@ -30,7 +30,7 @@ STRAINS = sized({60: 10.0, 240: 8.0, 960: 4.0}, {12: 0.5})
 """After the pre-shear, by the number of spheres."""
 SEEDS = sized({60: (1, 2, 3), 240: (1,), 960: (1,)}, {12: (1,)})
 FRAMES, TRANSIENT = 60, 0.2
-"""Frames per unit of strain; the part of creep that is left out."""
+"""Frames per unit of strain; the first part of creep, which is not counted."""
 
 
 def frames_of(spheres: int, seed: int, stress: float | None = None) -> list[Frame]:
