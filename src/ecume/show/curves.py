@@ -295,16 +295,17 @@ def samples(frames: Frames, scene: Scene) -> Figure:
 
 
 CLASSES = 30
-"""Of sizes, at most."""
+"""Of sizes, at most, and one."""
 
 
 def sizes(frames: Frames, scene: Scene) -> Figure:
     """The sizes of the particles at the end: the part of their number and of their volume in each class of radii."""
     radius = np.asarray(frames[-1].arrays["radius"], float).ravel()
-    scale, spread = scale_for(float(radius.max()), "m"), float(radius.std() / radius.mean())
+    scale, spread = scale_for(float(radius.max()), "m"), 100.0 * float(radius.std() / radius.mean())
     low, high = float(radius.min()), float(radius.max())
     around = 0.05 * high if high - low < 1e-9 * high else 0.0
-    edges = np.linspace(low - around, high + around, 1 + min(CLASSES, max(5, round(math.sqrt(len(radius))))))
+    classes = min(CLASSES, max(5, round(math.sqrt(len(radius))))) // 2 * 2 + 1  # odd: equal sizes are in the middle one
+    edges = np.linspace(low - around, high + around, 1 + classes)
     rows = [(np.ones(len(radius)), INK, "of the number"), (radius**3, PALETTE[1], "of the volume")]
     with style():
         drawn = figure()
@@ -313,7 +314,10 @@ def sizes(frames: Frames, scene: Scene) -> Figure:
             part, _ = np.histogram(radius, edges, weights=weights / weights.sum())
             axes.stairs(100.0 * part, scale.factor * edges, color=color, label=label)
         axes.axvline(
-            scale.factor * float(radius.mean()), color=MUTED, linewidth=0.8, label=f"mean, spread {spread:.1%}"
+            scale.factor * float(radius.mean()),
+            color=MUTED,
+            linewidth=0.8,
+            label=f"mean, spread {spread:.1f} %",
         )
         axes.set_ylabel("part in each class (%)")
         axes.set_ylim(bottom=0.0)
