@@ -33,6 +33,10 @@ class Cells(NamedTuple):
         return Cells(self.centers[which], self.volumes[which], self.widths[which])
 
 
+Panels = tuple[Array, Array, Array]
+"""Pieces of a surface: middles (S, d), normals (S, d) outward, and areas (S,)."""
+
+
 class Part(Protocol):
     """A part of space that liquid fills."""
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from ecume.engine.cells import Integers, Sides
-from ecume.engine.shapes import Shape
+from ecume.engine.shapes import Panels, Shape
 from ecume.engine.walls import Sheet
 from ecume.models.sph.fields import Constants, EquationOfState, Numbers, Precision
 from ecume.models.sph.rates.methods import DensityDiffusion, Friction, PressureForce, PressureMethod
@@ -97,6 +97,8 @@ class Bodies(NamedTuple):
     """the first of their dummies: all after it are bodies', too"""
     obstacles: tuple[Shape, ...]
     obstacle_rims: tuple[Array, ...]
+    panels: tuple[Panels, ...]
+    """of the surfaces of obstacles, then of bodies, in the axes of their shapes: see `touching_solids`"""
     drawn: tuple[int, ...]
     """those obstacles that the guard has no surfaces of"""
 

@@ -132,12 +132,14 @@ class Workspace:
     """for the interpolation at passive particles; None without them"""
     user_acceleration: Array | None = None
     """(d, N) m/s^2 by laws of the user, at the last evaluation"""
+    exchanged: dict[int, tuple[Array, Array]] | None = None
+    """`touching_solids.exchanged_loads` of bodies at the last evaluation; None if it was with other lists"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
         self.rates, self.records = other.rates, other.records
-        self.before, self.cells = other.before, other.cells
+        self.before, self.cells, self.exchanged = other.before, other.cells, None
 
 
 def make_state(parameters: Parameters, liquid: Liquid) -> State:

@@ -17,28 +17,30 @@ on a wall is dry. The integral fades out where the gap is between half a support
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from ecume._jit import admit, prange, spread
 from ecume._portable import product
-from ecume.engine.interpolation import added, near
-from ecume.engine.shapes import Flags, Shape
+from ecume.engine.cells import Integers
+from ecume.engine.neighbor_rows import Grid, Sorted, cell_at, grid_around, sort_by_cell
+from ecume.engine.shapes import Flags, Panels, Shape
 from ecume.engine.walls.sheets import SIZE
 from ecume.engine.walls.surfaces import PLANE
-from ecume.laws.kernels import kernel
+from ecume.laws import kernels
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
-FINE = 0.25
-"""Width of panels, in spacings."""
+admit(kernels)
+
 SEALED = 1e-6
 """In spacings: an obstacle's panel this close to a wall is dry."""
-KERNEL = "wendland-c2"
 FAR = 1.5
 """Supports within which liquid has a say on the pressure at a panel."""
 TRUST = 4
@@ -56,6 +58,8 @@ class Solid(NamedTuple):
     middle: Array
     """(d,) the origin of the axes of the shape"""
     moves: bool
+    panels: Panels
+    """of its surface, in the axes of the shape"""
 
     def gap(self, points: Array) -> Array:
         """(N,) how far points are outside of it."""
@@ -65,24 +69,27 @@ class Solid(NamedTuple):
 def solids_now(now: Parameters, pose: Array) -> list[Solid]:
     """Obstacles, then bodies."""
     d, bodies = now.dimension, now.bodies
-    first = len(now.boundary.names) - len(bodies.shapes) - len(bodies.obstacles)
-    shapes = enumerate(bodies.obstacles, first)
-    found = [Solid(owner, shape, np.eye(d), np.zeros(d), moves=False) for owner, shape in shapes]
+    first, still = len(now.boundary.names) - len(bodies.panels), len(bodies.obstacles)
     turns = rotations(pose) if bodies.shapes else np.zeros((0, 3, 3))
-    for body, shape in enumerate(bodies.shapes):
-        owner = first + len(bodies.obstacles) + body
-        found.append(Solid(owner, shape, turns[body][:d, :d], pose[:d, body], moves=True))
+    found = []
+    for k, (shape, panels) in enumerate(zip((*bodies.obstacles, *bodies.shapes), bodies.panels, strict=True)):
+        moves = k >= still
+        turn, middle = (turns[k - still][:d, :d], pose[:d, k - still]) if moves else (np.eye(d), np.zeros(d))
+        found.append(Solid(first + k, shape, turn, middle, moves, panels))
     return found
 
 
 def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) -> dict[int, Array]:
-    """By owner, how far points are from walls and other solids."""
-    guard, d = now.boundary.guard, now.dimension
-    kind, number, found = guard.sheet.kind, guard.sheet.number, dict[int, Array]()
+    """By owner, how far points of a surface are from the walls and other solids within a support of any of them."""
+    guard, d, found = now.boundary.guard, now.dimension, dict[int, Array]()
+    kind, number = guard.sheet.kind, guard.sheet.number
+    middle = points.mean(axis=0)
+    reach = float(np.sqrt(((points - middle) ** 2).sum(axis=1).max())) + now.support
     for k in np.flatnonzero((kind[:, 0] == PLANE) & (kind[:, 2] == 0)):
-        found[int(guard.owner[k])] = product(points, number[k, :d]) - number[k, SIZE]
+        if float(product(number[k, :d], middle)) - number[k, SIZE] < reach:
+            found[int(guard.owner[k])] = product(points, number[k, :d]) - number[k, SIZE]
     for other in solids:
-        if other.owner != mine.owner:
+        if other.owner != mine.owner and other.gap(middle[None])[0] < reach:
             found[other.owner] = other.gap(points)
     return found
 
@@ -90,40 +97,80 @@ def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) ->
 def pressures_at(now: Parameters, state: State, workspace: Workspace, points: Array, narrow: Flags) -> Array:
     """(N,) Pa at points of a surface: zero where it is dry. In narrow gaps, that of the nearest liquid."""
     count, fields = state.position.shape[1], workspace.fields
-    density = fields.density[:count].astype(np.float64)
-    push = fields.force_term[:count].astype(np.float64) * (density**2 if now.pressure_force.by_mass else 1.0)
-    reach = FAR * now.support
+    reach, found = FAR * now.support, np.zeros(len(points))
     low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
-    close = ((low < state.position.T) & (high > state.position.T)).all(axis=1)
-    found = np.zeros(len(points))
+    close = ((low[:, None] < state.position) & (high[:, None] > state.position)).all(axis=0)
     if not close.any():
         return found
-    place, push = state.position[:, close].T, push[close]
+    place, density = state.position[:, close], fields.density[:count][close].astype(np.float64)
+    push = fields.force_term[:count][close].astype(np.float64)
+    push *= density**2 if now.pressure_force.by_mass else 1.0
     volume = fields.volume[:count][close].astype(np.float64)
-    pairs, shape = near(points, place, reach), kernel(KERNEL, dim=now.dimension)
-    weight = (volume * filling(place, volume, now.support) ** TRUST)[pairs.particle]
-    weight *= np.asarray(shape.value(pairs.distance, reach / shape.support))
+    weight = volume * kernel_sums(place, place, volume[None], now.support)[0][0] ** TRUST
+    (there, pushed, *moments), nearest = kernel_sums(
+        np.ascontiguousarray(points.T), place, weight * np.stack([np.ones_like(push), push, *place]), reach
+    )
     gravity = now.gravity - now.pull_rate**2 * (points - now.pull_center)
-    rise = now.material.density * (gravity[pairs.point] * -pairs.away).sum(axis=1)
-    there = added(pairs, weight)
-    wet = np.zeros(len(points), np.bool_)
-    wet[pairs.point[pairs.distance < now.support]] = True
-    wet &= there > 0.0
-    found[wet] = added(pairs, weight * (push[pairs.particle] + rise))[wet] / there[wet]
+    known = np.flatnonzero(nearest >= 0)
+    away = np.full(len(points), np.inf)
+    away[known] = np.sqrt(((points[known] - place.T[nearest[known]]) ** 2).sum(axis=1))
+    wet = (away < now.support) & (there > 0.0)
+    rise = now.material.density * (gravity * (points * there[:, None] - np.array(moments).T)).sum(axis=1)
+    found[wet] = (pushed + rise)[wet] / there[wet]
     lonely = np.flatnonzero(~wet & narrow)
-    if len(lonely):
+    if (nearest[lonely] < 0).any():
         from scipy.spatial import cKDTree
 
-        _, nearest = cKDTree(place).query(points[lonely])
-        way = points[lonely] - place[nearest]
-        found[lonely] = push[nearest] + now.material.density * (gravity[lonely] * way).sum(axis=1)
+        nearest[lonely] = cKDTree(place.T).query(points[lonely])[1]
+    way = points[lonely] - place.T[nearest[lonely]]
+    found[lonely] = push[nearest[lonely]] + now.material.density * (gravity[lonely] * way).sum(axis=1)
     return np.maximum(found, 0.0) if now.walls_clip else found
 
 
-def filling(place: Array, volume: Array, support: float) -> Array:
-    """(N,) the kernel's sum over the liquid around each particle, itself included."""
-    pairs, shape = near(place, place, support), kernel(KERNEL, dim=place.shape[1])
-    return added(pairs, volume[pairs.particle] * np.asarray(shape.value(pairs.distance, support / shape.support)))
+def kernel_sums(points: Array, place: Array, values: Array, reach: float) -> tuple[Array, Integers]:
+    """Sums over the particles at `place`, (d, M), of their values, (rows, M), times a kernel without its normalization,
+    at points, (d, N): (rows, N); and the number of the nearest particle within reach, or -1.
+    """
+    grid = grid_around(place, reach)
+    cells = sort_by_cell(place, grid)
+    sums, nearest = np.zeros((points.shape[1], len(values))), np.full(points.shape[1], -1)
+    add_around(points, sums, nearest, np.ascontiguousarray(values.T[cells.order]), cells, grid, reach)
+    nearest[nearest >= 0] = cells.order[nearest[nearest >= 0]]
+    return sums.T, nearest
+
+
+@spread
+def add_around(
+    points: Array, sums: Array, nearest: Integers, values: Array, cells: Sorted, grid: Grid, reach: float
+) -> None:
+    """`kernel_sums` of values in the order of cells; the nearest is a place in that order."""
+    (low, edge, shape), start, place = grid, cells.start, cells.position
+    dimension, inverse = len(low), 2.0 / reach  # the kernel's support is two of its lengths
+    deep, last, farthest = dimension == 3, dimension - 1, reach * reach
+    for row in prange(points.shape[1]):
+        i = np.uint64(row)
+        x, y, z = points[last, i], points[last - 1, i], points[0, i]
+        middle = cell_at((y - low[last - 1]) / edge[last - 1], shape[last - 1])
+        layer = cell_at((z - low[0]) / edge[0], shape[0]) if deep else 0
+        layers, least = shape[0] if deep else 1, farthest
+        for k in range(max(layer - 1, 0), min(layer + 2, layers)):
+            for m in range(max(middle - 1, 0), min(middle + 2, shape[last - 1])):
+                line = (k * shape[last - 1] + m) * shape[last]
+                begin = start[line + cell_at((x - reach - low[last]) / edge[last], shape[last])]
+                end = start[line + cell_at((x + reach - low[last]) / edge[last], shape[last]) + 1]
+                for number in range(begin, end):
+                    n = np.uint64(number)
+                    along, across = place[last, n] - x, place[last - 1, n] - y
+                    square = along * along + across * across
+                    if deep:
+                        square += (place[0, n] - z) ** 2
+                    if square < farthest:
+                        weight = kernels.wendland_c2_value(math.sqrt(square) * inverse)
+                        for value in range(values.shape[1]):
+                            sums[i, value] += weight * values[n, value]
+                        if square < least:
+                            least = square
+                            nearest[i] = number
 
 
 Load = tuple[Array, Array]
@@ -136,7 +183,7 @@ def exchanged_loads(now: Parameters, state: State, workspace: Workspace, movers:
     for mine in solids:
         if movers and not mine.moves:
             continue
-        local, normal, area = mine.shape.panels(FINE * now.spacing)
+        local, normal, area = mine.panels
         points = mine.middle + product(local, mine.turn.T)
         gaps = gaps_of(now, solids, mine, points)
         least = {owner: float(gap.min()) for owner, gap in gaps.items()}
@@ -194,7 +241,7 @@ def power_on_bodies(now: Parameters, state: State, workspace: Workspace) -> floa
     bodies, first = len(now.bodies.shapes), len(now.boundary.names) - len(now.bodies.shapes)
     if not bodies:
         return 0.0
-    found = exchanged_loads(now, state, workspace, movers=True)
+    found = exchanged_loads(now, state, workspace, movers=True) if workspace.exchanged is None else workspace.exchanged
     power = 0.0
     for body in range(bodies):
         force, torque = found.get(first + body, (np.zeros(3), np.zeros(3)))

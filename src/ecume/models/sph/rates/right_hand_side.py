@@ -316,7 +316,7 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
         total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
         for body, number in enumerate(range(names - len(bodies.shapes), names))
     ]
-    exchanged = exchanged_loads(parameters, state, workspace, movers=True)
+    exchanged = workspace.exchanged = exchanged_loads(parameters, state, workspace, movers=True)
     for body in range(len(bodies.shapes)):
         if (extra := exchanged.get(names - len(bodies.shapes) + body)) is not None:
             sums[body] = sums[body][0] + extra[0], sums[body][1] + extra[1]

@@ -333,6 +333,8 @@ def bounds_of(scene: SphScene) -> Array:
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 TOUCHING = 1e-3
 """Of a spacing."""
+PANEL = {2: 0.25, 3: 0.5}
+"""Width of the panels on which the pressure on solids is integrated, in spacings, by dimension."""
 
 
 def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
@@ -358,6 +360,7 @@ def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
         first=int(np.count_nonzero(boundary.dummies.owner < first)),
         obstacles=tuple(obstacles),
         obstacle_rims=tuple(_wide(shape.rim(0.5 * scene.spacing)) for shape in obstacles),
+        panels=tuple(shape.panels(PANEL[len(scene.tank.low)] * scene.spacing) for shape in (*obstacles, *centered)),
         drawn=tuple(number for number, shape in enumerate(obstacles) if not has_surfaces(shape)),
     )
 
