@@ -18,7 +18,7 @@ import in_ecume
 import in_lammps
 import numpy as np
 
-from ecume.models.sph.rates.right_hand_side import take_both
+from ecume.models.sph.rates.right_hand_side import evaluate_rates
 
 EDGE, STEPS = 6, 20
 SAME = {"density": 1e-12, "pressure": 1e-12, "viscosity": 1e-2}
@@ -47,7 +47,7 @@ def rates_in_ecume(there: dict[str, Any], alpha: float) -> tuple[Any, Any]:
     state.position[...], state.velocity[...], state.density[...] = there["x"], there["vest"], there["rho"][0]
     state.reference[...] = there["x"]
     run.workspace = run.model.workspace(run.parameters, state, 1.0)
-    take_both(run.parameters, state, run.workspace, 0.0)
+    evaluate_rates(run.parameters, state, run.workspace, 0.0)
     return state.acceleration.copy(), state.thickening.copy()
 
 

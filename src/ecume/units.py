@@ -255,12 +255,12 @@ def factor(unit: str, symbol: str) -> float:
         return float(known.value / target.value)
     if unit == symbol != "1":
         return 1.0
-    found, wanted = _in_base_units(_readable(unit, symbol), symbol), _in_base_units(symbol, symbol)
-    if found.units != wanted.units:
+    found, expected = _in_base_units(_readable(unit, symbol), symbol), _in_base_units(symbol, symbol)
+    if found.units != expected.units:
         raise ValueError(
-            f"{unit!r} measures {_dimension(found)}, expected {_dimension(wanted)} as in {example(symbol)!r}"
+            f"{unit!r} measures {_dimension(found)}, expected {_dimension(expected)} as in {example(symbol)!r}"
         )
-    return _snapped(float(found.magnitude / wanted.magnitude))
+    return _snapped(float(found.magnitude / expected.magnitude))
 
 
 def _readable(unit: str, symbol: str) -> str:
@@ -335,9 +335,9 @@ def _named(name: str) -> Base | None:
 
 def same_dimension(one: str, other: str) -> bool:
     """Whether two units measure the same; radians are no plain numbers."""
-    known, wanted = base_of(one), base_of(other)
-    if known is not None and wanted is not None:
-        return known.powers == wanted.powers
+    known, expected = base_of(one), base_of(other)
+    if known is not None and expected is not None:
+        return known.powers == expected.powers
     try:
         return factor(one, other) > 0.0
     except ValueError:

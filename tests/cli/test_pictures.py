@@ -254,8 +254,8 @@ def test_plot_draws_the_named_figure_or_reports_why_not(drawn: list[str]) -> Non
 def test_plot_writes_all_figures_into_a_folder_in_a_format(drawn: list[str]) -> None:
     done = cli.invoke(app, ["plot", "bowl", "-o", "figures", "--format", "svg"])
     assert (done.exit_code, drawn) == (0, ["paths", "energies"])
-    wanted = [f"wrote {Path('figures') / name}.svg" for name in ("paths", "energies")]
-    assert done.stdout.splitlines() == wanted
+    enabled = [f"wrote {Path('figures') / name}.svg" for name in ("paths", "energies")]
+    assert done.stdout.splitlines() == enabled
     Path("there").mkdir()
     named = cli.invoke(app, ["plot", "bowl", "--what", "paths", "--what", "energies", "-o", "there", "--format", "pdf"])
     assert named.exit_code == 0

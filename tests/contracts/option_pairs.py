@@ -9,7 +9,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.models.invariants import Seen, with_own
+from ecume.models.invariants import NumberHistory, with_own
 from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
 
@@ -54,7 +54,7 @@ def broken(plain, frames):
     lines = [with_own({**frame.numbers, "step": float(number)}) for number, frame in enumerate(frames)]
     least = {name: min(line[name] for line in lines if name in line) for name in lines[-1]}
     largest = {name: max(line[name] for line in lines if name in line) for name in lines[-1]}
-    found = {row: row.value(Seen(lines[0], lines[-1], least, largest)) for row in rows}
+    found = {row: row.value(NumberHistory(lines[0], lines[-1], least, largest)) for row in rows}
     return [f"{row.name}: {value:.3g}, limit {row.limit:.3g}" for row, value in found.items() if not value <= row.limit]
 
 

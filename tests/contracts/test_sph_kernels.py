@@ -18,7 +18,7 @@ from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.rates.kernel_loops import kernel_type, slope_of, value_of
-from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate, evaluate_rates
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark
 from ecume.models.sph.setup.choices import smoothing_of
@@ -94,13 +94,13 @@ def test_the_sums_of_a_tank_are_those_of_the_formulas_of_the_row(name, dimension
     scene = free_blob(dimension, kernel=name, viscosity=1.0, **method)
     parameters, state, workspace = at_start(scene)
     density_rate, acceleration = expected_rates(kernel(name, dimension), parameters, state)
-    take_thickening(parameters, state, workspace)
-    close(state.thickening, density_rate)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_density_rate(parameters, state, workspace)
+    close(state.density_rate, density_rate)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     close(state.acceleration, acceleration)
-    state.thickening[...], state.acceleration[...] = 0.0, 0.0
-    take_both(parameters, state, workspace, parameters.time_step)
-    close(state.thickening, density_rate)
+    state.density_rate[...], state.acceleration[...] = 0.0, 0.0
+    evaluate_rates(parameters, state, workspace, parameters.time_step)
+    close(state.density_rate, density_rate)
     close(state.acceleration, acceleration)
 
 
@@ -110,7 +110,7 @@ def test_the_mass_density_summed_over_particles_is_that_of_the_row(name, dimensi
     spec = {"count": 20, "low": [-0.3] * dimension, "high": [0.3] * dimension}
     scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "passive_tracers": [spec]})
     parameters, state, workspace = at_start(scene)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     found = surroundings(parameters, workspace, state.passive_position).fraction
     apart = state.position[:, :, None] - state.passive_position[:, None, :]
     weights = kernel(name, dimension).value(np.sqrt(np.sum(apart**2, axis=0)), smoothing_of(scene))
@@ -136,7 +136,7 @@ def test_a_number_that_no_kernel_has_is_refused(code):
     parameters, state, workspace = at_start(free_blob())
     parameters.numbers.kernel = code
     with pytest.raises(ValueError, match=rf"got {code}; expected a number of KERNEL_CODES"):
-        take_forces(parameters, state, workspace, parameters.time_step)
+        evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     with pytest.raises(KeyError):
         kernel_type(parameters.constants)
 
@@ -166,7 +166,7 @@ import json, sys
 import numpy as np
 from ecume.laws.kernels import KERNELS, kernel
 from ecume.models.sph.fields import FIELD
-from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate
 from ecume.models.sph.rates.sums import CONTINUITY, PRESSURE
 from tests.contracts.test_sph_kernels import at_start, close, expected_rates
 from tests.models.sph.scenes import free_blob
@@ -177,8 +177,8 @@ def off(found, expected):
 name = list(KERNELS)[-1]
 parameters, state, workspace = at_start(free_blob(kernel=name, density_diffusion="none", artificial_viscosity=0.0))
 density_rate, acceleration = expected_rates(kernel(name, 2), parameters, state)
-take_thickening(parameters, state, workspace)
-take_forces(parameters, state, workspace, parameters.time_step)
+evaluate_density_rate(parameters, state, workspace)
+evaluate_accelerations(parameters, state, workspace, parameters.time_step)
 loops = [taken.loop.alone for taken in (CONTINUITY[FIELD.density], PRESSURE)]
 print(json.dumps({
     "name": name,

@@ -7,7 +7,7 @@ from tests.models.sph.test_rigid_bodies import blob
 
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.rates.methods import FRICTIONS, PRESSURE_FORCES
-from ecume.models.sph.rates.right_hand_side import SHIFTINGS, take_forces
+from ecume.models.sph.rates.right_hand_side import SHIFTINGS, evaluate_accelerations
 from ecume.models.sph.rates.surface_tension import TENSIONS, surface_energy
 from ecume.models.sph.record import SPH
 
@@ -32,9 +32,9 @@ def test_a_body_gets_the_momentum_that_the_liquid_loses(force, friction):
     liquid = {"density": 1000.0, "sound_speed": 10.0, "maximum_speed": 1.0, "viscosity": 20.0}
     scene = blob(gravity=[0.0, 0.0], liquid=liquid, method=method)
     parameters, state, workspace = at_start(scene)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     on_liquid = state.acceleration @ state.mass
-    on_body = state.push[:2, 0] * parameters.bodies.mass[0]
+    on_body = state.body_acceleration[:2, 0] * parameters.bodies.mass[0]
     assert np.abs(on_body).max() > 1.0
     np.testing.assert_allclose(on_body, -on_liquid, rtol=1e-9)
 

@@ -33,7 +33,7 @@ def test_vectors_are_those_of_numpy(dimension):
     first, second, _, a, b, _ = drawn(dimension)
     assert vectors.dot(first, second) == pytest.approx(a @ b, rel=1e-14)
     np.testing.assert_allclose(vectors.difference(first, second), a - b, rtol=1e-14)
-    np.testing.assert_allclose(vectors.plus(first, 0.7, second), a + 0.7 * b, rtol=1e-14)
+    np.testing.assert_allclose(vectors.axpy(first, 0.7, second), a + 0.7 * b, rtol=1e-14)
     np.testing.assert_allclose(vectors.scaled(0.7, second), 0.7 * b, rtol=1e-14)
     assert vectors.vector_of(*np.append(a, 5.0)[:3], first) == first
     table = np.ones((5, 4))

@@ -24,8 +24,8 @@ def slope(function, x, step):
 @pytest.mark.parametrize(("energy", "force"), [*PLANE.values(), *PAIR.values()], ids=["plane", "pair"])
 def test_a_force_is_minus_the_slope_of_its_energy(energy, force):
     for distance in np.geomspace(0.05 * L, 8 * L, 20):
-        felt = force(distance, 2e-9, L)
-        assert felt == pytest.approx(-slope(lambda x: energy(x, 2e-9, L), distance, 1e-2 * distance), rel=1e-7)
+        waves_needed = force(distance, 2e-9, L)
+        assert waves_needed == pytest.approx(-slope(lambda x: energy(x, 2e-9, L), distance, 1e-2 * distance), rel=1e-7)
 
 
 @pytest.mark.parametrize("name", capillarity.WALLS)

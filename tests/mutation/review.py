@@ -37,12 +37,13 @@ FAULTS = {
     "M8": Written("lists forget moving solids", "+ way_of_solids(parameters, state) >", ">"),
     "M9": Written(
         "the mean force on bodies in Verlet's scheme",
-        "    state.motion[...] += 0.5 * time * (state.push - bodies_before)\n",
+        "    state.motion[...] += 0.5 * time * (state.body_acceleration - bodies_before)\n",
         "",
     ),
     "M10": Written(
         "the central pull on bodies",
-        "    state.push[:d] -= parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])\n",
+        "    state.body_acceleration[:d] -= "
+        "parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])\n",
         "",
     ),
     "M11": Written("eddies without the viscosity", "(fields[MU, j] - viscosity)", "fields[MU, j]"),

@@ -437,9 +437,9 @@ class ThermoTable:
         sys.stdout.flush()
 
 
-def thermo_table(wanted: bool, columns: str | None, every: int | None) -> ThermoTable | None:
+def thermo_table(enabled: bool, columns: str | None, every: int | None) -> ThermoTable | None:
     """The table of the options; None where no option requests it."""
-    if not wanted and columns is None and every is None:
+    if not enabled and columns is None and every is None:
         return None
     names = [name.strip() for name in (columns or "").split(",") if name.strip()]
     return ThermoTable(names, every or 1)

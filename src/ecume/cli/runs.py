@@ -202,7 +202,7 @@ def run(
         asked = load_scene(scene, changes)
         # With changes from the command line the file is not the simulated scene; the resolved scene is.
         source = None if changes else scene.read_bytes()
-        with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as reporter:
+        with placed(scene, changes), watched(directory, enabled=view), shown(quiet=quiet) as reporter:
             done = simulate(
                 asked,
                 directory,
@@ -373,9 +373,9 @@ def repair(directory: RunFolder = HERE) -> None:
 
 
 @contextlib.contextmanager
-def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
+def watched(directory: Path, *, enabled: bool) -> Iterator[None]:
     """Let the browser follow the run that is made inside."""
-    if not wanted:
+    if not enabled:
         yield
         return
     from ecume.run.lock import ask_to_stop

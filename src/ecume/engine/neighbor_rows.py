@@ -172,7 +172,7 @@ def _fill(
     Distances of a run first, then its indexes, each written over the last one that was too far: two loops without a
     branch.
     """
-    dimension, everyone = position.shape
+    dimension, particles = position.shape
     room = neighbor.shape[1]
     first, last, longest = limits[0], limits[1], limits[2]
     deep = dimension == 3
@@ -181,10 +181,10 @@ def _fill(
     x_low, y_low, z_low = low[dimension - 1], low[dimension - 2], low[0]
     y_edge, z_edge = edge[dimension - 2], edge[0]
     inverse, square = 1.0 / edge[dimension - 1], reach * reach
-    for chunk in prange((everyone + CHUNK - 1) // CHUNK):
+    for chunk in prange((particles + CHUNK - 1) // CHUNK):
         distance = np.empty(longest, np.float64)
         found = np.empty(9 * longest + STRIDE, np.int32)
-        for place in range(INDEX(chunk * CHUNK), INDEX(min(everyone, (chunk + 1) * CHUNK))):
+        for place in range(INDEX(chunk * CHUNK), INDEX(min(particles, (chunk + 1) * CHUNK))):
             i = order[place]
             if i >= len(count):
                 continue

@@ -96,7 +96,7 @@ def _plus3(total: Vector3, factor: float, a: Vector3) -> Vector3:
     return Vector3(total.x + factor * a.x, total.y + factor * a.y, total.z + factor * a.z)
 
 
-plus = by_dimension(_plus2, _plus3)
+axpy = by_dimension(_plus2, _plus3)
 """plus(total, factor, a): total + factor a."""
 
 

@@ -65,7 +65,7 @@ class Turning(NamedTuple):
 
     friction: list[float]
     """N m s, of each kind"""
-    quickest: float
+    shortest_time: float
     """s: the shortest time in which the liquid slows a spin"""
 
 
@@ -184,8 +184,8 @@ def _steps_per_frame(scene: FloatingScene, parameters: Parameters, turning: Turn
     """Steps from frame to frame, short enough for springs and for explicit drag."""
     if not parameters.scheme.inertia:
         return parameters.steps_per_frame
-    quickest = min(float(parameters.floats.relaxation_time.min()), turning.quickest if turning else math.inf)
-    longest = min(parameters.time_step, DRAG_STEP * quickest)
+    shortest_time = min(float(parameters.floats.relaxation_time.min()), turning.shortest_time if turning else math.inf)
+    longest = min(parameters.time_step, DRAG_STEP * shortest_time)
     times = math.ceil(parameters.time_step / longest * (1.0 - 1e-9))
     return times * parameters.steps_per_frame
 

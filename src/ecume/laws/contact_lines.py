@@ -223,5 +223,5 @@ def _count(line: Line) -> int:
         apart = math.log((line.along + line.across) / (inner[0] + inner[1]))
     else:
         apart = math.asinh((2.0 * line.across) / focus)
-    wanted = 2 * line.mode + math.ceil(DIGITS / apart)
-    return max(min(wanted + wanted % 2, MOST), 2 * line.mode + 2)
+    orders = 2 * line.mode + math.ceil(DIGITS / apart)
+    return max(min(orders + orders % 2, MOST), 2 * line.mode + 2)

@@ -271,16 +271,16 @@ def _fit(lower: float, upper: float, shift: float) -> ScreenedFit:
     bounds = 1 / (upper + shift), 1 / (lower + shift)
     middle, half = (bounds[0] + bounds[1]) / 2, (bounds[1] - bounds[0]) / 2
 
-    def wanted(x: np.ndarray) -> np.ndarray:
+    def function(x: np.ndarray) -> np.ndarray:
         ratio: np.ndarray = x * k1e(x) / np.sqrt(1 + np.pi / 2 * x)
         return ratio
 
     nodes = np.cos(np.pi * (np.arange(120) + 0.5) / 120)
-    values = wanted(1 / (middle + half * nodes) - shift)
+    values = function(1 / (middle + half * nodes) - shift)
     weights = chebyshev.cheb2poly(chebyshev.chebfit(nodes, values, DEGREE, w=1 / values))
     x = np.geomspace(lower, upper, 4001)
     fitted = polynomial.polyval((1 / (x + shift) - middle) / half, weights)
-    error = float(np.max(np.abs(fitted / wanted(x) - 1)))
+    error = float(np.max(np.abs(fitted / function(x) - 1)))
     origin = 0.5 * (lower + upper) if upper > FARTHEST else 0.0
     scaled = tuple(float(w) for w in weights * math.exp(-origin))
     return ScreenedFit(lower, upper, shift, 1 / half, middle / half, origin, scaled, error)

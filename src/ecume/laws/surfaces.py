@@ -80,17 +80,17 @@ def flattened(deflection: Length, film_area: Area, radius_sum: Length, reduced_r
     >>> round(p * softness(0.01 + p, 2.0, 0.5) / 2.0, 12)
     0.1
     """
-    wanted = abs(deflection) * flattening_length(radius_sum, reduced_radius)
+    target = abs(deflection) * flattening_length(radius_sum, reduced_radius)
     partner = 0.0 if reduced_radius > 0.5 * radius_sum else 2.0 * reduced_radius
     found = 0.0 * film_area
-    if wanted >= EDGE * radius_sum * (radius_sum - partner):
+    if target >= EDGE * radius_sum * (radius_sum - partner):
         return math.inf * film_area
     # The left side is concave: from below, Newton's method comes up to the root and never beyond.
     for _ in range(MOST_ITERATIONS):
         area = film_area + found
         soft = softness(area, radius_sum, reduced_radius)
         slope = soft - found / area * stiffening(area, radius_sum, reduced_radius)
-        change = (wanted - found * soft) / slope
+        change = (target - found * soft) / slope
         found += change
         if change <= CLOSE * found:
             return found

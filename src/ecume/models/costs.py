@@ -34,11 +34,11 @@ def within_steps(scene: Common, parameters: Parameters) -> Parameters:
     return parameters
 
 
-def require_memory(path: str, what: str, wanted: float, way_out: str = "use fewer") -> None:
+def require_memory(path: str, what: str, needed: float, way_out: str = "use fewer") -> None:
     """Raise SceneError if this process may use less memory (bytes) than something needs."""
     there = memory_limit()
-    if wanted > there:
-        message = f"{what} need about {wanted / 1e9:.3g} GB, this process may use {there / 1e9:.3g} GB; {way_out}"
+    if needed > there:
+        message = f"{what} need about {needed / 1e9:.3g} GB, this process may use {there / 1e9:.3g} GB; {way_out}"
         raise SceneError([Fault(path, message)])
 
 

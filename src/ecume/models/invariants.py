@@ -21,7 +21,7 @@ OWN = "energy_less_work"
 """What is judged: the total energy less that work."""
 
 
-class Seen(NamedTuple):
+class NumberHistory(NamedTuple):
     """The numbers of a run's frames so far, `step` among them."""
 
     first: Numbers
@@ -37,17 +37,19 @@ class Invariant(NamedTuple):
     says: str
     """what is compared with the limit"""
     limit: float
-    value: Callable[[Seen], float]
+    value: Callable[[NumberHistory], float]
 
 
 def energy_never_rises(
-    limit: float, floor: Callable[[Seen], float] = lambda seen: 0.0, motion: Sequence[str] = ("kinetic_energy",)
+    limit: float,
+    floor: Callable[[NumberHistory], float] = lambda seen: 0.0,
+    motion: Sequence[str] = ("kinetic_energy",),
 ) -> Invariant:
     """If all work on the system is in the energy budget: rises of the energy less that work, over what there was
     of motion, loss and work; what is as small as `floor` (J) is nothing. `motion` names the energy of motion, if any.
     """
 
-    def rise(seen: Seen) -> float:
+    def rise(seen: NumberHistory) -> float:
         worked = seen.largest.get(INJECTED, 0.0) - seen.least.get(INJECTED, 0.0)
         scale = sum(seen.largest[name] for name in motion) + seen.largest[OWN] - seen.least[OWN] + worked + floor(seen)
         return part_of(seen.now[OWN] - seen.least[OWN], scale)
@@ -66,10 +68,10 @@ def with_own(numbers: dict[str, float]) -> dict[str, float]:
     return {**numbers, OWN: numbers["total_energy"] - numbers.get(INJECTED, 0.0)}
 
 
-def kept(name: str, keys: Sequence[str], scale: Callable[[Seen], float], limit: float) -> Invariant:
+def kept(name: str, keys: Sequence[str], scale: Callable[[NumberHistory], float], limit: float) -> Invariant:
     """Numbers that stay what they were at the start, up to a part of a scale."""
 
-    def change(seen: Seen) -> float:
+    def change(seen: NumberHistory) -> float:
         return part_of(math.hypot(*(seen.now[key] - seen.first[key] for key in keys)), scale(seen))
 
     return Invariant(name, "its change since the start, over its scale", limit, change)

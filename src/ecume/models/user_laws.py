@@ -103,9 +103,9 @@ def bind(scene: Scene, functions: Sequence[Function]) -> list[BoundLaw]:
             faults.append(Fault(f"user_laws[{k}].law", f"got {spec.law!r}, a function that is not given; {cure}"))
             continue
         arguments = arguments_of(given[spec.law])
-        wanted = {PAIR: 2, EXTERNAL: 1}.get(arguments, 0)
-        if spec.species and len(spec.species) != wanted:
-            what = f"got {len(spec.species)} names; expected {wanted} for a law of {arguments} arguments"
+        required = {PAIR: 2, EXTERNAL: 1}.get(arguments, 0)
+        if spec.species and len(spec.species) != required:
+            what = f"got {len(spec.species)} names; expected {required} for a law of {arguments} arguments"
             faults.append(Fault(f"user_laws[{k}].species", what))
         unknown = [name for name in spec.species if name not in names]
         faults += [Fault(f"user_laws[{k}].species", f"got {name!r}; {nearest(name, names)}") for name in unknown]
@@ -131,8 +131,10 @@ def require_kinds(model: str, laws: Sequence[BoundLaw], kinds: Sequence[int]) ->
     """Raise BadInput for laws that a model cannot use."""
     for law in laws:
         if law.arguments not in kinds:
-            wanted = " or ".join(KINDS[kind] for kind in kinds)
-            raise BadInput(f"extra_laws: {law.name}: got {law.arguments} arguments; the model {model} expects {wanted}")
+            required = " or ".join(KINDS[kind] for kind in kinds)
+            raise BadInput(
+                f"extra_laws: {law.name}: got {law.arguments} arguments; the model {model} expects {required}"
+            )
 
 
 def masks_of(laws: Sequence[BoundLaw], count: int) -> NDArray[np.int64]:

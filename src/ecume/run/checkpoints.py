@@ -26,7 +26,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
@@ -254,10 +254,32 @@ def _examined(home: RunDirectory, path: Path, kind: type) -> tuple[Checkpoint | 
         return None, f"{type(error).__name__}: {error}"
 
 
+FORMER_NAMES = {
+    "body_acceleration": "push",
+    "contact_impulse": "push",
+    "delayed_body_acceleration": "felt",
+    "density_rate": "thickening",
+    "friction_impulse": "rub",
+    "open_boundaries": "gates",
+    "raft_mobility": "collective",
+    "shortest_time": "quickest",
+    "spin_mobility": "ease",
+    "stiffness_factor": "stiffer",
+}
+"""The names that fields of states and parameters had in former versions, as keys of their files."""
+
+
+def with_present_names(stored: Stored, present: Iterable[str]) -> Stored:
+    """The stored arrays under the present names of the fields, which may be paths: `walls.open_boundaries.0`."""
+    former = {".".join(FORMER_NAMES.get(word, word) for word in name.split(".")): name for name in present}
+    return {name if name in present else former.get(name, name): array for name, array in stored.items()}
+
+
 def _loaded(home: RunDirectory, path: Path, kind: type) -> Checkpoint:
     arrays, samples = _own_arrays(home, path)
     frames = int(arrays.pop("frames")[0])
     kept = {name.removeprefix(FIELD): array for name, array in arrays.items() if name.startswith(FIELD)}
+    kept = with_present_names(kept, getattr(kind, "_fields", ()))
     for name, array in kept.items():
         if array.dtype.kind == "f" and not np.isfinite(array).all():
             raise ValueError(f"its {name} contains numbers that are not finite")
@@ -322,10 +344,11 @@ def restored(home: RunDirectory, parameters: Any) -> Restored:
     if manifest_of(home).get("constants_sha256") is None:
         return Restored(parameters, "derived again, since none are stored with the run", False)
     require_sound_constants(home)
-    stored = _load(home)
-    if misfit := _misfit(stored, _numbers(parameters)):
+    derived = _numbers(parameters)
+    stored = with_present_names(_load(home), derived)
+    if misfit := _misfit(stored, derived):
         return Restored(parameters, f"derived again: {misfit}", False)
-    return Restored(_with(parameters, stored, ""), _drift(stored, _numbers(parameters)), True)
+    return Restored(_with(parameters, stored, ""), _drift(stored, derived), True)
 
 
 def _load(home: RunDirectory) -> Stored:

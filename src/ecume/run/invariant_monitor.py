@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.errors import Diverged
-from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
+from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, Numbers, with_own
 from ecume.run.directory import RunDirectory, read, write
 from ecume.run.recording import lines_of
 from ecume.trajectories.records import WATCH
@@ -38,7 +38,7 @@ class Watch:
 
     def __init__(self, home: RunDirectory, invariants: Sequence[Invariant], policy: str) -> None:
         self._home, self._invariants, self._policy = home, list(invariants), policy
-        self._seen: Seen | None = None
+        self._seen: NumberHistory | None = None
         self._time = 0.0
         self._unit = "J"
         self._worst = {one.name: (-math.inf, 0.0) for one in invariants}
@@ -64,7 +64,7 @@ class Watch:
         first, least, largest = (self._seen.first, self._seen.least, self._seen.largest) if self._seen else (now,) * 3
         least = {name: min(least.get(name, value), value) for name, value in now.items()}
         largest = {name: max(largest.get(name, value), value) for name, value in now.items()}
-        self._seen, self._time = Seen(first, now, least, largest), time
+        self._seen, self._time = NumberHistory(first, now, least, largest), time
         for one in self._invariants:
             value = one.value(self._seen)
             worst = self._worst[one.name][0]

@@ -77,14 +77,14 @@ def actions_from(words: Sequence[str]) -> list[Action]:
     return [action for word in words for action in _found("--actions", word, is_action, missing)]
 
 
-def _found(option: str, word: str, wanted: Callable[[ModuleType, object], bool], missing: str) -> list[Any]:
+def _found(option: str, word: str, accepts: Callable[[ModuleType, object], bool], missing: str) -> list[Any]:
     """The public objects of one kind in a user's file, or the one that is named."""
     file, _, name = word.partition(".py:")
     path = Path(f"{file}.py" if name else word)
     if path.suffix != ".py":
         raise BadInput(f"{option}: got {word!r}; expected FILE.py or FILE.py:NAME")
     module = _executed(option, path)
-    found = {key: one for key, one in vars(module).items() if not key.startswith("_") and wanted(module, one)}
+    found = {key: one for key, one in vars(module).items() if not key.startswith("_") and accepts(module, one)}
     if not found:
         raise BadInput(f"{option}: {path} defines no {missing}")
     if name and name not in found:
@@ -265,9 +265,9 @@ def require_same(home: RunDirectory, code: UserCode) -> None:
     for key, kind in KINDS.items():
         before, now = ([one["name"] for one in each[key]] for each in (former, given))
         if before != now:
-            wanted = ", ".join(before) or f"no user-defined {kind}"
+            accepts = ", ".join(before) or f"no user-defined {kind}"
             got = ", ".join(now)
-            raise BadInput(f"{home.path}: got the {kind} {got}; expected {wanted}, as when the run was started")
+            raise BadInput(f"{home.path}: got the {kind} {got}; expected {accepts}, as when the run was started")
         differing = [one["name"] for one, other in zip(former[key], given[key], strict=True) if one != other]
         if differing:
             raise BadInput(

@@ -254,8 +254,8 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Inconsistent):
         return [(path + below, message) for below, message in cause.complaints]
-    came = f"got {echo(value_at(raw, path, detail['input']))}"
-    return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}{_as_table(detail, kind, path)}")]
+    got = f"got {echo(value_at(raw, path, detail['input']))}"
+    return [(path, f"{got}; {cause if cause is not None else _wanted(detail)}{_as_table(detail, kind, path)}")]
 
 
 def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:

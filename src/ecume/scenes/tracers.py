@@ -365,7 +365,7 @@ def _newcomers(scene: TracersScene) -> Complaints:
 
 def _coordinates(scene: TracersScene) -> Complaints:
     """Every point has as many coordinates as the tank."""
-    wanted = scene.dimensions
+    required = scene.dimensions
     points: list[tuple[Path, Any]] = [(("flow", "velocity"), scene.flow.velocity)]
     for index, species in enumerate(scene.particles):
         points += [(("particles", index, key), getattr(species, key)) for key in ("low", "high", "velocity")]
@@ -376,7 +376,7 @@ def _coordinates(scene: TracersScene) -> Complaints:
     for index, hole in enumerate(scene.openings):
         points += [(("openings", index, key), getattr(hole, key)) for key in ("low", "high", "velocity")]
     return [
-        (path, f"got {len(point)} coordinates; expected {wanted}")
+        (path, f"got {len(point)} coordinates; expected {required}")
         for path, point in points
-        if point is not None and len(point) != wanted
+        if point is not None and len(point) != required
     ]

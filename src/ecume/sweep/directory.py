@@ -166,10 +166,10 @@ def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:
     """Raise BadInput unless these are the user-defined laws that the sweep was begun with."""
     begun = json_at(sweeping.jobs[0].asked, dict).get("extra_laws", [])
     if begun != list(laws):
-        wanted = " ".join(f"--laws FILE.py:{law['name']}" for law in begun)
+        required = " ".join(f"--laws FILE.py:{law['name']}" for law in begun)
         same = [law["name"] for law in begun] == [law["name"] for law in laws]
         changed = "the text of its laws has changed; restore it, or sweep into another directory"
-        way = changed if same else f"expected {wanted}" if begun else "expected no --laws, as when it was begun"
+        way = changed if same else f"expected {required}" if begun else "expected no --laws, as when it was begun"
         raise BadInput(f"{sweeping.path}: {way}")
 
 

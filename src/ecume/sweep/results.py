@@ -179,14 +179,14 @@ def require_numbers(sweeping: Sweeping, laws: Sequence[Callable[..., float]] = (
     """
     from ecume.simulation import moments
 
-    wanted = {text: read_measure(text).number for text in sweeping.spec.measures}
+    required = {text: read_measure(text).number for text in sweeping.spec.measures}
     plan = json_at(sweeping.jobs[0].asked, dict)
     with engine_of(plan) as engine:
-        if not wanted and not laws:
+        if not required and not laws:
             return
         begun = moments(from_plain(plan["scene"]), extra_laws=laws, engine=engine)
         numbers = next(moment.frame.numbers for moment in begun if moment.frame is not None)
-    for text, name in wanted.items():
+    for text, name in required.items():
         if name not in numbers:
             raise BadInput(f"measures: {text!r}: no number {name}; {suggestion(name, sorted(numbers))}")
 

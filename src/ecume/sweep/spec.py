@@ -127,11 +127,11 @@ def like(pattern: str, words: str) -> Callable[[str], str]:
     return fitting
 
 
-def value(came: object) -> object:
+def value(got: object) -> object:
     """A value that a key of a scene may take."""
-    if not isinstance(came, (bool, int, float, str, list)) or (isinstance(came, float) and not math.isfinite(came)):
+    if not isinstance(got, (bool, int, float, str, list)) or (isinstance(got, float) and not math.isfinite(got)):
         raise ValueError("expected a finite number, text, true or false, or a list")
-    return came
+    return got
 
 
 def measure(text: str) -> str:

@@ -113,8 +113,8 @@ class Segment:
         places = np.stack([self._places(name) for name in (*names, CHECKSUM)], axis=1)
         cells = _gathered(self._file, places)
         raw, sums = cells[:, :-1].reshape(self.frames, NUMBER * len(names)), cells[:, -1, 4:].copy().view("<u4")[:, 0]
-        for frame, (row, wanted) in enumerate(zip(raw, sums, strict=True)):
-            if zlib.crc32(row.tobytes()) != wanted:
+        for frame, (row, checksum) in enumerate(zip(raw, sums, strict=True)):
+            if zlib.crc32(row.tobytes()) != checksum:
                 raise StorageError(self.damage(frame))
         return raw.view([(name, "<u8" if row == 0 else "<f8") for row, name in enumerate(names)])[:, 0]
 

@@ -15,8 +15,8 @@ from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left
 from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.rates.sums import RADIAL_FRICTION
-from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.choices import smoothing_of
 from ecume.scenes.load import load_scene
@@ -289,7 +289,7 @@ def friction_share(scene: SphScene, stretch: Array) -> float:
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
     workspace.rates.acceleration[:3] = 0.0
-    take_sum(RADIAL_FRICTION, parameters, workspace)
+    evaluate_sum(RADIAL_FRICTION, parameters, workspace)
     power = -float(np.sum(state.mass * workspace.rates.acceleration[:3] * state.velocity))
     volume = float(np.sum(state.mass / state.density))
     return power / (2.0 * BALL_VISCOSITY * float(np.sum(stretch**2)) * volume)

@@ -63,8 +63,8 @@ def fits(truth: FloatingScene, count: int) -> list[Trial]:
     return [_fitted(clean, np.random.default_rng(seed)) for seed in range(count)]
 
 
-def _fitted(clean: Array, chance: np.random.Generator) -> Trial:
-    tracks = Tracks(("1", "2"), TIMES, chance.normal(clean, NOISE))
+def _fitted(clean: Array, rng: np.random.Generator) -> Trial:
+    tracks = Tracks(("1", "2"), TIMES, rng.normal(clean, NOISE))
     start = beads(0.6 * VISCOSITY, ANGLE - math.radians(20.0))
     found = fit(tracks, start, ["contact_angle", "viscosity"])
     (charge,) = (one for one in found.derived if one.name == "charge")

@@ -141,11 +141,11 @@ def common_motions() -> Iterator[Row]:
 
 def packings() -> Iterator[Row]:
     """Matrices that are not positive definite among those of random packings."""
-    dice, failed = np.random.default_rng(7), 0
+    rng, failed = np.random.default_rng(7), 0
     for _ in range(PACKINGS):
-        count = int(dice.integers(2, 25))
-        radius, width = np.exp(dice.normal(0.0, 0.8, count)), 10.0 ** dice.uniform(-1.5, 1.5)
-        mobility = surface_mobility(dice.normal(0.0, width, (count, 2)), radius, 1.0)
+        count = int(rng.integers(2, 25))
+        radius, width = np.exp(rng.normal(0.0, 0.8, count)), 10.0 ** rng.uniform(-1.5, 1.5)
+        mobility = surface_mobility(rng.normal(0.0, width, (count, 2)), radius, 1.0)
         failed += float(np.linalg.eigvalsh(mobility).min()) <= 0.0
     yield below(f"mobilities of {PACKINGS} packings that are not positive definite", float(failed), 0.5)
 

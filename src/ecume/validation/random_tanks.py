@@ -34,63 +34,61 @@ Obstacles = list[dict[str, Any]]
 Dice = np.random.Generator
 
 
-def _turned(size: Array, dice: Dice, corners: int) -> Obstacles:
+def _turned(size: Array, rng: Dice, corners: int) -> Obstacles:
     """A regular polygon at some angle."""
-    angle = dice.uniform(0.0, 1.5) + 2.0 * np.pi * np.arange(corners) / corners
-    reach = dice.uniform(0.18, 0.28) * size.min()
-    center = size * dice.uniform(0.4, 0.6, 2)
+    angle = rng.uniform(0.0, 1.5) + 2.0 * np.pi * np.arange(corners) / corners
+    reach = rng.uniform(0.18, 0.28) * size.min()
+    center = size * rng.uniform(0.4, 0.6, 2)
     return [{"vertices": (center + reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)).tolist()}]
 
 
-def _ball(size: Array, dice: Dice) -> Obstacles:
+def _ball(size: Array, rng: Dice) -> Obstacles:
     """A disc or ball in the liquid."""
     share = (0.12, 0.22) if len(size) == 2 else (0.2, 0.3)
-    return [
-        {"center": (size * dice.uniform(0.4, 0.6, len(size))).tolist(), "radius": dice.uniform(*share) * size.min()}
-    ]
+    return [{"center": (size * rng.uniform(0.4, 0.6, len(size))).tolist(), "radius": rng.uniform(*share) * size.min()}]
 
 
-def _mound(size: Array, dice: Dice) -> Obstacles:
+def _mound(size: Array, rng: Dice) -> Obstacles:
     """Half a disc or ball on the floor."""
-    center = size * dice.uniform(0.4, 0.6, len(size))
+    center = size * rng.uniform(0.4, 0.6, len(size))
     center[1] = 0.0
-    return [{"center": center.tolist(), "radius": dice.uniform(0.2, 0.3) * size.min()}]
+    return [{"center": center.tolist(), "radius": rng.uniform(0.2, 0.3) * size.min()}]
 
 
-def _wedge(size: Array, dice: Dice) -> Obstacles:
+def _wedge(size: Array, rng: Dice) -> Obstacles:
     """A slope at the right wall."""
     width, depth = size
-    base = dice.uniform(0.3, 0.6) * size.min()
-    top = min(base * dice.uniform(0.4, 1.5), 0.9 * depth)
+    base = rng.uniform(0.3, 0.6) * size.min()
+    top = min(base * rng.uniform(0.4, 1.5), 0.9 * depth)
     return [{"vertices": [[width - base, 0.0], [width, 0.0], [width, top]]}]
 
 
-def _hopper(size: Array, dice: Dice) -> Obstacles:
+def _hopper(size: Array, rng: Dice) -> Obstacles:
     """Slanted walls on both sides, higher than the liquid."""
     width, high = size[0], 2.5 * size[1]
-    base = dice.uniform(0.2, 0.4) * width
+    base = rng.uniform(0.2, 0.4) * width
     left = [[0.0, 0.0], [base, 0.0], [0.0, high]]
     return [{"vertices": left}, {"vertices": [[width - x, y] for x, y in left]}]
 
 
-def _ramp(size: Array, dice: Dice) -> Obstacles:
+def _ramp(size: Array, rng: Dice) -> Obstacles:
     """A slanted floor."""
     width, depth = size
-    return [{"vertices": [[0.0, 0.0], [width, 0.0], [width, dice.uniform(0.2, 0.6) * depth]]}]
+    return [{"vertices": [[0.0, 0.0], [width, 0.0], [width, rng.uniform(0.2, 0.6) * depth]]}]
 
 
-def _pier(size: Array, dice: Dice) -> Obstacles:
+def _pier(size: Array, rng: Dice) -> Obstacles:
     """A trapezoid on the floor."""
     width, depth = size
-    middle = dice.uniform(0.4, 0.6) * width
+    middle = rng.uniform(0.4, 0.6) * width
     base, top = 0.25 * width, 0.12 * width
     low = [[middle - base, 0.0], [middle + base, 0.0]]
     return [{"vertices": [*low, [middle + top, 0.5 * depth], [middle - top, 0.5 * depth]]}]
 
 
-def _block(size: Array, dice: Dice) -> Obstacles:
+def _block(size: Array, rng: Dice) -> Obstacles:
     """A box on the floor."""
-    low, high = size * dice.uniform(0.1, 0.5, len(size)), size * dice.uniform(0.2, 0.4, len(size))
+    low, high = size * rng.uniform(0.1, 0.5, len(size)), size * rng.uniform(0.2, 0.4, len(size))
     low[1] = 0.0
     return [{"low": low.tolist(), "high": (low + high).tolist()}]
 
@@ -98,7 +96,7 @@ def _block(size: Array, dice: Dice) -> Obstacles:
 KINDS: Mapping[int, tuple[Callable[[Array, Dice], Obstacles], ...]] = {
     2: (
         _ball, _mound, _wedge, _hopper, _ramp, _pier, _block,
-        lambda size, dice: _turned(size, dice, 4), lambda size, dice: _turned(size, dice, 6),
+        lambda size, rng: _turned(size, rng, 4), lambda size, rng: _turned(size, rng, 6),
     ),
     3: (_ball, _mound, _block),
 }  # fmt: skip
@@ -138,13 +136,13 @@ def rows() -> list[Row]:
 
 def random_tank(dimension: int, seed: int) -> SphScene:
     """A tank of any proportions, with a kind of obstacle, of walls and of top."""
-    dice = np.random.default_rng([dimension, seed])
-    size = dice.uniform(0.2, 1.0) * np.array([1.0, dice.uniform(0.5, 1.3), dice.uniform(0.6, 1.2)])[:dimension]
+    rng = np.random.default_rng([dimension, seed])
+    size = rng.uniform(0.2, 1.0) * np.array([1.0, rng.uniform(0.5, 1.3), rng.uniform(0.6, 1.2)])[:dimension]
     high = size.copy()
-    high[1] *= dice.choice([1.0, dice.uniform(1.1, 2.0)])
-    walls = str(dice.choice(["mirror", "dummy"]))
-    spacing = size.min() / dice.integers(*LAYERS[dimension]) * dice.uniform(0.95, 1.05)
-    obstacles = KINDS[dimension][seed % len(KINDS[dimension])](size, dice)
+    high[1] *= rng.choice([1.0, rng.uniform(1.1, 2.0)])
+    walls = str(rng.choice(["mirror", "dummy"]))
+    spacing = size.min() / rng.integers(*LAYERS[dimension]) * rng.uniform(0.95, 1.05)
+    obstacles = KINDS[dimension][seed % len(KINDS[dimension])](size, rng)
     scene = from_plain(
         {
             "model": "sph", "duration": TIME, "frame_every": TIME / FRAMES, "spacing": float(spacing),

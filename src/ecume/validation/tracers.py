@@ -79,8 +79,8 @@ def wedges() -> list[Row]:
     """The most bounces of 3000 random paths."""
     found = []
     for degrees in WEDGES:
-        dice, angle = np.random.default_rng(degrees), math.radians(degrees)
-        place, way = dice.uniform(-0.5, 0.5, 3000) * angle, dice.uniform(0.0, 2.0 * math.pi, 3000)
+        rng, angle = np.random.default_rng(degrees), math.radians(degrees)
+        place, way = rng.uniform(-0.5, 0.5, 3000) * angle, rng.uniform(0.0, 2.0 * math.pi, 3000)
         start, speed = (np.column_stack([np.cos(turn), np.sin(turn)]) for turn in (place, way))
         _, _, hits = walls.reflect(start, speed, 100.0, walls.wedge((0.0, 0.0), (1.0, 0.0), angle))
         found.append(
@@ -114,9 +114,9 @@ def circle() -> list[Row]:
 
 def reversal() -> list[Row]:
     """There and back in a heptagon under gravity."""
-    dice = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
     heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
-    start, speed = dice.uniform(-0.5, 0.5, (1000, 2)), dice.normal(size=(1000, 2))
+    start, speed = rng.uniform(-0.5, 0.5, (1000, 2)), rng.normal(size=(1000, 2))
     there, back, _ = walls.reflect(start, speed, 3.0, heptagon, acceleration=(0.0, -1.0))
     again, _, _ = walls.reflect(there, -back, 3.0, heptagon, acceleration=(0.0, -1.0))
     return [below("flown backwards: largest distance from the start (m)", float(np.abs(again - start).max()), 1e-8)]
@@ -141,12 +141,12 @@ def nobody_outside() -> list[Row]:
 
 def crowded(tank: Surfaces, restitution: float) -> float:
     """The least clearance of many particles that are stirred and fall."""
-    dice, d = np.random.default_rng(11), tank.dimension
-    thrown = dice.uniform(-0.69, 0.69, (2 * KEEPS_SCENE_ORDER, d))
-    position = thrown[walls.clearance(thrown, tank)[0] > 0.0][:KEEPS_SCENE_ORDER]
+    rng, d = np.random.default_rng(11), tank.dimension
+    candidates = rng.uniform(-0.69, 0.69, (2 * KEEPS_SCENE_ORDER, d))
+    position = candidates[walls.clearance(candidates, tank)[0] > 0.0][:KEEPS_SCENE_ORDER]
     velocity, fall, least = np.zeros_like(position), (*(0.3,) * (d - 1), -3.0), math.inf
     for _ in range(ROUNDS):
-        velocity = velocity + dice.normal(size=velocity.shape)
+        velocity = velocity + rng.normal(size=velocity.shape)
         position, velocity, _ = walls.reflect(position, velocity, 0.3, tank, restitution, acceleration=fall)
         least = min(least, float(walls.clearance(position, tank)[0].min()))
     return least

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.models import MODELS
-from ecume.models.invariants import INJECTED, Seen, with_own
+from ecume.models.invariants import INJECTED, NumberHistory, with_own
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, WATER, scene_of
 from tests.models.floating.test_dish_motion import APART, SWING, dish
@@ -37,7 +37,7 @@ def rises(scene):
         extremes = (now, now) if seen is None else (seen.least, seen.largest)
         pairs = zip((min, max), extremes, strict=True)
         least, largest = ({key: pick(now[key], one[key]) for key in now} for pick, one in pairs)
-        seen = Seen(now if seen is None else seen.first, now, least, largest)
+        seen = NumberHistory(now if seen is None else seen.first, now, least, largest)
         worst = max(worst, energy.value(seen))
     return worst, seen
 
@@ -145,4 +145,4 @@ def test_a_run_of_a_former_version_has_no_place_for_work_and_goes_on():
     assert INJECTED not in numbers
     (energy,) = (one for one in FLOATING.invariants(scene, parameters) if one.name == "energy")
     now = with_own({**numbers, "step": 1.0})
-    assert energy.value(Seen(now, {**now, "energy_less_work": 1.0}, now, now)) == 0.0
+    assert energy.value(NumberHistory(now, {**now, "energy_less_work": 1.0}, now, now)) == 0.0

@@ -69,10 +69,10 @@ def test_collisions_exert_opposite_forces_and_leave_no_overlap(seed):
     velocity = speed * dice.normal(size=(12, 2)) / np.sqrt(mass / mass.max())[:, None]
     still = np.zeros_like(velocity)
     bounces = collide_on_paths(parameters, state, contacts, (velocity, still), share, ALONE)
-    assert len(bounces.push) > 0
+    assert len(bounces.impulse) > 0
     assert not bounces.lasting.any()
-    assert bounces.push.sum(axis=0) == pytest.approx(np.zeros(2), abs=1e-12 * np.abs(bounces.push).max())
-    after = state.position + time * (velocity + parameters.kick.gain[:, None] * bounces.push)
+    assert bounces.impulse.sum(axis=0) == pytest.approx(np.zeros(2), abs=1e-12 * np.abs(bounces.impulse).max())
+    after = state.position + time * (velocity + parameters.kick.gain[:, None] * bounces.impulse)
     apart = after[:, None] - after[None]
     gap = np.hypot(apart[..., 0], apart[..., 1]) - (parameters.floats.radius[:, None] + parameters.floats.radius)
     assert gap[np.triu_indices(12, 1)].min() > -1e-9 * RADIUS
@@ -85,7 +85,7 @@ def test_a_collision_without_forces_is_elastic_for_masses_that_are_inverse_to_th
     velocity = np.array([[0.05, 0.0], [-0.03, 0.0]]) * RADIUS / time
     bounces = collide_on_paths(parameters, state, contacts, (velocity, np.zeros((2, 2))), share, ALONE)
     left = 1.0 - 0.02 / 0.08
-    after = velocity + gain[:, None] * bounces.push / left
+    after = velocity + gain[:, None] * bounces.impulse / left
     assert (velocity[:, 0] ** 2 / gain).sum() == pytest.approx((after[:, 0] ** 2 / gain).sum())
     assert after[1, 0] - after[0, 0] == pytest.approx(velocity[0, 0] - velocity[1, 0])
 
@@ -99,7 +99,7 @@ def test_lasting_contacts_are_left_to_the_solver():
         velocity = np.array([[driven, 0.0], [-driven, 0.0]])
         bounces = collide_on_paths(parameters, state, contacts, (velocity, velocity), share, ALONE)
         assert bounces.lasting.tolist() == [lasting, lasting]
-        assert (np.abs(bounces.push).max() > 0.0) == (not lasting)
+        assert (np.abs(bounces.impulse).max() > 0.0) == (not lasting)
 
 
 @pytest.mark.parametrize(("around", "more"), [

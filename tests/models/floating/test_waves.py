@@ -129,8 +129,8 @@ def test_what_cannot_be_is_refused_with_the_reason(sources, headings, more, reas
 
 @pytest.mark.parametrize("arm", [0.0, 1.2e-3])
 def test_the_time_step_knows_how_near_the_sources_of_touching_floats_are(arm, monkeypatch):
-    seen, quickest = [], waves._quickest
-    monkeypatch.setattr(waves, "_quickest", lambda *given: seen.append(given[-1]) or quickest(*given))
+    seen, shortest_time = [], waves._quickest
+    monkeypatch.setattr(waves, "_quickest", lambda *given: seen.append(given[-1]) or shortest_time(*given))
     FLOATING.parameters(discs([(0.0, 0.0), (6e-3, 0.0)], source((arm, 0.0)), headings=(0.0, 0.0)))
     assert seen == pytest.approx([2.0 * 2e-3 - 2.0 * arm], rel=1e-12)
 

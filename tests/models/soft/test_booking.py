@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.soft_pair import PREFACTORS, SoftPair, surface_energy
-from ecume.models.invariants import ENERGY, Seen
+from ecume.models.invariants import ENERGY, NumberHistory
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
@@ -186,4 +186,4 @@ def test_a_run_of_an_earlier_version_continues_without_an_energy_budget():
     numbers = SOFT.observe(parameters, former, scratch).numbers
     assert "injected_work" not in numbers
     (energy,) = (one for one in SOFT.invariants(scene, parameters) if one.name == ENERGY)
-    assert energy.value(Seen(numbers, numbers, numbers, numbers)) == 0.0
+    assert energy.value(NumberHistory(numbers, numbers, numbers, numbers)) == 0.0

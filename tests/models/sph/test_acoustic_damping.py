@@ -9,7 +9,7 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.models.sph.integration import time_stepping
-from ecume.models.sph.rates.right_hand_side import _sum_push, _sum_stretch, damp_sound, fill, take_forces
+from ecume.models.sph.rates.right_hand_side import _sum_push, _sum_stretch, damp_sound, evaluate_accelerations, fill
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import power_of_dummies
 from ecume.models.sph.setup.choices import acoustic_damping_of
@@ -147,7 +147,7 @@ def test_water_in_a_narrow_gap_between_dummies_stays_at_rest():
 def test_the_recorded_forces_on_walls_are_opposite_to_what_accelerates_the_liquid(walls, force):
     scene = tank(walls=walls, acoustic_damping=0.5, pressure_force=force, artificial_viscosity=0.0)
     parameters, state, workspace = started(scene, 4)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     felt = (state.mass * state.acceleration).sum(axis=1) - state.mass.sum() * parameters.gravity
     numbers = SPH.observe(parameters, state, workspace).numbers
     for axis, own in zip("xy", felt, strict=True):
@@ -296,7 +296,7 @@ def test_by_default_sound_is_damped_where_liquid_may_hit_walls(scene, expected):
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_the_rate_of_density_is_summed_again_when_the_lists_are_renewed(walls, monkeypatch):
     """Renewed lists may have another order of particles, in which the rates of before are those of others."""
-    seen, take = [], time_stepping.take_forces
+    seen, take = [], time_stepping.evaluate_accelerations
 
     def watched(parameters, state, workspace, time, summed=False):
         kept = workspace.rates.continuity.copy()
@@ -308,7 +308,7 @@ def test_the_rate_of_density_is_summed_again_when_the_lists_are_renewed(walls, m
             assert np.sqrt(np.mean((kept - now) ** 2)) < 0.1 * np.sqrt(np.mean(now**2))
         seen.append((int(state.tally[RENEWALS]), summed))
 
-    monkeypatch.setattr(time_stepping, "take_forces", watched)
+    monkeypatch.setattr(time_stepping, "evaluate_accelerations", watched)
     parameters, state, workspace = started(tank(walls=walls, jitter=0.3))
     state.velocity[...] *= 0.3
     SPH.advance(parameters, state, workspace, 300)

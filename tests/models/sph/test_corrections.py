@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ecume.laws.flows import viscous_decay
-from ecume.models.sph.rates.right_hand_side import fill, take_forces, take_thickening
-from ecume.models.sph.rates.taking import take_sum
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate, fill
+from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies
 from ecume.models.sph.setup.choices import USUAL_DAMPING, acoustic_damping_of
@@ -28,9 +28,9 @@ def rate_of_density(force):
     x, y = state.position
     state.velocity[...] = x, -y
     middle = np.abs(x - 0.5) < 0.1
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     rows = np.round((1.0 - y) * 12 - 0.5)
-    return [float(np.abs(state.thickening[middle & (rows == row)]).max()) for row in range(12)]
+    return [float(np.abs(state.density_rate[middle & (rows == row)]).max()) for row in range(12)]
 
 
 def test_a_flow_without_divergence_changes_no_density_in_the_two_rows_at_a_surface():
@@ -48,8 +48,8 @@ def disordered(dimension=2, **method):
     )
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
     state.velocity[...] = np.sin(5.0 * state.position[::-1])
-    take_thickening(parameters, state, workspace)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_density_rate(parameters, state, workspace)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     return parameters, state, workspace
 
 
@@ -60,7 +60,7 @@ def test_the_force_is_adjoint_to_the_divergence(dimension):
     assert np.abs(workspace.fields.correction[3, :liquid]).max() > 0.05
     kinetic = float(np.sum(state.mass * (state.velocity * state.acceleration).sum(axis=0)))
     pressure = workspace.fields.pressure[:liquid]
-    elastic = float(np.sum(state.mass * pressure / state.density**2 * state.thickening))
+    elastic = float(np.sum(state.mass * pressure / state.density**2 * state.density_rate))
     assert abs(kinetic) > 1.0
     assert kinetic == pytest.approx(-elastic, rel=1e-9)
     np.testing.assert_allclose(state.acceleration @ state.mass, 0.0, atol=1e-9 * np.abs(state.acceleration).max())
@@ -92,8 +92,8 @@ def fastest_rates(positions):
     for column in range(2 * count):
         state.velocity[...] = 0.0
         state.velocity[column % 2, column // 2] = 1.0
-        take_thickening(parameters, state, workspace)
-        divergence[:, column] = state.thickening / 1000.0
+        evaluate_density_rate(parameters, state, workspace)
+        divergence[:, column] = state.density_rate / 1000.0
     shares = parameters.pressure_force.damping_shares(workspace.fields, count)
     rates = [divergence, np.sqrt(shares)[:, None] * divergence]
     return [float(np.linalg.eigvalsh(each @ each.T)[-1]) * spacing**2 for each in rates]
@@ -164,7 +164,7 @@ def stretched(model, region=None):
     state.velocity[...] = state.position * np.array([[1.0], [-1.0]])
     fill(parameters, state, workspace)
     workspace.rates.acceleration[...] = 0.0
-    take_sum(parameters.friction.sum, parameters, workspace)
+    evaluate_sum(parameters.friction.sum, parameters, workspace)
     power = np.sum(state.mass * (state.velocity * workspace.rates.acceleration[:2]).sum(axis=0))
     return -float(power) * 1000.0 / (4.0 * float(np.sum(state.mass)))
 
@@ -190,7 +190,7 @@ def test_completed_friction_does_not_brake_a_rigid_rotation():
     state.velocity[...] = -y, x
     fill(parameters, state, workspace)
     workspace.rates.acceleration[...] = 0.0
-    take_sum(parameters.friction.sum, parameters, workspace)
+    evaluate_sum(parameters.friction.sum, parameters, workspace)
     assert np.abs(workspace.rates.acceleration).max() < 1e-12
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.models.sph.boundaries.rigid_bodies import collide, instant
+from ecume.models.sph.boundaries.rigid_bodies import collide, with_moved_solids
 from ecume.models.sph.boundaries.walls import reflect_particles
-from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
@@ -155,7 +155,7 @@ def test_the_guard_of_a_moving_wall_does_work_as_a_bat_does():
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     state.clock[0] = 0.5
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     who = np.argsort(state.position[0])[:3]
     state.position[0, who], state.velocity[0, who] = 0.099, -1.0
     before = state.velocity.copy()
@@ -173,7 +173,7 @@ def test_a_wall_that_strikes_a_body_brings_what_the_body_gains():
     state = SPH.start(scene, parameters)
     state.clock[0], state.pose[0] = 0.5, 0.29
     before = energy_of_bodies(parameters, state.pose, state.motion)
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     hits, work = collide(now.bodies, now.boundary.guard.sheet, (state.pose, state.motion), 0.0)
     assert hits == 1
     assert 1.2 < state.motion[0, 0] < 1.0 + 2.0 * 0.2  # it spins, too
@@ -242,16 +242,16 @@ def test_the_work_of_diffusion_is_the_change_of_elastic_energy(name, damping):
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     count = len(state.density)
     errors = []
     for time in (2e-4, 1e-4):
-        state.thickening[:] = workspace.rates.diffusion[:count]
+        state.density_rate[:] = workspace.rates.diffusion[:count]
         state.budget[WORK] = 0.0
         add_diffusion_work(parameters, state, workspace, time)
-        after = state._replace(density=state.density + time * state.thickening)
-        damped = parameters.bulk_viscosity * state.thickening / state.density
-        against = time * float(np.sum(state.mass / state.density**2 * damped * state.thickening))
+        after = state._replace(density=state.density + time * state.density_rate)
+        damped = parameters.bulk_viscosity * state.density_rate / state.density
+        against = time * float(np.sum(state.mass / state.density**2 * damped * state.density_rate))
         change = elastic(parameters, after) - elastic(parameters, state)
         errors.append(abs(float(state.budget[WORK]) - change - against) / abs(change))
     assert errors[0] < 1e-4
@@ -280,15 +280,15 @@ def test_the_work_of_dummies_is_what_the_energies_gain(force, walls, gravity, bo
     state.velocity[:] = dice.normal(size=state.velocity.shape)
     state.density[:] *= dice.uniform(1.005, 1.01, len(state.density))
     workspace = SPH.workspace(parameters, state, 1.0)
-    take_thickening(parameters, state, workspace)
-    take_forces(parameters, state, workspace, 1e-3)
+    evaluate_density_rate(parameters, state, workspace)
+    evaluate_accelerations(parameters, state, workspace, 1e-3)
     push = state.acceleration - parameters.gravity[:, None]
     kinetic = float(np.sum(state.mass * (push * state.velocity).sum(axis=0)))
     pressure = workspace.fields.pressure[: len(state.mass)]
-    elastic_power = float(np.sum(state.mass * pressure / state.density**2 * state.thickening))
+    elastic_power = float(np.sum(state.mass * pressure / state.density**2 * state.density_rate))
     pull = np.array([*parameters.gravity, 0.0, 0.0, 0.0, 0.0])[:, None]
-    moved = float(np.sum(parameters.bodies.mass * ((state.push - pull) * state.motion)[:3]))
-    now = instant(parameters, state)
+    moved = float(np.sum(parameters.bodies.mass * ((state.body_acceleration - pull) * state.motion)[:3]))
+    now = with_moved_solids(parameters, state)
     power = power_of_forces(now, state, workspace)
     assert abs(power_of_dummies(now, state, workspace)) > 0.005 * abs(elastic_power)
     assert kinetic + elastic_power + moved == pytest.approx(power, rel=1e-9)

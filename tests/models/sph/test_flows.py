@@ -97,7 +97,7 @@ def test_vortices_start_with_the_pressure_that_keeps_them():
     np.testing.assert_allclose(first.arrays["pressure"], exact, atol=2e-3)
 
 
-def crowding(frame, smoothing):
+def concentration_gradient(frame, smoothing):
     """The mean over all particles of what their neighbors and they weigh, over the reference density."""
     apart = frame.arrays["position"][:, None] - frame.arrays["position"][None]
     distance = np.linalg.norm(apart - np.round(apart), axis=2)
@@ -108,7 +108,7 @@ def test_a_full_box_that_orders_itself_thins_by_as_much_as_particles_spread():
     # Continuity goes on with the density from where it was put, the reference: but out of order particles crowd more.
     first, last = ecume.simulate(vortices(jitter=0.2))
     thinned = first.arrays["density"].mean() - last.arrays["density"].mean()
-    spread = crowding(first, 0.1) - crowding(last, 0.1)
+    spread = concentration_gradient(first, 0.1) - concentration_gradient(last, 0.1)
     assert spread > 2e-3
     assert thinned == pytest.approx(spread, rel=0.15)
 

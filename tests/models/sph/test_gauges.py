@@ -7,7 +7,7 @@ import pytest
 
 from ecume.analysis import fields as readers
 from ecume.errors import SceneError
-from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.record import SPH, start
 from ecume.models.sph.report.observation import gauges_of, readings, sensing_area
 from ecume.scenes.load import from_plain, to_plain
@@ -33,7 +33,7 @@ def read(scene):
     state = start(scene, parameters)
     pressure = 1.0 - state.position[1]
     state.velocity[0] = 3.0 * state.position[1]
-    return readings(instant(parameters, state), state, pressure)
+    return readings(with_moved_solids(parameters, state), state, pressure)
 
 
 def test_a_probe_at_a_wall_reads_the_pressure_of_its_depth():
@@ -98,7 +98,7 @@ def test_a_probe_on_a_wall_that_moves_has_the_room_before_the_wall(way):
     state.clock[0] = 1.0
     state.position[0] += way * state.position[0]
     state.density[:] /= 1.0 + way
-    numbers, _ = readings(instant(parameters, state), state, np.ones(state.density.shape))
+    numbers, _ = readings(with_moved_solids(parameters, state), state, np.ones(state.density.shape))
     assert numbers["P_pressure"] == pytest.approx(1.0)
 
 

@@ -11,7 +11,7 @@ from ecume.laws.kernels import kernel as named_kernel
 from ecume.models.model import DIVERGED, DONE
 from ecume.models.sph import SPH
 from ecume.models.sph import projection as equations
-from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.projection import Problem, solve
 from ecume.models.sph.rates.right_hand_side import fill, shifts_needed, take_shift
 from ecume.models.sph.state import ITERATIONS, RESIDUAL
@@ -66,7 +66,7 @@ def after(scene, steps):
 def equation_of(scene, time=0.02):
     """The pressure equation of a scene at its start."""
     parameters, state, workspace = begun(scene)
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
     return equations.assemble(now, parameters.projection, workspace, time)
 
@@ -95,7 +95,7 @@ def test_loops_agree_with_the_formulas(scene):
     """Each sum once more, particle by particle, without the loops."""
     equation = equation_of(scene)
     parameters, state, workspace = begun(scene)
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
     fields, h = workspace.fields, float(now.numbers.smoothing_length)
     pressure = np.random.default_rng(2).uniform(0.0, 1.0, len(state.mass))
@@ -299,7 +299,7 @@ def test_compression_of_second_order_is_that_of_a_linear_flow(seed):
     time, matrix = 0.02, np.random.default_rng(seed).normal(size=(2, 2))
     parameters, state, workspace = begun(tank(12, method={"jitter": 0.0}))
     state.velocity[...] = matrix @ state.position
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     state.acceleration[...] = 0.0
     system = equations.assemble(now, parameters.projection, workspace, time)

@@ -9,7 +9,7 @@ from ecume.laws.flows import channel_speed
 from ecume.models.model import EXCHANGE
 from ecume.models.sph.boundaries.open_boundaries import speed_at
 from ecume.models.sph.record import SPH
-from ecume.models.sph.state import CAME, LEFT, LOST, NEXT
+from ecume.models.sph.state import ENTERED, LEFT, LOST, NEXT
 from ecume.scenes.load import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
 from tests.models.sph.test_runs import copy_of
@@ -95,7 +95,7 @@ def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
     state = SPH.start(scene, SPH.parameters(scene))
     before = state.position.shape[1]
     state = integrated_through(scene, 120, state)
-    came, left, lost, after = (int(state.population[k]) for k in (CAME, LEFT, LOST, NEXT))
+    came, left, lost, after = (int(state.population[k]) for k in (ENTERED, LEFT, LOST, NEXT))
     assert came > 30
     assert left > 20
     assert state.position.shape[1] == before + came - left - lost
@@ -128,9 +128,9 @@ def test_profiles_have_the_mean_that_was_asked_for():
     for level in (None, 0.6):
         plain = to_plain(channel())
         plain["tank"]["left"]["level"] = level
-        (gate, _) = SPH.parameters(from_plain(plain)).gates
+        (opening, _) = SPH.parameters(from_plain(plain)).open_boundaries
         heights = (np.arange(1000) + 0.5) / 1000 * (level or 1.0)
-        speeds = speed_at(gate, np.stack([np.zeros(1000), heights], axis=1))
+        speeds = speed_at(opening, np.stack([np.zeros(1000), heights], axis=1))
         assert speeds.mean() == pytest.approx(1.0, rel=1e-4)
         assert (speeds[-1] < 0.01) == (level is None)
 

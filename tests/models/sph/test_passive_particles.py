@@ -8,7 +8,7 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.models.sph.integration.passive_particles import move_passive_particles, surroundings
-from ecume.models.sph.rates.right_hand_side import fill, take_forces
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, fill
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of
 from ecume.scenes.load import from_plain, to_plain
@@ -164,7 +164,7 @@ def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscos
         """Where a step brings tracers beside where the flow carries them."""
         state.velocity[...] = np.array(gradient) @ state.position
         state.density[...] = parameters.material.density
-        take_forces(parameters, state, workspace, time)
+        evaluate_accelerations(parameters, state, workspace, time)
         before = state.passive_position.copy()
         around = surroundings(parameters, workspace, before)
         move_passive_particles(parameters, state, workspace, time)

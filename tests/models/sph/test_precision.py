@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_sums import at_start
 
@@ -16,9 +16,9 @@ def rates(scene):
     x, y, *_ = state.position - np.array(scene.tank.low)[:, None]
     state.velocity[0], state.velocity[1] = 0.3 * np.sin(5.0 * y), 0.2 * np.cos(7.0 * x)
     state.density[...] *= 1.0 + 0.003 * np.sin(7.0 * x)
-    take_thickening(parameters, state, workspace)
-    take_forces(parameters, state, workspace, parameters.time_step)
-    return workspace, state.thickening, state.acceleration
+    evaluate_density_rate(parameters, state, workspace)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
+    return workspace, state.density_rate, state.acceleration
 
 
 def off_by(single, double):
@@ -27,16 +27,16 @@ def off_by(single, double):
 
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_single_precision_keeps_six_digits_wherever_the_tank_stands(walls):
-    _, thickening, acceleration = rates(tank(walls=walls))
+    _, density_rate, acceleration = rates(tank(walls=walls))
     workspace, *single = rates(tank(walls=walls, precision="single", away=AWAY))
     assert workspace.fields.table.dtype == workspace.rates.table.dtype == np.float32
-    assert 1e-9 < off_by(single[0], thickening) < 2e-6
+    assert 1e-9 < off_by(single[0], density_rate) < 2e-6
     assert 1e-9 < off_by(single[1], acceleration) < 2e-6
 
 
 @pytest.mark.compiled
 def test_in_three_dimensions_too():
-    _, thickening, acceleration = rates(free_blob(3, density_diffusion="none"))
+    _, density_rate, acceleration = rates(free_blob(3, density_diffusion="none"))
     _, *single = rates(free_blob(3, density_diffusion="none", precision="single"))
-    assert 1e-9 < off_by(single[0], thickening) < 2e-6
+    assert 1e-9 < off_by(single[0], density_rate) < 2e-6
     assert 1e-9 < off_by(single[1], acceleration) < 2e-6

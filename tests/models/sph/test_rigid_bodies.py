@@ -8,7 +8,7 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.laws.kernels import kernel
-from ecume.models.sph.boundaries.rigid_bodies import apparent_gravity, delay, expel_liquid, instant
+from ecume.models.sph.boundaries.rigid_bodies import apparent_gravity, delay, expel_liquid, with_moved_solids
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain, to_plain
@@ -34,12 +34,12 @@ def test_dummies_of_an_accelerated_body_have_the_hydrostatic_pressure_of_its_fra
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
-    state.felt[:2, 0] = ACCELERATION
+    state.delayed_body_acceleration[:2, 0] = ACCELERATION
     tait = parameters.equation_of_state
     # The enthalpy of a liquid at rest in that frame is (g - a).x, whatever its law.
     head = (GRAVITY - ACCELERATION) @ state.position
     state.density[...] = tait.density * (1.0 + 6.0 * head / tait.sound_speed**2) ** (1.0 / 6.0)
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     liquid = state.position.shape[1]
     found = workspace.fields.enthalpy[liquid : len(workspace.lists.counts)]
@@ -52,9 +52,11 @@ def test_dummies_of_an_accelerated_body_have_the_hydrostatic_pressure_of_its_fra
 def test_a_dummy_of_a_turning_body_feels_what_turns_it():
     parameters = SPH.parameters(blob())
     state = SPH.start(blob(), parameters)
-    state.motion[5, 0], state.felt[5, 0] = 3.0, 7.0
-    dummies = instant(parameters, state).boundary.dummies
-    pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+    state.motion[5, 0], state.delayed_body_acceleration[5, 0] = 3.0, 7.0
+    dummies = with_moved_solids(parameters, state).boundary.dummies
+    pulls = apparent_gravity(
+        parameters.bodies, dummies, (state.pose, state.motion, state.delayed_body_acceleration), parameters.gravity
+    )
     x, y = dummies.position - state.pose[:2, :1]
     np.testing.assert_allclose(GRAVITY[:, None] - pulls, [-7.0 * y - 9.0 * x, 7.0 * x - 9.0 * y], atol=1e-12)
 

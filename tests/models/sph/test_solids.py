@@ -9,7 +9,7 @@ from ecume.engine.shapes import Ball, Box, Polygon
 from ecume.errors import SceneError
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, collide, move_bodies, rotations
-from ecume.models.sph.rates.right_hand_side import take_forces
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.shapes import dummies_of
 from ecume.scenes.load import from_plain, to_plain
@@ -134,7 +134,7 @@ def test_the_force_on_solids_is_minus_that_on_the_liquid(force):
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
     SPH.advance(parameters, state, workspace, 1)
-    take_forces(parameters, state, workspace, 0.0)
+    evaluate_accelerations(parameters, state, workspace, 0.0)
     report = sum(force for _, force, _ in loads(parameters, workspace))[:2]
     gained = state.acceleration @ state.mass - parameters.gravity * state.mass.sum()
     # Not to the last bit: an image has its source's pressure and the weight between, and so has a dummy's.

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ecume.laws.viscous import friction_left
-from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate, evaluate_rates, fill
+from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.rates.sums import RADIAL_FRICTION
-from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import likely_neighbors
 from ecume.scenes.load import from_plain, to_plain
@@ -39,7 +39,7 @@ def test_forces_between_particles_change_no_momentum(force, dimension):
     more = {"background_pressure": 0.0} if force == "transport" else {}
     parameters, state, workspace = at_start(free_blob(dimension, pressure_force=force, **more))
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     momentum = state.acceleration @ state.mass
     assert np.abs(state.acceleration).max() > 1.0
     np.testing.assert_allclose(momentum, 0.0, atol=1e-12 * np.abs(state.acceleration * state.mass).sum())
@@ -49,7 +49,7 @@ def test_forces_between_particles_change_no_momentum(force, dimension):
 def test_a_central_force_turns_nothing(dimension):
     parameters, state, workspace = at_start(free_blob(dimension))
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     x, a = state.position, state.acceleration
     torque = np.sum(state.mass * (x[0] * a[1] - x[1] * a[0]))
     assert abs(torque) < 1e-12 * np.sum(state.mass * np.abs(a).max())
@@ -61,10 +61,10 @@ def test_a_liquid_that_turns_like_a_solid_feels_no_friction_and_one_that_shears_
     x, v = state.position, state.velocity
     v[...] = 0.0
     v[0], v[1] = 0.3 - x[1], x[0]
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     np.testing.assert_allclose(state.acceleration, 0.0, atol=1e-12)
     v[0] = np.sin(3.0 * x[1])
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     push = state.mass * state.acceleration
     assert np.sum(push * v) < -0.1 * np.abs(push * v).sum()
     assert np.abs(push.sum(axis=1)).max() < 1e-12 * np.abs(push).sum()
@@ -81,7 +81,7 @@ def test_a_surface_takes_as_much_of_the_friction_as_pairs_reach_through_it(dimen
     parameters, state, workspace = at_start(scene)
     fill(parameters, state, workspace)
     workspace.rates.acceleration[:3] = 0.0
-    take_sum(RADIAL_FRICTION, parameters, workspace)
+    evaluate_sum(RADIAL_FRICTION, parameters, workspace)
     power = -np.sum(state.mass * workspace.rates.acceleration[:dimension] * state.velocity)
     full = lattice * 2.0 * np.sum(stretch**2) * len(state.mass) / count**dimension
     reach = parameters.numbers.smoothing_length * (1.0 if dimension == 2 else 10.0 / 9.0)
@@ -98,17 +98,17 @@ def test_an_expanding_lattice_thins_by_its_divergence():
     scene = free_blob(jitter=0.0, density_diffusion="none", kernel="wendland-c2")
     parameters, state, workspace = at_start(scene)
     state.velocity[...] = 0.3 * state.position
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     middle = np.argmin((state.position**2).sum(axis=0))
     # The lattice's own quadrature of the kernel is what differs from -rho div v.
-    assert state.thickening[middle] / (-2.0 * 0.3 * state.density[middle]) == pytest.approx(1.0, abs=0.02)
+    assert state.density_rate[middle] / (-2.0 * 0.3 * state.density[middle]) == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_rigid_rotation_thickens_nothing():
     parameters, state, workspace = at_start(free_blob(density_diffusion="none"))
     state.velocity[0], state.velocity[1] = -state.position[1], state.position[0]
-    take_thickening(parameters, state, workspace)
-    np.testing.assert_allclose(state.thickening, 0.0, atol=1e-10)
+    evaluate_density_rate(parameters, state, workspace)
+    np.testing.assert_allclose(state.density_rate, 0.0, atol=1e-10)
 
 
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
@@ -120,18 +120,18 @@ def test_diffusion_leaves_a_tait_column_at_rest_alone(walls):
     state.density[...] = ratio ** (1.0 / 6.0)
     state.reference[...] = state.position
     workspace.take(SPH.workspace(parameters, state, 1.0))
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     # A density error of a hundredth of the whole range would diffuse at a rate of about one.
     assert np.abs(workspace.rates.diffusion).max() < 1e-12
     state.density[5] *= 1.001
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     assert workspace.rates.diffusion[5] < -1e-3
 
 
 def test_diffusion_moves_density_and_makes_none():
     parameters, state, workspace = at_start(free_blob(density_diffusion="molteni"))
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     flow = workspace.rates.diffusion * workspace.fields.volume[: state.position.shape[1]]
     assert abs(flow.sum()) < 1e-12 * np.abs(flow).sum()
 
@@ -139,7 +139,7 @@ def test_diffusion_moves_density_and_makes_none():
 def test_antuono_does_not_touch_a_density_that_grows_linearly():
     parameters, state, workspace = at_start(free_blob(density_diffusion="antuono"))
     state.density[...] = 1000.0 + 5.0 * state.position[0] - 3.0 * state.position[1]
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     assert np.abs(workspace.rates.diffusion).max() < 1e-9
 
 
@@ -147,11 +147,11 @@ def test_antuono_does_not_touch_a_density_that_grows_linearly():
 def test_one_sum_gives_what_two_give(force):
     parameters, state, workspace = at_start(free_blob(3, density_diffusion="none", pressure_force=force))
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
-    take_thickening(parameters, state, workspace)
-    take_forces(parameters, state, workspace, parameters.time_step)
-    apart = state.thickening.copy(), state.acceleration.copy()
-    take_both(parameters, state, workspace, parameters.time_step)
-    np.testing.assert_allclose(state.thickening, apart[0], rtol=1e-12, atol=1e-9)
+    evaluate_density_rate(parameters, state, workspace)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
+    apart = state.density_rate.copy(), state.acceleration.copy()
+    evaluate_rates(parameters, state, workspace, parameters.time_step)
+    np.testing.assert_allclose(state.density_rate, apart[0], rtol=1e-12, atol=1e-9)
     np.testing.assert_allclose(state.acceleration, apart[1], rtol=1e-12, atol=1e-9)
 
 
@@ -159,8 +159,8 @@ def test_the_sums_are_those_of_the_laws_pair_by_pair():
     parameters, state, workspace = at_start(free_blob(kernel="quintic-spline", density_diffusion="none"))
     state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
     fill(parameters, state, workspace)
-    take_thickening(parameters, state, workspace)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_density_rate(parameters, state, workspace)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     from ecume.laws.kernels import kernel
 
     shape, h, i = kernel("quintic-spline", dim=2), parameters.numbers.smoothing_length, 17
@@ -170,11 +170,11 @@ def test_the_sums_are_those_of_the_laws_pair_by_pair():
     pressure = workspace.fields.pressure[: len(distance)]
     volume = state.mass / state.density
     difference = state.velocity - state.velocity[:, i : i + 1]
-    thickening = -state.density[i] * np.sum(volume * difference * gradient)
-    assert state.thickening[i] == pytest.approx(thickening, rel=1e-10)
+    density_rate = -state.density[i] * np.sum(volume * difference * gradient)
+    assert state.density_rate[i] == pytest.approx(density_rate, rel=1e-10)
     approach = np.minimum((difference * apart).sum(axis=0), 0.0) / (distance**2 + 0.01 * h * h)
     damping = -0.02 * 10.0 * h * 1000.0 * approach
-    pressure = pressure + parameters.bulk_viscosity * state.thickening / state.density
+    pressure = pressure + parameters.bulk_viscosity * state.density_rate / state.density
     assert parameters.bulk_viscosity == pytest.approx(2.0 * 1000.0 * 10.0 * h)
     force = -np.sum(volume * (pressure + pressure[i] + damping) * gradient, axis=1) / state.density[i]
     np.testing.assert_allclose(state.acceleration[:, i], force, rtol=1e-9)
@@ -209,7 +209,7 @@ def test_forces_know_no_axis(force):
 
     def forces(parameters, state, workspace):
         # The background pressure is what makes the transport velocity count; scenes with open sides may have none.
-        take_forces(parameters._replace(background=1.0), state, workspace, parameters.time_step)
+        evaluate_accelerations(parameters._replace(background=1.0), state, workspace, parameters.time_step)
         return state.acceleration.copy()
 
     one, other = with_axes_renamed(coarse_blob(pressure_force=force, viscosity=1.0, **more), forces)
@@ -218,7 +218,7 @@ def test_forces_know_no_axis(force):
 
 def test_density_gradients_know_no_axis():
     def gradients(parameters, state, workspace):
-        take_thickening(parameters, state, workspace)
+        evaluate_density_rate(parameters, state, workspace)
         return workspace.fields.density_gradient[:, : state.position.shape[1]].copy()
 
     one, other = with_axes_renamed(coarse_blob(density_diffusion="antuono"), gradients)

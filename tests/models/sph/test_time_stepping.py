@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.models.sph.integration.time_stepping import displacement_of_solids, divisions_needed, move, renew
-from ecume.models.sph.rates.right_hand_side import take_forces
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
 from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain
 from tests.models.sph.scenes import free_blob
@@ -83,11 +83,16 @@ def test_a_solid_that_comes_down_on_calm_water_feels_it_as_with_fresh_lists(soli
     fresh, lists = copy_of(state), begun(calm(**solid))[2]
     renew(parameters, fresh, lists)
     for one, scratch in ((state, workspace), (fresh, lists)):
-        take_forces(parameters, one, scratch, parameters.time_step)
+        evaluate_accelerations(parameters, one, scratch, parameters.time_step)
     places = [np.argsort(one.identity) for one in (state, fresh)]
     found, expected = (one.acceleration[:, place] for one, place in zip((state, fresh), places, strict=True))
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
-    np.testing.assert_allclose(state.push, fresh.push, rtol=0.0, atol=1e-9 * np.abs(fresh.push).max(initial=0.0))
+    np.testing.assert_allclose(
+        state.body_acceleration,
+        fresh.body_acceleration,
+        rtol=0.0,
+        atol=1e-9 * np.abs(fresh.body_acceleration).max(initial=0.0),
+    )
     # And there is something to feel: the surface below is pushed down harder than by its weight.
     at_rest = alone[1].acceleration[1].min()
     assert expected[1].min() < 3.0 * at_rest - 1.0

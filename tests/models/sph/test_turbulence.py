@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.rates.right_hand_side import fill, take_forces
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, fill
 from ecume.models.sph.record import SPH
 from tests.models.sph.scenes import free_blob
 
@@ -17,7 +17,7 @@ def stirred(gradient):
     state.density[...] = parameters.material.density
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
-    take_forces(parameters, state, workspace, parameters.time_step)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
     return workspace.fields.viscosity[: state.position.shape[1]], state
 
 

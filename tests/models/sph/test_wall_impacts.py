@@ -6,7 +6,7 @@ import pytest
 import ecume
 from ecume.laws.kernels import kernel
 from ecume.laws.wall_forces import impact_braking
-from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.boundaries.walls import all_braked, weight_at
 from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain, to_plain
@@ -70,7 +70,7 @@ def test_walls_report_the_braking_and_the_liquid_gets_the_opposite():
     state.reference[...] = state.position
     (pushed,) = [each for each in all_braked(parameters, state) if len(each.who)]
     reported = [SPH.observe(which, state, workspace).numbers for which in (parameters, not_braked(parameters))]
-    got = float(pushed.push[0] @ state.mass[pushed.who])
+    got = float(pushed.acceleration[0] @ state.mass[pushed.who])
     assert got < -0.1
     assert reported[0]["right_force_x"] - reported[1]["right_force_x"] == pytest.approx(-got, rel=1e-9)
     for key in ("left_force_x", "bottom_force_y"):
@@ -92,13 +92,13 @@ def test_the_braking_is_relative_to_a_moving_wall():
     moving = {"kind": "wall", "motion": {"amplitude": 0.05, "frequency": 1.0, "phase": 0.0}}
     plain = to_plain(thrown())
     parameters, state, _ = started(from_plain({**plain, "tank": {**plain["tank"], "right": moving}}))
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     speed = now.boundary.guard.sheet.number[now.boundary.guard.owner == 1][0, 4]
     state.position[0] += 0.37
     state.velocity[0] = speed + 1e-12 * np.sign(speed)
     pushed = [each for each in all_braked(now, state) if parameters.boundary.names[each.owner] == "right"]
     assert abs(speed) > 0.1
-    assert sum(float(np.abs(each.push).sum()) for each in pushed) < 1e-9
+    assert sum(float(np.abs(each.acceleration).sum()) for each in pushed) < 1e-9
 
 
 @pytest.mark.parametrize("scene", [

@@ -79,7 +79,7 @@ def test_what_a_body_pushes_off_pushes_it():
     SPH.advance(parameters, state, workspace, 1)
     frame = SPH.observe(parameters, state, workspace)
     leaning = frame.numbers["leaning"]
-    push = state.push[:2, 0] - parameters.gravity
+    push = state.body_acceleration[:2, 0] - parameters.gravity
     got = (state.acceleration - parameters.gravity[:, None]) @ state.mass
     np.testing.assert_allclose(got, -parameters.bodies.mass[0] * push, atol=1e-12)
     assert leaning == 1

@@ -49,10 +49,10 @@ def channel(**changes):
 @pytest.mark.compiled
 def test_as_many_come_in_as_were_asked_for_and_leave_two_seconds_later():
     for frame in ecume.simulate(channel()):
-        came, left = frame.numbers["came_through_opening_0"], frame.numbers["left_through_opening_1"]
-        assert came == pytest.approx(200.0 * frame.time, abs=1)
-        assert len(frame.arrays["position"]) == 2 + came
-        assert frame.numbers["particles_inside"] == 2 + came - left
+        entered_count, left = frame.numbers["came_through_opening_0"], frame.numbers["left_through_opening_1"]
+        assert entered_count == pytest.approx(200.0 * frame.time, abs=1)
+        assert len(frame.arrays["position"]) == 2 + entered_count
+        assert frame.numbers["particles_inside"] == 2 + entered_count - left
         if frame.time > 2.1:
             assert left == pytest.approx(200.0 * (frame.time - 2.0) + 2, abs=5)
     assert frame.numbers["came_through_opening_1"] == 0.0
@@ -127,9 +127,9 @@ def test_a_species_settles_in_from_above_and_keeps_its_radius_from_the_walls():
     assert x.max() <= 1.0 - 1e-3
     assert np.abs(np.sort(x) - (np.arange(150) + 0.5) / 150).max() < 2.0 / np.sqrt(150)
     (*_, last) = ecume.simulate(scene)
-    came = last.arrays["species"][2:]
-    assert np.all(came == 1)
-    assert len(came) == 150
+    entered_count = last.arrays["species"][2:]
+    assert np.all(entered_count == 1)
+    assert len(entered_count) == 150
 
 
 def test_an_entrance_in_an_askew_wall_is_the_part_of_it_in_the_box():

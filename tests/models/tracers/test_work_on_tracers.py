@@ -41,7 +41,7 @@ def test_a_grain_that_the_liquid_keeps_up_costs_its_weight_times_the_speed(regim
     }
     parameters = MODELS["tracers"].parameters(alone(grain(), **motion))
     bodies = parameters.bodies
-    weight, speed = float(bodies.mass[0] * bodies.push[0]), float(bodies.settling[0])
+    weight, speed = float(bodies.mass[0] * bodies.apparent_gravity[0]), float(bodies.settling[0])
     energy, work = budget(alone(grain((0.0, 0.0)), **motion, flow=FlowSpec(velocity=(0.0, speed))))
     np.testing.assert_allclose(work, weight * speed * 0.01 * np.arange(21), rtol=1e-9, atol=1e-20)
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
@@ -106,7 +106,7 @@ def test_without_inertia_noise_does_not_change_the_work_of_settling():
     scene = TracersScene(duration=0.5, frame_every=0.1, particles=(silt,), **motion)
     bodies = MODELS["tracers"].parameters(scene).bodies
     energy, work = budget(scene)
-    lost = float(np.sum(bodies.mass * bodies.push * bodies.settling)) * 0.1 * np.arange(6)
+    lost = float(np.sum(bodies.mass * bodies.apparent_gravity * bodies.settling)) * 0.1 * np.arange(6)
     assert np.abs(np.diff(work)).max() > 0.01 * lost[1]
     np.testing.assert_allclose(work - energy + energy[0], lost, rtol=1e-9, atol=1e-9 * lost[1])
 

@@ -109,11 +109,11 @@ def _one(right: Array, solution: Array, at: tuple[Integers, int], ways: tuple[Ma
     from scipy.sparse.linalg import LinearOperator, gmres
 
     (order, null_space_dimension), (size, (product, factored)) = at, (right.size, ways)
-    wanted = right[order].ravel()
-    wanted[:null_space_dimension] = 0.0
+    target = right[order].ravel()
+    target[:null_space_dimension] = 0.0
     whole, near = (LinearOperator((size, size), way, dtype=np.float64) for way in (product, factored))
-    found, _ = gmres(whole, wanted, M=near, rtol=0.1 * ACCURATE, restart=MOST_ITERATIONS, maxiter=1)
+    found, _ = gmres(whole, target, M=near, rtol=0.1 * ACCURATE, restart=MOST_ITERATIONS, maxiter=1)
     solution[order] = found.reshape(right.shape)
     center(solution, null_space_dimension)
-    left = np.abs(wanted - product(found)).max()
-    return bool(left <= USEFUL * np.abs(wanted).max())
+    left = np.abs(target - product(found)).max()
+    return bool(left <= USEFUL * np.abs(target).max())

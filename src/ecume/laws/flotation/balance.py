@@ -85,13 +85,13 @@ def round_load(contact: Contact, slope_angle: float, unit: float) -> Load:
 
 
 def stable_load(
-    load: Callable[[float], Load], wanted: float, neutral: float, limit: float, guess: float
+    load: Callable[[float], Load], target: float, neutral: float, limit: float, guess: float
 ) -> Load | None:
     """The root between the flat surface, which carries `neutral`, and the steepest slope that still carries more.
 
-    Newton's method inside a bracket that ends at the slope angle `limit`; None where nothing carries what is `wanted`.
+    Newton's method inside a bracket that ends at the slope angle `limit`; None where nothing carries what is `target`.
     """
-    excess = wanted - neutral
+    excess = target - neutral
     inner, outer = 0.0, max(-STEEPEST, min(STEEPEST, limit))
     psi, crossed, last = guess, False, math.inf
     for _ in range(TURNS):
@@ -100,8 +100,8 @@ def stable_load(
         found = load(psi)
         rising = found.change > 0.0
         # Where the load no longer rises, the bracket is halved without a Newton step.
-        step = (found.carried - wanted) / found.change if rising else 0.0
-        enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(wanted)) / found.change if rising else 0.0
+        step = (found.carried - target) / found.change if rising else 0.0
+        enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(target)) / found.change if rising else 0.0
         if rising and (abs(step) <= enough or last <= abs(step) <= STALLED * abs(psi)):
             return found
         last = abs(step)

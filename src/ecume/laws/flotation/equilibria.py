@@ -83,10 +83,10 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
     found, length = FLOATING[type(body)](body, liquid, theory), liquid.capillary_length
     if not 0.0 <= found.filling_angle <= math.pi:
         # Only nonlinear slopes know that they end; what the others take for one may lie where there is no body.
-        beyond, fate, cure = ("top", "sinks", "lighter") if found.slope_angle > 0.0 else LEAVES
+        beyond, outcome, cure = ("top", "sinks", "lighter") if found.slope_angle > 0.0 else LEAVES
         raise FloaterSinks(
             f"by the {theory} theory the contact line would lie beyond the {beyond} of this {type(body).__name__}: it "
-            f"{fate}; take a {cure} one, or theory = 'nonlinear', which limits the load of the surface"
+            f"{outcome}; take a {cure} one, or theory = 'nonlinear', which limits the load of the surface"
         )
     return Equilibrium(
         slope_angle=found.slope_angle,

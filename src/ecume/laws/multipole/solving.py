@@ -102,12 +102,12 @@ def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scra
     gap = distance - rims.radius[i] - rims.radius[j]
     if gap > rims.range:
         return
-    orders, wanted = len(turned), len(waves)
+    orders, received = len(turned), len(waves)
     # Zero, too, where the gap is that of rounding: then no order is negligible.
     falls = math.log((rims.radius[i] + rims.radius[j]) / distance)
     most = int(NEGLIGIBLE / falls) if falls < 0.0 else 2 * orders
     most = max(4, min(most, 2 * orders))
-    outgoing_ladder(distance, rims.reference, scratch[: min(most, wanted + orders) + 1])
+    outgoing_ladder(distance, rims.reference, scratch[: min(most, received + orders) + 1])
     turn = complex(x / distance, y / distance)
     phase = complex(1.0, 0.0)
     inverse, straight, crossed, regular = rims.inverse[j], rims.straight, rims.crossed, rims.regular[i]
@@ -116,7 +116,7 @@ def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scra
         phase *= turn
     strength = math.exp(-gap)
     phase = complex(strength, 0.0)
-    for n in range(min(wanted, most + 1)):
+    for n in range(min(received, most + 1)):
         real, imaginary = turned[0].real * scratch[n], 0.0
         for m in range(1, min(orders, most - n + 1)):
             along = straight[n, m] * scratch[n + m]
@@ -253,7 +253,7 @@ def make_round_echoes(brim: float, waves: int, orders: int, reference: float, pi
 
 
 @compiled
-def felt(echoes: Echoes, out: float, radius: float, orders: int) -> int:
+def waves_needed(echoes: Echoes, out: float, radius: float, orders: int) -> int:
     """How many of the round wall's orders a body feels, that far from the middle: few, unless it is near the wall."""
     ratio = (out + radius) / echoes.brim
     if ratio >= 1.0:
@@ -265,7 +265,7 @@ def felt(echoes: Echoes, out: float, radius: float, orders: int) -> int:
 def to_the_middle(rims: Rims, echoes: Echoes, j: int, place: Array, amplitudes: Waves, middle: Waves) -> None:
     """Add to `middle` (1, P + 1) what the body j sends, as seen from the middle."""
     out = math.sqrt(place[0] ** 2 + place[1] ** 2)
-    orders, waves = len(amplitudes), felt(echoes, out, rims.radius[j], len(amplitudes))
+    orders, waves = len(amplitudes), waves_needed(echoes, out, rims.radius[j], len(amplitudes))
     ladder, turned = np.zeros(waves + orders), np.zeros(orders, np.complex128)
     turn = complex(place[0] / out, place[1] / out) if out > 0.0 else complex(1.0, 0.0)
     regular_ladder(out, echoes.brim, ladder)
@@ -287,12 +287,12 @@ def to_the_middle(rims: Rims, echoes: Echoes, j: int, place: Array, amplitudes: 
 def from_the_middle(rims: Rims, echoes: Echoes, i: int, place: Array, middle: Waves, waves: Waves) -> None:
     """Add to `waves` of body i what the round wall answers."""
     out = math.sqrt(place[0] ** 2 + place[1] ** 2)
-    wanted, most = len(waves), felt(echoes, out, rims.radius[i], len(waves) - 1)
-    ladder = np.zeros(most + wanted)
+    received, most = len(waves), waves_needed(echoes, out, rims.radius[i], len(waves) - 1)
+    ladder = np.zeros(most + received)
     turn = complex(place[0] / out, place[1] / out) if out > 0.0 else complex(1.0, 0.0)
     regular_ladder(out, echoes.brim, ladder)
     back = complex(math.exp(out + rims.radius[i] - echoes.brim), 0.0)
-    for k in range(wanted):
+    for k in range(received):
         total, phase = complex(0.0, 0.0), complex(1.0, 0.0)
         for p in range(most):
             wave = echoes.answer[p] * middle[0, p] * phase
@@ -450,17 +450,17 @@ def iterate(
     """Improve `amplitudes` until the residual is below `tolerance` of the right side. How many directions that took;
     -1 if they did not lead there.
     """
-    wanted = tolerance * math.sqrt(product(right, right))
+    bound = tolerance * math.sqrt(product(right, right))
     taken, basis = 0, krylov.basis
     for _ in range(MOST_ROUNDS):
         length = residual(rims, echoes, position, right, amplitudes, (basis[0], krylov.waves))
-        if length <= wanted:
+        if length <= bound:
             return taken
         add(basis[0], 1.0 / length - 1.0, basis[0])
         krylov.right[:] = 0.0
         krylov.right[0] = length
         used = 0
-        while used < TURNS and abs(krylov.right[used]) > 0.5 * wanted:
+        while used < TURNS and abs(krylov.right[used]) > 0.5 * bound:
             more = expand(rims, echoes, position, krylov, used)
             rotate(krylov, used)
             used += 1

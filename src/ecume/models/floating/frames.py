@@ -27,7 +27,7 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.time_integration.integration import inertia_of
 from ecume.models.floating.time_integration.integrators import is_driven
-from ecume.models.invariants import INJECTED, Invariant, Seen, energy_never_rises, kept, part_of
+from ecume.models.invariants import INJECTED, Invariant, NumberHistory, energy_never_rises, kept, part_of
 from ecume.scenes.floating import FloatingScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -297,6 +297,6 @@ def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
     return scene.dish is None and not dragged and not pushed
 
 
-def _momenta(seen: Seen, mass: float) -> float:
+def _momenta(seen: NumberHistory, mass: float) -> float:
     """The largest possible momentum at this energy, sqrt(2 m E)."""
     return math.sqrt(2.0 * mass * seen.largest["kinetic_energy"])

@@ -30,9 +30,9 @@ class Built(NamedTuple):
     """A part of a scene, and its requirements on time step and lists."""
 
     part: Any
-    quickest: float = math.inf
+    shortest_time: float = math.inf
     """s: its shortest time scale, which limits the time step"""
-    stiffer: float = 1.0
+    stiffness_factor: float = 1.0
     """stiffness of contacts over that of superposition, at most"""
     reach: float = 0.0
     """m: the range of neighbor lists that it requires, without the skin"""

@@ -133,11 +133,11 @@ class Parameters(NamedTuple):
     slop: float
     """m: overlaps up to this value are tolerated"""
     drift: Drift
-    quickest: float = math.inf
+    shortest_time: float = math.inf
     """s: the shortest time scale of the parts, which limits the time step beside the pair law"""
-    stiffer: float = 1.0
+    stiffness_factor: float = 1.0
     """the stiffness of the parts over that of superposition, at most"""
-    collective: float = 1.0
+    raft_mobility: float = 1.0
     """the speed of a raft of all floats over that of a single one under the same force per float, at most"""
     single: bool = False
     """whether pair forces are computed in single precision"""
@@ -221,9 +221,9 @@ class State(NamedTuple):
     """(1,) number of stored contacts"""
     touching: Integers
     """(4 N + 16, 2) the stored contacts (i, j); wall number k is N + k"""
-    push: Array
+    contact_impulse: Array
     """(4 N + 16,) impulses of these contacts, from which the next solve starts"""
-    rub: Array
+    friction_impulse: Array
     """(4 N + 16,) tangential impulses; (0,) without friction"""
     amplitudes: Array
     """(N, 2 (order + 1)) real and imaginary parts of the multipoles, from which the next solution starts; (N, 0)
@@ -275,8 +275,8 @@ def make_state(position: Array, velocity: Array) -> State:
         reference=np.array(position, dtype=np.float64),
         touches=np.zeros(1, np.int64),
         touching=np.zeros((4 * count + 16, 2), np.int64),
-        push=np.zeros(4 * count + 16),
-        rub=np.zeros(0),
+        contact_impulse=np.zeros(4 * count + 16),
+        friction_impulse=np.zeros(0),
         amplitudes=np.zeros((count, 0)),
         turning=np.zeros((count, 0)),
         tally=np.zeros(5),

@@ -126,7 +126,9 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
             )
         return Built(part, shortest_time(total, part, parameters), reach=part.cutoff)
 
-    def energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+    def energy(
+        part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
+    ) -> tuple[float, float]:
         return float(potential(part, state.position, workspace.lists)), 0.0
 
     row = Interaction(
@@ -146,7 +148,7 @@ def _adding(total: Any) -> Any:
 
     @compiled_for_laws
     def add_forces(
-        part: Any, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+        part: Any, scratch: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
     ) -> None:
         order, rows = lists.cells.order, lists.rows
         x, y = rows.sorted_position[0], rows.sorted_position[1]

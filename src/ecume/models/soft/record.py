@@ -12,7 +12,7 @@ from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.soft_pair import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.costs import require_memory
-from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Seen, part_of
+from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, part_of
 from ecume.models.model import DEEP, Layout, Model, Row, Source, first_broken
 from ecume.models.soft.contacts.contact_list import box_in
 from ecume.models.soft.integration import dirk_schemes
@@ -136,7 +136,7 @@ def most_missing(parameters: Parameters) -> float:
     return float(LOOSE * parameters.tolerance ** (order / (order + 1.0)) + ROUNDED)
 
 
-def _missing(seen: Seen) -> float:
+def _missing(seen: NumberHistory) -> float:
     """The defect of the energy budget: work less the change of stored energy, dissipation, and the part of contact
     sizes.
     """
@@ -148,16 +148,16 @@ def _missing(seen: Seen) -> float:
     return part_of(abs(now[INJECTED] - first.get(INJECTED, 0.0) - spent), moved + seen.largest[STAKE])
 
 
-def _deflected(seen: Seen) -> float:
+def _deflected(seen: NumberHistory) -> float:
     """Zero in runs of an earlier version."""
     return seen.now.get("largest_deflection", 0.0)
 
 
-def _closed(seen: Seen) -> float:
+def _closed(seen: NumberHistory) -> float:
     return 0.0 if seen.now["smallest_gap"] > 0.0 else 1.0
 
 
-def _left(seen: Seen) -> float:
+def _left(seen: NumberHistory) -> float:
     return seen.now["imbalance"]
 
 

@@ -106,9 +106,9 @@ class Rates(NamedTuple):
     """the divergence of position: d in full surroundings"""
     acceleration: Floats
     """(3, N) the pressure force, or the viscous force, as the sums have it"""
-    crowding: Floats
+    concentration_gradient: Floats
     """(3, N) the gradient of the particle concentration, reversed"""
-    even_crowding: Floats
+    even_concentration_gradient: Floats
     """(3, N) the same vector with equal weights of all neighbors"""
 
     @property
@@ -124,8 +124,8 @@ class RateRows(NamedTuple):
     diffusion: int = 1
     fullness: int = 2
     acceleration: int = 3
-    crowding: int = 6
-    even_crowding: int = 9
+    concentration_gradient: int = 6
+    even_concentration_gradient: int = 9
 
 
 RATE = RateRows()

@@ -118,7 +118,7 @@ class Drive(NamedTuple):
     """(n, T)"""
 
 
-class Gate(NamedTuple):
+class OpenBoundary(NamedTuple):
     """A side that liquid comes in or goes out through, with a buffer behind it."""
 
     zone: int
@@ -271,7 +271,7 @@ class Parameters(NamedTuple):
     """1/s, of the pull towards a point; zero without"""
     pull_center: Array
     """(d,) m"""
-    gates: tuple[Gate, ...]
+    open_boundaries: tuple[OpenBoundary, ...]
     bounds: Array
     """(2, d) beyond which liquid is lost"""
     moves: bool

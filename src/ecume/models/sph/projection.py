@@ -54,7 +54,7 @@ from ecume.engine.neighbor_rows import Lists
 from ecume.laws import incompressible
 from ecume.laws.incompressible import correction, density_excess, free_correction, straight_motion_excess
 from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
-from ecume.models.sph.boundaries.rigid_bodies import instant
+from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters, Projection
 from ecume.models.sph.rates.kernel_loops import KernelType, kernel_type, value_of, written_slope
@@ -438,7 +438,7 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     settings = parameters.projection
     if settings is None:
         raise ValueError("got a compressible liquid; expected one with a Projection")
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     fill(now, state._replace(pressure=np.zeros_like(state.pressure)), workspace)
     system = assemble(now, settings, workspace, time)
     summed = density_excess(system.summed, settings.lattice_sum)

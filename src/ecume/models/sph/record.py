@@ -16,7 +16,7 @@ from ecume.models.actions import Access
 from ecume.models.costs import within_steps
 from ecume.models.model import Layout, Model, Row, first_broken, when
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
-from ecume.models.sph.boundaries.rigid_bodies import at_reference, instant
+from ecume.models.sph.boundaries.rigid_bodies import at_reference, with_moved_solids
 from ecume.models.sph.boundaries.walls import flag_outside
 from ecume.models.sph.fields import FIELDS, RATES
 from ecume.models.sph.integration.time_stepping import advance
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 def faults(scene: SphScene, parameters: Parameters, state: State) -> list[str]:
     """The particles behind a wall, in a solid, or beyond an open side."""
-    guard, outside = instant(parameters, state).boundary.guard, np.zeros(len(state.mass), np.bool_)
+    guard, outside = with_moved_solids(parameters, state).boundary.guard, np.zeros(len(state.mass), np.bool_)
     if len(guard.owner):
         flag_outside(state.position, guard.sheet.kind, guard.sheet.number, 0.0, outside)
     low, high = parameters.bounds[:, :, None]
@@ -102,7 +102,7 @@ def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
         {
             "identity": (0, math.inf),
             "region": (0, len(scene.fluid) - 1),
-            "zone": (0, len(parameters.gates)),
+            "zone": (0, len(parameters.open_boundaries)),
             "skin": (0.0, MOST_SKIN * parameters.support),
         },
     )

@@ -20,7 +20,7 @@ SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, ITERATIONS, MOST_ITERATIONS, RESI
 """Places in `State.tally`."""
 WORK, RATE = range(2)
 """Places in `State.budget`."""
-CAME, LEFT, LOST, NEXT = range(4)
+ENTERED, LEFT, LOST, NEXT = range(4)
 """Places in `State.population`."""
 SORT_EVERY = 16
 """Particles are put into cell order at every so many-th renewal of the lists."""
@@ -47,7 +47,7 @@ class State(NamedTuple):
     """(N,) kg/m^3"""
     pressure: Array
     """(N,) Pa, of incompressible liquids alone; the first guess of the next step"""
-    thickening: Array
+    density_rate: Array
     """(N,) kg/(m^3 s): the rate of density, of the Verlet scheme alone"""
     mass: Array
     """(N,) kg"""
@@ -65,9 +65,9 @@ class State(NamedTuple):
     """(7, B) of rigid bodies: middle and quaternion"""
     motion: Array
     """(6, B) of rigid bodies: velocity and spin"""
-    push: Array
+    body_acceleration: Array
     """(6, B) what changes those, at the end of the last step"""
-    felt: Array
+    delayed_body_acceleration: Array
     """(6, B) m/s^2, 1/s^2: the same, some steps late, as the pressure of the bodies' dummies has it"""
     pose_reference: Array
     """(7, B) when the lists were made"""
@@ -156,7 +156,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         transport=none.copy(),
         density=liquid.density.copy(),
         pressure=np.zeros(count) if parameters.projection is None else liquid.pressure.copy(),
-        thickening=np.zeros(count),
+        density_rate=np.zeros(count),
         mass=liquid.mass.copy(),
         identity=np.arange(count),
         region=liquid.region.copy(),
@@ -165,8 +165,8 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         skin=np.array([FIRST_SKIN * parameters.support]),
         pose=pose.copy(),
         motion=motion.copy(),
-        push=np.zeros_like(motion),
-        felt=np.zeros_like(motion),
+        body_acceleration=np.zeros_like(motion),
+        delayed_body_acceleration=np.zeros_like(motion),
         pose_reference=pose.copy(),
         passive_position=parameters.passive_tracers.position.copy(),
         passive_velocity=np.zeros_like(parameters.passive_tracers.position),
@@ -192,7 +192,7 @@ PER_PARTICLE = (
     "transport",
     "density",
     "pressure",
-    "thickening",
+    "density_rate",
     "mass",
     "identity",
     "region",
@@ -235,13 +235,15 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     boundary, reach = parameters.boundary, parameters.support + float(state.skin[0])
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
     images = images_of(real, boundary.sides, max(reach, parameters.color_reach + float(state.skin[0])))
-    everyone = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
+    all_positions = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
     lists = before.lists if before else room_for(count, guess)
-    lists = neighbor_lists(everyone, (liquid, count), reach, lists)
+    lists = neighbor_lists(all_positions, (liquid, count), reach, lists)
     cells = (
-        cells_of(everyone, parameters.support, float(state.skin[0])) if parameters.passive_tracers.start[-1] else None
+        cells_of(all_positions, parameters.support, float(state.skin[0]))
+        if parameters.passive_tracers.start[-1]
+        else None
     )
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
@@ -255,12 +257,12 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     return Workspace(images, lists, fields, rates, records, rates_before, cells)
 
 
-def cells_of(everyone: Array, support: float, skin: float) -> CellLists | None:
+def cells_of(all_positions: Array, support: float, skin: float) -> CellLists | None:
     """All particles in cells as wide as the reach of the lists."""
-    if not everyone.shape[1]:
+    if not all_positions.shape[1]:
         return None
-    grid = grid_around(everyone, support + skin)
-    return CellLists(grid, sort_by_cell(everyone, grid), skin)
+    grid = grid_around(all_positions, support + skin)
+    return CellLists(grid, sort_by_cell(all_positions, grid), skin)
 
 
 def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume._portable import dot
-from ecume.models.tracers.parameters import Parameters, State, Workspace, came
+from ecume.models.tracers.parameters import Parameters, State, Workspace, entered_count
 
 INACTIVE = 1 << 40
 """Status of particles that do not take part in a step."""
@@ -59,7 +59,7 @@ def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) ->
 def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
     """Energy of a tracer with inertia at the start of the step, per mass (J/kg)."""
     last = scratch.origin.shape[1] - 1
-    energy: float = parameters.bodies.push[i] * scratch.origin[i, last]
+    energy: float = parameters.bodies.apparent_gravity[i] * scratch.origin[i, last]
     for axis in range(last + 1):
         energy += 0.5 * scratch.travel[i, axis] ** 2
     return energy
@@ -73,10 +73,10 @@ def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i:
     h, last, by_flow, along = parameters.time_step, scratch.origin.shape[1] - 1, 0.0, 0.0
     height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
     for axis in range(last + 1):
-        impulse = h * scratch.push[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
+        impulse = h * scratch.acceleration[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
         impulse -= h * scratch.external[i, axis]
         if axis == last:
-            impulse += h * parameters.bodies.push[i]
+            impulse += h * parameters.bodies.apparent_gravity[i]
         by_flow += impulse * flow_at(parameters, height, axis)
         along += impulse / h * (state.position[i, axis] - scratch.origin[i, axis])
     return max(by_flow, along) if scratch.hits[i] > 0 else by_flow
@@ -94,7 +94,7 @@ def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: 
             heat += 2.0 * shift / (h * h) * (state.position[i, axis] - scratch.origin[i, axis])
         else:
             kicked += 2.0 * shift / h
-            heat += parameters.bodies.push[i] * shift if axis == last else 0.0
+            heat += parameters.bodies.apparent_gravity[i] * shift if axis == last else 0.0
         heat += kicked * (state.velocity[i, axis] - 0.5 * kicked)
     return heat
 
@@ -104,7 +104,7 @@ def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, tim
     """Work on tracers without inertia during a time (J): drag times the velocity of the liquid."""
     total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
     for i in range(len(scratch.status)):
-        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
+        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.apparent_gravity[i]
         if scratch.status[i] <= 0:
             friction = weight / bodies.settling[i] if bodies.settling[i] != 0.0 else bodies.friction[i]
             height = start - 0.5 * time * bodies.settling[i]
@@ -124,7 +124,7 @@ def work_of_noise(parameters: Parameters, state: State, scratch: Workspace) -> f
     """
     total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
     for i in range(len(scratch.status)):
-        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
+        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.apparent_gravity[i]
         if scratch.status[i] <= 0:
             total += weight * (state.position[i, last] - start + parameters.time_step * bodies.settling[i])
         elif scratch.status[i] < INACTIVE:
@@ -146,12 +146,12 @@ def overdamped_kinetic_energy(parameters: Parameters, state: State) -> float:
 
 def exchange(parameters: Parameters, state: State) -> State:
     """The state with all particles that have entered by now, and their energy in the budget."""
-    arrivals, first, bodies = parameters.arrivals, came(parameters, state), parameters.bodies
+    arrivals, first, bodies = parameters.arrivals, entered_count(parameters, state), parameters.bodies
     last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
     position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]
     here = slice(len(state.left), len(state.left) + last - first)
     moving = 0.5 * (velocity**2).sum(axis=1) * (bodies.overdamped[here] == 0)
-    brought = dot(bodies.mass[here], moving + bodies.push[here] * position[:, -1])
+    brought = dot(bodies.mass[here], moving + bodies.apparent_gravity[here] * position[:, -1])
     return state._replace(
         position=np.concatenate([state.position, position]),
         velocity=np.concatenate([state.velocity, velocity]),

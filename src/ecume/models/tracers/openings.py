@@ -88,8 +88,8 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
     slowest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).min()
     if slowest <= 0.0:
         way = ", ".join(f"{part:.3g}" for part in door.normal)
-        came = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
-        raise BadInput(f"{came}; expected above 0 in all of the opening: set velocity, or flow")
+        entered_count = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
+        raise BadInput(f"{entered_count}; expected above 0 in all of the opening: set velocity, or flow")
     rate = hole.rate if hole.rate is not None else (hole.concentration or 0.0) * speed * door.area()
     count = math.floor(rate * scene.duration)
     if count > MOST_PARTICLES:
@@ -135,12 +135,12 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
     fastest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).max()
     places, left = np.zeros((count, d)), np.arange(count)
     for attempt in range(TRIES):
-        dice = _draws(left, attempt, (scene.seed, PURPOSE + 4 * index + 1))
-        wall = door.at(dice[:, : d - 1])
+        rng = _draws(left, attempt, (scene.seed, PURPOSE + 4 * index + 1))
+        wall = door.at(rng[:, : d - 1])
         inside = wall + radius * (1.0 + 1e-9) * door.normal
         fits = door.holds(wall) & (clearance(inside, surfaces)[0] >= radius)
         if hole.concentration is not None:
-            fits &= dice[:, 2] * fastest <= inward_speed(door, velocity_at(wall, hole, stream, species))
+            fits &= rng[:, 2] * fastest <= inward_speed(door, velocity_at(wall, hole, stream, species))
         places[left[fits]] = inside[fits]
         left = left[~fits]
         if not len(left):
@@ -167,7 +167,7 @@ def draw(who: Integers, when: int, key: tuple[int, int], drawn: Array) -> None:
 def arrivals_of(inflow: Inflow, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
     """Cut into steps: each is where it flew to by the end of its step, or in the opening where that is blocked."""
     step = np.maximum(np.ceil(inflow.time / time_step).astype(np.int64), 1)
-    flown = inflow.position + (step * time_step - inflow.time)[:, None] * inflow.velocity
-    blocked = clearance(flown, surfaces)[0] < radius if len(step) else np.zeros(0, bool)
-    position = np.where(blocked[:, None], inflow.position, flown)
+    advanced = inflow.position + (step * time_step - inflow.time)[:, None] * inflow.velocity
+    blocked = clearance(advanced, surfaces)[0] < radius if len(step) else np.zeros(0, bool)
+    position = np.where(blocked[:, None], inflow.position, advanced)
     return Arrivals(step, np.ascontiguousarray(position), np.ascontiguousarray(inflow.velocity), inflow.opening)

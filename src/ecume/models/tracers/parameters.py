@@ -195,7 +195,7 @@ class Bodies(NamedTuple):
     radius: Array
     mass: Array
     """kg, with the liquid that goes along"""
-    push: Array
+    apparent_gravity: Array
     """m/s^2, downwards: weight less buoyancy, over that mass"""
     friction: Array
     """N s/m, Stokes's with the slip of gases"""
@@ -308,7 +308,7 @@ def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
     return Bodies(
         radius=radius[kind],
         mass=(4.0 / 3.0 * math.pi * radius**3 * (density + along))[kind],
-        push=(fluid.gravity * (density - fluid.density) / (density + along))[kind],
+        apparent_gravity=(fluid.gravity * (density - fluid.density) / (density + along))[kind],
         friction=friction[kind],
         settling=settling[kind],
         overdamped=np.zeros(len(kind), np.int64),
@@ -354,26 +354,26 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
         steps = scene.frame_every / asked
         if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             fits = scene.frame_every / max(1, math.ceil(steps))
-            came = f"got {asked:g} s; frame_every ({scene.frame_every:g} s) is not a multiple of it"
-            raise SceneError([Fault("integration.time_step", f"{came}; {fits:.9g} s would fit")])
+            entered_count = f"got {asked:g} s; frame_every ({scene.frame_every:g} s) is not a multiple of it"
+            raise SceneError([Fault("integration.time_step", f"{entered_count}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
     frames = scene.frames
     shortest = 0.0 if scene.integration.integrator == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
-    for mass, friction, speed, push, radius in kinds_of(bodies):
+    for mass, friction, speed, gravity, radius in kinds_of(bodies):
         if friction > 0.0:
             # Where drag is more than Stokes's it also slows down sooner.
-            inertial = min(mass / friction, abs(speed / push) if push and speed else math.inf) / SHORTEST
+            inertial = min(mass / friction, abs(speed / gravity) if gravity and speed else math.inf) / SHORTEST
             late = scene.integration.integrator == "overdamped" or inertial < shortest
-            body = (friction, speed, mass * push, radius)
+            body = (friction, speed, mass * gravity, radius)
             longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
     steps = math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
     return scene.frame_every / ending_on_a_step(scene, steps)
 
 
 def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
-    """Mass, friction, terminal speed, push and radius of each kind there is."""
-    columns = (bodies.mass, bodies.friction, bodies.settling, bodies.push, bodies.radius)
+    """Mass, friction, terminal speed, apparent gravity and radius of each kind there is."""
+    columns = (bodies.mass, bodies.friction, bodies.settling, bodies.apparent_gravity, bodies.radius)
     first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # of each run of one species
     for species in np.unique(bodies.species):  # and its extremes
         own = np.flatnonzero(bodies.species == species)
@@ -402,9 +402,9 @@ def _require_names(scene: TracersScene) -> None:
         ("hydrodynamics.drag", scene.hydrodynamics.drag, DRAGS),
         ("integration.integrator", scene.integration.integrator, REGIMES),
     )
-    for path, came, known in tables:
-        if came not in known:
-            faults.append(Fault(path, f"got {came!r}; {suggestion(came, known)}"))
+    for path, entered_count, known in tables:
+        if entered_count not in known:
+            faults.append(Fault(path, f"got {entered_count!r}; {suggestion(entered_count, known)}"))
     drag = scene.hydrodynamics.drag
     if scene.hydrodynamics.brownian and drag in DRAGS and not DRAGS[drag].resists:
         faults.append(Fault("hydrodynamics.brownian", "needs drag: what the liquid kicks, it also slows down"))
@@ -442,7 +442,7 @@ class Workspace(NamedTuple):
     """(N, d) previous positions"""
     travel: Array
     """(N, d) the velocity with which the step begins"""
-    push: Array
+    acceleration: Array
     """(N, d) the acceleration of the parabola that ends where the exact motion does"""
     kick: Array
     """(N, d) what the exact velocity has more than the parabola's, as long as no wall is met"""
@@ -473,7 +473,7 @@ def make_state(position: Array, velocity: Array, surfaces: int) -> State:
     )
 
 
-def came(parameters: Parameters, state: State) -> int:
+def entered_count(parameters: Parameters, state: State) -> int:
     """The number of particles that have entered."""
     return len(state.position) - (len(parameters.bodies.radius) - len(parameters.arrivals.step))
 
@@ -518,7 +518,7 @@ TRIES = 2000
 def start(scene: TracersScene, parameters: Parameters) -> State:
     """The state at time 0. Raises SceneError where a particle starts outside, or finds no room."""
     surfaces = surfaces_of(scene)
-    dice = np.random.default_rng(scene.seed)
+    rng = np.random.default_rng(scene.seed)
     faults: list[Fault] = []
     places: list[Array] = []
     for index, species in enumerate(scene.particles):
@@ -526,7 +526,7 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
             placed = np.array(species.positions, np.float64)
             faults += outside(placed, species, surfaces, (scene.seed, index))
         else:
-            placed = scattered(species, surfaces, dice, faults, index, scene)
+            placed = scattered(species, surfaces, rng, faults, index, scene)
         places.append(placed)
     if faults:
         raise SceneError(faults)
@@ -570,7 +570,7 @@ def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, at: tuple[
 def scattered(
     species: ParticleSpec,
     surfaces: Surfaces,
-    dice: np.random.Generator,
+    rng: np.random.Generator,
     faults: list[Fault],
     index: int,
     scene: TracersScene,
@@ -579,8 +579,8 @@ def scattered(
     low, high = (np.array(corner) for corner in corners(species, scene))
     found = np.zeros((0, scene.dimensions))
     for _ in range(TRIES):
-        thrown = dice.uniform(low, np.maximum(low, high), (2 * species.count, scene.dimensions))
-        found = np.concatenate([found, thrown[clearance(thrown, surfaces)[0] >= largest_radius(species)]])
+        candidates = rng.uniform(low, np.maximum(low, high), (2 * species.count, scene.dimensions))
+        found = np.concatenate([found, candidates[clearance(candidates, surfaces)[0] >= largest_radius(species)]])
         if len(found) >= species.count:
             return found[: species.count]
     faults.append(Fault(f"particles[{index}]", f"no room for {species.count} of radius {species.radius:g} m"))

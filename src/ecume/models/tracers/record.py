@@ -12,7 +12,7 @@ import numpy as np
 from ecume.laws import brownian_motion, drag, gases
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.gravity import gravity_text
-from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
+from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
 from ecume.models.size_report import sizes_rows
@@ -28,7 +28,7 @@ from ecume.models.tracers.parameters import (
     State,
     Workspace,
     around,
-    came,
+    entered_count,
     fluid_of,
     layout,
     parameters_of,
@@ -80,8 +80,8 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     speed = np.sqrt((state.velocity**2).sum(axis=1))
     mass, height = bodies.mass[inside], state.position[inside, -1]
     kinetic = 0.5 * float(np.sum(mass * speed[inside] ** 2))
-    potential = float(np.sum(mass * bodies.push[inside] * height))
-    entered = parameters.arrivals.opening[: came(parameters, state)]
+    potential = float(np.sum(mass * bodies.apparent_gravity[inside] * height))
+    entered = parameters.arrivals.opening[: entered_count(parameters, state)]
     arrays = {
         "position": state.position.copy(),
         "velocity": state.velocity.copy(),
@@ -181,7 +181,10 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
         ]
         rows += slip_of(scene, fluid, index)
     if fluid.thermal > 0.0 and friction > 0.0:
-        spread, weight = brownian_motion.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
+        spread, weight = (
+            brownian_motion.diffusivity(fluid.thermal, friction),
+            abs(mass * float(bodies.apparent_gravity[first])),
+        )
         rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
         if weight > 0.0:
             layer = brownian_motion.sedimentation_length(fluid.thermal, weight)
@@ -242,11 +245,11 @@ def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
     return [every, energy_never_rises(RISE)]
 
 
-def _missing(seen: Seen) -> float:
+def _missing(seen: NumberHistory) -> float:
     """The number of particles missing from the balance of those at the start, entered, left and present."""
-    came = _through("came", seen.now) - _through("came", seen.first)
+    entered_count = _through("came", seen.now) - _through("came", seen.first)
     gone = _through("left", seen.now) - _through("left", seen.first)
-    return abs(seen.first["particles_inside"] + came - gone - seen.now["particles_inside"])
+    return abs(seen.first["particles_inside"] + entered_count - gone - seen.now["particles_inside"])
 
 
 def _through(way: str, numbers: Numbers) -> float:

@@ -110,10 +110,10 @@ def copy(target: Array, source: Array) -> None:
 @compiled
 def move_with(parameters: Parameters, state: State, scratch: Workspace, time: float, sheet: Sheet) -> bool:
     """Move particles without inertia for a time with the velocities in `travel`, reflected at walls."""
-    fill(scratch.push, 0.0)
+    fill(scratch.acceleration, 0.0)
     copy(scratch.origin, state.position)
     tally = (scratch.hits, scratch.status, state.hits)
-    reflect_all(state.position, scratch.travel, scratch.push, time, sheet, scratch.radius, tally)
+    reflect_all(state.position, scratch.travel, scratch.acceleration, time, sheet, scratch.radius, tally)
     return record_status(state, scratch.status)
 
 
@@ -127,16 +127,16 @@ def inertial_step(parameters: Parameters, state: State, scratch: Workspace) -> b
         flow[0], flow[1], flow[2], fluid.shear_rate,
     )  # fmt: skip
     plan_flights(
-        state.position, state.velocity, bodies.mass, bodies.push, bodies.friction, bodies.radius, scratch.status,
-        scratch.push, scratch.kick, scratch.noise, scratch.shift, scratch.external, numbers,
+        state.position, state.velocity, bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius,
+        scratch.status, scratch.acceleration, scratch.kick, scratch.noise, scratch.shift, scratch.external, numbers,
     )  # fmt: skip
     copy(scratch.origin, state.position)
     copy(scratch.travel, state.velocity)
     tally = (scratch.hits, scratch.status, state.hits)
-    reflect_all(state.position, state.velocity, scratch.push, h, parameters.bouncing, scratch.radius, tally)
+    reflect_all(state.position, state.velocity, scratch.acceleration, h, parameters.bouncing, scratch.radius, tally)
     finish_step(
-        state.position, state.velocity, scratch.origin, scratch.travel, scratch.push, scratch.kick, scratch.noise,
-        scratch.status, h,
+        state.position, state.velocity, scratch.origin, scratch.travel, scratch.acceleration, scratch.kick,
+        scratch.noise, scratch.status, h,
     )  # fmt: skip
     if has_budget(parameters):
         state.work[0] += work_of_flights(parameters, state, scratch)
@@ -280,7 +280,7 @@ def midway_friction(
 ) -> float:
     """The friction at the speed in the middle of the step, so that nonlinear drag is of second order.
 
-    body = (radius, Stokes's friction, mass over half a step, push times half a step).
+    body = (radius, Stokes's friction, mass over half a step, apparent gravity times half a step).
     """
     radius, stokes, inertia, fall = body
     friction = friction_at(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
@@ -300,7 +300,7 @@ def plan_flights(
     stokes: Array,
     radius: Array,
     status: Integers,
-    push: Array,
+    acceleration: Array,
     kick: Array,
     noise: Array,
     shift: Array,
@@ -332,13 +332,13 @@ def plan_flights(
             start = (flow[axis] - velocity[i, axis]) * friction / mass[i] + external[i, axis]
             if axis == last:
                 start -= weight[i]
-            push[i, axis] = start * way
+            acceleration[i, axis] = start * way
             kick[i, axis] = start * (gain - way) * h
             noise[i, axis], shift[i, axis] = 0.0, 0.0
             if fast > 0.0:
                 one, other = normals(counter_of(i, step, axis), seed)
                 random_displacement = both * one + far * other
-                push[i, axis] += 2.0 * random_displacement / (h * h)
+                acceleration[i, axis] += 2.0 * random_displacement / (h * h)
                 noise[i, axis], shift[i, axis] = fast * one - 2.0 * random_displacement / h, random_displacement
 
 
@@ -348,7 +348,7 @@ def finish_step(
     velocity: Array,
     origin: Array,
     travel: Array,
-    push: Array,
+    acceleration: Array,
     kick: Array,
     noise: Array,
     status: Integers,
@@ -362,7 +362,7 @@ def finish_step(
             continue
         off, scale = 0.0, 0.0
         for axis in range(position.shape[1]):
-            free = origin[i, axis] + time * travel[i, axis] + 0.5 * time * time * push[i, axis]
+            free = origin[i, axis] + time * travel[i, axis] + 0.5 * time * time * acceleration[i, axis]
             off = max(off, abs(position[i, axis] - free))
             scale = max(scale, abs(position[i, axis]) + abs(time * travel[i, axis]))
         for axis in range(position.shape[1]):

@@ -119,8 +119,8 @@ THINNEST = 1e-4
 def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
     """The faults of a shape inside a circle of that radius."""
     if shape.width is not None and shape.width > 2.0 * radius:
-        came = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
-        return [(("shape", "width"), came)]
+        got = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
+        return [(("shape", "width"), got)]
     if shape.width is not None and shape.width < THINNEST * radius:
         return [(("shape", "width"), f"got {shape.width:g} m; expected at least {THINNEST:g} of the radius")]
     return []
@@ -313,8 +313,8 @@ def _wetting(body: FloatSpec | FloatRow) -> Complaints:
         )
     if sum(given) == 1:
         return []
-    came = "both" if all(given) else "neither"
-    return [((), f"expected either contact_angle or surface_energies; got {came}")]
+    got = "both" if all(given) else "neither"
+    return [((), f"expected either contact_angle or surface_energies; got {got}")]
 
 
 def _figure(species: FloatSpec | FloatRow) -> Complaints:

@@ -247,8 +247,8 @@ class DishSpec:
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
         if (self.radius is None) == (self.size is None):
-            came = "neither" if self.radius is None else "both"
-            raise Inconsistent([((), f"expected either radius or size; got {came}")])
+            got = "neither" if self.radius is None else "both"
+            raise Inconsistent([((), f"expected either radius or size; got {got}")])
         return self
 
 

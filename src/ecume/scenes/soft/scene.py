@@ -217,8 +217,8 @@ class SphereSpec:
     def _placed(self) -> Self:
         given = self.count is not None or self.volume_share is not None
         if bool(self.positions) == given:
-            came = "both" if self.positions else "neither"
-            raise Inconsistent([((), f"expected either positions or count; got {came}")])
+            got = "both" if self.positions else "neither"
+            raise Inconsistent([((), f"expected either positions or count; got {got}")])
         if self.volume_share is not None and self.radii:
             raise Inconsistent([(("volume_share",), "got a list of radii, which says how many; expected one of both")])
         if wrong := list_faults(self, self.number or len(self.radii)):
@@ -399,12 +399,12 @@ def sides_of(scene: SoftScene) -> tuple[float, ...]:
     """The sides of the box at scale 1 (m), derived from the volume fraction; empty without a box."""
     if scene.cell is None:
         return ()
-    size, wanted = scene.cell.size, scene.cell.volume_fraction
-    if wanted is None:
+    size, expected = scene.cell.size, scene.cell.volume_fraction
+    if expected is None:
         return size
     unit, power = (math.pi, 2) if len(size) == 2 else (4.0 / 3.0 * math.pi, 3)
     volume = sum(one.number * unit * mean_power(one, power, one.number) for one in scene.particles)
-    factor = (volume / wanted / math.prod(size)) ** (1.0 / len(size))
+    factor = (volume / expected / math.prod(size)) ** (1.0 / len(size))
     return tuple(factor * side for side in size)
 
 
@@ -424,17 +424,17 @@ def dimensions_of(scene: SoftScene) -> int:
 
 def _dimensions(scene: SoftScene) -> Complaints:
     """The faults of positions and forces whose numbers of components differ."""
-    wanted = dimensions_of(scene)
+    expected = dimensions_of(scene)
     found: Complaints = []
     for index, species in enumerate(scene.particles):
         path: Path = ("particles", index)
         found += [
-            ((*path, "positions", place), f"got {len(position)} coordinates; expected {wanted} as elsewhere")
+            ((*path, "positions", place), f"got {len(position)} coordinates; expected {expected} as elsewhere")
             for place, position in enumerate(species.positions)
-            if len(position) != wanted
+            if len(position) != expected
         ]
-        if species.force is not None and len(species.force) != wanted:
-            found.append(((*path, "force"), f"got {len(species.force)} components; expected {wanted}"))
+        if species.force is not None and len(species.force) != expected:
+            found.append(((*path, "force"), f"got {len(species.force)} components; expected {expected}"))
         if species.torque is not None:
             found += _torque((*path, "torque"), len(species.torque), scene)
         if species.count is not None and scene.cell is None:
@@ -442,11 +442,11 @@ def _dimensions(scene: SoftScene) -> Complaints:
     return found
 
 
-def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
-    wanted = 1 if dimensions_of(scene) == 2 else 3
+def _torque(path: Path, got: int, scene: SoftScene) -> Complaints:
+    expected = 1 if dimensions_of(scene) == 2 else 3
     if not scene.rotation:
         return [(path, "spheres do not spin; expected rotation = true")]
-    return [] if came == wanted else [(path, f"got {came} components; expected {wanted}")]
+    return [] if got == expected else [(path, f"got {got} components; expected {expected}")]
 
 
 def _walls(scene: SoftScene) -> Complaints:
@@ -496,8 +496,8 @@ def _cutoff(scene: SoftScene) -> Complaints:
     cutoff, most = scene.films.cutoff, 0.5 * min(periodic, default=math.inf)
     if cutoff is None or cutoff <= most:
         return []
-    came, limit = with_prefix(cutoff, "m", 3), with_prefix(most, "m", 3)
-    return [(("films", "cutoff"), f"got {came}; expected at most half of the shortest periodic side, {limit}")]
+    got, limit = with_prefix(cutoff, "m", 3), with_prefix(most, "m", 3)
+    return [(("films", "cutoff"), f"got {got}; expected at most half of the shortest periodic side, {limit}")]
 
 
 def _crowd(scene: SoftScene) -> Complaints:

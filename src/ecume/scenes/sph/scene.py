@@ -269,8 +269,8 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     if len(scene.gravity) != dimension:
         found.append((("gravity",), f"got {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
     if scene.central_force is not None and len(scene.central_force.center) != dimension:
-        came = f"got {len(scene.central_force.center)} numbers"
-        found.append((("central_force", "center"), f"{came}; the tank has {dimension} dimensions"))
+        got = f"got {len(scene.central_force.center)} numbers"
+        found.append((("central_force", "center"), f"{got}; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
     rows = (

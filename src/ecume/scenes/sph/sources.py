@@ -59,8 +59,8 @@ def particle_faults(particles: ParticlesSpec, dimension: int) -> Complaints:
     for key, rows in (("positions", particles.positions), ("velocities", particles.velocities)):
         wrong = [index for index, row in enumerate(rows) if len(row) != dimension]
         if wrong:
-            came = f"got {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
-            found.append((("particles", key, wrong[0]), came))
+            got = f"got {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
+            found.append((("particles", key, wrong[0]), got))
     faults = ((index, BODY_MASS.fault(mass, dimension)) for index, mass in enumerate(particles.masses))
     return found + [(("particles", "masses", index), fault) for index, fault in faults if fault][:1]
 

@@ -324,9 +324,9 @@ def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene
 
 def _hurried(scene: FloatingScene) -> FloatingScene:
     """The scene as its time step must see it: any float may be thrown."""
-    thrown = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.particles]
+    launched = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.particles]
     integration = dataclasses.replace(scene.integration, time_step=None)
-    return dataclasses.replace(scene, particles=tuple(thrown), integration=integration)
+    return dataclasses.replace(scene, particles=tuple(launched), integration=integration)
 
 
 def _said(fault: Exception) -> str:

@@ -371,14 +371,14 @@ class Tank:
         now = self._now
         self.leaning += min(1.0, seconds / GRASP) * (self.tilt - self.leaning)
         fastest = HURRY * self.integration.parameters.material.fastest
-        wanted = min(max((self._wanted - self.pushed) / GRASP, -fastest), fastest)
+        target_speed = min(max((self._target - self.pushed) / GRASP, -fastest), fastest)
         more = fastest * seconds / GRASP
-        speed = min(max(wanted, self.push.speed - more), self.push.speed + more)
+        speed = min(max(target_speed, self.push.speed - more), self.push.speed + more)
         self.push = self.push.then(now, seconds, speed, min(float(self.integration.state.clock[1]), now))
         self._drive()
 
     @property
-    def _wanted(self) -> float:
+    def _target(self) -> float:
         """The position that the wall should reach soon (m): at the hand, or where the wave has it."""
         phase = (self.time + GRASP - self.wave_since) / self.period
         if phase > 1.0:

@@ -175,8 +175,8 @@ def spacing(frames: Sequence[Frame], stage: Stage, empty: int, max_size: float) 
     one = _coded(pack(pair, stage)) - _coded(pack(pair[:1], stage))
     fit = int((MEGABYTE * max_size - empty) / one)
     if fit < min(2, len(frames)):
-        wanted = math.ceil(10 * (empty + 2 * one) / MEGABYTE) / 10
-        raise BadInput(f"not two frames fit into {max_size:g} MB; give --max-size {wanted:.1f} or more")
+        needed = math.ceil(10 * (empty + 2 * one) / MEGABYTE) / 10
+        raise BadInput(f"not two frames fit into {max_size:g} MB; give --max-size {needed:.1f} or more")
     return -(-len(frames) // fit)
 
 

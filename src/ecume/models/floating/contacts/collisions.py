@@ -59,7 +59,7 @@ class Friction(NamedTuple):
     """(N,) kg m^2"""
     decay: Array
     """(N,) the fraction of a spin that remains after the drag of one kick"""
-    ease: Array
+    spin_mobility: Array
     """(N + walls,) spin per angular impulse during one kick"""
     overlapping: bool = False
     """see `impulse_solvers.Impulses`"""
@@ -86,7 +86,7 @@ def make_friction_scratch(
 @compiled
 def memory_of(state: State) -> Memory:
     """Return the impulses of the previous step."""
-    return Memory(state.touches, state.touching, state.push)
+    return Memory(state.touches, state.touching, state.contact_impulse)
 
 
 @compiled
@@ -101,67 +101,69 @@ def solve_with_friction(
 
 @compiled
 def stop_with_friction(
-    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
+    part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
 ) -> int:
     """Stop all relative motion, starting from zero impulses; return the number of sweeps."""
     for row in range(contacts.total[0]):
-        own.friction_rows.impulse[row] = 0.0
-    motion = Motion(velocity, own.before, bodies.mobility, part.ease)
-    return solve_with_friction(part, own.friction_rows, bodies, contacts, motion, goal)
+        scratch.friction_rows.impulse[row] = 0.0
+    motion = Motion(velocity, scratch.before, bodies.mobility, part.spin_mobility)
+    return solve_with_friction(part, scratch.friction_rows, bodies, contacts, motion, goal)
 
 
 @compiled
 def push_with_friction(
-    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
+    part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
 ) -> None:
     """Apply the impulses of collisions to the midstep velocities and the spins."""
-    friction_rows = own.friction_rows
+    friction_rows = scratch.friction_rows
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
         friction_rows.impulse[row] *= contacts.scratch[row]
-    motion = Motion(midstep_velocity, own.spin, bodies.mobility, part.ease)
+    motion = Motion(midstep_velocity, scratch.spin, bodies.mobility, part.spin_mobility)
     coulomb.apply_impulses(contacts, friction_rows, (contacts.impulse, friction_rows.impulse), motion)
 
 
 @compiled
 def continue_with_friction(
-    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
+    part: Friction, scratch: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance
 ) -> int:
     """Solve for velocities and spins, starting from the stored impulses; return the number of sweeps."""
-    motion = Motion(velocity, own.spin, bodies.mobility, part.ease)
-    return solve_with_friction(part, own.friction_rows, bodies, contacts, motion, goal)
+    motion = Motion(velocity, scratch.spin, bodies.mobility, part.spin_mobility)
+    return solve_with_friction(part, scratch.friction_rows, bodies, contacts, motion, goal)
 
 
 @compiled
-def recall_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
+def recall_friction(part: Friction, scratch: FrictionScratch, state: State, workspace: Workspace) -> None:
     """Start from the tangential impulses of the previous step."""
-    coulomb.recall(workspace.contacts, own.friction_rows, memory_of(state), state.rub)
+    coulomb.recall(workspace.contacts, scratch.friction_rows, memory_of(state), state.friction_impulse)
 
 
 @compiled
-def remember_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
+def remember_friction(part: Friction, scratch: FrictionScratch, state: State, workspace: Workspace) -> None:
     """Store the tangential impulses for the next step."""
-    coulomb.remember(workspace.contacts, own.friction_rows, memory_of(state), state.rub)
+    coulomb.remember(workspace.contacts, scratch.friction_rows, memory_of(state), state.friction_impulse)
 
 
 @compiled
-def load_friction_spins(part: Friction, own: FrictionScratch, parameters: Parameters, state: State, last: bool) -> None:
+def load_friction_spins(
+    part: Friction, scratch: FrictionScratch, parameters: Parameters, state: State, last: bool
+) -> None:
     """Apply a kick to the spins; in velocity Verlet, the other half follows at the end of the step."""
     kicked = not last or parameters.scheme.half_kicks
     for i in range(len(state.turning)):
-        own.spin[i] = state.turning[i, 1] * (part.decay[i] if kicked else 1.0)
-        own.before[i] = own.spin[i]
+        scratch.spin[i] = state.turning[i, 1] * (part.decay[i] if kicked else 1.0)
+        scratch.before[i] = scratch.spin[i]
 
 
 @compiled
 def store_friction_spins(
-    part: Friction, own: FrictionScratch, parameters: Parameters, state: State, last: bool
+    part: Friction, scratch: FrictionScratch, parameters: Parameters, state: State, last: bool
 ) -> None:
     """Store the spins in the state, and advance the angles with them."""
     for i in range(len(state.turning)):
-        state.turning[i, 1] = own.spin[i]
+        state.turning[i, 1] = scratch.spin[i]
         if not last:
-            state.turning[i, 0] += parameters.time_step * own.spin[i]
+            state.turning[i, 0] += parameters.time_step * scratch.spin[i]
 
 
 def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
@@ -178,9 +180,9 @@ def friction_at_step(part: Friction, parameters: Parameters, turned: Array | Non
     drag.
     """
     friction = part.decay if turned is None else np.zeros_like(part.decay)
-    decay, ease = spin_kick(parameters, part.inertia, friction)
-    walls = np.zeros(len(parameters.kick.mobility) - len(ease))
-    return part._replace(decay=decay, ease=np.concatenate([ease, walls]))
+    decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
+    walls = np.zeros(len(parameters.kick.mobility) - len(spin_mobility))
+    return part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls]))
 
 
 def float_inertia(kind: FloatKind) -> float:
@@ -324,7 +326,7 @@ def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContact
 
 
 @composed
-def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def bounce(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
     touching.normal_velocities(contacts, before, contacts.scratch)
@@ -333,10 +335,10 @@ def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace:
         return
     clear_impulses(contacts)
     goal = goal_for(parameters, fastest)
-    state.tally[SWEEPS] += stop(part, own, contact_bodies(parameters), contacts, before, goal)
+    state.tally[SWEEPS] += stop(part, scratch, contact_bodies(parameters), contacts, before, goal)
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += count_bounces(contacts, of_float)
-    push(part, own, contact_bodies(parameters), contacts, workspace.midstep_velocity)
+    push(part, scratch, contact_bodies(parameters), contacts, workspace.midstep_velocity)
 
 
 @compiled_inside
@@ -364,14 +366,14 @@ def count_bounces(contacts: Contacts, of_float: Array) -> float:
 
 
 @compiled
-def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance) -> int:
+def solve_smooth(part: Any, scratch: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Tolerance) -> int:
     """Solve contacts without friction; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
     return impulse_solvers.solve(contacts, velocity, bodies.mobility, goal)
 
 
 @compiled
-def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
+def push_smooth(part: Any, scratch: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
     """Apply the impulses of collisions to the midstep velocities."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
@@ -379,12 +381,12 @@ def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, midstep
 
 
 @composed
-def no_memory(part: Any, own: Any, state: State, workspace: Workspace) -> None:
+def no_memory(part: Any, scratch: Any, state: State, workspace: Workspace) -> None:
     """Do nothing: smooth surfaces have no tangential impulses."""
 
 
 @composed
-def no_spins(part: Any, own: Any, parameters: Parameters, state: State, last: bool) -> None:
+def no_spins(part: Any, scratch: Any, parameters: Parameters, state: State, last: bool) -> None:
     """Do nothing: smooth surfaces exert no torques."""
 
 
@@ -406,9 +408,9 @@ def collide_smoothly(part: Any, parameters: Parameters, state: State, workspace:
     contacts, velocity, gain = workspace.contacts, workspace.midstep_velocity, parameters.kick.gain
     share, driven = free_shares(parameters, contacts), workspace.stages[DRIVEN]
     found = collide_on_paths(parameters, state, contacts, (velocity, driven), share, Flow(np.zeros(0), 0.0))
-    for i in range(len(found.push)):
-        velocity[i, 0] += gain[i] * found.push[i, 0]
-        velocity[i, 1] += gain[i] * found.push[i, 1]
+    for i in range(len(found.impulse)):
+        velocity[i, 0] += gain[i] * found.impulse[i, 0]
+        velocity[i, 1] += gain[i] * found.impulse[i, 1]
     require_distances(parameters, state, contacts, velocity, share, found.lasting)
 
 
@@ -450,51 +452,51 @@ def goal_of(parameters: Parameters, contacts: Contacts | TorqueContacts) -> Tole
 
 @composed
 def solve_contacts(
-    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
+    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
 ) -> None:
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     contacts, memory = workspace.contacts, memory_of(state)
-    recall(part, own, state, workspace)
+    recall(part, scratch, state, workspace)
     touching.recall(touching.contact_keys(contacts), memory)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     goal = goal_of(parameters, contacts)
     sweeps = 0
     if goal.target > 0.0:
-        sweeps = solve(part, own, contact_bodies(parameters), contacts, velocity, goal)
+        sweeps = solve(part, scratch, contact_bodies(parameters), contacts, velocity, goal)
     else:
         clear_impulses(contacts)
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
     touching.remember(touching.contact_keys(contacts), memory)
-    remember(part, own, state, workspace)
+    remember(part, scratch, state, workspace)
 
 
 @compiled
-def collide(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def collide(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Solve contacts before the drift: see `collide_by_passes`."""
-    collide_by_passes(part, own, parameters, state, workspace)
+    collide_by_passes(part, scratch, parameters, state, workspace)
 
 
 @composed
-def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def collide_by_passes(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another after the
     step.
 
     The velocities change with the midstep velocities. `before`, the velocities before the kick, is overwritten.
     """
     contacts = workspace.contacts
-    load_spins(part, own, parameters, state, False)
+    load_spins(part, scratch, parameters, state, False)
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     split_velocities(parameters, state, workspace)
-    bounce(part, own, parameters, state, workspace)
+    bounce(part, scratch, parameters, state, workspace)
     require_gaps(part.overlapping, parameters, contacts)
     if parameters.drift.thermal > 0.0:
         collide_by_noise(part, parameters, state, workspace)
-    solve_contacts(part, own, parameters, state, workspace, workspace.midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, workspace, workspace.midstep_velocity)
     add_rows(state.velocity, workspace.midstep_velocity)
-    store_spins(part, own, parameters, state, False)
+    store_spins(part, scratch, parameters, state, False)
 
 
 @compiled
@@ -524,13 +526,13 @@ def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts |
 
 
 @compiled
-def separate(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def separate(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Remove overlaps after the drift: see `separate_by_passes`."""
-    separate_by_passes(part, own, parameters, state, workspace)
+    separate_by_passes(part, scratch, parameters, state, workspace)
 
 
 @composed
-def separate_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def separate_by_passes(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
     if part.overlapping:
         return
@@ -559,28 +561,28 @@ def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts) ->
 
 
 @compiled
-def constrain_velocities(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def constrain_velocities(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Solve contacts at the end of the step: see `constrain_velocities_by_passes`."""
-    constrain_velocities_by_passes(part, own, parameters, state, workspace)
+    constrain_velocities_by_passes(part, scratch, parameters, state, workspace)
 
 
 @composed
 def constrain_velocities_by_passes(
-    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace
+    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve contacts for the velocity at the end of the step, so that compressed floats are at rest."""
     if part.overlapping:
         return
-    load_spins(part, own, parameters, state, True)
+    load_spins(part, scratch, parameters, state, True)
     contacts, midstep_velocity, before = workspace.contacts, workspace.midstep_velocity, workspace.before
     decay_velocities(before, midstep_velocity, parameters.kick.decay)
     copy_rows(midstep_velocity, state.velocity)
     touching.normal_velocities(contacts, before, contacts.change)
     touching.normal_velocities(contacts, midstep_velocity, contacts.scratch)
     require_rest(parameters, contacts)
-    solve_contacts(part, own, parameters, state, workspace, midstep_velocity)
+    solve_contacts(part, scratch, parameters, state, workspace, midstep_velocity)
     copy_rows(state.velocity, midstep_velocity)
-    store_spins(part, own, parameters, state, True)
+    store_spins(part, scratch, parameters, state, True)
 
 
 @compiled

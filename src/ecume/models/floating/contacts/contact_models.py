@@ -62,17 +62,19 @@ class NoContacts(NamedTuple):
 
 
 @composed
-def no_contacts(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def no_contacts(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Do nothing."""
 
 
 @composed
-def all_listed(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
+def all_listed(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """Return DONE: candidates are listed with the neighbors."""
     return DONE
 
 
-def no_energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+def no_energy(
+    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
     """Return zero: impulses store no energy."""
     return 0.0, 0.0
 
@@ -99,7 +101,7 @@ def unchanged_state(state: State) -> State:
 
 def with_friction_impulses(state: State) -> State:
     """Return the state with an array of tangential impulses."""
-    return state._replace(rub=np.zeros(len(state.push)))
+    return state._replace(friction_impulse=np.zeros(len(state.contact_impulse)))
 
 
 @dataclass(frozen=True, kw_only=True)

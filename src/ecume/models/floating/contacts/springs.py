@@ -45,10 +45,10 @@ def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple
     at_walls = parameters.wall_restitution if scene.dish is not None else 1.0
     dampings = [0.0 if slow else damping_of(each) for each in (parameters.restitution, at_walls)]
     floats = parameters.floats
-    quickest = math.pi * math.sqrt(0.5 * float(floats.mass.min()) / stiffness) / max(1.0, 2.0 * max(dampings))
+    shortest_time = math.pi * math.sqrt(0.5 * float(floats.mass.min()) / stiffness) / max(1.0, 2.0 * max(dampings))
     if slow:
-        quickest = float((floats.mass / floats.relaxation_time).min()) / (2.0 * RAFT_NEIGHBORS * stiffness)
-    return Built(Springs(stiffness, *dampings), quickest)
+        shortest_time = float((floats.mass / floats.relaxation_time).min()) / (2.0 * RAFT_NEIGHBORS * stiffness)
+    return Built(Springs(stiffness, *dampings), shortest_time)
 
 
 def stiffness_of(parameters: Parameters) -> float:
@@ -97,7 +97,7 @@ def push_apart(springs: Springs, parameters: Parameters, state: State, contacts:
 
 
 @compiled
-def push_before_drift(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def push_before_drift(part: Springs, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply the forces at the start of the step to the midstep velocities and to the velocities."""
     contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
@@ -109,7 +109,7 @@ def push_before_drift(part: Springs, own: Any, parameters: Parameters, state: St
 
 
 @compiled
-def push_at_end(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def push_at_end(part: Springs, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply the forces at the end of a step of velocity Verlet."""
     contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
@@ -122,7 +122,7 @@ def push_at_end(part: Springs, own: Any, parameters: Parameters, state: State, w
 
 @compiled
 def spring_energies(
-    springs: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace
+    springs: Springs, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all contacts (J): among floats, and with walls."""
     contacts, among, at_walls = workspace.contacts, 0.0, 0.0

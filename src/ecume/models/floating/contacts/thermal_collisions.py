@@ -72,7 +72,7 @@ class Flow(NamedTuple):
 class Bounces(NamedTuple):
     """The result of all collisions of a step."""
 
-    push: Array
+    impulse: Array
     """(N, 2) N: the mean force of collisions on each float; (0, 2) if no floats collide"""
     lasting: Integers
     """(N,) 1 for floats in lasting contact"""
@@ -101,7 +101,7 @@ def collide_on_paths(
     if queue.size[0] == 0:
         return Bounces(np.zeros((0, 2)), paths.lasting)
     first, rows = contacts_of_floats(contacts, count)
-    push, met, meetings = np.zeros((count, 2)), np.zeros(total, np.int64), 0
+    impulse, met, meetings = np.zeros((count, 2)), np.zeros(total, np.int64), 0
     changed, last = np.empty(count, np.int64), np.zeros(count, np.int64)
     while queue.size[0] > 0:
         row = queue.heap[0]
@@ -112,7 +112,7 @@ def collide_on_paths(
             for place in range(2 if contacts.second[row] < count else 1):
                 paths.lasting[changed[place]] = 1
         else:
-            force = reflect_pair(parameters, state, contacts, paths, (row, when), (motion[1], share, push))
+            force = reflect_pair(parameters, state, contacts, paths, (row, when), (motion[1], share, impulse))
             if len(flow.radius) > 0:
                 carry(flow, state.position, contacts, paths, row, when, force, changed[2:changes])
         for number in range(changes):
@@ -121,8 +121,8 @@ def collide_on_paths(
     spread_lasting(contacts, met, paths.lasting)
     for i in range(count):
         if paths.lasting[i] > 0:
-            push[i, 0], push[i, 1] = 0.0, 0.0
-    return Bounces(push, paths.lasting)
+            impulse[i, 0], impulse[i, 1] = 0.0, 0.0
+    return Bounces(impulse, paths.lasting)
 
 
 @compiled
@@ -174,9 +174,9 @@ def carry(
             distance = math.sqrt(x * x + y * y)
             across, along = rotne_prager(distance, flow.radius[one], flow.radius[k])
             x, y = x / distance, y / distance
-            push = x * force[0] + y * force[1]
+            normal_force = x * force[0] + y * force[1]
             for axis, towards in ((0, x), (1, y)):
-                moved = across * force[axis] + (along - across) * push * towards
+                moved = across * force[axis] + (along - across) * normal_force * towards
                 paths.velocity[k, axis] += sign * flow.unit * moved
 
 
@@ -289,7 +289,7 @@ def reflect_pair(
     """Reflect the velocities of two bodies, whose `event` is a contact and the time. Returns
     the force on the second one until the end of the step (N).
     """
-    (row, when), (driven, share, push), radius = event, given, parameters.floats.radius
+    (row, when), (driven, share, impulse), radius = event, given, parameters.floats.radius
     i, j, time, thermal = contacts.first[row], contacts.second[row], parameters.time_step, parameters.drift.thermal
     advance_path(paths, i, when)
     velocity, left, count = paths.velocity, time - when, len(radius)
@@ -312,10 +312,10 @@ def reflect_pair(
     force = (end / left - speed) / mobility
     for axis, along in ((0, x), (1, y)):
         velocity[i, axis] -= share[row, 0] * force * along
-        push[i, axis] -= force * along * left / time
+        impulse[i, axis] -= force * along * left / time
         if j < count:
             velocity[j, axis] += share[row, 1] * force * along
-            push[j, axis] += force * along * left / time
+            impulse[j, axis] += force * along * left / time
     paths.hits[i] += 1
     if j < count:
         paths.hits[j] += 1

@@ -425,14 +425,14 @@ def grid_pairs(part: GridKicks) -> float:
 
 
 def fastest_on_grid(
-    part: GridKicks, own: GridScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: GridKicks, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> float:
     """Compute the velocities by forces, without the current; return the highest speed, as `fastest_coupled`."""
-    kicks, motion = part.kicks, own.motion
+    kicks, motion = part.kicks, scratch.motion
     if not np.isfinite(state.position).all():
         return math.nan
     grid = place_flow_grid(state.position, kicks.radius, kicks.viscosity, kicks.thermal > 0.0)
-    own.grid[:] = [grid]
+    scratch.grid[:] = [grid]
     motion.load[:] = workspace.force.ravel()
     motion.motion[:] = flow_product(grid, workspace.force).ravel()
     fill_current(motion, parameters, state)
@@ -443,63 +443,63 @@ def fastest_on_grid(
 
 
 def predict_on_grid(
-    part: GridKicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: GridKicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Complete the velocities by thermal noise and the current."""
-    own: GridScratch = scratch.integrator
+    own: GridScratch = scratches.integrator
     if parameters.drift.thermal > 0.0:
         add_noise_on_grid(part.kicks, own, parameters, state)
     add_current(own.motion)
     store_velocities(own.motion, state, workspace)
 
 
-def add_noise_on_grid(part: CoupledKicks, own: GridScratch, parameters: Parameters, state: State) -> None:
+def add_noise_on_grid(part: CoupledKicks, scratch: GridScratch, parameters: Parameters, state: State) -> None:
     """Add Brownian motion to the velocities: displacements with the covariance 2 kT M dt."""
-    grid, noise = own.grid[0], np.empty(len(own.motion.motion))
+    grid, noise = scratch.grid[0], np.empty(len(scratch.motion.motion))
     fill_normals(part, int(state.step[0]), parameters.drift.seed, noise)
     scale = np.repeat(np.sqrt(grid.unit / part.radius), 2)
     moved = root_by_products(lambda force: flow_product(grid, force.reshape(-1, 2)).ravel(), scale, noise, ERROR)
-    own.motion.motion[:] += math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step) * moved
+    scratch.motion.motion[:] += math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step) * moved
 
 
 def add_work_on_grid(
-    part: GridKicks, own: GridScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: GridKicks, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Add the work of the current: see `mobility.add_coupled_work`."""
-    add_coupled_work(part.kicks, own.motion, parameters, state, workspace)
+    add_coupled_work(part.kicks, scratch.motion, parameters, state, workspace)
 
 
 def collide_on_grid(
-    part: GridImpulses, own: GridScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: GridImpulses, scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
     contacts, memory = workspace.contacts, memory_of(state)
     gather_contacts(parameters, state, workspace)
-    grid, motion = own.grid[0], own.motion
+    grid, motion = scratch.grid[0], scratch.motion
     share = pair_shares(contacts, state.position, grid.radius, grid.unit)
     contacts.weight[: len(share)] = 1.0 / share.sum(axis=1)
     if parameters.drift.thermal > 0.0:
         paths = workspace.midstep_velocity, workspace.stages[DRIVEN]
         found = collide_on_paths(parameters, state, contacts, paths, share, motion.flow)
-        if len(found.push):
-            motion.load[:] += found.push.ravel()
-            motion.motion[:] += flow_product(grid, found.push).ravel()
+        if len(found.impulse):
+            motion.load[:] += found.impulse.ravel()
+            motion.motion[:] += flow_product(grid, found.impulse).ravel()
             store_velocities(motion, state, workspace)
         require_distances(parameters, state, contacts, workspace.midstep_velocity, share, found.lasting)
-    wanted = begin_contacts(parameters, state, workspace)
-    if wanted.target > 0.0:
-        push_on_grid(own, parameters, state, workspace, wanted)
+    tolerance = begin_contacts(parameters, state, workspace)
+    if tolerance.target > 0.0:
+        push_on_grid(scratch, parameters, state, workspace, tolerance)
     else:
         clear_impulses(contacts)
     touching.remember(touching.contact_keys(contacts), memory)
-    store_velocities(own.motion, state, workspace)
+    store_velocities(scratch.motion, state, workspace)
 
 
 def push_on_grid(
-    own: GridScratch, parameters: Parameters, state: State, workspace: Workspace, wanted: Tolerance
+    scratch: GridScratch, parameters: Parameters, state: State, workspace: Workspace, tolerance: Tolerance
 ) -> None:
     """Solve for the forces of all contacts and change the motion by them."""
-    contacts, grid, count = workspace.contacts, own.grid[0], len(own.motion.current)
+    contacts, grid, count = workspace.contacts, scratch.grid[0], len(scratch.motion.current)
     total = int(contacts.total[0])
     contacts.impulse[:total] /= parameters.time_step
     velocity = workspace.midstep_velocity.copy()
@@ -510,14 +510,14 @@ def push_on_grid(
         return moved
 
     fastest = float(np.max(contacts.bound[:total] - contacts.scratch[:total]))
-    goal = Tolerance(max(wanted.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Tolerance(max(tolerance.target, RESIDUAL * fastest), TOLERABLE * parameters.slop / parameters.time_step)
     products = mobility_contacts.solve_by_products(contacts, velocity, respond, goal)
     state.tally[SWEEPS] += products
     state.tally[UNCONVERGED] += 1.0 if products > mobility_contacts.MOST_PRODUCTS else 0.0
     force = np.zeros_like(velocity)
     mobility_contacts.spread_forces(contacts, contacts.impulse, force)
-    own.motion.load[:] += force[:count].ravel()
-    own.motion.motion[:] = velocity[:count].ravel()
+    scratch.motion.load[:] += force[:count].ravel()
+    scratch.motion.motion[:] = velocity[:count].ravel()
     contacts.impulse[:total] *= parameters.time_step
 
 

@@ -221,36 +221,36 @@ SPINS = 1
 
 @compiled
 def fastest_coupled(
-    part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledKicks, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> float:
     """Compute the velocities by forces, without the current; return the highest speed, NaN if any is NaN."""
     count = len(part.radius)
-    fill_mobility(part, state.position, own.mobility)
+    fill_mobility(part, state.position, scratch.mobility)
     for i in range(count):
-        own.load[2 * i], own.load[2 * i + 1] = workspace.force[i, 0], workspace.force[i, 1]
-    own.load[2 * count :] = 0.0
-    multiply(own.mobility, own.load, own.motion)
-    fill_current(own, parameters, state)
+        scratch.load[2 * i], scratch.load[2 * i + 1] = workspace.force[i, 0], workspace.force[i, 1]
+    scratch.load[2 * count :] = 0.0
+    multiply(scratch.mobility, scratch.load, scratch.motion)
+    fill_current(scratch, parameters, state)
     if part.thermal > 0.0:
-        store_driven(own, workspace)
-        add_divergence(part, state.position, own.motion)
-    return fastest_motion(own)
+        store_driven(scratch, workspace)
+        add_divergence(part, state.position, scratch.motion)
+    return fastest_motion(scratch)
 
 
 @compiled
-def store_driven(own: CoupledScratch, workspace: Workspace) -> None:
+def store_driven(scratch: CoupledScratch, workspace: Workspace) -> None:
     """Store the velocities by forces and the current, without noise and the drift kT div M that belongs to it."""
-    for i in range(len(own.current)):
+    for i in range(len(scratch.current)):
         for axis in range(2):
-            workspace.stages[DRIVEN, i, axis] = own.motion[2 * i + axis] + own.current[i, axis]
+            workspace.stages[DRIVEN, i, axis] = scratch.motion[2 * i + axis] + scratch.current[i, axis]
 
 
 @compiled
-def fastest_motion(own: CoupledScratch) -> float:
+def fastest_motion(scratch: CoupledScratch) -> float:
     """The highest speed of any float with its current, NaN if any is NaN."""
     fastest = 0.0
-    for i in range(len(own.current)):
-        x, y = own.motion[2 * i] + own.current[i, 0], own.motion[2 * i + 1] + own.current[i, 1]
+    for i in range(len(scratch.current)):
+        x, y = scratch.motion[2 * i] + scratch.current[i, 0], scratch.motion[2 * i + 1] + scratch.current[i, 1]
         speed = math.sqrt(x * x + y * y)
         # Written so that a NaN is kept.
         if fastest == fastest and not speed <= fastest:
@@ -259,11 +259,11 @@ def fastest_motion(own: CoupledScratch) -> float:
 
 
 @compiled
-def fill_current(own: CoupledScratch, parameters: Parameters, state: State) -> None:
+def fill_current(scratch: CoupledScratch, parameters: Parameters, state: State) -> None:
     """Compute the velocity of the liquid at each float: the flow of the scene, and in a moving dish that of the liquid
     that stays behind.
     """
-    drift, current = parameters.drift, own.current
+    drift, current = parameters.drift, scratch.current
     for i in range(len(current)):
         x, y = 0.0, 0.0
         if drift.flows:
@@ -278,14 +278,14 @@ def fill_current(own: CoupledScratch, parameters: Parameters, state: State) -> N
 
 
 @compiled
-def add_coupled_noise(part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State) -> None:
+def add_coupled_noise(part: CoupledKicks, scratch: CoupledScratch, parameters: Parameters, state: State) -> None:
     """Add Brownian motion to the velocities and spins: displacements with the covariance 2 kT M dt."""
-    noise, moved = np.empty(len(own.motion)), np.empty(len(own.motion))
+    noise, moved = np.empty(len(scratch.motion)), np.empty(len(scratch.motion))
     fill_normals(part, int(state.step[0]), parameters.drift.seed, noise)
-    root_product(own.mobility, noise, moved)
+    root_product(scratch.mobility, noise, moved)
     far = math.sqrt(2.0 * parameters.drift.thermal / parameters.time_step)
     for k in range(len(moved)):
-        own.motion[k] += far * moved[k]
+        scratch.motion[k] += far * moved[k]
 
 
 @compiled
@@ -300,40 +300,40 @@ def fill_normals(part: CoupledKicks, step: int, seed: int, noise: Array) -> None
 
 @composed
 def predict_coupled(
-    part: CoupledKicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledKicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Complete the velocities that `fastest_coupled` computed by thermal noise."""
     if parameters.drift.thermal > 0.0:
-        add_coupled_noise(part, scratch.integrator, parameters, state)
-    add_current(scratch.integrator)
-    store_velocities(scratch.integrator, state, workspace)
+        add_coupled_noise(part, scratches.integrator, parameters, state)
+    add_current(scratches.integrator)
+    store_velocities(scratches.integrator, state, workspace)
 
 
 @compiled
-def add_current(own: CoupledScratch) -> None:
+def add_current(scratch: CoupledScratch) -> None:
     """Add the current to the velocities relative to it."""
-    for i in range(len(own.current)):
-        own.motion[2 * i] += own.current[i, 0]
-        own.motion[2 * i + 1] += own.current[i, 1]
+    for i in range(len(scratch.current)):
+        scratch.motion[2 * i] += scratch.current[i, 0]
+        scratch.motion[2 * i + 1] += scratch.current[i, 1]
 
 
 @compiled
-def store_velocities(own: CoupledScratch, state: State, workspace: Workspace) -> None:
+def store_velocities(scratch: CoupledScratch, state: State, workspace: Workspace) -> None:
     """Write the velocities and midstep velocities."""
-    for i in range(len(own.current)):
+    for i in range(len(scratch.current)):
         for axis in range(2):
-            state.velocity[i, axis] = own.motion[2 * i + axis]
-            workspace.midstep_velocity[i, axis] = own.motion[2 * i + axis]
+            state.velocity[i, axis] = scratch.motion[2 * i + axis]
+            workspace.midstep_velocity[i, axis] = scratch.motion[2 * i + axis]
 
 
 @compiled
-def finish_coupled(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def finish_coupled(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Do nothing: velocities follow from the forces at the start of the step."""
 
 
 @compiled
 def add_coupled_work(
-    part: CoupledKicks, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledKicks, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Add the work of the current on the floats in one step, -F u with all forces F on them including contacts: the
     liquid exerts -F, and u is its velocity far from them. The rest of its work is dissipated. With thermal noise, the
@@ -342,8 +342,8 @@ def add_coupled_work(
     if parameters.drift.thermal > 0.0 or len(state.tally) <= WORK:
         return
     power = 0.0
-    for i in range(len(own.current)):
-        power -= own.load[2 * i] * own.current[i, 0] + own.load[2 * i + 1] * own.current[i, 1]
+    for i in range(len(scratch.current)):
+        power -= scratch.load[2 * i] * scratch.current[i, 0] + scratch.load[2 * i + 1] * scratch.current[i, 1]
     state.tally[WORK] += parameters.time_step * power
 
 
@@ -371,56 +371,56 @@ def smooth_impulses_of(parameters: Parameters, scene: FloatingScene, interaction
 
 @compiled
 def collide_coupled(
-    part: CoupledImpulses, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledImpulses, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve for the midstep velocities, so that no float overlaps another after the step."""
     contacts, memory, turning = workspace.contacts, memory_of(state), len(part.inertia) > 0
     gather_contacts(parameters, state, workspace)
     if parameters.drift.thermal > 0.0:
-        collide_coupled_paths(part, own, parameters, state, workspace)
+        collide_coupled_paths(part, scratch, parameters, state, workspace)
     goal = begin_contacts(parameters, state, workspace)
     if goal.target > 0.0:
-        rows = dense_rows_of(part, contacts, parameters, len(own.motion))
+        rows = dense_rows_of(part, contacts, parameters, len(scratch.motion))
         if turning:
-            recall_friction(rows, contacts, memory, state.rub, parameters.time_step)
-        sweeps = mobility_contacts.solve(rows, own.mobility, own.motion, goal)
+            recall_friction(rows, contacts, memory, state.friction_impulse, parameters.time_step)
+        sweeps = mobility_contacts.solve(rows, scratch.mobility, scratch.motion, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
-        keep_impulses(rows, contacts, parameters, own)
+        keep_impulses(rows, contacts, parameters, scratch)
         touching.remember(touching.contact_keys(contacts), memory)
         if turning:
             tangential_impulse = parameters.time_step * rows.impulse[contacts.total[0] :]
-            touching.remember_each(touching.contact_keys(contacts), tangential_impulse, memory, state.rub)
+            touching.remember_each(touching.contact_keys(contacts), tangential_impulse, memory, state.friction_impulse)
     else:
         clear_impulses(contacts)
         touching.remember(touching.contact_keys(contacts), memory)
-    store_velocities(own, state, workspace)
+    store_velocities(scratch, state, workspace)
     for i in range(len(state.turning) if turning else 0):
-        state.turning[i, 1] = own.motion[2 * len(state.turning) + i]
+        state.turning[i, 1] = scratch.motion[2 * len(state.turning) + i]
         state.turning[i, 0] += parameters.time_step * state.turning[i, 1]
 
 
 @compiled
 def collide_coupled_paths(
-    part: CoupledImpulses, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledImpulses, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Let Brownian floats collide on their paths, without friction, and move all floats by these collisions."""
-    contacts, count = workspace.contacts, len(own.current)
-    share = closing_shares(own.mobility, count, contacts)
+    contacts, count = workspace.contacts, len(scratch.current)
+    share = closing_shares(scratch.mobility, count, contacts)
     lasting: Integers = np.ones(count, np.int64)
     if len(part.inertia) == 0:
         motion = workspace.midstep_velocity, workspace.stages[DRIVEN]
-        found = collide_on_paths(parameters, state, contacts, motion, share, own.flow)
+        found = collide_on_paths(parameters, state, contacts, motion, share, scratch.flow)
         lasting = found.lasting
-        if len(found.push) > 0:
-            load, moved = np.zeros(len(own.motion)), np.zeros(len(own.motion))
+        if len(found.impulse) > 0:
+            load, moved = np.zeros(len(scratch.motion)), np.zeros(len(scratch.motion))
             for i in range(count):
-                load[2 * i], load[2 * i + 1] = found.push[i, 0], found.push[i, 1]
-            multiply(own.mobility, load, moved)
+                load[2 * i], load[2 * i + 1] = found.impulse[i, 0], found.impulse[i, 1]
+            multiply(scratch.mobility, load, moved)
             for entry in range(len(moved)):
-                own.load[entry] += load[entry]
-                own.motion[entry] += moved[entry]
-            store_velocities(own, state, workspace)
+                scratch.load[entry] += load[entry]
+                scratch.motion[entry] += moved[entry]
+            store_velocities(scratch, state, workspace)
     require_distances(parameters, state, contacts, workspace.midstep_velocity, share, lasting)
 
 
@@ -505,13 +505,13 @@ def recall_friction(
 
 
 @compiled
-def keep_impulses(rows: DenseRows, contacts: Contacts, parameters: Parameters, own: CoupledScratch) -> None:
+def keep_impulses(rows: DenseRows, contacts: Contacts, parameters: Parameters, scratch: CoupledScratch) -> None:
     """Store the impulses of the contacts, and add their forces to those on the floats."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] = parameters.time_step * rows.impulse[row]
     for row in range(len(rows.impulse)):
         for entry in range(mobility_contacts.ENTRIES):
-            own.load[rows.place[row, entry]] += rows.value[row, entry] * rows.impulse[row]
+            scratch.load[rows.place[row, entry]] += rows.value[row, entry] * rows.impulse[row]
 
 
 admit(pair_mobility)
@@ -544,14 +544,14 @@ def approach_factor(distance: float, radius: float) -> float:
 
 @compiled
 def apply_coupled_films(
-    part: CoupledFilms, own: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: CoupledFilms, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Apply films to the velocities and midstep velocities."""
     pairs = find_films(part.films, parameters, state.position, workspace.lists)
     subtract_far_field(part, parameters, state.position, pairs)
     if len(pairs.friction) > 0:
-        solve_with_films(pairs, own)
-        store_velocities(own, state, workspace)
+        solve_with_films(pairs, scratch)
+        store_velocities(scratch, state, workspace)
 
 
 @compiled
@@ -569,23 +569,23 @@ def subtract_far_field(part: CoupledFilms, parameters: Parameters, position: Arr
 
 
 @compiled
-def solve_with_films(pairs: Pairs, own: CoupledScratch) -> int:
+def solve_with_films(pairs: Pairs, scratch: CoupledScratch) -> int:
     """Change the motion by films, and add their forces to those on the floats; return the number of iterations."""
-    total, size = len(pairs.friction), len(own.motion)
+    total, size = len(pairs.friction), len(scratch.motion)
     strength, weight, found = np.empty(total), np.empty(total), np.zeros(total)
     residual, direction, image = np.empty(total), np.empty(total), np.empty(total)
-    force, moved, square = np.zeros(size), own.motion.copy(), 0.0
+    force, moved, square = np.zeros(size), scratch.motion.copy(), 0.0
     closing_speeds(pairs, moved, residual)
     for row in range(total):
         strength[row] = math.sqrt(pairs.friction[row])
-        weight[row] = 1.0 / (1.0 + pairs.friction[row] * closing_mobility(pairs, row, own.mobility))
+        weight[row] = 1.0 / (1.0 + pairs.friction[row] * closing_mobility(pairs, row, scratch.mobility))
         residual[row] *= strength[row]
         direction[row] = weight[row] * residual[row]
         square += residual[row] * direction[row]
     goal, iterations = TOLERANCE * TOLERANCE * square, 0
     while square > goal and iterations < MOST_ITERATIONS:
         spread_forces(pairs, strength, direction, force)
-        multiply(own.mobility, force, moved)
+        multiply(scratch.mobility, force, moved)
         closing_speeds(pairs, moved, image)
         curvature, last = 0.0, square
         for row in range(total):
@@ -600,10 +600,10 @@ def solve_with_films(pairs: Pairs, own: CoupledScratch) -> int:
             direction[row] = weight[row] * residual[row] + square / last * direction[row]
         iterations += 1
     spread_forces(pairs, strength, found, force)
-    multiply(own.mobility, force, moved)
+    multiply(scratch.mobility, force, moved)
     for k in range(size):
-        own.motion[k] -= moved[k]
-        own.load[k] -= force[k]
+        scratch.motion[k] -= moved[k]
+        scratch.load[k] -= force[k]
     return iterations
 
 

@@ -63,35 +63,40 @@ def make_activity_scratch(
 
 def with_activity(part: Activity, state: State) -> State:
     """Return the state with stationary random forces, over their root mean square, and random headings."""
-    dice = np.random.default_rng([part.seed, START])
+    rng = np.random.default_rng([part.seed, START])
     count = len(state.position)
-    heading = dice.uniform(0.0, 2.0 * math.pi, count)
-    return state._replace(active=np.column_stack([dice.normal(size=(count, 2)), heading]))
+    heading = rng.uniform(0.0, 2.0 * math.pi, count)
+    return state._replace(active=np.column_stack([rng.normal(size=(count, 2)), heading]))
 
 
 @compiled
-def active_force(part: Activity, own: ActivityScratch, i: int) -> tuple[float, float]:
+def active_force(part: Activity, scratch: ActivityScratch, i: int) -> tuple[float, float]:
     """The force on one float (N)."""
-    heading = own.active[i, 2]
-    if own.turning.shape[1] > 0:
-        heading += own.turning[i, 0]
-    x = part.force[i] * own.active[i, 0] + part.propulsion[i] * math.cos(heading)
-    return x, part.force[i] * own.active[i, 1] + part.propulsion[i] * math.sin(heading)
+    heading = scratch.active[i, 2]
+    if scratch.turning.shape[1] > 0:
+        heading += scratch.turning[i, 0]
+    x = part.force[i] * scratch.active[i, 0] + part.propulsion[i] * math.cos(heading)
+    return x, part.force[i] * scratch.active[i, 1] + part.propulsion[i] * math.sin(heading)
 
 
 @compiled
 def activity_forces(
-    part: Activity, own: ActivityScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    part: Activity,
+    scratch: ActivityScratch,
+    parameters: Parameters,
+    position: Array,
+    lists: NeighborLists,
+    force: Array,
 ) -> None:
     """Add the active forces."""
     for i in range(len(force)):
-        x, y = active_force(part, own, i)
+        x, y = active_force(part, scratch, i)
         force[i, 0] += x
         force[i, 1] += y
 
 
 @compiled
-def renew_activity(part: Activity, own: ActivityScratch, parameters: Parameters, state: State, first: bool) -> None:
+def renew_activity(part: Activity, scratch: ActivityScratch, parameters: Parameters, state: State, first: bool) -> None:
     """Advance random forces and headings by one time step, before it; the forces at its end are the new ones."""
     if not first:
         return
@@ -99,29 +104,29 @@ def renew_activity(part: Activity, own: ActivityScratch, parameters: Parameters,
     kept = math.exp(-time / part.persistence)
     fresh = math.sqrt(1.0 - kept * kept)
     for i in range(len(part.force)):
-        own.before[i, 0], own.before[i, 1] = active_force(part, own, i)
+        scratch.before[i, 0], scratch.before[i, 1] = active_force(part, scratch, i)
         along, across = normals(counter_of(i, step, FORCES), part.seed)
-        own.active[i, 0] = kept * own.active[i, 0] + fresh * along
-        own.active[i, 1] = kept * own.active[i, 1] + fresh * across
+        scratch.active[i, 0] = kept * scratch.active[i, 0] + fresh * along
+        scratch.active[i, 1] = kept * scratch.active[i, 1] + fresh * across
         turned = normals(counter_of(i, step, HEADINGS), part.seed)[0]
-        own.active[i, 2] += part.turning[i] * time + math.sqrt(2.0 * part.diffusion[i] * time) * turned
+        scratch.active[i, 2] += part.turning[i] * time + math.sqrt(2.0 * part.diffusion[i] * time) * turned
 
 
 @compiled
 def add_work_of_activity(
-    part: Activity, own: ActivityScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Activity, scratch: ActivityScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Add the work of the active forces in a step, by the mean of those at its beginning and end (J)."""
     midstep_velocity, power = workspace.midstep_velocity, 0.0
     for i in range(len(part.force)):
-        x, y = active_force(part, own, i)
-        power += 0.5 * (own.before[i, 0] + x) * midstep_velocity[i, 0]
-        power += 0.5 * (own.before[i, 1] + y) * midstep_velocity[i, 1]
+        x, y = active_force(part, scratch, i)
+        power += 0.5 * (scratch.before[i, 0] + x) * midstep_velocity[i, 0]
+        power += 0.5 * (scratch.before[i, 1] + y) * midstep_velocity[i, 1]
     state.tally[WORK] += power * parameters.time_step
 
 
 def no_activity_energy(
-    part: Activity, own: ActivityScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Activity, scratch: ActivityScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """Return zero: active forces have no potential."""
     return 0.0, 0.0
@@ -146,5 +151,5 @@ def activity_of(parameters: Parameters, scene: FloatingScene) -> Built:
     rates.append(float(np.abs(part.turning).max()))
     speed = float(np.max((DEVIATIONS * part.force + part.propulsion) * floats.relaxation_time / floats.mass))
     # A step moves a float by a tenth of the skin at most.
-    rates.append(0.5 * parameters.collective * speed / parameters.skin)
-    return Built(part, quickest=min(1.0 / rate if rate > 0.0 else math.inf for rate in rates))
+    rates.append(0.5 * parameters.raft_mobility * speed / parameters.skin)
+    return Built(part, shortest_time=min(1.0 / rate if rate > 0.0 else math.inf for rate in rates))

@@ -349,7 +349,7 @@ def add_smooth_forces(parameters: Parameters, split: Split, position: Array, gri
 
 
 def split_energy(
-    part: Split, own: Any, parameters: Parameters, state: State, workspace: Workspace
+    part: Split, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all pairs (J), including the short-range part: zero at infinite distance."""
     from scipy import fft
@@ -413,13 +413,13 @@ def make_reference(part: Split, parameters: Parameters, state: State, workspace:
     return Reference(state.reference, [])
 
 
-def place_grid(part: Split, own: Reference, parameters: Parameters, lists: NeighborLists) -> None:
+def place_grid(part: Split, scratch: Reference, parameters: Parameters, lists: NeighborLists) -> None:
     """Place the grid around the reference positions; after each new neighbor list."""
-    own.grid[:] = [grid_around(part, own.position, float(parameters.pair[CAPILLARY_LENGTH]))]
+    scratch.grid[:] = [grid_around(part, scratch.position, float(parameters.pair[CAPILLARY_LENGTH]))]
 
 
 def smooth_forces(
-    part: Split, own: Reference, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    part: Split, scratch: Reference, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces of the smooth part. In Python, since the transforms are SciPy's."""
-    add_smooth_forces(parameters, part, position, own.grid[0], force)
+    add_smooth_forces(parameters, part, position, scratch.grid[0], force)

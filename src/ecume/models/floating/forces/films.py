@@ -172,7 +172,7 @@ def solve_velocities(pairs: Pairs, gain: Array, velocity: Array) -> int:
 
 
 @compiled
-def apply_films(part: Films, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def apply_films(part: Films, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply films to the velocities after a kick and to the midstep velocities."""
     pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:

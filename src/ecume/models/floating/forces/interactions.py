@@ -97,17 +97,17 @@ def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Works
 
 
 @composed
-def unsorted(part: Any, own: Any, parameters: Parameters, lists: NeighborLists) -> None:
+def unsorted(part: Any, scratch: Any, parameters: Parameters, lists: NeighborLists) -> None:
     """Do nothing: the part stores nothing in the order of the lists."""
 
 
 @composed
-def no_turning(part: Any, own: Any, parameters: Parameters, state: State, first: bool) -> None:
+def no_turning(part: Any, scratch: Any, parameters: Parameters, state: State, first: bool) -> None:
     """Do nothing: the forces act through the centers."""
 
 
 @composed
-def no_work(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def no_work(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Do nothing: the energy contains the work of the forces."""
 
 
@@ -326,12 +326,12 @@ apply_resistances = each_by_type(lambda kind: RESISTANCES_BY_CONSTANTS[kind].slo
 
 @composed
 def evaluate(
-    parts: Parts, scratch: Scratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    parts: Parts, scratches: Scratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """The forces on all floats at these positions; the neighbor lists must hold there."""
     clear(force)
     sort_positions(lists, position)
-    add_forces(parts.interactions, scratch.interactions, parameters, position, lists, force)
+    add_forces(parts.interactions, scratches.interactions, parameters, position, lists, force)
     if parameters.drift.flows and parameters.scheme.drags_along:
         add_flow(parameters, position, force)
 

@@ -76,24 +76,31 @@ def make_sorted_moments(
 
 
 @compiled
-def sort_moments(part: DipoleMoments, own: SortedMoments, parameters: Parameters, lists: NeighborLists) -> None:
+def sort_moments(part: DipoleMoments, scratch: SortedMoments, parameters: Parameters, lists: NeighborLists) -> None:
     """Copy moments into the order of the slots; after each new neighbor list."""
     order = lists.cells.order
     for slot in range(len(order)):
-        own.moment[slot] = part.moment[order[slot]]
+        scratch.moment[slot] = part.moment[order[slot]]
 
 
 @compiled
 def dipole_forces(
-    part: DipoleMoments, own: SortedMoments, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    part: DipoleMoments,
+    scratch: SortedMoments,
+    parameters: Parameters,
+    position: Array,
+    lists: NeighborLists,
+    force: Array,
 ) -> None:
     """Add the forces of all pairs of dipoles."""
-    sum_pair_forces(Dipoles(part.pair[STRENGTH]), pairs_of(lists.rows), (own.moment, own.moment), part.pair, own.force)
-    add_from_slots(lists.cells.order, own.force, force)
+    sum_pair_forces(
+        Dipoles(part.pair[STRENGTH]), pairs_of(lists.rows), (scratch.moment, scratch.moment), part.pair, scratch.force
+    )
+    add_from_slots(lists.cells.order, scratch.force, force)
 
 
 def dipole_energies(
-    part: DipoleMoments, own: SortedMoments, parameters: Parameters, state: State, workspace: Workspace
+    part: DipoleMoments, scratch: SortedMoments, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all pairs of dipoles (J)."""
     rows = workspace.lists.rows
@@ -131,10 +138,10 @@ def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     strongest = float(np.abs(moment).max())
     at_contact = dipole_force(touching, dipole_strength(strongest, strongest))
     spring, floats = 2.0 * RAFT_NEIGHBORS * 4.0 * at_contact / touching, parameters.floats
-    quickest = float(np.min(np.sqrt(floats.mass / spring)))
+    shortest_time = float(np.min(np.sqrt(floats.mass / spring)))
     if not parameters.scheme.inertia:
-        quickest = float(np.min(floats.mass / floats.relaxation_time)) / spring
-    return Built(make_dipole_moments(moment, cutoff), quickest, reach=cutoff)
+        shortest_time = float(np.min(floats.mass / floats.relaxation_time)) / spring
+    return Built(make_dipole_moments(moment, cutoff), shortest_time, reach=cutoff)
 
 
 PER_PERIOD = 100.0
@@ -183,12 +190,12 @@ def make_magnetic_scratch(
 
 
 @compiled
-def set_field(part: MagneticField, own: MagneticScratch, time: float) -> None:
+def set_field(part: MagneticField, scratch: MagneticScratch, time: float) -> None:
     """Store the field of the last time, and compute that of a time."""
     for axis in range(3):
-        own.field[1, axis] = own.field[0, axis]
+        scratch.field[1, axis] = scratch.field[0, axis]
         swing = part.amplitude[axis] * math.cos(part.turning * time + part.phase[axis])
-        own.field[0, axis] = part.constant[axis] + swing
+        scratch.field[0, axis] = part.constant[axis] + swing
 
 
 @compiled_inside
@@ -203,7 +210,7 @@ def energy_in(energy: Array, field: Array) -> float:
 @compiled
 def magnetic_forces(
     part: MagneticField,
-    own: MagneticScratch,
+    scratch: MagneticScratch,
     parameters: Parameters,
     position: Array,
     lists: NeighborLists,
@@ -212,9 +219,9 @@ def magnetic_forces(
     """Add the forces of all pairs within the cutoff, and sum the coefficients of the energy."""
     rows, order = lists.rows, lists.cells.order
     first, neighbor, periods = rows.first, rows.neighbor, rows.periods
-    x, y, z = own.field[0, 0], own.field[0, 1], own.field[0, 2]
+    x, y, z = scratch.field[0, 0], scratch.field[0, 1], scratch.field[0, 2]
     for k in range(CHANGES):
-        own.energy[k] = 0.0
+        scratch.energy[k] = 0.0
     for slot in range(len(order)):
         i = order[slot]
         a, p = part.induced[i], part.permanent[i]
@@ -228,7 +235,7 @@ def magnetic_forces(
                 continue
             distance = math.sqrt(square)
             nx, ny, b, q = dx / distance, dy / distance, part.induced[j], part.permanent[j]
-            add_energy(own.energy, part.strength / (square * distance), (nx, ny), (a, p), (b, q))
+            add_energy(scratch.energy, part.strength / (square * distance), (nx, ny), (a, p), (b, q))
             scale = 3.0 * part.strength / (square * square)
             along = x * nx + y * ny
             product = a * b * (x * x + y * y) + (a * z + p) * (b * z + q)
@@ -258,26 +265,28 @@ def add_energy(
 
 
 @compiled
-def renew_field(part: MagneticField, own: MagneticScratch, parameters: Parameters, state: State, first: bool) -> None:
+def renew_field(
+    part: MagneticField, scratch: MagneticScratch, parameters: Parameters, state: State, first: bool
+) -> None:
     """Advance the field by one time step, before it, and add half of the work of its change at the positions before;
     after the step, add the other half, at the positions then.
     """
     if first:
-        set_field(part, own, (state.step[0] + 1) * parameters.time_step)
-    change = energy_in(own.energy, own.field[0]) - energy_in(own.energy, own.field[1])
+        set_field(part, scratch, (state.step[0] + 1) * parameters.time_step)
+    change = energy_in(scratch.energy, scratch.field[0]) - energy_in(scratch.energy, scratch.field[1])
     state.tally[WORK] += 0.5 * change
 
 
 def magnetic_energy(
-    part: MagneticField, own: MagneticScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: MagneticField, scratch: MagneticScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all pairs (J) in the field of this time."""
-    scratch = MagneticScratch(own.field.copy(), np.zeros(CHANGES))
-    set_field(part, scratch, int(state.step[0]) * parameters.time_step)
+    present = MagneticScratch(scratch.field.copy(), np.zeros(CHANGES))
+    set_field(part, present, int(state.step[0]) * parameters.time_step)
     magnetic_forces(
-        part, scratch, parameters._replace(parts=()), state.position, workspace.lists, np.zeros_like(state.position)
+        part, present, parameters._replace(parts=()), state.position, workspace.lists, np.zeros_like(state.position)
     )
-    return float(energy_in(scratch.energy, scratch.field[0])), 0.0
+    return float(energy_in(present.energy, present.field[0])), 0.0
 
 
 def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
@@ -301,15 +310,15 @@ def magnetic_field_of(parameters: Parameters, scene: FloatingScene) -> Built:
         constant, amplitude, turning, np.array(given.phase), induced, permanent, dipole_strength(1.0, 1.0), cutoff
     )
     highest = float(np.linalg.norm(np.abs(constant) + np.abs(amplitude)))
-    quickest = shortest_time_at_contact(parameters, induced * highest + np.abs(permanent))
+    shortest_time = shortest_time_at_contact(parameters, induced * highest + np.abs(permanent))
     if np.any(amplitude):
-        quickest = min(quickest, 20.0 * 2.0 * math.pi / turning / PER_PERIOD)
-    return Built(part, quickest, reach=cutoff)
+        shortest_time = min(shortest_time, 20.0 * 2.0 * math.pi / turning / PER_PERIOD)
+    return Built(part, shortest_time, reach=cutoff)
 
 
 def shortest_time_at_contact(parameters: Parameters, moment: Array) -> float:
     """The shortest time scale of two touching floats with these moments (s), each kind with each."""
-    floats, quickest = parameters.floats, math.inf
+    floats, shortest_time = parameters.floats, math.inf
     friction = floats.mass / floats.relaxation_time
     kinds = np.unique(np.stack([floats.radius, moment, floats.mass, friction]), axis=1).T.tolist()
     for radius, own, mass, drag in kinds:
@@ -318,8 +327,10 @@ def shortest_time_at_contact(parameters: Parameters, moment: Array) -> float:
             at_contact = 6.0 * dipole_strength(own, other) / distance**4
             spring = 2.0 * RAFT_NEIGHBORS * 4.0 * at_contact / distance
             if spring > 0.0:
-                quickest = min(quickest, math.sqrt(mass / spring) if parameters.scheme.inertia else drag / spring)
-    return quickest
+                shortest_time = min(
+                    shortest_time, math.sqrt(mass / spring) if parameters.scheme.inertia else drag / spring
+                )
+    return shortest_time
 
 
 def magnetic_lines(part: MagneticField, parameters: Parameters) -> list[tuple[str, str, str]]:

@@ -65,7 +65,7 @@ WAVES_PER_ORDER = 4.0
 """Orders of the response of a round wall, over (order of the bodies) times (wall radius) / (body radius)."""
 
 MOST_WAVES = 400
-STIFFER = 10.0
+STIFFNESS_FACTOR = 10.0
 """Stiffness of rafts of pinned discs over that of superposition, at most: their attraction is up to ten times larger.
 """
 
@@ -127,9 +127,9 @@ def make_multipoles(
     closures = []
     for body, charge in kinds:
         found = closure_of(body, liquid, order)
-        wanted = -charge / length * bessel_k0(found.radius)
+        source_strength = -charge / length * bessel_k0(found.radius)
         source = found.source.copy()
-        source[0] = wanted
+        source[0] = source_strength
         closures.append(found._replace(source=source))
     rims = make_rims(closures, reach / length, number)
     echoes = make_echoes(images(None, liquid), order + 1, rims.reference)
@@ -237,34 +237,39 @@ def resolve(multipoles: Multipoles, position: Array, scratch: MultipoleScratch) 
 
 @compiled
 def multipole_forces(
-    part: Multipoles, own: MultipoleScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    part: Multipoles,
+    scratch: MultipoleScratch,
+    parameters: Parameters,
+    position: Array,
+    lists: NeighborLists,
+    force: Array,
 ) -> None:
     """Add the forces on all floats at these positions, including walls; NaN if the solution failed."""
-    taken = resolve(part, position, own)
-    forces(part.rims, own.amplitudes, own.waves, own.force)
+    taken = resolve(part, position, scratch)
+    forces(part.rims, scratch.amplitudes, scratch.waves, scratch.force)
     scale = part.tension * part.length if taken >= 0 else math.nan
-    torques(part.rims, own.amplitudes, own.waves, own.torque)
+    torques(part.rims, scratch.amplitudes, scratch.waves, scratch.torque)
     for i in range(len(force)):
-        force[i, 0] += scale * own.force[i, 0]
-        force[i, 1] += scale * own.force[i, 1]
-        own.torque[i] *= scale * part.length
+        force[i, 0] += scale * scratch.force[i, 0]
+        force[i, 1] += scale * scratch.force[i, 1]
+        scratch.torque[i] *= scale * part.length
 
 
 def multipole_energy(
-    part: Multipoles, own: Any, parameters: Parameters, state: State, workspace: Workspace
+    part: Multipoles, scratch: MultipoleScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all floats and walls (J), less the energy of each float alone."""
-    scratch = make_multipole_scratch(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
-    resolve(part, state.position, scratch)
-    orders = scratch.amplitudes.shape[1]
-    turned = part.rims.source * phase_factor(-np.arange(orders) * scratch.turning[:, :1])
+    fresh = make_multipole_scratch(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
+    resolve(part, state.position, fresh)
+    orders = fresh.amplitudes.shape[1]
+    turned = part.rims.source * phase_factor(-np.arange(orders) * fresh.turning[:, :1])
     rims = part.rims._replace(source=turned)
-    return part.tension * part.length**2 * energy(rims, scratch.amplitudes, scratch.waves, scratch.outer), 0.0
+    return part.tension * part.length**2 * energy(rims, fresh.amplitudes, fresh.waves, fresh.outer), 0.0
 
 
 @compiled
 def kick_multipole_spins(
-    part: Multipoles, own: MultipoleScratch, parameters: Parameters, state: State, first: bool
+    part: Multipoles, scratch: MultipoleScratch, parameters: Parameters, state: State, first: bool
 ) -> None:
     """Half a kick of the spins of floats that turn by their menisci; the angles after the first half, unless contacts
     turn the floats, too, and advance the angles.
@@ -272,7 +277,7 @@ def kick_multipole_spins(
     time = parameters.time_step
     if len(part.inertia) == 0:
         return
-    kick_spins_with_drag(part, own.torque, state.turning, 0.5 * time)
+    kick_spins_with_drag(part, scratch.torque, state.turning, 0.5 * time)
     if first and part.advances_angles:
         for i in range(len(state.turning)):
             state.turning[i, 0] += time * state.turning[i, 1]
@@ -391,14 +396,14 @@ def add_corrections(tables: PairTables, position: Array, lists: NeighborLists, f
 
 @compiled
 def correction_forces(
-    part: PairTables, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    part: PairTables, scratch: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the corrections of all pairs to the forces."""
     add_corrections(part, position, lists, force)
 
 
 def correction_energy(
-    part: PairTables, own: Any, parameters: Parameters, state: State, workspace: Workspace
+    part: PairTables, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of the corrections (J)."""
     return float(add_corrections(part, state.position, workspace.lists, np.zeros_like(state.position))), 0.0
@@ -415,10 +420,10 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     if dish is not None and acts(parameters):
         found = meniscus_of(dish).multipoles(WALLS, found, dish, liquid)
     if not any(kind.rim[1] > 0.0 for kind in kinds):
-        return Built(found, stiffer=_stiffer(bodies))
-    moment, friction, quickest = _turning(parameters, scene, [kinds[k] for k in number])
+        return Built(found, stiffness_factor=_stiffness_factor(bodies))
+    moment, friction, shortest_time = _turning(parameters, scene, [kinds[k] for k in number])
     turned = found._replace(inertia=moment, friction=friction, advances_angles=not scene.rubs)
-    return Built(turned, quickest, _stiffer(bodies))
+    return Built(turned, shortest_time, _stiffness_factor(bodies))
 
 
 def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any]) -> tuple[Any, Any, float]:
@@ -451,7 +456,7 @@ def corrections_of(parameters: Parameters, scene: FloatingScene) -> Built:
         )
     bodies = bodies_and_charges(kinds)
     tables = _made(lambda: make_pair_tables(bodies, number, liquid_of(scene), parameters.cutoff))
-    return Built(tables, stiffer=_stiffer(bodies))
+    return Built(tables, stiffness_factor=_stiffness_factor(bodies))
 
 
 def bodies_and_charges(kinds: Sequence[Any]) -> Bodies:
@@ -468,10 +473,10 @@ def _made(make: Callable[[], Any]) -> Any:
         raise scene_error("interaction.method", str(error)) from None
 
 
-def _stiffer(bodies: Bodies) -> float:
+def _stiffness_factor(bodies: Bodies) -> float:
     discs = [body.disc if isinstance(body, Undulated) else body for body, _ in bodies]
     pinned = any(isinstance(disc, flotation.Disc) and disc.tilting for disc in discs)
-    return STIFFER if pinned else 2.0
+    return STIFFNESS_FACTOR if pinned else 2.0
 
 
 def multipoles_in(parameters: Parameters) -> Multipoles:

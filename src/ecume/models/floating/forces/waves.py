@@ -116,15 +116,15 @@ def tabled(table: Array, place: float) -> tuple[float, float]:
 
 @compiled
 def wave_forces(
-    part: Waves, own: WavesScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    part: Waves, scratch: WavesScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the mean forces by waves, and store the torques: of each pair of sources on different floats."""
-    owner, place, press, table, spot = part.owner, part.place, part.press, part.table, own.spot
-    for i in range(len(own.torque)):
-        own.force[i, 0], own.force[i, 1], own.torque[i] = 0.0, 0.0, 0.0
+    owner, place, press, table, spot = part.owner, part.place, part.press, part.table, scratch.spot
+    for i in range(len(scratch.torque)):
+        scratch.force[i, 0], scratch.force[i, 1], scratch.torque[i] = 0.0, 0.0, 0.0
     for a in range(len(owner)):
         i = owner[a]
-        angle = own.turning[i, 0] + (own.active[i, 2] if len(own.active) > 0 else 0.0)
+        angle = scratch.turning[i, 0] + (scratch.active[i, 2] if len(scratch.active) > 0 else 0.0)
         c, s = math.cos(angle), math.sin(angle)
         spot[a, 0] = position[i, 0] + c * place[a, 0] - s * place[a, 1]
         spot[a, 1] = position[i, 1] + s * place[a, 0] + c * place[a, 1]
@@ -143,63 +143,63 @@ def wave_forces(
             along = (press[b, 0] * press[a, 0] + press[b, 1] * press[a, 1]) * real / square
             across = (press[b, 0] * press[a, 1] - press[b, 1] * press[a, 0]) * imaginary / square
             push, back = -0.5 * (along - across), 0.5 * (along + across)
-            add_at(own, j, spot[b, 0] - position[j, 0], spot[b, 1] - position[j, 1], push * x, push * y)
-            add_at(own, i, spot[a, 0] - position[i, 0], spot[a, 1] - position[i, 1], back * x, back * y)
-    for i in range(len(own.torque)):
-        force[i, 0] += own.force[i, 0]
-        force[i, 1] += own.force[i, 1]
+            add_at(scratch, j, spot[b, 0] - position[j, 0], spot[b, 1] - position[j, 1], push * x, push * y)
+            add_at(scratch, i, spot[a, 0] - position[i, 0], spot[a, 1] - position[i, 1], back * x, back * y)
+    for i in range(len(scratch.torque)):
+        force[i, 0] += scratch.force[i, 0]
+        force[i, 1] += scratch.force[i, 1]
 
 
 @compiled_inside
-def add_at(own: WavesScratch, i: int, arm_x: float, arm_y: float, x: float, y: float) -> None:
+def add_at(scratch: WavesScratch, i: int, arm_x: float, arm_y: float, x: float, y: float) -> None:
     """Add a force (x, y) on float i at a place beside its center."""
-    own.force[i, 0] += x
-    own.force[i, 1] += y
-    own.torque[i] += arm_x * y - arm_y * x
+    scratch.force[i, 0] += x
+    scratch.force[i, 1] += y
+    scratch.torque[i] += arm_x * y - arm_y * x
 
 
 @compiled
-def kick_wave_spins(part: Waves, own: WavesScratch, parameters: Parameters, state: State, first: bool) -> None:
+def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, state: State, first: bool) -> None:
     """Half a kick of the spins, solved exactly with drag; the angles after the first half. After the second half, add
     the work of the step by the mean of the forces at both ends.
     """
-    time, count = parameters.time_step, len(own.torque)
+    time, count = parameters.time_step, len(scratch.torque)
     for i in range(count):
-        friction, inertia, spin = part.friction[i], part.inertia[i], own.turning[i, 1]
+        friction, inertia, spin = part.friction[i], part.inertia[i], scratch.turning[i, 1]
         if parameters.scheme.inertia:
             rate = 0.5 * time * friction / inertia
             held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
-            own.turning[i, 1] = math.exp(-rate) * spin + held * 0.5 * time * own.torque[i] / inertia
+            scratch.turning[i, 1] = math.exp(-rate) * spin + held * 0.5 * time * scratch.torque[i] / inertia
         else:
-            own.turning[i, 1] = own.torque[i] / friction
-    before = own.before
+            scratch.turning[i, 1] = scratch.torque[i] / friction
+    before = scratch.before
     if first:
         for i in range(count):
-            before[i, 0], before[i, 1], before[i, 2] = own.force[i, 0], own.force[i, 1], own.torque[i]
-            before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], own.turning[i, 0]
-            own.turning[i, 0] += time * own.turning[i, 1]
+            before[i, 0], before[i, 1], before[i, 2] = scratch.force[i, 0], scratch.force[i, 1], scratch.torque[i]
+            before[i, 3], before[i, 4], before[i, 5] = state.position[i, 0], state.position[i, 1], scratch.turning[i, 0]
+            scratch.turning[i, 0] += time * scratch.turning[i, 1]
         # The headings of active floats diffuse already.
-        if parameters.drift.thermal > 0.0 and len(own.active) == 0:
-            turn_by_noise(part, own, parameters, int(state.step[0]))
+        if parameters.drift.thermal > 0.0 and len(scratch.active) == 0:
+            turn_by_noise(part, scratch, parameters, int(state.step[0]))
         return
     work = 0.0
     for i in range(count):
-        work += 0.5 * (before[i, 0] + own.force[i, 0]) * (state.position[i, 0] - before[i, 3])
-        work += 0.5 * (before[i, 1] + own.force[i, 1]) * (state.position[i, 1] - before[i, 4])
-        work += 0.5 * (before[i, 2] + own.torque[i]) * (own.turning[i, 0] - before[i, 5])
+        work += 0.5 * (before[i, 0] + scratch.force[i, 0]) * (state.position[i, 0] - before[i, 3])
+        work += 0.5 * (before[i, 1] + scratch.force[i, 1]) * (state.position[i, 1] - before[i, 4])
+        work += 0.5 * (before[i, 2] + scratch.torque[i]) * (scratch.turning[i, 0] - before[i, 5])
     state.tally[WORK] += work
 
 
 @compiled
-def turn_by_noise(part: Waves, own: WavesScratch, parameters: Parameters, step: int) -> None:
+def turn_by_noise(part: Waves, scratch: WavesScratch, parameters: Parameters, step: int) -> None:
     """Turn each float by a normal angle of variance 2 kT/zeta dt, with its friction zeta against turning."""
-    for i in range(len(own.torque)):
+    for i in range(len(scratch.torque)):
         far = math.sqrt(2.0 * diffusivity(parameters.drift.thermal, part.friction[i]) * parameters.time_step)
-        own.turning[i, 0] += far * normals(counter_of(i, step, HEADINGS), parameters.drift.seed)[0]
+        scratch.turning[i, 0] += far * normals(counter_of(i, step, HEADINGS), parameters.drift.seed)[0]
 
 
 def no_wave_energy(
-    part: Waves, own: WavesScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Waves, scratch: WavesScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """Return zero: forces that waves exert have no potential."""
     return 0.0, 0.0

@@ -76,8 +76,8 @@ class HydrodynamicInteraction(Option):
     """rows of contacts by those that they replace"""
     resistances: Mapping[str, str] = field(default_factory=dict)
     """rows of resistances by those that they replace"""
-    collective: Callable[[int], float] = lambda count: 1.0
-    """collective(number of floats): see `Parameters.collective`"""
+    raft_mobility: Callable[[int], float] = lambda count: 1.0
+    """collective(number of floats): see `Parameters.raft_mobility`"""
     raft_speeds: Callable[[int], tuple[str, str]] = missing_in_rafts
     """raft_speeds(number of floats): the value and the remark of `ecume check` on the drift of rafts"""
     most_reynolds: float = math.inf
@@ -115,7 +115,7 @@ HYDRODYNAMICS = {
         name="'rotne-prager'", moves=lambda integrator: COUPLED, make=coupled_kicks_of,
         contacts={"none": "coupled", "impulse": "coupled", "friction": "coupled friction"},
         resistances={"films": "coupled films"},
-        collective=lambda count: RAFT_MOBILITY * math.sqrt(count), raft_speeds=included_in_rafts, most_reynolds=1.0,
+        raft_mobility=lambda count: RAFT_MOBILITY * math.sqrt(count), raft_speeds=included_in_rafts, most_reynolds=1.0,
         laws=(pair_mobility.pair_mobility,),
         needs={
             "no inertia": "the mobility is that of creeping flow, which follows the forces at once",

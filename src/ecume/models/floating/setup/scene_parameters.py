@@ -111,8 +111,8 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     every = [*built, *slowing, touching]
     require_room(plain, scene, zip((*chosen.interactions, *chosen.resistances), (*built, *slowing), strict=False))
     limited = plain._replace(
-        quickest=min(plain.quickest, *(each.quickest for each in every)),
-        stiffer=max(each.stiffer for each in every),
+        shortest_time=min(plain.shortest_time, *(each.shortest_time for each in every)),
+        stiffness_factor=max(each.stiffness_factor for each in every),
         reach=max(plain.reach, *(each.reach + plain.skin for each in every)),
     )
     timed = limited._replace(**step_of(limited, scene)._asdict())
@@ -188,8 +188,8 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
         drift=drift,
-        quickest=1.0 / swings if swings > 0.0 else math.inf,
-        collective=chosen.hydrodynamics.collective(len(floats.mass)),
+        shortest_time=1.0 / swings if swings > 0.0 else math.inf,
+        raft_mobility=chosen.hydrodynamics.raft_mobility(len(floats.mass)),
         single=scene.interaction.precision == "single",
         periods=periods_in(scene),
         passing=scene.contacts.law == "none",
@@ -445,6 +445,6 @@ def _memory_of_lists(parameters: Parameters) -> float:
     return count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 
-def _require_memory(count: int, wanted: float) -> None:
+def _require_memory(count: int, needed: float) -> None:
     way_out = "use fewer floats, or a larger interaction.accuracy, which shortens the cutoff"
-    require_memory("particles", f"{count} floats", wanted, way_out)
+    require_memory("particles", f"{count} floats", needed, way_out)

@@ -130,16 +130,18 @@ def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, wo
 
 
 @compiled
-def solver_bodies(part: Outlined, parameters: Parameters, own: ShapedScratch) -> OutlinedBodies:
+def solver_bodies(part: Outlined, parameters: Parameters, scratch: ShapedScratch) -> OutlinedBodies:
     """Return the data of shapes and walls for the contact solver."""
-    return OutlinedBodies(part.outlines, parameters.floats.radius, parameters.walls, own.mobility, parameters.passing)
+    return OutlinedBodies(
+        part.outlines, parameters.floats.radius, parameters.walls, scratch.mobility, parameters.passing
+    )
 
 
 @compiled
-def store_angles(own: ShapedScratch, state: State) -> None:
+def store_angles(scratch: ShapedScratch, state: State) -> None:
     """Store the angles in the state."""
     for i in range(len(state.turning)):
-        state.turning[i, 0] = own.angle[i]
+        state.turning[i, 0] = scratch.angle[i]
 
 
 @compiled
@@ -176,28 +178,30 @@ def body_pair_forces(
 
 
 @compiled
-def add_wall_forces(shaped: Shaped, parameters: Parameters, position: Array, own: ShapedScratch, force: Array) -> None:
+def add_wall_forces(
+    shaped: Shaped, parameters: Parameters, position: Array, scratch: ShapedScratch, force: Array
+) -> None:
     """Add the forces of the wall menisci on each charge."""
     for i in range(len(position)):
         for p in range(shaped.first[i], shaped.first[i + 1]):
-            place = (position[i, 0] + own.at[p, 0], position[i, 1] + own.at[p, 1])
+            place = (position[i, 0] + scratch.at[p, 0], position[i, 1] + scratch.at[p, 1])
             for number in range(wall_count(parameters.walls)):
                 away, in_x, in_y = wall_force(
                     parameters, number, place, shaped.wall_strength[number, p], shaped.charge[p]
                 )
                 force[i, 0] += away * in_x
                 force[i, 1] += away * in_y
-                own.torque[i] += away * (own.at[p, 0] * in_y - own.at[p, 1] * in_x)
+                scratch.torque[i] += away * (scratch.at[p, 0] * in_y - scratch.at[p, 1] * in_x)
 
 
 @compiled
 def shaped_forces(
-    shaped: Shaped, own: ShapedScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    shaped: Shaped, scratch: ShapedScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces on all bodies, and compute the torques; each pair once, so that they cancel to rounding."""
     cutoff = parameters.pair[CUTOFF]
-    turn_charges(shaped, own.turning, own.at)
-    own.torque[:] = 0.0
+    turn_charges(shaped, scratch.turning, scratch.at)
+    scratch.torque[:] = 0.0
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     for slot in range(len(order) if parameters.pair[STRENGTH] != 0.0 else 0):
         i = order[slot]
@@ -205,15 +209,15 @@ def shaped_forces(
             j = order[neighbor[place]]
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
             if i < j and x * x + y * y < cutoff * cutoff:
-                force_x, force_y, torque_i, torque_j = body_pair_forces(shaped, parameters, own.at, (i, j), (x, y))
+                force_x, force_y, torque_i, torque_j = body_pair_forces(shaped, parameters, scratch.at, (i, j), (x, y))
                 force[i, 0] += force_x
                 force[i, 1] += force_y
                 force[j, 0] -= force_x
                 force[j, 1] -= force_y
-                own.torque[i] += torque_i
-                own.torque[j] += torque_j
+                scratch.torque[i] += torque_i
+                scratch.torque[j] += torque_j
     if acts(parameters):
-        add_wall_forces(shaped, parameters, position, own, force)
+        add_wall_forces(shaped, parameters, position, scratch, force)
 
 
 @compiled
@@ -234,12 +238,12 @@ def energy_of_pair(
 
 @compiled
 def shaped_energies(
-    shaped: Shaped, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    shaped: Shaped, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """Energies of all pairs and of all walls (J)."""
     cutoff = parameters.pair[CUTOFF]
     walls, lists = parameters.walls, workspace.lists
-    turn_charges(shaped, state.turning, own.at)
+    turn_charges(shaped, state.turning, scratch.at)
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     pairs, at_walls = 0.0, 0.0
     for slot in range(len(order)):
@@ -248,9 +252,9 @@ def shaped_energies(
             j = order[neighbor[place]]
             x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
             if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
-                pairs += energy_of_pair(shaped, parameters, own.at, (i, j), (x, y))
+                pairs += energy_of_pair(shaped, parameters, scratch.at, (i, j), (x, y))
         for p in range(shaped.first[i], shaped.first[i + 1]):
-            at = (state.position[i, 0] + own.at[p, 0], state.position[i, 1] + own.at[p, 1])
+            at = (state.position[i, 0] + scratch.at[p, 0], state.position[i, 1] + scratch.at[p, 1])
             for number in range(wall_count(walls) if acts(parameters) else 0):
                 at_walls += wall_energy(parameters, number, at, shaped.wall_strength[number, p], shaped.charge[p])[0]
     return pairs, at_walls
@@ -282,18 +286,18 @@ def slowed(part: RigidKicks, parameters: Parameters, i: int, axis: int) -> tuple
 
 @compiled
 def kick(
-    part: RigidKicks, own: ShapedScratch, parameters: Parameters, force: Array, velocity: Array, share: float
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, force: Array, velocity: Array, share: float
 ) -> None:
     """Change velocities and spins (N, 3) by drag and `share` of the forces during a kick, solved exactly."""
     for i in range(len(force)):
-        c, s = math.cos(own.angle[i]), math.sin(own.angle[i])
+        c, s = math.cos(scratch.angle[i]), math.sin(scratch.angle[i])
         decay, gain = slowed(part, parameters, i, 0)
         along = decay * (c * velocity[i, 0] + s * velocity[i, 1]) + share * gain * (c * force[i, 0] + s * force[i, 1])
         decay, gain = slowed(part, parameters, i, 1)
         across = decay * (c * velocity[i, 1] - s * velocity[i, 0]) + share * gain * (c * force[i, 1] - s * force[i, 0])
         decay, gain = slowed(part, parameters, i, 2)
         velocity[i, 0], velocity[i, 1] = c * along - s * across, s * along + c * across
-        velocity[i, 2] = decay * velocity[i, 2] + share * gain * own.torque[i]
+        velocity[i, 2] = decay * velocity[i, 2] + share * gain * scratch.torque[i]
 
 
 @compiled
@@ -319,13 +323,13 @@ def copy(target: Array, source: Array) -> None:
 
 
 @compiled
-def tip_travel(part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State) -> tuple[float, float]:
+def tip_travel(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State) -> tuple[float, float]:
     """The longest travel of a tip by rotation in this step (m), and the largest rotation (rad); NaN is kept."""
     farthest, widest = 0.0, 0.0
     for i in range(len(state.turning)):
         decay, gain = slowed(part, parameters, i, 2)
         # Twice, for the second half kick of velocity Verlet.
-        turn = parameters.time_step * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(own.torque[i]))
+        turn = parameters.time_step * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(scratch.torque[i]))
         way = turn * parameters.floats.radius[i]
         if farthest == farthest and not way <= farthest:
             farthest = way
@@ -335,101 +339,101 @@ def tip_travel(part: RigidKicks, own: ShapedScratch, parameters: Parameters, sta
 
 
 @compiled
-def fill_mobility(part: RigidKicks, own: ShapedScratch, parameters: Parameters) -> None:
+def fill_mobility(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters) -> None:
     """Compute velocity per impulse along each body, across it, and for its spin."""
     time = kick_time(parameters)
-    for i in range(len(own.mobility)):
+    for i in range(len(scratch.mobility)):
         for axis in range(3):
-            own.mobility[i, axis] = slowed(part, parameters, i, axis)[1] / time
+            scratch.mobility[i, axis] = slowed(part, parameters, i, axis)[1] / time
 
 
 @composed
 def predict_rigid(
-    part: RigidKicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: RigidKicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Compute the midstep velocities by the first kick; `before` is the velocity without forces."""
-    load(state, scratch.integrator.midstep_velocity)
-    kick_twice(part, scratch.integrator, parameters, workspace.force)
+    load(state, scratches.integrator.midstep_velocity)
+    kick_twice(part, scratches.integrator, parameters, workspace.force)
 
 
 @compiled
-def kick_twice(part: RigidKicks, own: ShapedScratch, parameters: Parameters, force: Array) -> None:
+def kick_twice(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, force: Array) -> None:
     """Compute the midstep velocities after a kick, and `before` after a kick without forces."""
-    copy(own.before, own.midstep_velocity)
-    kick(part, own, parameters, force, own.before, 0.0)
-    kick(part, own, parameters, force, own.midstep_velocity, 1.0)
+    copy(scratch.before, scratch.midstep_velocity)
+    kick(part, scratch, parameters, force, scratch.before, 0.0)
+    kick(part, scratch, parameters, force, scratch.midstep_velocity, 1.0)
 
 
 @compiled
 def finish_rigid(
-    part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Apply the second half kick, if the scheme has one."""
     if parameters.scheme.half_kicks:
-        kick_twice(part, own, parameters, workspace.force)
+        kick_twice(part, scratch, parameters, workspace.force)
 
 
 @compiled
 def move_rigid(
-    part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Advance positions and angles with the midstep velocities."""
     time = parameters.time_step
     for i in range(len(state.position)):
-        state.position[i, 0] += time * own.midstep_velocity[i, 0]
-        state.position[i, 1] += time * own.midstep_velocity[i, 1]
-        own.angle[i] += time * own.midstep_velocity[i, 2]
-        state.turning[i, 0] = own.angle[i]
+        state.position[i, 0] += time * scratch.midstep_velocity[i, 0]
+        state.position[i, 1] += time * scratch.midstep_velocity[i, 1]
+        scratch.angle[i] += time * scratch.midstep_velocity[i, 2]
+        state.turning[i, 0] = scratch.angle[i]
 
 
 @compiled
-def begin_rigid(part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State) -> None:
+def begin_rigid(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State) -> None:
     """Fill in the angles and mobilities of a new workspace."""
     for i in range(len(state.position)):
-        own.angle[i] = state.turning[i, 0]
-    fill_mobility(part, own, parameters)
+        scratch.angle[i] = state.turning[i, 0]
+    fill_mobility(part, scratch, parameters)
 
 
 @compiled
 def bound_rigid_travel(
-    part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
     """Add the travel of tips by rotation; `DIVERGED` if a body turns too far in a step."""
-    tips, turn = tip_travel(part, own, parameters, state)
+    tips, turn = tip_travel(part, scratch, parameters, state)
     workspace.travel[0] += tips
     return DONE if turn <= FARTHEST_TURN else DIVERGED
 
 
 @compiled
-def store_rigid(part: RigidKicks, own: ShapedScratch, state: State) -> None:
+def store_rigid(part: RigidKicks, scratch: ShapedScratch, state: State) -> None:
     """Store velocities and spins in the state."""
-    store(state, own.midstep_velocity)
+    store(state, scratch.midstep_velocity)
 
 
 @compiled
-def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def bounce(scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     of_float = workspace.restitution
-    levers = own.levers
-    touching.normal_velocities(levers, own.before, levers.scratch)
+    levers = scratch.levers
+    touching.normal_velocities(levers, scratch.before, levers.scratch)
     fastest = require_stops(False, parameters, levers)
     if fastest <= 0.0:
         return
     clear_impulses(levers)
     goal = goal_for(parameters, fastest)
-    state.tally[SWEEPS] += touching.solve(levers, own.before, goal)
+    state.tally[SWEEPS] += touching.solve(levers, scratch.before, goal)
     share_restitution(parameters, levers, of_float)
     for row in range(levers.total[0]):
         if levers.impulse[row] > 0.0:
             state.tally[COLLISIONS] += 1.0
             levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
-    touching.apply_impulses(levers, levers.impulse, own.midstep_velocity)
+    touching.apply_impulses(levers, levers.impulse, scratch.midstep_velocity)
 
 
 @compiled
 def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
     """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
-    memory = Memory(state.touches, state.touching, state.push)
+    memory = Memory(state.touches, state.touching, state.contact_impulse)
     contacts.recall(touching.contact_keys(levers), memory)
     touching.normal_velocities(levers, velocity, levers.scratch)
     goal = goal_of(parameters, levers)
@@ -444,53 +448,55 @@ def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts,
 
 @compiled
 def collide_outlines(
-    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
-    bounce(own, parameters, state, workspace)
-    require_gaps(False, parameters, own.levers)
-    solve_contacts(parameters, state, own.levers, own.midstep_velocity)
+    bounce(scratch, parameters, state, workspace)
+    require_gaps(False, parameters, scratch.levers)
+    solve_contacts(parameters, state, scratch.levers, scratch.midstep_velocity)
 
 
 @compiled
 def separate_outlines(
-    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
     reach = 2.0 * workspace.travel[0] + parameters.slop
-    stance = Stance(state.position, own.angle, own.corner)
-    bodies, levers = solver_bodies(part, parameters, own), own.levers
+    stance = Stance(state.position, scratch.angle, scratch.corner)
+    bodies, levers = solver_bodies(part, parameters, scratch), scratch.levers
     touching.gather(levers, workspace.candidates, stance, bodies, reach)
     deepest = deepest_overlap(levers.total, levers.gap)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
         touching.separate(levers, workspace.candidates, stance, bodies, parameters.slop)
         touching.gather(levers, workspace.candidates, stance, bodies, reach)
-    store_angles(own, state)
+    store_angles(scratch, state)
 
 
 @compiled
 def constrain_outline_velocities(
-    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Solve contacts for the velocity at the end of the step; `before` is the velocity without the kick.
 
     A faster approach than by the kick alone is a collision of the next step.
     """
-    levers = own.levers
-    touching.normal_velocities(levers, own.before, levers.change)
-    touching.normal_velocities(levers, own.midstep_velocity, levers.scratch)
+    levers = scratch.levers
+    touching.normal_velocities(levers, scratch.before, levers.change)
+    touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)
     require_rest(parameters, levers)
-    solve_contacts(parameters, state, levers, own.midstep_velocity)
+    solve_contacts(parameters, state, levers, scratch.midstep_velocity)
 
 
 @compiled
 def find_outline_contacts(
-    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
     """List the contacts that are possible in this step; `CROWDED` if there is no room."""
-    stance = Stance(state.position, own.angle, own.corner)
+    stance = Stance(state.position, scratch.angle, scratch.corner)
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
-    room = touching.gather(own.levers, workspace.candidates, stance, solver_bodies(part, parameters, own), reach)
+    room = touching.gather(
+        scratch.levers, workspace.candidates, stance, solver_bodies(part, parameters, scratch), reach
+    )
     return DONE if room else CROWDED

@@ -59,12 +59,12 @@ class EveryRow(NamedTuple):
 
 @composed
 def renew_lists(
-    part: EveryRow, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: EveryRow, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> bool:
     """Make neighbor lists and candidates at the reference positions. False when there is no room."""
     if not build_all(parameters, state, workspace.lists, workspace.candidates):
         return False
-    sort_parts(parts.interactions, scratch.interactions, parameters, workspace.lists)
+    sort_parts(parts.interactions, scratches.interactions, parameters, workspace.lists)
     return True
 
 
@@ -111,9 +111,9 @@ renew = selected(lambda kind: LISTS[kind])
 
 
 @composed
-def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
+def keep_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """Make new lists before the old ones become invalid; only reference positions and skin of the state change."""
-    speed = highest_speed(parts.integrator, scratch.integrator, parameters, state, workspace)
+    speed = highest_speed(parts.integrator, scratches.integrator, parameters, state, workspace)
     validity = list_validity(parameters, state, workspace, speed)
     if validity != OUTDATED:
         return DONE if validity == VALID else DIVERGED
@@ -121,7 +121,7 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
     copy_rows(workspace.stages[0], state.reference)
     copy_rows(state.reference, state.position)
     state.skin[0] = skin_for(parameters, workspace.travel[0])
-    if not renew(parts.lists, parts, scratch, parameters, state, workspace):
+    if not renew(parts.lists, parts, scratches, parameters, state, workspace):
         copy_rows(state.reference, workspace.stages[0])
         state.skin[0] = former
         return CROWDED
@@ -146,52 +146,52 @@ def list_validity(parameters: Parameters, state: State, workspace: Workspace, sp
 
 
 @composed
-def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Advance by one time step."""
-    kick_spins(parts.interactions, scratch.interactions, parameters, state, True)
+    kick_spins(parts.interactions, scratches.interactions, parameters, state, True)
     copy_rows(workspace.before, state.velocity)
-    predict(parts.integrator, parts, scratch, parameters, state, workspace)
-    apply_resistances(parts.resistances, scratch.resistances, parameters, state, workspace)
-    contacts_before_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
+    predict(parts.integrator, parts, scratches, parameters, state, workspace)
+    apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace)
+    contacts_before_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     driven = is_driven(parameters)
     if driven:
-        add_work(parts.integrator, scratch.integrator, parameters, state, workspace)
-        add_work_of_forces(parts.interactions, scratch.interactions, parameters, state, workspace)
+        add_work(parts.integrator, scratches.integrator, parameters, state, workspace)
+        add_work_of_forces(parts.interactions, scratches.interactions, parameters, state, workspace)
         add_heat(parameters, state, workspace)
-    move(parts.integrator, scratch.integrator, parameters, state, workspace)
-    contacts_after_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
+    move(parts.integrator, scratches.integrator, parameters, state, workspace)
+    contacts_after_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     if parameters.scheme.forces_at_end:
-        evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
+        evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
     if driven:
         add_heat(parameters, state, workspace)
-    finish(parts.integrator, scratch.integrator, parameters, state, workspace)
+    finish(parts.integrator, scratches.integrator, parameters, state, workspace)
     if parameters.scheme.contacts_at_end:
-        contacts_at_end(parts.contacts, scratch.contacts, parameters, state, workspace)
-    store(parts.integrator, scratch.integrator, state)
-    kick_spins(parts.interactions, scratch.interactions, parameters, state, False)
+        contacts_at_end(parts.contacts, scratches.contacts, parameters, state, workspace)
+    store(parts.integrator, scratches.integrator, state)
+    kick_spins(parts.interactions, scratches.interactions, parameters, state, False)
     state.step[0] += 1
 
 
 @compiled
 def integrate(
-    parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
+    parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
 ) -> int:
     """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` have no parts,
     so that code which does not depend on them is compiled once.
     """
-    begin(parts.integrator, scratch.integrator, parameters, state)
+    begin(parts.integrator, scratches.integrator, parameters, state)
     if workspace.ready[0] == 0 and parameters.scheme.forces_at_end:
-        evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
+        evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
     workspace.ready[0] = 1
     for _ in range(steps):
-        status = keep_lists(parts, scratch, parameters, state, workspace)
+        status = keep_lists(parts, scratches, parameters, state, workspace)
         if status == DONE:
-            status = bound_travel(parts.integrator, scratch.integrator, parameters, state, workspace)
+            status = bound_travel(parts.integrator, scratches.integrator, parameters, state, workspace)
         if status == DONE:
-            status = find_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+            status = find_contacts(parts.contacts, scratches.contacts, parameters, state, workspace)
         if status != DONE:
             return status
-        step(parts, scratch, parameters, state, workspace)
+        step(parts, scratches, parameters, state, workspace)
         if not farthest_move(state.position, state.reference) <= 0.5 * skin_of(parameters, state):
             return DIVERGED
     return DONE

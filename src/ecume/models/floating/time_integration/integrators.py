@@ -114,7 +114,7 @@ def power_of_dish(parameters: Parameters, midstep_velocity: Array, time: float) 
 
 
 @compiled
-def add_work_of_kicks(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_work_of_kicks(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the work of one step, by the forces at its midpoint."""
     drift, tally, time, midstep_velocity = (
         parameters.drift,
@@ -226,7 +226,7 @@ class Stoermer(NamedTuple):
 
 @composed
 def predict_kicked(
-    part: Kicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Kicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Compute velocities after their kick, and the midstep velocities."""
     kick_before_drift(parameters, state, workspace)
@@ -248,7 +248,7 @@ def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace
 
 @composed
 def predict_runge_kutta(
-    part: RungeKutta, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: RungeKutta, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """The classical scheme of fourth order, including drag: positions and velocities change by weighted means of four
     stages.
@@ -266,7 +266,7 @@ def predict_runge_kutta(
             advance_rows(position, velocity, ahead)
             copy_rows(velocity, state.velocity)
             advance_rows(velocity, slope, ahead)
-            evaluate(parts, scratch, parameters, position, workspace.lists, push)
+            evaluate(parts, scratches, parameters, position, workspace.lists, push)
         accelerate(parameters, velocity, push, slope)
         weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
         advance_rows(midstep_velocity, velocity, weight)
@@ -276,14 +276,14 @@ def predict_runge_kutta(
 
 @composed
 def predict_stoermer(
-    part: Stoermer, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Stoermer, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Drift, kick, drift: the midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. There is no force between steps."""
     midstep_velocity, middle = workspace.midstep_velocity, workspace.stages[0]
     copy_rows(midstep_velocity, state.velocity)
     copy_rows(middle, state.position)
     advance_rows(middle, state.velocity, 0.5 * parameters.time_step)
-    evaluate(parts, scratch, parameters, middle, workspace.lists, workspace.force)
+    evaluate(parts, scratches, parameters, middle, workspace.lists, workspace.force)
     apply_kick(parameters.kick, state.velocity, workspace.force)
     average_rows(midstep_velocity, state.velocity)
 

@@ -49,9 +49,9 @@ def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: 
     row, law, distance = row_of(parameters), law_of(parameters), radius[0] + radius[1]
     own = two_floats(parameters, radius, charge)
     if row.stiffness is not None:
-        return parameters.stiffer * float(row.stiffness(distance, own, law))
+        return parameters.stiffness_factor * float(row.stiffness(distance, own, law))
     near, far = (float(row.force((1.0 + change) * distance, own, law)) for change in (-FINE, FINE))
-    return parameters.stiffer * abs(far - near) / (2.0 * FINE * distance)
+    return parameters.stiffness_factor * abs(far - near) / (2.0 * FINE * distance)
 
 
 def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
@@ -77,7 +77,7 @@ def collective_speed(parameters: Parameters) -> float:
     """
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     within = PACKED * (length / float(floats.radius.min())) ** 2
-    return max(1.0, parameters.collective * math.sqrt(min(1.0, within / len(floats.radius))))
+    return max(1.0, parameters.raft_mobility * math.sqrt(min(1.0, within / len(floats.radius))))
 
 
 def longest_good_step(parameters: Parameters, speed: float) -> float:
@@ -93,7 +93,7 @@ def longest_good_step(parameters: Parameters, speed: float) -> float:
         max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
         for k, m in zip(stiffness, mass, strict=True)
     ]
-    step = min(GOOD * min(*scales, parameters.quickest), diffusion_step(parameters))
+    step = min(GOOD * min(*scales, parameters.shortest_time), diffusion_step(parameters))
     if slow:
         speed += attraction_speed(parameters)
     else:
@@ -108,7 +108,7 @@ def attraction_speed(parameters: Parameters) -> float:
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     charge, area = np.abs(floats.charge), math.pi * float(np.sum(floats.radius**2)) / PACKED
     walls = np.abs(parameters.wall_strength).sum(axis=0) / length
-    pull = parameters.stiffer * raft_pull(parameters, charge, area) + walls
+    pull = parameters.stiffness_factor * raft_pull(parameters, charge, area) + walls
     with np.errstate(invalid="ignore"):
         speed = collective_speed(parameters) * pull * floats.relaxation_time / floats.mass
     if parameters.scheme.inertia:

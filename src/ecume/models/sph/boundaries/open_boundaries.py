@@ -19,10 +19,10 @@ from ecume.engine.shapes import fitted_axis
 from ecume.laws import states
 from ecume.laws.flows import channel_speed
 from ecume.models.sph.fields import Tait
-from ecume.models.sph.parameters import Gate, Parameters
+from ecume.models.sph.parameters import OpenBoundary, Parameters
 from ecume.models.sph.report.energy_budget import exchanged_energy
 from ecume.models.sph.state import (
-    CAME,
+    ENTERED,
     LEFT,
     LOST,
     NEXT,
@@ -39,13 +39,13 @@ from ecume.units import Array
 admit(states)
 
 
-def speed_at(gate: Gate, points: Array) -> Array:
+def speed_at(opening: OpenBoundary, points: Array) -> Array:
     """(N,) m/s, the speed of the liquid through a gate at points (N, d), from its mean and profile."""
-    speed = np.full(len(points), gate.speed)
-    for axis in np.flatnonzero(gate.curved):
+    speed = np.full(len(points), opening.speed)
+    for axis in np.flatnonzero(opening.curved):
         # With a free surface, the profile is half of that of a channel of twice the depth.
-        width = float(gate.high[axis] - gate.low[axis]) * gate.curved[axis]
-        speed *= [channel_speed(y - gate.low[axis], width, 1.0) for y in points[:, axis]]
+        width = float(opening.high[axis] - opening.low[axis]) * opening.curved[axis]
+        speed *= [channel_speed(y - opening.low[axis], width, 1.0) for y in points[:, axis]]
     return speed
 
 
@@ -53,39 +53,39 @@ def with_buffers(parameters: Parameters, state: State) -> State:
     """The state at the start with all buffers: full behind an inflow, and behind an outflow as full as the liquid
     there.
     """
-    for gate in parameters.gates:
-        points, volume = _rows(gate, parameters.spacing)
+    for opening in parameters.open_boundaries:
+        points, volume = _rows(opening, parameters.spacing)
         velocity = np.zeros_like(points)
-        velocity[:, gate.axis] = gate.inward * speed_at(gate, points)
-        if not gate.enters:
-            points, velocity = _continued(gate, parameters.spacing, state)
+        velocity[:, opening.axis] = opening.inward * speed_at(opening, points)
+        if not opening.enters:
+            points, velocity = _continued(opening, parameters.spacing, state)
         mass = np.full(len(points), parameters.material.density * volume)
         density = np.full(len(points), parameters.material.density)
         born = {"position": points.T, "velocity": velocity.T, "mass": mass, "density": density}
-        state = _with(state, born, gate.zone)
+        state = _with(state, born, opening.zone)
     return state
 
 
-def _rows(gate: Gate, spacing: float) -> tuple[Array, float]:
+def _rows(opening: OpenBoundary, spacing: float) -> tuple[Array, float]:
     """The lattice of a buffer, row behind row, and the volume of its cells, which fit across the gate."""
     axes, volume = [], 1.0
-    for axis in range(len(gate.low)):
-        places, widths = fitted_axis(gate.low[axis], gate.high[axis], spacing)
+    for axis in range(len(opening.low)):
+        places, widths = fitted_axis(opening.low[axis], opening.high[axis], spacing)
         axes.append(places)
-        volume *= spacing if axis == gate.axis else float(widths[0])
-    axes[gate.axis] = gate.place - gate.inward * spacing * np.arange(0.5, gate.layers)
+        volume *= spacing if axis == opening.axis else float(widths[0])
+    axes[opening.axis] = opening.place - opening.inward * spacing * np.arange(0.5, opening.layers)
     return np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1), volume
 
 
-def _continued(gate: Gate, spacing: float, state: State) -> tuple[Array, Array]:
+def _continued(opening: OpenBoundary, spacing: float, state: State) -> tuple[Array, Array]:
     """Positions and velocities behind an outflow: the last row of liquid, repeated."""
-    away = gate.inward * (state.position[gate.axis] - gate.place)
+    away = opening.inward * (state.position[opening.axis] - opening.place)
     row = (state.zone == 0) & (away < spacing) & (away >= 0.0)
     points, velocity = state.position[:, row].T, state.velocity[:, row].T
     step = np.zeros(points.shape[1])
-    step[gate.axis] = -gate.inward * spacing
-    behind = [points + (layer + 1) * step for layer in range(gate.layers)]
-    return np.concatenate(behind), np.concatenate([velocity] * gate.layers)
+    step[opening.axis] = -opening.inward * spacing
+    behind = [points + (layer + 1) * step for layer in range(opening.layers)]
+    return np.concatenate(behind), np.concatenate([velocity] * opening.layers)
 
 
 def _with(state: State, born: dict[str, Array], zone: int) -> State:
@@ -107,12 +107,12 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
 def set_buffer_pressures(parameters: Parameters, state: State) -> None:
     """Set the pressures of buffers: hydrostatic, from the liquid at an inflow, or as specified at an outflow."""
     pull, tait = parameters.gravity, cast(Tait, parameters.equation_of_state)
-    for gate in parameters.gates:
-        head = gate.pressure / parameters.material.density - float(pull[1] * gate.high[1])
-        if gate.enters:
-            reach = gate.place, gate.place + gate.inward * parameters.support
-            head = mean_head(state.density, state.position, state.zone, pull, tait, gate.axis, reach)
-        store_density(state.density, state.position, state.zone, pull, tait, gate.zone, head)
+    for opening in parameters.open_boundaries:
+        head = opening.pressure / parameters.material.density - float(pull[1] * opening.high[1])
+        if opening.enters:
+            reach = opening.place, opening.place + opening.inward * parameters.support
+            head = mean_head(state.density, state.position, state.zone, pull, tait, opening.axis, reach)
+        store_density(state.density, state.position, state.zone, pull, tait, opening.zone, head)
 
 
 @compiled
@@ -144,11 +144,11 @@ def store_density(
             density[i] = states.density_at_enthalpy(enthalpy, tait.density, tait.sound_speed, tait.exponent)
 
 
-def hold_buffers(state: State) -> None:
+def zero_buffer_rates(state: State) -> None:
     """Set the rates of buffer particles to zero: they are not accelerated, compressed or shifted."""
     held = np.flatnonzero(state.zone > 0)
     state.acceleration[:, held] = 0.0
-    state.thickening[held] = 0.0
+    state.density_rate[held] = 0.0
     state.transport[:, held] = 0.0
 
 
@@ -163,10 +163,10 @@ def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers
     low, high = parameters.bounds
     gone = ((state.position < low[:, None]) | (state.position > high[:, None])).any(axis=0)
     comes, out, back = (np.zeros(len(gone), bool) for _ in range(3))
-    for gate in parameters.gates:
-        away = gate.inward * (state.position[gate.axis] - gate.place)
-        mine, length = state.zone == gate.zone, gate.layers * parameters.spacing
-        if gate.enters:
+    for opening in parameters.open_boundaries:
+        away = opening.inward * (state.position[opening.axis] - opening.place)
+        mine, length = state.zone == opening.zone, opening.layers * parameters.spacing
+        if opening.enters:
             comes |= mine & (away >= 0.0)
         else:
             back |= mine & (away >= 0.0)
@@ -184,24 +184,24 @@ def exchange(parameters: Parameters, state: State) -> State:
     enter, leave = np.zeros_like(gone), gone & (state.zone == 0)
     enter[comes], enter[back], leave[out] = True, True, True
     state.budget[WORK] += exchanged_energy(parameters, state, enter & ~gone, leave)
-    for gate in parameters.gates:
-        if not gate.enters:
-            away = gate.inward * (state.position[gate.axis, out] - gate.place)
+    for opening in parameters.open_boundaries:
+        if not opening.enters:
+            away = opening.inward * (state.position[opening.axis, out] - opening.place)
             mine = out[away < 0.0]
-            state.zone[mine] = gate.zone
-            across = np.arange(parameters.dimension) != gate.axis
+            state.zone[mine] = opening.zone
+            across = np.arange(parameters.dimension) != opening.axis
             state.velocity[np.ix_(across, mine)] = 0.0
     state.zone[back] = 0
     state.population[LEFT] += np.count_nonzero(gone & (state.zone > 0))
     state.population[LOST] += np.count_nonzero(gone & (state.zone == 0))
-    state.population[CAME] += len(comes)
-    for gate in parameters.gates:
-        mine = comes[state.zone[comes] == gate.zone]
+    state.population[ENTERED] += len(comes)
+    for opening in parameters.open_boundaries:
+        mine = comes[state.zone[comes] == opening.zone]
         born = {name: getattr(state, name)[..., mine].copy() for name in ("position", "velocity", "density", "mass")}
-        born["position"][gate.axis] -= gate.inward * gate.layers * parameters.spacing
+        born["position"][opening.axis] -= opening.inward * opening.layers * parameters.spacing
         state.zone[mine] = 0
         if len(mine):
-            state = _with(state, born, gate.zone)
+            state = _with(state, born, opening.zone)
             gone = np.concatenate([gone, np.zeros(len(mine), bool)])
     kept = {name: np.ascontiguousarray(array[..., ~gone]) for name, array in particle_arrays(state).items()}
     state = state._replace(**kept, reference=kept["position"].copy())

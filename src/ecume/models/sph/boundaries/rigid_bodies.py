@@ -61,12 +61,12 @@ def apparent_gravity(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array
     """
     pulls = np.repeat(gravity[:, None], dummies.position.shape[1], axis=1)
     if bodies.shapes:
-        pose, motion, push = state
+        pose, motion, acceleration = state
         d, first = pulls.shape[0], bodies.first
         body = dummies.owner[first:] - (dummies.owner[first] if len(dummies.owner) > first else 0)
         arm = (np.pad(dummies.position[:, first:], ((0, 3 - d), (0, 0))) - pose[:3, body]).T
         spin = motion[3:, body].T
-        own = push[:3, body].T + np.cross(push[3:, body].T, arm) + np.cross(spin, np.cross(spin, arm))
+        own = acceleration[:3, body].T + np.cross(acceleration[3:, body].T, arm) + np.cross(spin, np.cross(spin, arm))
         pulls[:, first:] -= own.T[:d]
     return pulls
 
@@ -96,11 +96,11 @@ def accelerations_of(bodies: Bodies, pose: Array, motion: Array, load: tuple[Arr
     turn, spin = rotations(pose), motion[3:].T
     along = np.einsum("nba,nb->na", turn, spin) * bodies.inertia.T
     angular = torque - np.cross(spin, np.einsum("nab,nb->na", turn, along))
-    push = np.empty_like(motion)
-    push[:3] = (force / bodies.mass[:, None]).T
-    push[: len(gravity)] += gravity[:, None]
-    push[3:] = np.einsum("nab,nb->na", inverse_inertia(bodies, turn), angular).T
-    return push
+    acceleration = np.empty_like(motion)
+    acceleration[:3] = (force / bodies.mass[:, None]).T
+    acceleration[: len(gravity)] += gravity[:, None]
+    acceleration[3:] = np.einsum("nab,nb->na", inverse_inertia(bodies, turn), angular).T
+    return acceleration
 
 
 def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> float:
@@ -307,20 +307,20 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
     give_way = sum(_compliance(bodies, body, pose, arm) for body, arm in zip(pair, arms, strict=True))
     bounce = min(bodies.restitution[body] for body in pair) if normal_speed < -calm else 0.0
     # Sticking impulse; if it is outside the friction cone, the tangential part slides on the cone.
-    wanted = solve(give_way, -approach - bounce * normal_speed * contact.normal)
-    along = dot(wanted, contact.normal)
-    across = wanted - along * contact.normal
+    needed_impulse = solve(give_way, -approach - bounce * normal_speed * contact.normal)
+    along = dot(needed_impulse, contact.normal)
+    across = needed_impulse - along * contact.normal
     limit = min(bodies.friction[body] for body in pair) * along
     size = length(across)
     if size > limit or along <= 0.0:
         slip = across / size if size > 0.0 else across
         way = contact.normal + min(bodies.friction[body] for body in pair) * slip
         along = -(1.0 + bounce) * normal_speed / dot(contact.normal, product(give_way, way))
-        wanted = along * way
-    apply_impulse(bodies, pair[0], state, (wanted, arms[0]))
+        needed_impulse = along * way
+    apply_impulse(bodies, pair[0], state, (needed_impulse, arms[0]))
     if len(pair) == 2:
-        apply_impulse(bodies, pair[1], state, (-wanted, arms[1]))
-    return wanted
+        apply_impulse(bodies, pair[1], state, (-needed_impulse, arms[1]))
+    return needed_impulse
 
 
 def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
@@ -345,7 +345,7 @@ def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
     return value, rate, second
 
 
-def instant(parameters: Parameters, state: State) -> Parameters:
+def with_moved_solids(parameters: Parameters, state: State) -> Parameters:
     """The parameters with everything where it is now."""
     return at(parameters, float(state.clock[0]), state.pose, state.motion)
 

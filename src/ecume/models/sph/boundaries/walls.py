@@ -58,7 +58,7 @@ class Repelled(NamedTuple):
     """of the repulsion: a place in `Boundary.names`"""
     who: Integers
     """(n,)"""
-    push: Array
+    acceleration: Array
     """(d, n) m/s^2"""
 
 
@@ -87,13 +87,13 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)
     v = before.T.copy()  # a copy in any case: columns that were picked may lie the other way round in memory
-    fate = np.zeros(len(x), np.int64)
-    tally = (np.zeros_like(fate), fate, hits)
+    status = np.zeros(len(x), np.int64)
+    tally = (np.zeros_like(status), status, hits)
     earlier = _as_before(guard.sheet, time)
     reflect_all(x, v, np.zeros((1, x.shape[1])), time, earlier, np.array([guard.radius]), tally)
-    for i in np.flatnonzero(fate < 0):
+    for i in np.flatnonzero(status < 0):
         x[i] = position[:, np.flatnonzero(out)[i]]
-        _push_inside(guard, x[i], v[i], hits)
+        _move_inside(guard, x[i], v[i], hits)
     position[:, out] = x.T
     velocity[:, out] += v.T - before
     found.change[...] = v.T - before
@@ -138,7 +138,7 @@ def _as_before(packed: Sheet, time: float) -> Sheet:
     return packed._replace(number=number)
 
 
-def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
+def _move_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
     """Particles that started outside, because a wall moved over them, are put onto the wall, and their approach is
     stopped.
     """
@@ -169,12 +169,12 @@ def repel(position: Array, kind: Integers, number: Array, reach: float, speed: f
         while k < kind.shape[0]:
             gap, nearest, k = piece_gap(kind, number, k, x, 0.0)
             if gap < reach:
-                push, normal = (
+                repulsion, normal = (
                     wall_forces.standoff_push(gap, reach, speed),
                     inward_normal(kind, number, nearest, x, 0.0),
                 )
                 for axis in range(position.shape[0]):
-                    acceleration[axis, i] += push * normal[axis]
+                    acceleration[axis, i] += repulsion * normal[axis]
 
 
 RESOLVED = 0.5
@@ -202,7 +202,7 @@ def repel_from_drawn(parameters: Parameters, state: State) -> None:
     """Add the present repulsion by drawn obstacles."""
     for number in parameters.bodies.drawn:
         leaning = repelled_by_drawn(parameters, state, number)
-        state.acceleration[:, leaning.who] += leaning.push
+        state.acceleration[:, leaning.who] += leaning.acceleration
 
 
 def drawn_owner(parameters: Parameters, number: int) -> int:
@@ -214,8 +214,8 @@ def repelled_by_drawn(parameters: Parameters, state: State, number: int) -> Repe
     """Particles repelled by an obstacle of which the guard has no surfaces."""
     reach = parameters.boundary.guard.reach
     near, gap, normal = close_to(parameters, state, number, reach)
-    push = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap]
-    return Repelled(drawn_owner(parameters, number), near, np.array(push) * normal.T)
+    acceleration = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap]
+    return Repelled(drawn_owner(parameters, number), near, np.array(acceleration) * normal.T)
 
 
 def close_to(parameters: Parameters, state: State, number: int, reach: float) -> tuple[Integers, Array, Array]:
@@ -248,7 +248,7 @@ def repel_from_bodies(parameters: Parameters, state: State) -> tuple[Array, Arra
     first = len(parameters.boundary.names) - bodies
     for body in range(bodies):
         leaning = repelled_by_body(parameters, state, body)
-        state.acceleration[:, leaning.who] += leaning.push
+        state.acceleration[:, leaning.who] += leaning.acceleration
         force[body], torque[body] = repulsion_load(parameters, state, leaning._replace(owner=first + body))
     return force, torque
 
@@ -263,9 +263,9 @@ def repelled_by_body(parameters: Parameters, state: State, body: int) -> Repelle
     turn = rotations(state.pose[:, body : body + 1])[0][:d, :d]
     gap, normal = shape.nearest(product(away[:, close].T, turn))
     near = gap < reach
-    push = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
+    acceleration = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
     owner = len(parameters.boundary.names) - len(bodies.shapes) + body
-    return Repelled(owner, close[near], np.array(push) * product(turn, normal[near].T))
+    return Repelled(owner, close[near], np.array(acceleration) * product(turn, normal[near].T))
 
 
 def all_repelled(parameters: Parameters, state: State) -> list[Repelled]:
@@ -281,11 +281,11 @@ def all_repelled(parameters: Parameters, state: State) -> list[Repelled]:
 
 def repelled_by_wall(parameters: Parameters, state: State, owner: int) -> Repelled:
     """Particles repelled by a wall or an obstacle."""
-    guard, push = parameters.boundary.guard, np.zeros_like(state.position)
+    guard, acceleration = parameters.boundary.guard, np.zeros_like(state.position)
     if guard.reach > 0.0:
-        repel(state.position, *sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
-    who = np.flatnonzero(push.any(axis=0))
-    return Repelled(owner, who, push[:, who])
+        repel(state.position, *sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), acceleration)
+    who = np.flatnonzero(acceleration.any(axis=0))
+    return Repelled(owner, who, acceleration[:, who])
 
 
 def sheet_of(guard: Guard, owner: int) -> Sheet:
@@ -300,14 +300,14 @@ def repulsion_load(parameters: Parameters, state: State, leaning: Repelled) -> t
     """Force and torque, (3,) each, on the wall or body by the repelled particles."""
     d, who = len(state.position), leaning.who
     force, place = np.zeros((3, len(who))), np.zeros((3, len(who)))
-    force[:d], place[:d] = -state.mass[who] * leaning.push, state.position[:, who]
+    force[:d], place[:d] = -state.mass[who] * leaning.acceleration, state.position[:, who]
     return total(force, place, parameters.boundary.centers[leaning.owner])
 
 
 def energy_of(parameters: Parameters, state: State, leaning: Repelled) -> float:
     """Potential energy of the repulsion of these particles (J)."""
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
-    gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
+    gap = reach - np.sqrt((leaning.acceleration**2).sum(axis=0)) * (reach / speed) ** 2
     energy = [wall_forces.standoff_energy(own, reach, speed) for own in gap]
     return dot(state.mass[leaning.who], energy)
 
@@ -340,9 +340,9 @@ def brake(
             for axis in range(dimension):
                 approach += (number[nearest, SPEED + axis] - velocity[axis, i]) * normal[axis]
             if approach > 0.0:
-                push = wall_forces.impact_braking(approach, weight_at(gap, support, weights), sound_speed)
+                braking = wall_forces.impact_braking(approach, weight_at(gap, support, weights), sound_speed)
                 for axis in range(dimension):
-                    acceleration[axis, i] += push * normal[axis]
+                    acceleration[axis, i] += braking * normal[axis]
 
 
 def add_braking(parameters: Parameters, state: State, guard: Guard, acceleration: Array) -> None:
@@ -359,11 +359,11 @@ def brake_at_walls(parameters: Parameters, state: State) -> None:
 
 def braked_by_wall(parameters: Parameters, state: State, owner: int) -> Repelled:
     """Particles braked by a wall or an obstacle."""
-    guard, push = parameters.boundary.guard, np.zeros_like(state.position)
+    guard, acceleration = parameters.boundary.guard, np.zeros_like(state.position)
     mine = guard._replace(sheet=sheet_of(guard, owner), owner=guard.owner[guard.owner == owner])
-    add_braking(parameters, state, mine, push)
-    who = np.flatnonzero(push.any(axis=0))
-    return Repelled(owner, who, push[:, who])
+    add_braking(parameters, state, mine, acceleration)
+    who = np.flatnonzero(acceleration.any(axis=0))
+    return Repelled(owner, who, acceleration[:, who])
 
 
 def all_braked(parameters: Parameters, state: State) -> list[Repelled]:

@@ -30,15 +30,15 @@ def drift(position: Array, velocity: Array, time: float) -> None:
 
 
 @spread
-def thicken(density: Array, thickening: Array, time: float) -> None:
+def advance_density(density: Array, density_rate: Array, time: float) -> None:
     """Rho += (d rho/dt) t."""
     for i in prange(len(density)):
-        density[i] += time * thickening[i]
+        density[i] += time * density_rate[i]
 
 
 @spread
 def predict(
-    velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
+    velocity: Array, acceleration: Array, density: Array, density_rate: Array, before: Array, time: float
 ) -> None:
     """Predict velocities (already half a step ahead) and densities with the present rates, which `before` keeps."""
     dimension, count = velocity.shape
@@ -46,20 +46,20 @@ def predict(
         for axis in range(dimension):
             before[axis, i] = acceleration[axis, i]
             velocity[axis, i] += 0.5 * time * acceleration[axis, i]
-        before[dimension, i] = thickening[i]
-        density[i] += time * thickening[i]
+        before[dimension, i] = density_rate[i]
+        density[i] += time * density_rate[i]
 
 
 @spread
 def correct(
-    velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
+    velocity: Array, acceleration: Array, density: Array, density_rate: Array, before: Array, time: float
 ) -> None:
     """Correct the predicted values to those of the mean of the rates before and now."""
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
             velocity[axis, i] += 0.5 * time * (acceleration[axis, i] - before[axis, i])
-        density[i] += 0.5 * time * (thickening[i] - before[dimension, i])
+        density[i] += 0.5 * time * (density_rate[i] - before[dimension, i])
 
 
 def largest(vectors: Array) -> float:

@@ -51,10 +51,10 @@ def move_passive_particles(parameters: Parameters, state: State, workspace: Work
     for number, group in enumerate(tracers.groups):
         here = slice(tracers.start[number], tracers.start[number + 1])
         position, velocity = state.passive_position[:, here].copy(), state.passive_velocity[:, here].copy()
-        chance = (tracers.seed, when, tracers.start[number])
+        random_numbers = (tracers.seed, when, tracers.start[number])
         around = surroundings(parameters, workspace, position)
         liquid = parameters.material.density, parameters.material.viscosity
-        move(position, velocity, around, group, parameters.gravity, liquid, chance, time)
+        move(position, velocity, around, group, parameters.gravity, liquid, random_numbers, time)
         reflect_particles(guard._replace(radius=max(guard.radius, group.radius)), position, velocity,
                   (position - state.passive_position[:, here]) / time - velocity, time)  # fmt: skip
         image = state.passive_image[:, here] if state.passive_image.size else np.zeros(position.shape, np.int64)
@@ -173,7 +173,7 @@ def fall(
 @spread
 def move(
     position: Array, velocity: Array, around: Surroundings, group: CarriedGroup, gravity: Array,
-    liquid: tuple[float, float], chance: tuple[int, int, int], time: float,
+    liquid: tuple[float, float], random_numbers: tuple[int, int, int], time: float,
 ) -> None:  # fmt: skip
     """One group; liquid = (density, viscosity), chance = (seed, when, first one's number)."""
     radius, own, dispersion = group.radius, group.density, group.dispersion
@@ -189,4 +189,6 @@ def move(
                 position[axis, i] += time * flow[axis]
         far = math.sqrt(2.0 * dispersion * around.eddy_viscosity[i] * time)
         for axis in range(len(gravity)):
-            position[axis, i] += far * normals(counter_of(chance[2] + i, chance[1], axis), chance[0])[0]
+            position[axis, i] += (
+                far * normals(counter_of(random_numbers[2] + i, random_numbers[1], axis), random_numbers[0])[0]
+            )

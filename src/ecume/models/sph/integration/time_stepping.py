@@ -19,31 +19,31 @@ from ecume.models.sph.boundaries.rigid_bodies import (
     collide,
     displacement_of_sides,
     expel_liquid,
-    instant,
     largest_displacement,
     move_bodies,
+    with_moved_solids,
 )
 from ecume.models.sph.boundaries.walls import add_impulses, expel_from_drawn, reflect_particles
 from ecume.models.sph.fields import number
 from ecume.models.sph.integration.particle_loops import (
+    advance_density,
     correct,
     drift,
     farthest,
     kick,
     largest,
     predict,
-    thicken,
 )
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.projection import failed, project
 from ecume.models.sph.rates.right_hand_side import (
+    evaluate_accelerations,
+    evaluate_density_rate,
+    evaluate_rates,
     shifts_needed,
-    take_both,
-    take_forces,
     take_other_forces,
     take_shift,
-    take_thickening,
 )
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
@@ -93,7 +93,9 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             if failed(parameters, state):
                 return DIVERGED
             if parameters.passive_tracers.start[-1]:
-                move_passive_particles(instant(parameters, state), state, workspace, parameters.time_step / divisions)
+                move_passive_particles(
+                    with_moved_solids(parameters, state), state, workspace, parameters.time_step / divisions
+                )
         state.step[0] += 1
         state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions
@@ -123,15 +125,15 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
     """Kick, drift half, density, drift half, kick (Adami et al. 2012, eqs. 28-31)."""
     if not state.ready[0]:
         renew(parameters, state, workspace)
-        take_forces(parameters, state, workspace, time)
+        evaluate_accelerations(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, 0.5 * time)
-    take_thickening(parameters, state, workspace)
+    evaluate_density_rate(parameters, state, workspace)
     add_diffusion_work(parameters, state, workspace, time)
-    thicken(state.density, state.thickening, time)
+    advance_density(state.density, state.density_rate, time)
     renewals = int(state.tally[RENEWALS])
     move(parameters, state, workspace, 0.5 * time)
-    take_forces(parameters, state, workspace, time, summed=int(state.tally[RENEWALS]) == renewals)
+    evaluate_accelerations(parameters, state, workspace, time, summed=int(state.tally[RENEWALS]) == renewals)
     kick_all(state, 0.5 * time)
     state.ready[0] = 1
 
@@ -142,17 +144,17 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
-        take_both(parameters, state, workspace, time)
+        evaluate_rates(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, time)
-    moved = state.velocity, state.acceleration, state.density, state.thickening
-    bodies_before = state.push.copy()
+    moved = state.velocity, state.acceleration, state.density, state.density_rate
+    bodies_before = state.body_acceleration.copy()
     predict(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * bodies_before
-    take_both(parameters, state, workspace, time)
+    evaluate_rates(parameters, state, workspace, time)
     add_diffusion_work(parameters, state, workspace, time)
     correct(*moved, workspace.before, time)
-    state.motion[...] += 0.5 * time * (state.push - bodies_before)
+    state.motion[...] += 0.5 * time * (state.body_acceleration - bodies_before)
     state.ready[0] = 1
 
 
@@ -177,7 +179,7 @@ def projection_step(parameters: Parameters, state: State, workspace: Workspace, 
 def kick_all(state: State, time: float) -> None:
     """Update the velocities of the liquid and of the bodies."""
     kick(state.velocity, state.acceleration, time)
-    state.motion[...] += time * state.push
+    state.motion[...] += time * state.body_acceleration
 
 
 def move(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -188,7 +190,7 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
     state.clock[0] += time
     if parameters.bodies.shapes:
         move_bodies(state.pose, state.motion, time)
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     resolve_collisions(now, state, time)
     if farthest(state.position, state.reference) + displacement_of_solids(parameters, state) > 0.5 * state.skin[0]:
         renew(parameters, state, workspace)

@@ -31,10 +31,10 @@ from ecume.engine.vectors import (
     Vector2,
     Vector3,
     adjugate,
+    axpy,
     by_dimension,
     difference,
     dot,
-    plus,
     plus_square,
     times,
     trace,
@@ -191,8 +191,8 @@ def pair_corrected_pressure(
     pull = slope * abs(other.weight)
     push, corrected = pull * own.value, pull * own.value if other.weight > zero else zero
     straight = push - corrected + (pull * damp if other.weight > zero else zero)
-    found: Vector = plus(
-        plus(plus(total, corrected, completed(own, apart)), pull * other.value, completed(other, apart)),
+    found: Vector = axpy(
+        axpy(axpy(total, corrected, completed(own, apart)), pull * other.value, completed(other, apart)),
         straight, apart,
     )  # fmt: skip
     return found
@@ -218,7 +218,7 @@ def pair_corrected_friction(
     """The viscous force of `sums.pair_radial_friction`, each pair times the `completion` over 2 r^2."""
     square = max(dot(apart, apart), given[0])
     radial = dot(difference(own.vector, other.vector), apart) / square
-    found: Vector = plus(total, drag(slope, own, other) * radial * (completion(own, other, apart) / square), apart)
+    found: Vector = axpy(total, drag(slope, own, other) * radial * (completion(own, other, apart) / square), apart)
     return found
 
 

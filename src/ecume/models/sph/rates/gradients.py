@@ -19,10 +19,10 @@ from ecume.engine.vectors import (
     Vector2,
     Vector3,
     adjugate,
+    axpy,
     by_dimension,
     difference,
     dot,
-    plus,
     plus_square,
     scaled,
     store_vector,
@@ -35,7 +35,7 @@ from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.corrections import SINGULAR
 from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
-from ecume.models.sph.rates.taking import take_sum
+from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.state import Workspace
 
 admit(density_diffusion, viscous)
@@ -68,7 +68,7 @@ def pair_density_gradient(
     """sum_j V_j F x_ij x_ij and sum_j V_j F (rho_j - rho_i) x_ij; walls and bodies do not contribute."""
     (factor, zero), (matrix, right) = given, total
     share = factor * slope * max(other.weight, zero)
-    return plus_square(matrix, share, apart), plus(right, share * (other.value - own.value), apart)
+    return plus_square(matrix, share, apart), axpy(right, share * (other.value - own.value), apart)
 
 
 @summed_inside
@@ -132,7 +132,9 @@ LEAST = 1e-30
 def set_eddy_viscosity(parameters: Parameters, workspace: Workspace) -> None:
     """Set the viscosity of the liquid and its images, with the eddy viscosity."""
     fields, lists, images = workspace.fields, workspace.lists, workspace.images
-    take_sum(EDDIES, parameters, workspace, settings=(parameters.spacing, max(parameters.material.viscosity, LEAST)))
+    evaluate_sum(
+        EDDIES, parameters, workspace, settings=(parameters.spacing, max(parameters.material.viscosity, LEAST))
+    )
     real = len(lists.counts)
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         fields.viscosity[real + first : real + last] = fields.viscosity[images.source[first:last]]
@@ -174,8 +176,8 @@ no_strain = by_dimension(_no_strain2, _no_strain3)
 def _plus_strain2(total: Strain2, share: float, change: Vector2, apart: Vector2) -> Strain2:
     return Strain2(
         plus_square(total.matrix, share, apart),
-        plus(total.u, share * change.x, apart),
-        plus(total.v, share * change.y, apart),
+        axpy(total.u, share * change.x, apart),
+        axpy(total.v, share * change.y, apart),
     )
 
 
@@ -183,9 +185,9 @@ def _plus_strain2(total: Strain2, share: float, change: Vector2, apart: Vector2)
 def _plus_strain3(total: Strain3, share: float, change: Vector3, apart: Vector3) -> Strain3:
     return Strain3(
         plus_square(total.matrix, share, apart),
-        plus(total.u, share * change.x, apart),
-        plus(total.v, share * change.y, apart),
-        plus(total.w, share * change.z, apart),
+        axpy(total.u, share * change.x, apart),
+        axpy(total.v, share * change.y, apart),
+        axpy(total.w, share * change.z, apart),
     )
 
 

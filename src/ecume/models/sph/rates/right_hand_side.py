@@ -20,26 +20,26 @@ from ecume.engine.shapes import Flags
 from ecume.laws import incompressible
 from ecume.laws.incompressible import shifting_coefficient
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
-from ecume.models.sph.boundaries.open_boundaries import hold_buffers
-from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, instant
+from ecume.models.sph.boundaries.open_boundaries import zero_buffer_rates
+from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
 from ecume.models.sph.fields import Floats, number
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.concentration import CONCENTRATION
 from ecume.models.sph.rates.corrections import CORRECTIONS
-from ecume.models.sph.rates.crowding import CROWDING
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_damping, read_liquid
 from ecume.models.sph.rates.gradients import DENSITY_GRADIENT, GRADIENT_DIFFUSION, set_eddy_viscosity
 from ecume.models.sph.rates.kernel_loops import require_kernel
+from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.rates.sums import (
     CONTINUITY_AND_PRESSURE,
     PRESSURE,
     store_acceleration,
-    store_thickening,
+    store_density_rate,
 )
 from ecume.models.sph.rates.surface_tension import add_surface_tension
-from ecume.models.sph.rates.taking import take_sum
 from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
 
@@ -54,14 +54,18 @@ MOST = 0.5
 
 def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Set the transport for the next drift."""
-    take_sum(CROWDING, parameters, workspace)
-    crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
-    state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
+    evaluate_sum(CONCENTRATION, parameters, workspace)
+    concentration_gradient = workspace.rates.concentration_gradient[: parameters.dimension].astype(np.float64)
+    state.transport[...] = SHIFTINGS[parameters.shifting].transport(
+        parameters, state, workspace, concentration_gradient, time
+    )
     if not parameters.fixed_volume:
-        keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
+        correct_for_spreading(
+            state, workspace.rates.even_concentration_gradient[: parameters.dimension].astype(np.float64), time
+        )
 
 
-def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
+def correct_for_spreading(state: State, concentration_gradient: NDArray[np.floating], time: float) -> None:
     """Reduce the density by the mean of 2 W.sum_j V_j F x_ij over particles with a transport velocity W; dummies count
     half.
 
@@ -73,27 +77,33 @@ def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
     The factor of one half: for a pair of liquid particles, W_i and W_j enter the sums of differences of both, which
     over all pairs is twice W_i.F x_ij; a dummy has no W, and no sum that W_i could enter.
     """
-    spread = (state.transport * crowd).sum(axis=0)
+    spread = (state.transport * concentration_gradient).sum(axis=0)
     moved = (state.transport != 0.0).any(axis=0)
     count = int(moved.sum())
     if count:
         state.density[moved] *= 1.0 - 2.0 * time * float(spread.sum()) / count
 
 
-def of_background(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+def of_background(
+    parameters: Parameters, state: State, workspace: Workspace, concentration_gradient: Array, time: float
+) -> Array:
     """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
     eq. 13, with equal volumes).
     """
-    return time * parameters.background / state.density * crowd
+    return time * parameters.background / state.density * concentration_gradient
 
 
-def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+def delta_plus(
+    parameters: Parameters, state: State, workspace: Workspace, concentration_gradient: Array, time: float
+) -> Array:
     """4 h u sum_j (1 + 0.2 (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface
     (Sun et al. 2017). Less in a step in which particles would move beyond the middle between their neighbors.
     """
     fastest = fastest_speed(parameters, state)
     strongest = parameters.shifting_limit / time
-    transport = min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * crowd
+    transport = (
+        min(shifting_coefficient(parameters.numbers.smoothing_length, fastest), strongest) * concentration_gradient
+    )
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
     limited[:, near_surface(parameters, workspace)] = 0.0
@@ -145,7 +155,7 @@ class Shifting(NamedTuple):
     transport: Callable[[Parameters, State, Workspace, Array, float], Array]
     """the transport velocity (d, N) of the next drift, relative to the liquid, from the concentration gradient"""
     tensile: bool
-    """whether near neighbors have larger weights in the gradient: see `crowding.pair_crowd`"""
+    """whether near neighbors have larger weights in the gradient: see `concentration.pair_concentration`"""
 
 
 SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
@@ -156,19 +166,21 @@ UNIT = np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]])
 """The matrix of liquid in buffers, which continues beyond their ends."""
 
 
-def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def evaluate_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The rate of density at the present positions."""
-    parameters = instant(parameters, state)
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     _sum_stretch(parameters, workspace)
-    _store_thickening(parameters, state, workspace)
+    _store_density_rate(parameters, state, workspace)
 
 
-def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False) -> None:
+def evaluate_accelerations(
+    parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False
+) -> None:
     """The acceleration at the present positions, and the transport for the next drift. `summed`: the lists are still
-    those by which `take_thickening` summed the rate of density half a drift ago; acoustic damping takes that one.
+    those by which `evaluate_density_rate` summed the rate of density half a drift ago; acoustic damping takes that one.
     """
-    parameters = instant(parameters, state)
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     _sum_push(parameters, workspace, summed)
     _store_acceleration(parameters, state, workspace, time)
@@ -176,43 +188,43 @@ def take_forces(parameters: Parameters, state: State, workspace: Workspace, time
 
 def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """The acceleration at the present positions without the pressure, and the transport for the next drift."""
-    parameters = instant(parameters, state)
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     workspace.fields.force_term[...] = 0.0
     workspace.rates.acceleration[...] = 0.0
     if number(parameters.constants, "alpha") > 0.0:
-        take_sum(PRESSURE, parameters, workspace)
+        evaluate_sum(PRESSURE, parameters, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
 
 def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """The transport for the next drift, and nothing else."""
-    now = instant(parameters, state)
+    now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     shift(now, state, workspace, time)
 
 
-def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+def evaluate_rates(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
-    parameters = instant(parameters, state)
+    parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     lists = workspace.lists
     diffuses = parameters.density_diffusion.excess is not None
     single = not diffuses and parameters.pressure_force.sum is PRESSURE and parameters.bulk_viscosity == 0.0
     if single and len(lists.counts) == state.position.shape[1]:
-        take_sum(CONTINUITY_AND_PRESSURE, parameters, workspace)
+        evaluate_sum(CONTINUITY_AND_PRESSURE, parameters, workspace)
     else:
         _sum_stretch(parameters, workspace)
         _sum_push(parameters, workspace, summed=True)
-    _store_thickening(parameters, state, workspace)
+    _store_density_rate(parameters, state, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
     diffusion = parameters.density_diffusion
-    take_sum(parameters.pressure_force.continuity[diffusion.row], parameters, workspace)
+    evaluate_sum(parameters.pressure_force.continuity[diffusion.row], parameters, workspace)
     if diffusion.gradients:
-        take_sum(GRADIENT_DIFFUSION, parameters, workspace)
+        evaluate_sum(GRADIENT_DIFFUSION, parameters, workspace)
 
 
 def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
@@ -251,18 +263,18 @@ def _copy_to_images(workspace: Workspace, field: Floats) -> None:
 
 def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
     damp_sound(parameters, workspace, summed)
-    take_sum(parameters.pressure_force.sum, parameters, workspace)
+    evaluate_sum(parameters.pressure_force.sum, parameters, workspace)
 
 
-def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
+def _store_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    store_density_rate(state.density_rate, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.fixed_volume:
-        hold_volume(state, workspace)
-    if parameters.gates:
-        hold_buffers(state)
+        conserve_volume(state, workspace)
+    if parameters.open_boundaries:
+        zero_buffer_rates(state)
 
 
-def hold_volume(state: State, workspace: Workspace) -> None:
+def conserve_volume(state: State, workspace: Workspace) -> None:
     """Add the same strain rate to all particles, so that sum m/rho does not change: a full tank of rigid walls keeps
     its volume. It counts as diffusion, which does work.
 
@@ -271,8 +283,8 @@ def hold_volume(state: State, workspace: Workspace) -> None:
     particles would attract each other and clump.
     """
     volume = state.mass / state.density
-    excess = state.density * (dot(volume, state.thickening / state.density) / float(volume.sum()))
-    state.thickening[...] -= excess
+    excess = state.density * (dot(volume, state.density_rate / state.density) / float(volume.sum()))
+    state.density_rate[...] -= excess
     workspace.rates.diffusion[: len(excess)] -= excess
 
 
@@ -287,7 +299,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         set_eddy_viscosity(parameters, workspace)
     if parameters.friction is not None:
         workspace.rates.acceleration[:3] = 0.0
-        take_sum(parameters.friction.sum, parameters, workspace)
+        evaluate_sum(parameters.friction.sum, parameters, workspace)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     repel_from_walls(parameters, state)
     repel_from_drawn(parameters, state)
@@ -300,8 +312,8 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         state.acceleration[...] += workspace.user_acceleration
     if parameters.transports:
         shift(parameters, state, workspace, time)
-    if parameters.gates:
-        hold_buffers(state)
+    if parameters.open_boundaries:
+        zero_buffer_rates(state)
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -322,9 +334,11 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
             sums[body] = sums[body][0] + extra[0], sums[body][1] + extra[1]
     more = repel_from_bodies(parameters, state)
     load = np.array([force for force, _ in sums]) + more[0], np.array([torque for _, torque in sums]) + more[1]
-    state.push[...] = accelerations_of(bodies, state.pose, state.motion, load, parameters.gravity)
-    state.push[:d] -= parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])
-    state.felt[...] += (state.push - state.felt) / delay(bodies, parameters.material.density)
+    state.body_acceleration[...] = accelerations_of(bodies, state.pose, state.motion, load, parameters.gravity)
+    state.body_acceleration[:d] -= parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])
+    state.delayed_body_acceleration[...] += (state.body_acceleration - state.delayed_body_acceleration) / delay(
+        bodies, parameters.material.density
+    )
 
 
 def table_of(parameters: Parameters) -> Array:
@@ -353,15 +367,17 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if len(images.source):
         fill_images(images.source, *of_images)
     if gradients:
-        take_sum(DENSITY_GRADIENT, parameters, workspace)
+        evaluate_sum(DENSITY_GRADIENT, parameters, workspace)
     if real > count:
         clip, equation, dummies = parameters.walls_clip, parameters.equation_of_state, parameters.boundary.dummies
-        pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+        pulls = apparent_gravity(
+            parameters.bodies, dummies, (state.pose, state.motion, state.delayed_body_acceleration), parameters.gravity
+        )
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
         read_liquid(table, count, lists, constants, pulls, clip, equation)
     if parameters.corrects:
-        take_sum(CORRECTIONS, parameters, workspace)
-        if parameters.gates:
+        evaluate_sum(CORRECTIONS, parameters, workspace)
+        if parameters.open_boundaries:
             fields.correction[:, :count][:, state.zone > 0] = UNIT
     if len(images.source) and (real > count or gradients or parameters.corrects):
         fill_images(images.source, *of_images)

@@ -10,7 +10,7 @@ import math
 from typing import Any
 
 from ecume._jit import admit, prange, spread, summed_inside
-from ecume.engine.vectors import Vector, add_vector, difference, dot, plus, scaled, store_vector, vector_of, zeros
+from ecume.engine.vectors import Vector, add_vector, axpy, difference, dot, scaled, store_vector, vector_of, zeros
 from ecume.laws import density_diffusion, viscous
 from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
 from ecume.models.sph.rates.neighbor_sums import NOTHING, NeighborSum, Particle, Reading, neighbor_sum, rows_of
@@ -109,7 +109,7 @@ def pair_pressure(total: Vector, apart: Vector, slope: float, own: Particle, oth
     damper, zero, _ = given
     damp = damping(dot(difference(other.vector, own.vector), apart), dot(apart, apart), damper)
     pull = slope * math.fabs(other.weight)
-    found: Vector = plus(total, pair_force(pull, own.value, other.value, damp if other.weight > zero else zero), apart)
+    found: Vector = axpy(total, pair_force(pull, own.value, other.value, damp if other.weight > zero else zero), apart)
     return found
 
 
@@ -127,7 +127,7 @@ def pair_rates(
     (damper, _, _), (stretching, acceleration) = given, total
     radial, pull = dot(difference(other.vector, own.vector), apart), slope * other.weight
     push = pair_force(pull, own.value, other.value, damping(radial, dot(apart, apart), damper))
-    return stretching + pair_divergence(pull, radial), plus(acceleration, push, apart)
+    return stretching + pair_divergence(pull, radial), axpy(acceleration, push, apart)
 
 
 @summed_inside
@@ -174,7 +174,7 @@ def pair_friction(total: Vector, apart: Vector, slope: float, own: Particle, oth
     """(2/rho_i) sum_j mu_ij F V_j (u_i - u_j), mu_ij the harmonic mean (Morris et al. 1997, eq. 22; Adami et al. 2012,
     eq. 8).
     """
-    found: Vector = plus(total, drag(slope, own, other), difference(own.vector, other.vector))
+    found: Vector = axpy(total, drag(slope, own, other), difference(own.vector, other.vector))
     return found
 
 
@@ -199,7 +199,7 @@ def pair_radial_friction(
     viscosities (Monaghan 2005). No two are nearer than the least distance, but a particle and its image may be.
     """
     radial = dot(difference(own.vector, other.vector), apart) / max(dot(apart, apart), given[0])
-    found: Vector = plus(total, drag(slope, own, other) * radial, apart)
+    found: Vector = axpy(total, drag(slope, own, other) * radial, apart)
     return found
 
 
@@ -231,8 +231,8 @@ def pair_transported_pressure(
     flux = thickness * dot(vector_of(e, f, g, apart), apart)
     pull = slope * (own.weight * own.weight + other.weight * other.weight)
     mean = (thickness * own.value + density * other.value) / (thickness + density)
-    carried = plus(scaled(pull * own_flux, own.vector), pull * flux, other.vector)
-    found: Vector = difference(plus(total, pull * (mean + mean), apart), carried)
+    carried = axpy(scaled(pull * own_flux, own.vector), pull * flux, other.vector)
+    found: Vector = difference(axpy(total, pull * (mean + mean), apart), carried)
     return found
 
 
@@ -255,11 +255,11 @@ TRANSPORTED_PRESSURE = neighbor_sum(
 
 
 @spread
-def store_thickening(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
+def store_density_rate(density_rate: Array, rates: Floats, density: Array, by_mass: bool) -> None:
     """D rho/dt: the sum is per density where neighbors count by their volumes."""
     for i in prange(len(density)):
         share = 1.0 if by_mass else density[i]
-        thickening[i] = share * rates[RATE.continuity, i] + rates[RATE.diffusion, i]
+        density_rate[i] = share * rates[RATE.continuity, i] + rates[RATE.diffusion, i]
 
 
 @spread

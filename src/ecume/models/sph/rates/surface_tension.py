@@ -27,13 +27,13 @@ import numpy as np
 
 from ecume._jit import admit, compiled_inside, prange, spread, summed_inside
 from ecume.engine.cells import Integers
-from ecume.engine.vectors import Vector, add_vector, dot, plus, zeros
+from ecume.engine.vectors import Vector, add_vector, axpy, dot, zeros
 from ecume.laws import kernels, tension
 from ecume.laws.kernels import kernel
 from ecume.models.sph.fields import FIELD, Floats, Numbers
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
-from ecume.models.sph.rates.taking import take_sum
+from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.state import State, Workspace
 from ecume.units import Array
 
@@ -297,21 +297,21 @@ def add_contour_force(parameters: Parameters, state: State, workspace: Workspace
 def add_cohesion(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by cohesion."""
     strength = cohesion_strength(parameters)
-    take_sum(COHESION, parameters, workspace, state.acceleration, (parameters.support, strength))
+    evaluate_sum(COHESION, parameters, workspace, state.acceleration, (parameters.support, strength))
 
 
 def energy_of_pairs(parameters: Parameters, workspace: Workspace) -> float:
     """J, of cohesion."""
     energy = np.zeros((1, workspace.rates.shape[1]))
-    take_sum(COHESION_ENERGY, parameters, workspace, energy, (parameters.support, cohesion_strength(parameters)))
+    evaluate_sum(COHESION_ENERGY, parameters, workspace, energy, (parameters.support, cohesion_strength(parameters)))
     return float(energy.sum())
 
 
 def cohesion_strength(parameters: Parameters) -> float:
     """The strength with which cohesion has the tension of the liquid."""
     material, law = parameters.material, STRENGTHS[parameters.dimension]
-    wanted = material.surface_tension / COUNTED[parameters.dimension]
-    return law(wanted, material.density, parameters.support)
+    target = material.surface_tension / COUNTED[parameters.dimension]
+    return law(target, material.density, parameters.support)
 
 
 @summed_inside
@@ -340,7 +340,7 @@ def pair_cohesion(
     """sum_j m_j C(r) x_ij/r, alike for both of a pair; walls and images pull like the liquid."""
     distance = math.sqrt(dot(apart, apart))
     pull = other.weight * other.value * tension.cohesion_kernel(distance, given[0]) / max(distance, SAME)
-    found: Vector = plus(total, pull, apart)
+    found: Vector = axpy(total, pull, apart)
     return found
 
 

@@ -33,7 +33,7 @@ from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import states
 from ecume.laws.states import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
-from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, instant
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import power_on_bodies
 from ecume.models.sph.boundaries.walls import braked_by_wall, repelled_by_wall
 from ecume.models.sph.fields import FIELD, Constants, Floats
@@ -92,7 +92,7 @@ def energy_of(parameters: Parameters, state: State, who: Any) -> float:
 
 def liquid_alone(parameters: Parameters, state: State) -> State:
     """The state without the buffers behind inflows and outflows."""
-    return subset(state, state.zone == 0) if parameters.gates else state
+    return subset(state, state.zone == 0) if parameters.open_boundaries else state
 
 
 def subset(state: State, who: Any) -> State:
@@ -119,7 +119,7 @@ def has_numerical_work(parameters: Parameters) -> bool:
 def forces_work(parameters: Parameters) -> bool:
     """Whether there are moving walls, buffers, dummies, or laws of the user."""
     sliding = len(moving_sides(parameters)) or dummies_work(parameters)
-    return bool(parameters.drives or parameters.gates or sliding or parameters.user_forces is not None)
+    return bool(parameters.drives or parameters.open_boundaries or sliding or parameters.user_forces is not None)
 
 
 def dummies_work(parameters: Parameters) -> bool:
@@ -136,7 +136,9 @@ def may_lose_liquid(parameters: Parameters) -> bool:
 
 def has_unbudgeted_work(parameters: Parameters) -> bool:
     """Whether surface tension does work outside the energy budget: it acts on moving parts, but not in the loads."""
-    return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
+    return parameters.tension != "none" and bool(
+        parameters.drives or parameters.open_boundaries or parameters.bodies.shapes
+    )
 
 
 def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -147,7 +149,7 @@ def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspac
     if parameters.density_diffusion.excess is None and not parameters.fixed_volume:
         return
     fields, rates, count = workspace.fields, workspace.rates, len(state.density)
-    rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.thickening
+    rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.density_rate
     damping = parameters.bulk_viscosity * parameters.pressure_force.damping_shares(fields, count)
     work = diffusion_work(*rows, state.zone, parameters.material.sound_speed, damping, time)
     state.budget[WORK] += work
@@ -160,7 +162,7 @@ def diffusion_work(
     density: Array,
     pressure: NDArray[np.floating[Any]],
     diffusion: NDArray[np.floating[Any]],
-    thickening: Array,
+    density_rate: Array,
     zone: Integers,
     sound_speed: float,
     bulk_viscosity: Array,
@@ -172,8 +174,8 @@ def diffusion_work(
     total = 0.0
     for i in range(len(mass)):
         if zone[i] == 0:
-            middle = pressure[i] + 0.5 * sound_speed * sound_speed * thickening[i] * time
-            middle += bulk_viscosity[i] * thickening[i] / density[i]
+            middle = pressure[i] + 0.5 * sound_speed * sound_speed * density_rate[i] * time
+            middle += bulk_viscosity[i] * density_rate[i] / density[i]
             total += mass[i] / (density[i] * density[i]) * middle * diffusion[i] * time
     return total
 
@@ -190,7 +192,7 @@ def add_work(
         state.budget[RATE] = 0.0
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
-        rate, numerical = powers_of_forces(instant(parameters, state), state, workspace)
+        rate, numerical = powers_of_forces(with_moved_solids(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_base_excitation(parameters, state)
     state.budget[WORK] += 0.5 * ((before if known else before + rate) + after) * time
@@ -229,7 +231,7 @@ def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tup
         compressing = power_of_dummies(now, state, workspace)
         power += compressing
     power += power_on_bodies(now, state, workspace)
-    return power + power_of_buffers(now, state, workspace) if now.gates else power, compressing
+    return power + power_of_buffers(now, state, workspace) if now.open_boundaries else power, compressing
 
 
 def moving_sides(now: Parameters) -> Integers:
@@ -247,7 +249,7 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
     position, moving = (np.ascontiguousarray(vectors[:, near]) for vectors in (state.position, state.velocity))
     few = state._replace(position=position, velocity=moving, mass=state.mass[near])
     pushed = repelled_by_wall(now, few, side), braked_by_wall(now, few, side)
-    force = np.sum([np.sum(each.push * few.mass[each.who], axis=1) for each in pushed], axis=0)
+    force = np.sum([np.sum(each.acceleration * few.mass[each.who], axis=1) for each in pushed], axis=0)
     for axis in np.flatnonzero(velocity):
         force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
     return dot(force, velocity)
@@ -284,7 +286,7 @@ def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> flo
         table[:, :d] -= now.origin
         fill_images(images.source, fields.table, real, images.start, table, now.gravity, now.equation_of_state)
     counted = fields.liquid.copy()
-    if now.gates:
+    if now.open_boundaries:
         root = np.concatenate([np.arange(real), roots_of(images, real)])
         counted[(root < count) & (state.zone[np.minimum(root, count - 1)] > 0)] = 0.0
     power = np.zeros(real - count)
@@ -337,8 +339,8 @@ def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> flo
 def before_gates(now: Parameters, state: State) -> Integers:
     """The liquid within reach of buffers."""
     near = np.zeros(len(state.zone), np.bool_)
-    for gate in now.gates:
-        near |= np.abs(state.position[gate.axis] - gate.place) < 2.0 * now.support
+    for opening in now.open_boundaries:
+        near |= np.abs(state.position[opening.axis] - opening.place) < 2.0 * now.support
     return np.flatnonzero(near & (state.zone == 0))
 
 

@@ -26,9 +26,9 @@ from ecume.engine.interpolation import added, dry, near, planes
 from ecume.laws.kernels import kernel
 from ecume.laws.states import hydrostatic_pressure, tait_pressure
 from ecume.laws.wall_forces import between_planes, covered_part, smeared
-from ecume.models.invariants import INJECTED, Invariant, Seen, at_most, energy_never_rises, kept, part_of
+from ecume.models.invariants import INJECTED, Invariant, NumberHistory, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads
-from ecume.models.sph.boundaries.rigid_bodies import drive_at, instant
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import (
     Repelled,
@@ -53,7 +53,7 @@ from ecume.models.sph.report.energy_budget import (
 from ecume.models.sph.setup.choices import filled, held_pull
 from ecume.models.sph.setup.shapes import part_of as part_of_space
 from ecume.models.sph.state import (
-    CAME,
+    ENTERED,
     GUARD_HITS,
     ITERATIONS,
     LEFT,
@@ -364,7 +364,7 @@ def in_dimension(units: Mapping[str, str], dimension: int) -> dict[str, str]:
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant. In 2D energies, masses, momenta, forces and volumes are per meter of depth."""
     still = parameters.gravity
-    parameters = instant(parameters, state)
+    parameters = with_moved_solids(parameters, state)
     leaning = all_repelled(parameters, state)
     solid, units = of_solids(parameters, state, workspace, [*leaning, *all_braked(parameters, state)])
     propped = sum(energy_of(parameters, state, each) for each in leaning)
@@ -540,7 +540,7 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "density_change": change.max(),
         "volume": np.sum(state.mass / state.density),
         "guard_hits": state.tally[GUARD_HITS],
-        "came": state.population[CAME],
+        "came": state.population[ENTERED],
         "left": state.population[LEFT],
         "lost": state.population[LOST],
         "substeps": state.tally[SUBSTEPS],
@@ -577,7 +577,7 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
         says = "the Mach number; set liquid.maximum_speed to the speed that is reached"
         yield Invariant("sound", says, MACH, lambda seen: seen.largest["largest_speed"] / sound)
 
-    def turned_back(seen: Seen) -> float:
+    def turned_back(seen: NumberHistory) -> float:
         return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))
 
     yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
@@ -586,13 +586,13 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
     if _alone(scene):
         density = parameters.material.density
 
-        def momenta(seen: Seen) -> float:
+        def momenta(seen: NumberHistory) -> float:
             return math.sqrt(2.0 * density * seen.first["volume"] * seen.largest["kinetic_energy"])
 
         yield kept("momentum", ("momentum_x", "momentum_y", "momentum_z"), momenta, DRIFT)
 
 
-def _faint(parameters: Parameters) -> Callable[[Seen], float]:
+def _faint(parameters: Parameters) -> Callable[[NumberHistory], float]:
     """The energy of a faint motion, and of a weight that is lifted by a particle's size: a liquid at rest moves by some
     hundredths of that while its layers settle.
     """

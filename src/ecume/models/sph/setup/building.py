@@ -64,10 +64,10 @@ from ecume.models.sph.setup.walls_and_bodies import (
     bounds_of,
     drives_of,
     fastest_drive,
-    gates_of,
     holds,
     mass_of,
     narrowest_channel,
+    open_boundaries_of,
 )
 from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
@@ -197,7 +197,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         boundary=boundary,
         bodies=bodies,
         drives=drives,
-        gates=gates_of(scene, support),
+        open_boundaries=open_boundaries_of(scene, support),
         bounds=bounds_of(scene),
         base_excitation=excitation,
         gauges=gauges_of(scene, support),

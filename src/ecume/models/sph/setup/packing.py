@@ -243,12 +243,12 @@ def pairs_of(particles: Particles, reach: float) -> Pairs:
     images, volume = images_of(np.ascontiguousarray(particles.position.T), particles.sides, reach), particles.volume
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         volume = np.concatenate([volume, volume[images.source[first:last]]])
-    everyone = with_images(particles, images).T
-    moves = np.zeros(len(everyone), bool)
+    all_particles = with_images(particles, images).T
+    moves = np.zeros(len(all_particles), bool)
     moves[particles.moving] = True
     from scipy.spatial import cKDTree
 
-    both = cKDTree(everyone).query_pairs(reach, output_type="ndarray")
+    both = cKDTree(all_particles).query_pairs(reach, output_type="ndarray")
     both = both[moves[both].any(axis=1)]
     one, other = np.ascontiguousarray(both[np.lexsort((both[:, 1], both[:, 0]))].T)
     return Pairs(one, other, volume, images, particles.position.copy())

@@ -14,7 +14,7 @@ from ecume.engine.shapes import Ball, Box, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
-from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
+from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate
 from ecume.models.sph.setup.shapes import (
@@ -56,9 +56,9 @@ def require_long_periods(scene: SphScene, support: float) -> None:
     for axis in range(len(size)):
         if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
             least = LEAST_PERIOD * support
-            came = f"{with_prefix(size[axis], 'm', 4)} along {'xyz'[axis]}, where the tank is periodic"
+            got = f"{with_prefix(size[axis], 'm', 4)} along {'xyz'[axis]}, where the tank is periodic"
             raise SceneError(
-                [Fault("tank.high", f"got {came}; expected {with_prefix(least, 'm', 4)}, or a smaller spacing")]
+                [Fault("tank.high", f"got {got}; expected {with_prefix(least, 'm', 4)}, or a smaller spacing")]
             )
 
 
@@ -271,7 +271,7 @@ def _obstacle(shape: Shape, path: str) -> Surfaces:
 ENDS = ("inflow", "outflow")
 
 
-def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
+def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, ...]:
     """The sides with a buffer behind them."""
     found, tank = [], scene.tank
     transported = PRESSURE_FORCES[scene.method.pressure_force].transported
@@ -291,7 +291,7 @@ def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
             high[1] = min(high[1], side.level)
         walls = np.array([_walled(scene, k) and k != axis for k in range(len(low))])
         found.append(
-            Gate(
+            OpenBoundary(
                 zone=number + 1,
                 axis=axis,
                 inward=1.0 if number % 2 == 0 else -1.0,

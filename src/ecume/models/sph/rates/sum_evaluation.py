@@ -10,7 +10,7 @@ from ecume.models.sph.rates.neighbor_sums import NeighborSum, fill_records
 from ecume.models.sph.state import Workspace
 
 
-def take_sum(
+def evaluate_sum(
     taken: NeighborSum, parameters: Parameters, workspace: Workspace, target: Floats | None = None,
     settings: tuple[float, ...] = (),
 ) -> None:  # fmt: skip
