@@ -270,7 +270,7 @@ FORMER_NAMES = {
 
 
 def with_present_names(stored: Stored, present: Iterable[str]) -> Stored:
-    """The stored arrays under the present names of the fields, which may be paths: `walls.open_boundaries.0`."""
+    """The stored arrays under the present names of the fields, which may be paths of several names."""
     former = {".".join(FORMER_NAMES.get(word, word) for word in name.split(".")): name for name in present}
     return {name if name in present else former.get(name, name): array for name, array in stored.items()}
 
