@@ -7,8 +7,10 @@ import os
 import random
 import shutil
 import signal
+import subprocess
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -317,6 +319,39 @@ def test_memory_is_that_of_the_control_group(
     assert _plain_files.memory_limit() == 1_000_000
     (tmp_path / "cgroup").write_text("0::/elsewhere\n5:memory:/elsewhere\n")
     assert _plain_files.memory_limit() > 1_000_000
+
+
+MEMORY_GROUPS = [(Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes"), (Path("/sys/fs/cgroup"), "memory.max")]
+SIZE = """
+import pathlib, sys
+pathlib.Path(sys.argv[1], "cgroup.procs").write_text("0")
+from ecume._plain_files import memory_limit
+print(memory_limit())
+"""
+
+
+@pytest.fixture
+def real_group() -> Iterator[tuple[Path, int]]:
+    """A control group of this machine with a limit, where tests may make one."""
+    for above, name in MEMORY_GROUPS:
+        group, limit = above / f"ecume-{os.getpid()}", 2**30
+        try:
+            group.mkdir()
+            (group / name).write_text(str(limit))
+        except OSError:
+            with contextlib.suppress(OSError):
+                group.rmdir()
+            continue
+        yield group, limit
+        group.rmdir()
+        return
+    pytest.skip("control groups cannot be made here")
+
+
+def test_memory_is_that_of_a_real_control_group(real_group: tuple[Path, int]) -> None:
+    group, limit = real_group
+    done = subprocess.run([sys.executable, "-c", SIZE, group], capture_output=True, text=True, check=True)
+    assert int(done.stdout) == limit < _plain_files.memory_limit()
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="Windows has no such signal")

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import struct
 import time
 import tracemalloc
 
@@ -13,12 +14,14 @@ from ecume.run import RunDirectory
 from ecume.run.checkpoints import arrays_of
 from ecume.run.recording import lines_of
 from ecume.scenes.load import load_and_examine, load_scene
+from ecume.scenes.sph.sources import _triangles, _vertices
 from ecume.scenes.tables import lines_of as lines_of_table
 from ecume.show.publishing import read_measured
 from ecume.sweep.directory import json_at, written
 from ecume.sweep.spec import load_sweep
 from ecume.trajectories import gsd
-from ecume.trajectories.foreign import dumps, lammps, xyz
+from ecume.trajectories.foreign import dcd, dumps, lammps, xyz
+from ecume.trajectories.foreign import gsd as foreign_gsd
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Samples, open_trajectory
 from ecume.trajectories.records import json_of, sealed_line
@@ -126,6 +129,44 @@ def read_archive(path):
         return arrays_of(file, path)
 
 
+def surface(folder, size):
+    """A ball of about so many triangles."""
+    trimesh = pytest.importorskip("trimesh")
+    rings = max(3, int((size / 2) ** 0.5))
+    ball = trimesh.creation.uv_sphere(1.0, count=(rings, rings))
+    return trimesh.exchange.stl.export_stl_ascii(ball).encode()
+
+
+def drawing(folder, size):
+    """An outline of so many corners."""
+    ezdxf = pytest.importorskip("ezdxf")
+    document, turn = ezdxf.new(), np.linspace(0.0, 2.0 * np.pi, size, endpoint=False)
+    document.modelspace().add_lwpolyline(np.column_stack((np.cos(turn), np.sin(turn))), close=True)
+    document.saveas(folder / "outline.dxf")
+    return (folder / "outline.dxf").read_bytes()
+
+
+def dcd_record(content):
+    length = struct.pack("<i", len(content))
+    return length + content + length
+
+
+def dcd_of(folder, size):
+    """One particle in so many frames."""
+    head = dcd_record(b"CORD" + bytes(80)) + dcd_record(b"") + dcd_record(struct.pack("<i", 1))
+    (folder / "a.dcd").write_bytes(head + 3 * dcd_record(struct.pack("<f", 1.0)) * size)
+    return folder / "a.dcd"
+
+
+def gsd_of(folder, size):
+    """A run's own frames, read as those of a foreign program."""
+    return frames_of(folder, size) / "0000.gsd"
+
+
+def all_frames(module):
+    return lambda path: [module.read(path, number) for number in range(module.frames(path))]
+
+
 def all_of(series):
     frames, read = series
     return [read(number) for number in range(frames)]
@@ -180,6 +221,10 @@ READERS = {
         lambda here, n: text_at(here, "p.json", written({f"k{k}": k for k in range(n)}, here / "p.json")),
         lambda path: json_at(path, dict),
     ),
+    "surface": (4000, surface, lambda content: _triangles(content, None)),
+    "drawing": (4000, drawing, lambda content: _vertices(content, None)),
+    "dcd": (400, dcd_of, all_frames(dcd)),
+    "foreign gsd": (150, gsd_of, all_frames(foreign_gsd)),
     "experiment": (4000, lambda here, n: text_at(here, "e.csv", "time [s],p [Pa]\n" + "1.0,2.0\n" * n), read_measured),
 }
 GROWTH = 4

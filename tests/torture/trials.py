@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -23,6 +24,8 @@ DEFECT, SURPRISED = 70, 71
 
 PATIENCE = 120.0
 """Seconds to wait for what has to come."""
+ERRORS = os.environ.get("ECUME_TORTURE_ERRORS", os.devnull)
+"""A file that takes the tracebacks of processes that were forked."""
 CHILDREN: set[int] = set()
 """Processes that were begun here and did not end yet."""
 
@@ -145,12 +148,13 @@ def forked(work: Callable[[], object]) -> int:
         return child
     code = SURPRISED
     try:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        os.dup2(os.open(ERRORS, os.O_WRONLY | os.O_CREAT | os.O_APPEND), 2)
         work()
         code = 0
     except EcumeError as error:
         code = error.exit_code if "\n" not in str(error) else DEFECT
     except BaseException:  # whatever it is, the exit code reports it
+        traceback.print_exc()
         code = DEFECT
     finally:
         os._exit(code)

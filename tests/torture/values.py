@@ -17,6 +17,7 @@ from typing import Any
 
 import numba
 
+from ecume import _variants
 from ecume._jit import use_threads
 from ecume.errors import EcumeError
 from ecume.models import MODELS
@@ -25,7 +26,7 @@ from ecume.scenes.templates import folder as templates
 from ecume.simulation import Integration
 
 from .inputs import VALUES, mutant
-from .trials import CHILDREN, Outcome, Trial, forked, times
+from .trials import CHILDREN, Outcome, Trial, ended, forked, times
 
 STEPS = 10
 LARGEST_MEMORY = 1e9
@@ -70,8 +71,10 @@ def mutated_scenes(scale: float, folder: Path) -> Outcome:
     known = [tomllib.loads(text) for text in texts]
     numba.config.THREADING_LAYER = "workqueue"  # others end the processes that are forked
     use_threads(1)
+    # A compiler's memory would count as that of each child: another process compiles, this one reads what it stored.
     for plain in known:
-        stepped(toml_of(plain))  # what is compiled is compiled once, and forked
+        ended(forked(lambda plain=plain: bounded(toml_of(plain), COMPILING)))
+        stepped(toml_of(plain))
     for number in range(tried):
         if chance.random() < SHARE_OF_BYTES:
             text = mutant(chance.choice(texts).encode(), chance).decode(errors="replace")
@@ -194,6 +197,7 @@ def bounded(text: str, limit: int) -> None:
     """A scene in this process, with bounded processor time (s)."""
     resource.setrlimit(resource.RLIMIT_CPU, (spent() + limit, spent() + limit))
     signal.alarm(20 * limit)
+    _variants._FORKED.clear()  # one thread of the work queue runs in forks, too
     stepped(text)
 
 
