@@ -55,7 +55,8 @@ ARRAY_UNITS = {
 }
 SECONDS_PER_STEP = 2e-5
 SECONDS_PER_PARTICLE = 5e-7
-BYTES_PER_PARTICLE = 400
+BYTES_PER_PARTICLE = 940
+"""Resident at the most, while frames are recorded: measured with 1e5 and 4e5 particles in 3D."""
 NUMBERS = 20
 """In a frame, about."""
 
