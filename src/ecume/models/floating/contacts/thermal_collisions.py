@@ -4,12 +4,17 @@ In a step each float moves along a straight line, by the sum of its displacement
 paths meet, their relative velocity along the normal is reflected, as in elastic collisions of masses that are inversely
 proportional to the mobilities. Such billiards conserve the volume of configurations and the distribution of the noise:
 without forces every allowed configuration stays equally likely, for any number of floats and any time step. With forces
-the gap after a collision is that of a reflected Brownian motion with drift: see `brownian_motion.reflected_gap`. Means
-converge with the first order in the time step, as in schemes that reflect at one wall [bossy2004].
+the gap after a collision is that of a reflected Brownian motion with drift: see `brownian_motion.reflected_gap`. The
+density at contact then converges with the first order in the time step, as in schemes that reflect at one wall
+[bossy2004], mean gaps with the second.
 
-Floats that are pressed together by much more than kT per step collide without end. These lasting contacts, and all
-floats that collide with them in the same step, are solved together as impulses, with the gaps of `reflected_gain` for
-each pair. For simultaneous contacts these push too far: the largest of a sum is at most the sum of the largest.
+Forces that press floats together bring them back to contact within a step. Where they are strong, the step therefore
+has several intervals, in each of which the paths are straight: the noise of an interval is drawn so that the sum is
+that of the step, which does not change floats without collisions. Floats that are pressed so strongly that they would
+need more than `MOST_INTERVALS` are in lasting contact. These, and all floats that collide with them in the same step,
+are solved together as impulses, with the gaps of `reflected_gain` for each pair. For simultaneous contacts these gaps
+are not those of equilibrium: of three floats that bind one another, those far below kT over the force are a quarter too
+frequent.
 
 Floats that interact through the liquid: a collision moves the two floats with the mobilities of the pair, and all that
 could touch one of them in this step by the flow. The mean forces of all collisions then move the others. What these
@@ -27,8 +32,8 @@ from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact.contacts import Contacts
-from ecume.engine.contact.event_queue import make_event_queue, schedule
-from ecume.engine.philox import counter_of_pair, uniforms
+from ecume.engine.contact.event_queue import EventQueue, make_event_queue, schedule
+from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import is_circle, wall_distance
 from ecume.laws import brownian_motion, pair_mobility
 from ecume.laws.brownian_motion import reflected_gain, reflected_gap
@@ -42,7 +47,25 @@ MOST_HITS = 12
 """Collisions of a float in one step; with more it is in lasting contact."""
 
 LASTING = 1.0
-"""Approach by forces in one step, over the standard deviation of that by noise, above which a contact lasts."""
+"""Approach by forces in one interval, over the standard deviation of that by noise, above which a contact lasts."""
+
+SOFTLY = 0.35
+"""This ratio in the intervals of a step, if there are not too many of them."""
+
+MOST_INTERVALS = 8
+"""The largest number of intervals of a step."""
+
+INTERVALS = 16
+"""The first purpose of random numbers of the noise of intervals."""
+
+
+class Interval(NamedTuple):
+    """A part of a step in which paths are straight between collisions."""
+
+    length: float
+    """s"""
+    end: float
+    """s: its end, since the beginning of the step"""
 
 
 class Paths(NamedTuple):
@@ -55,7 +78,7 @@ class Paths(NamedTuple):
     velocity: Array
     """(N, 2) m/s: the velocity from then on"""
     hits: Integers
-    """(N,) collisions in this step"""
+    """(N,) collisions in this interval"""
     lasting: Integers
     """(N,) 1 for floats in lasting contact"""
 
@@ -85,44 +108,153 @@ def collide_on_paths(
     """Let floats collide on their paths of this step. `motion`: (N, 2) velocities with and without noise (m/s);
     `share`: (rows, 2) the velocities of both floats of a contact by opposite unit forces along its normal (m/(N s)).
     """
-    total, count = contacts.total[0], len(parameters.floats.radius)
-    time, free = parameters.time_step, motion[0]
-    queue = make_event_queue(total)
-    paths = Paths(
-        np.zeros(count), np.zeros((count, 2)), free[:count].copy(), np.zeros(count, np.int64), np.zeros(count, np.int64)
-    )
-    touching.normal_velocities(contacts, free, contacts.scratch)
-    for row in range(total):
-        # Two discs stay apart if the plane between them is not crossed.
-        if contacts.bound[row] > -np.inf and (
-            contacts.second[row] >= count or contacts.gap[row] + time * contacts.scratch[row] < 0.0
-        ):
-            schedule(queue, row, meeting_time(parameters, state, contacts, paths, row))
-    if queue.size[0] == 0:
+    count = len(parameters.floats.radius)
+    number = intervals_of(parameters, contacts, motion[1], share) if len(flow.radius) == 0 else 1
+    noise = noise_of_intervals(parameters, state, contacts, number)
+    paths, meetings, collided = paths_of(count), meetings_of(contacts, count), False
+    for k in range(number):
+        interval = Interval(parameters.time_step / number, parameters.time_step * (k + 1) / number)
+        begin_interval(paths, interval, motion[0], noise[k])
+        given = motion[1], share
+        if collide_in_interval(parameters, state, contacts, paths, interval, meetings, given, flow):
+            collided = True
+    if not collided:
         return Bounces(np.zeros((0, 2)), paths.lasting)
-    first, rows = contacts_of_floats(contacts, count)
-    impulse, met, meetings = np.zeros((count, 2)), np.zeros(total, np.int64), 0
-    changed, last = np.empty(count, np.int64), np.zeros(count, np.int64)
+    spread_lasting(contacts, meetings.met, paths.lasting)
+    for i in range(count):
+        if paths.lasting[i] > 0:
+            meetings.impulse[i, 0], meetings.impulse[i, 1] = 0.0, 0.0
+    return Bounces(meetings.impulse, paths.lasting)
+
+
+@compiled
+def paths_of(count: int) -> Paths:
+    """Return the paths of floats at the beginning of a step."""
+    none, lasting = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    return Paths(np.zeros(count), np.zeros((count, 2)), np.zeros((count, 2)), none, lasting)
+
+
+@compiled
+def begin_interval(paths: Paths, interval: Interval, velocity: Array, noise: Array) -> None:
+    """Move all floats to the beginning of an interval, with the velocities of the step and the noise."""
+    for i in range(len(paths.since)):
+        advance_path(paths, i, interval.end - interval.length)
+        paths.hits[i] = 0
+        for axis in range(2):
+            paths.velocity[i, axis] = velocity[i, axis] + (noise[i, axis] if len(noise) > 0 else 0.0)
+
+
+class Meetings(NamedTuple):
+    """Workspace of the collisions of a step."""
+
+    queue: EventQueue
+    first: Integers
+    rows: Integers
+    """see `contacts_of_floats`"""
+    changed: Integers
+    """(N,) the floats that a collision moves"""
+    last: Integers
+    """(N,) the last collision that moved each float"""
+    met: Integers
+    """(rows,) 1 for contacts that collided in this step"""
+    impulse: Array
+    """(N, 2) N: the mean force of collisions in this step"""
+
+
+@compiled
+def meetings_of(contacts: Contacts, count: int) -> Meetings:
+    """Return a workspace for the contacts of a step."""
+    total, (first, rows) = contacts.total[0], contacts_of_floats(contacts, count)
+    changed, last, met = np.empty(count, np.int64), np.zeros(count, np.int64), np.zeros(total, np.int64)
+    return Meetings(make_event_queue(total), first, rows, changed, last, met, np.zeros((count, 2)))
+
+
+@compiled
+def intervals_of(parameters: Parameters, contacts: Contacts, driven: Array, share: Array) -> int:
+    """The number of intervals of a step, by the strongest force that does not press two bodies into lasting contact."""
+    strongest, time, count = 0.0, parameters.time_step, len(parameters.floats.radius)
+    for row in range(contacts.total[0]):
+        if contacts.bound[row] > -np.inf:
+            spread = 2.0 * parameters.drift.thermal * (share[row, 0] + share[row, 1]) * time
+            pressed = approach_by_forces(contacts, row, driven, count) * time / math.sqrt(spread)
+            if pressed <= LASTING * math.sqrt(MOST_INTERVALS):
+                strongest = max(strongest, pressed)
+    return max(1, min(MOST_INTERVALS, math.ceil((strongest / SOFTLY) ** 2)))
+
+
+@compiled
+def noise_of_intervals(parameters: Parameters, state: State, contacts: Contacts, number: int) -> Array:
+    """The velocities by noise in each interval, less that of the step (m/s), whose mean they leave: normal numbers of
+    the variance of an interval, less their mean. Zero for floats without contacts.
+    """
+    count = len(parameters.floats.radius) if number > 1 else 0
+    noise, touching_one, step = np.zeros((number, count, 2)), np.zeros(count, np.int64), int(state.step[0])
+    for row in range(contacts.total[0] if number > 1 else 0):
+        touching_one[contacts.first[row]] = 1
+        if contacts.second[row] < count:
+            touching_one[contacts.second[row]] = 1
+    for i in range(count):
+        if touching_one[i] > 0:
+            far = math.sqrt(2.0 * parameters.drift.thermal * parameters.kick.gain[i] * number / parameters.time_step)
+            mean_x, mean_y = 0.0, 0.0
+            for k in range(number):
+                x, y = normals(counter_of(i, step, INTERVALS + k), parameters.drift.seed)
+                noise[k, i, 0], noise[k, i, 1] = far * x, far * y
+                mean_x, mean_y = mean_x + far * x / number, mean_y + far * y / number
+            for k in range(number):
+                noise[k, i, 0] -= mean_x
+                noise[k, i, 1] -= mean_y
+    return noise
+
+
+@compiled
+def collide_in_interval(
+    parameters: Parameters,
+    state: State,
+    contacts: Contacts,
+    paths: Paths,
+    interval: Interval,
+    meetings: Meetings,
+    given: tuple[Array, Array],
+    flow: Flow,
+) -> bool:
+    """Let floats collide until the end of an interval; whether any did."""
+    queue, count, (driven, share) = meetings.queue, len(parameters.floats.radius), given
+    number, around = 0, (meetings.first, meetings.rows)
+    for i in range(count):
+        meetings.last[i] = 0
+    for row in range(contacts.total[0]):
+        # Two discs stay apart if the plane between them is not crossed.
+        if contacts.bound[row] > -np.inf and (contacts.second[row] >= count or crosses(contacts, paths, row, interval)):
+            schedule(queue, row, meeting_time(parameters, state, contacts, paths, row, interval.end))
     while queue.size[0] > 0:
         row = queue.heap[0]
         when = queue.time[row]
-        met[row], meetings = 1, meetings + 1
-        changes = bodies_around(contacts, (first, rows), row, (changed, last), meetings, len(flow.radius) > 0)
-        if lasts(parameters, contacts, paths, row, (motion[1], share)):
+        meetings.met[row], number = 1, number + 1
+        changes = bodies_around(contacts, around, row, (meetings.changed, meetings.last), number, len(flow.radius) > 0)
+        if lasts(parameters, contacts, paths, row, given, interval.length):
             for place in range(2 if contacts.second[row] < count else 1):
-                paths.lasting[changed[place]] = 1
+                paths.lasting[meetings.changed[place]] = 1
         else:
-            force = reflect_pair(parameters, state, contacts, paths, (row, when), (motion[1], share, impulse))
+            event = row, when, interval
+            force = reflect_pair(parameters, state, contacts, paths, event, (driven, share, meetings.impulse))
             if len(flow.radius) > 0:
-                carry(flow, state.position, contacts, paths, row, when, force, changed[2:changes])
-        for number in range(changes):
-            for place in range(first[changed[number]], first[changed[number] + 1]):
-                schedule(queue, rows[place], meeting_time(parameters, state, contacts, paths, rows[place]))
-    spread_lasting(contacts, met, paths.lasting)
-    for i in range(count):
-        if paths.lasting[i] > 0:
-            impulse[i, 0], impulse[i, 1] = 0.0, 0.0
-    return Bounces(impulse, paths.lasting)
+                carry(flow, state.position, contacts, paths, row, when, force, meetings.changed[2:changes])
+        for spot in range(changes):
+            for place in range(meetings.first[meetings.changed[spot]], meetings.first[meetings.changed[spot] + 1]):
+                other = meetings.rows[place]
+                schedule(queue, other, meeting_time(parameters, state, contacts, paths, other, interval.end))
+    return number > 0
+
+
+@compiled
+def crosses(contacts: Contacts, paths: Paths, row: int, interval: Interval) -> bool:
+    """Whether two floats together move farther along their normal than their gap until the end of an interval."""
+    i, j, gap, time = contacts.first[row], contacts.second[row], contacts.gap[row], interval.length
+    for axis in range(2):
+        moved = paths.moved[j, axis] - paths.moved[i, axis]
+        gap += contacts.normal[row, axis] * (moved + time * (paths.velocity[j, axis] - paths.velocity[i, axis]))
+    return bool(gap < 0.0)
 
 
 @compiled
@@ -201,9 +333,9 @@ def contacts_of_floats(contacts: Contacts, count: int) -> tuple[Integers, Intege
 
 
 @compiled
-def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths: Paths, row: int) -> float:
-    """When the two bodies of a contact meet on their paths (s); infinite if not in this step, or if a contact lasts."""
-    i, j, radius, time = contacts.first[row], contacts.second[row], parameters.floats.radius, parameters.time_step
+def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths: Paths, row: int, end: float) -> float:
+    """When the two bodies of a contact meet on their paths (s); infinite if not before `end`, or if a contact lasts."""
+    i, j, radius = contacts.first[row], contacts.second[row], parameters.floats.radius
     if paths.lasting[i] > 0 or contacts.bound[row] == -np.inf:
         return math.inf
     if j >= len(radius):
@@ -216,7 +348,7 @@ def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths
         u, v = paths.velocity[j, 0] - paths.velocity[i, 0], paths.velocity[j, 1] - paths.velocity[i, 1]
         closing, beyond = x * u + y * v, x * x + y * y - (radius[i] + radius[j]) ** 2
         when = begin + first_root(closing, beyond, u * u + v * v)
-    return when if when < time else math.inf
+    return when if when < end else math.inf
 
 
 @compiled
@@ -262,19 +394,27 @@ def pair_at(contacts: Contacts, paths: Paths, row: int, touch: float, when: floa
 
 
 @compiled
-def lasts(parameters: Parameters, contacts: Contacts, paths: Paths, row: int, given: tuple[Array, Array]) -> bool:
-    """Whether forces press two bodies together for longer than noise can separate them in a step."""
+def lasts(
+    parameters: Parameters, contacts: Contacts, paths: Paths, row: int, given: tuple[Array, Array], time: float
+) -> bool:
+    """Whether forces press two bodies together for longer than noise can separate them in this time."""
     i, j, count = contacts.first[row], contacts.second[row], len(parameters.floats.radius)
     driven, share = given
-    x, y = contacts.normal[row, 0], contacts.normal[row, 1]
-    approach = x * driven[i, 0] + y * driven[i, 1]
-    if j < count:
-        approach -= x * driven[j, 0] + y * driven[j, 1]
+    approach, mobility = approach_by_forces(contacts, row, driven, count), share[row, 0] + share[row, 1]
     most = max(paths.hits[i], paths.hits[j] if j < count else 0)
-    time, mobility = parameters.time_step, share[row, 0] + share[row, 1]
     return bool(
         most >= MOST_HITS or approach * time > LASTING * math.sqrt(2.0 * parameters.drift.thermal * mobility * time)
     )
+
+
+@compiled
+def approach_by_forces(contacts: Contacts, row: int, driven: Array, count: int) -> float:
+    """The speed at which forces bring two bodies together (m/s)."""
+    i, j, x, y = contacts.first[row], contacts.second[row], contacts.normal[row, 0], contacts.normal[row, 1]
+    speed = x * driven[i, 0] + y * driven[i, 1]
+    if j < count:
+        speed -= x * driven[j, 0] + y * driven[j, 1]
+    return float(speed)
 
 
 @compiled
@@ -283,16 +423,16 @@ def reflect_pair(
     state: State,
     contacts: Contacts,
     paths: Paths,
-    event: tuple[int, float],
+    event: tuple[int, float, Interval],
     given: tuple[Array, Array, Array],
 ) -> tuple[float, float]:
-    """Reflect the velocities of two bodies, whose `event` is a contact and the time. Returns
-    the force on the second one until the end of the step (N).
+    """Reflect the velocities of two bodies, whose `event` is a contact, the time and its interval. Returns
+    the force on the second one until the end of the interval (N).
     """
-    (row, when), (driven, share, impulse), radius = event, given, parameters.floats.radius
-    i, j, time, thermal = contacts.first[row], contacts.second[row], parameters.time_step, parameters.drift.thermal
+    (row, when, interval), (driven, share, impulse), radius = event, given, parameters.floats.radius
+    i, j, time, thermal = contacts.first[row], contacts.second[row], interval.length, parameters.drift.thermal
     advance_path(paths, i, when)
-    velocity, left, count = paths.velocity, time - when, len(radius)
+    velocity, left, count = paths.velocity, interval.end - when, len(radius)
     if j < count:
         advance_path(paths, j, when)
         x, y = pair_at(contacts, paths, row, radius[i] + radius[j], when)
@@ -306,16 +446,17 @@ def reflect_pair(
         x, y = -in_x, -in_y
         speed, forced = -x * velocity[i, 0] - y * velocity[i, 1], -x * driven[i, 0] - y * driven[i, 1]
     mobility = share[row, 0] + share[row, 1]
-    draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), 1), parameters.drift.seed)[0]
+    turn = round(interval.end / time)
+    draw = uniforms(counter_of_pair(int(i), int(j), int(state.step[0]), turn), parameters.drift.seed)[0]
     variance = 2.0 * thermal * mobility * time
     end = reflected_gap(-speed * left, (forced - speed) * time, forced * time, variance, draw)
     force = (end / left - speed) / mobility
     for axis, along in ((0, x), (1, y)):
         velocity[i, axis] -= share[row, 0] * force * along
-        impulse[i, axis] -= force * along * left / time
+        impulse[i, axis] -= force * along * left / parameters.time_step
         if j < count:
             velocity[j, axis] += share[row, 1] * force * along
-            impulse[j, axis] += force * along * left / time
+            impulse[j, axis] += force * along * left / parameters.time_step
     paths.hits[i] += 1
     if j < count:
         paths.hits[j] += 1
