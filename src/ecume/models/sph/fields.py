@@ -1,4 +1,5 @@
-"""What the sums over neighbors read and write, by name: one array for each quantity, one entry a particle.
+"""Arrays that the sums over neighbors read and write, by name: one array for each quantity, one entry for each
+particle.
 
 Entries of `Fields`: first the liquid, then the dummies of walls and bodies, then images (mirrored or shifted
 particles). `Rates` have entries for the liquid alone. Vectors have three components in 2D too; the third stays zero.
@@ -22,14 +23,14 @@ Precision = type[np.float64] | type[np.float32]
 
 
 class Fields(NamedTuple):
-    """State of everything that neighbors see."""
+    """Everything that sums read of a particle and its neighbors."""
 
     table: Floats
-    """all of the following, one row each: what an image copies from its source"""
+    """all of the following, one row each: the rows that an image copies from its source"""
     position: Floats
     velocity: Floats
     friction_velocity: Floats
-    """the velocity that friction sees: other than `velocity` on a wall with no slip"""
+    """the velocity for the viscous force: on a no-slip wall it differs from `velocity`"""
     transport: Floats
     """the transport velocity less the velocity"""
     density_gradient: Floats
@@ -43,9 +44,11 @@ class Fields(NamedTuple):
     liquid: Floats
     """1 for the liquid and its images, 0 for dummies"""
     force_term: Floats
-    """what the pressure force adds up of two particles: the pressure, or p/rho^2 (see `PressureForce.by_mass`)"""
+    """the term of each of two particles in the pressure force: the pressure, or p/rho^2 (see
+    `PressureForce.by_mass`)
+    """
     weight: Floats
-    """what a neighbor counts: its volume, or its mass"""
+    """the weight of a neighbor in sums: its volume, or its mass"""
     correction: Floats
     """(6, entries) xx, yy, zz, xy, xz, yz of the matrix that completes gradients; (0, entries) where none is used"""
 
@@ -87,7 +90,7 @@ def fields_in(table: Floats) -> Fields:
 
 
 def zero_fields(count: int, precision: Precision, corrected: bool = False) -> Fields:
-    """Fields of so many particles, with unit matrices where gradients are completed."""
+    """Zero fields of this number of particles, with unit matrices where gradients are completed."""
     fields = fields_in(np.zeros((CORRECTED_FIELDS if corrected else FIELDS, count), precision))
     fields.correction[:3] = 1.0
     return fields
@@ -101,13 +104,15 @@ class Rates(NamedTuple):
     continuity: Floats
     """sum of w_j F (v_j - v_i).x_ij: the rate of density, over density where neighbors count by volume"""
     diffusion: Floats
-    """what diffusion adds to the rate of density"""
+    """the rate of density by diffusion"""
     fullness: Floats
     """the divergence of position: d in full surroundings"""
     acceleration: Floats
-    """(3, N) the pressure force, or the viscous force, as the sums have it"""
+    """(3, N) the acceleration by the pressure force or by the viscous force, before the scaling in
+    `sums.store_acceleration`
+    """
     concentration_gradient: Floats
-    """(3, N) the gradient of the particle concentration, reversed"""
+    """(3, N) minus the gradient of the particle concentration"""
     even_concentration_gradient: Floats
     """(3, N) the same vector with equal weights of all neighbors"""
 
@@ -139,7 +144,7 @@ def rates_in(table: Floats) -> Rates:
 
 
 def zero_rates(count: int, precision: Precision) -> Rates:
-    """Rates of so many particles."""
+    """Zero rates of this number of particles."""
     return rates_in(np.zeros((RATES, count), precision))
 
 
@@ -148,29 +153,29 @@ class Numbers(Protocol):
 
     dimension: int
     kernel: int
-    """a number of `KERNEL_CODES`"""
+    """its code in `KERNEL_CODES`"""
     zero: float
     smoothing_length: float
     """h"""
     inverse_length: float
     """1/h"""
     slope_factor: float
-    """what `slope_of` is multiplied with to give F = (1/r) dW/dr"""
+    """the factor of `slope_of` that gives F = (1/r) dW/dr"""
     softening: float
     """0.01 h^2"""
     sound_speed: float
     alpha: float
     """of the artificial viscosity"""
     damping_divisor: float
-    """what the artificial viscosity is divided by: a density where pressures are divided by densities squared"""
+    """the divisor of the artificial viscosity: a density where pressures are divided by densities squared"""
     delta: float
     """factor of the density diffusion"""
     rise_x: float
-    """how the diffusing field rises along x, y and z in a liquid at rest"""
+    """the derivatives of the diffusing field along x, y and z in a liquid at rest"""
     rise_y: float
     rise_z: float
     reference_value: float
-    """the kernel's value at one spacing, for shifting; zero: neighbors count alike"""
+    """the kernel's value at one spacing, for shifting; zero: all neighbors have equal weights"""
 
 
 class Constants(Protocol):
@@ -194,7 +199,9 @@ def constants_from(precision: Precision, values: Mapping[str, float]) -> Constan
 
 
 def number(constants: Constants, name: str) -> Any:
-    """One of the constants, in its precision: faster than the attribute of a record, for what is read in every step."""
+    """One of the constants, in its precision. For values that are read in every step this is faster than the attribute
+    of a record.
+    """
     column: Any = constants
     return column[name][0]
 

@@ -64,12 +64,12 @@ class Need(NamedTuple):
     path: str
     capability: str
     given: Callable[[SphScene], list[str]]
-    """the option as the scene has it; empty where it has its default"""
+    """the option as it is set in the scene; empty if it has its default"""
     reason: str
 
 
 def _named(part: str, key: str, *harmless: str) -> Callable[[SphScene], list[str]]:
-    """A name in a table of the scene, other than these."""
+    """A function that returns a name in a table of the scene if it is not one of these."""
 
     def given(scene: SphScene) -> list[str]:
         value = getattr(getattr(scene, part), key)
@@ -79,7 +79,7 @@ def _named(part: str, key: str, *harmless: str) -> Callable[[SphScene], list[str
 
 
 def _number(part: str, key: str, default: float | None) -> Callable[[SphScene], list[str]]:
-    """A number in a table of the scene, other than the default."""
+    """A function that returns a number in a table of the scene if it is not the default."""
 
     def given(scene: SphScene) -> list[str]:
         value = getattr(getattr(scene, part), key)

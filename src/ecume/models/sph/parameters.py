@@ -1,4 +1,4 @@
-"""What never changes while the liquid moves."""
+"""Constants of a run of a tank."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ecume.units import Array
 
 
 class Guard(NamedTuple):
-    """The surfaces that turn particles back."""
+    """The surfaces that reflect particles."""
 
     sheet: Sheet
     owner: Integers
@@ -26,7 +26,7 @@ class Guard(NamedTuple):
     support: float
     """m, range of the braking"""
     weights: Array
-    """1/m, the kernel summed over planes at even distances from zero to the support; none: no braking"""
+    """1/m, the kernel summed over planes at even distances from zero to the support; empty without braking"""
 
 
 class Material(NamedTuple):
@@ -51,11 +51,11 @@ class Dummies(NamedTuple):
     velocity: Array
     """(d, D) of the wall"""
     viscosity: Array
-    """(D,) zero where the wall does not hold the liquid"""
+    """(D,) zero on walls with slip"""
     volume: Array
     """(D,)"""
     owner: Integers
-    """(D,) whose it is: a place in `Boundary.names`"""
+    """(D,) the wall, obstacle or body of each: an index of `Boundary.names`"""
 
 
 class Boundary(NamedTuple):
@@ -66,25 +66,25 @@ class Boundary(NamedTuple):
     table: Array
     """the same with velocities, as `fill_fields.fill_images` reads it"""
     image_owner: Integers
-    """(sides,) whose images they are: a place in `names`; -1 behind periodic sides"""
+    """(sides,) the owner of the images behind each side: an index of `names`; -1 behind periodic sides"""
     dummies: Dummies
-    """of walls and obstacles where they are, of bodies about their middles"""
+    """of walls and obstacles at their positions, of bodies relative to their centers"""
     guard: Guard
     names: tuple[str, ...]
     """sides, obstacles, bodies"""
     centers: Array
-    """(names, 3) what torques are about"""
+    """(names, 3) the reference points of torques"""
 
 
 class Bodies(NamedTuple):
     """Rigid bodies. Positions and vectors have three rows in 2D too."""
 
     shapes: tuple[Shape, ...]
-    """about their middles, as they start"""
+    """relative to their centers, in their initial orientation"""
     rims: tuple[Array, ...]
     """points of their surfaces, (S, 3)"""
     pose: Array
-    """(7, B) at the start: middle, and the quaternion that turned it since then"""
+    """(7, B) at the start: center, and the quaternion of the rotation since then"""
     motion: Array
     """(6, B) at the start: velocity, spin"""
     mass: Array
@@ -94,13 +94,13 @@ class Bodies(NamedTuple):
     restitution: Array
     friction: Array
     first: int
-    """the first of their dummies: all after it are bodies', too"""
+    """the index of the first dummy of a body: all later ones belong to bodies, too"""
     obstacles: tuple[Shape, ...]
     obstacle_rims: tuple[Array, ...]
     panels: tuple[Panels, ...]
     """of the surfaces of obstacles, then of bodies, in the axes of their shapes: see `touching_solids`"""
     drawn: tuple[int, ...]
-    """those obstacles that the guard has no surfaces of"""
+    """the obstacles without surfaces in the guard"""
 
 
 class Drive(NamedTuple):
@@ -119,10 +119,10 @@ class Drive(NamedTuple):
 
 
 class OpenBoundary(NamedTuple):
-    """A side that liquid comes in or goes out through, with a buffer behind it."""
+    """A side through which liquid flows in or out, with a buffer behind it."""
 
     zone: int
-    """what `State.zone` says of its buffer's particles"""
+    """the value of `State.zone` for particles of its buffer"""
     axis: int
     inward: float
     """1 at the low end of the axis, -1 at the high end"""
@@ -132,14 +132,14 @@ class OpenBoundary(NamedTuple):
     speed: float
     """m/s, mean"""
     curved: Array
-    """(d,) for a parabolic profile along an axis 1, or 2 for half of one below a surface; 0 for an even one"""
+    """(d,) 1 along an axis with a parabolic profile, 2 for half a parabola below a surface, 0 for a uniform profile"""
     low: Array
     high: Array
-    """(d,) of the part of the side that liquid comes through"""
+    """(d,) the upper corner of the part of the side that is open"""
     layers: int
     """of the buffer, one spacing each"""
     pressure: float
-    """Pa of an outflow, at the top of that part"""
+    """Pa, at the top of the open part of an outflow"""
 
 
 class Projection(NamedTuple):
@@ -152,19 +152,21 @@ class Projection(NamedTuple):
     lattice_sum: float
     """the sum of volumes times kernel in a lattice"""
     step: float
-    """of projected gradients: the inverse of the largest eigenvalue, over the diagonal"""
+    """the length of projected gradient steps: the inverse of the largest eigenvalue, over the diagonal"""
     full: float
     """1/m^2: the sum of -V F over the neighbors in a lattice"""
     steepness: Array
     """1/m, ascending: |sum of V grad W| in rows of a lattice below a flat surface; zero below the first"""
     missing: Array
-    """what their density lacks, over the density"""
+    """the missing density of those rows, over the density"""
     free_surface: bool
-    """whether pressures are not negative; otherwise the liquid fills the tank: they are known up to a constant"""
+    """whether pressures are positive or zero; otherwise the liquid fills the tank and pressures are known up to a
+    constant
+    """
 
 
 class Liquid(NamedTuple):
-    """The liquid's particles at the start: `State` holds where they are later."""
+    """The particles of the liquid at the start; `State` has their later positions."""
 
     position: Array
     """(d, N)"""
@@ -174,7 +176,7 @@ class Liquid(NamedTuple):
     """(N,) Pa, the first guess of the solver for incompressible liquids"""
     mass: Array
     region: Integers
-    """(N,) the table of the scene that each belongs to"""
+    """(N,) the index of the scene's table that each belongs to"""
 
 
 class Gauge(NamedTuple):
@@ -187,7 +189,7 @@ class Gauge(NamedTuple):
     """(n, d) m, the points over which pressures and velocities are averaged"""
     measures: tuple[str, ...]
     ground: float
-    """how much of its surroundings, as seen from above, is in the tank at the start: less than 1 near a wall"""
+    """the part of its surroundings, seen from above, that is in the tank at the start: less than 1 near a wall"""
     floor: Array
     """(2, d) m, the corners of the tank at the start"""
     ends: Array
@@ -210,7 +212,7 @@ class PressureReference(NamedTuple):
 
 
 class CarriedGroup(NamedTuple):
-    """Passive particles that are alike."""
+    """A group of equal passive particles."""
 
     radius: float
     """m; zero: a tracer"""
@@ -220,15 +222,15 @@ class CarriedGroup(NamedTuple):
 
 
 class PassiveTracers(NamedTuple):
-    """Particles that the liquid carries along, one group a table of the scene."""
+    """Passive particles, one group for each table of the scene."""
 
     position: Array
     """(d, C) at the start"""
     start: tuple[int, ...]
-    """where each group begins, and the end"""
+    """the index of the first particle of each group, and the total number"""
     groups: tuple[CarriedGroup, ...]
     regions: int
-    """how many species the liquid has: theirs come after those"""
+    """the number of species of the liquid: those of passive particles follow"""
     weight: float
     """the kernel's factor"""
     seed: int
@@ -244,19 +246,19 @@ class Parameters(NamedTuple):
     material: Material
     equation_of_state: EquationOfState
     gravity: Array
-    """(d,) what pulls"""
+    """(d,) m/s^2, of the particles"""
     hydrostatic: Array
-    """(d,) gravity that a modified pressure omits, zero otherwise"""
+    """(d,) m/s^2: the gravity that modified pressures omit, zero otherwise"""
     surface: float
-    """m along y, from where a modified pressure's hydrostatic part counts"""
+    """m along y, the reference level of the hydrostatic part of modified pressures"""
     constants: Constants
     pressure_method: PressureMethod
     projection: Projection | None
-    """of an incompressible liquid"""
+    """constants of the pressure solver, None for a weakly compressible liquid"""
     pressure_force: PressureForce
     density_diffusion: DensityDiffusion
     friction: Friction | None
-    """None: the liquid has no viscosity"""
+    """the form of the viscous force, None without viscosity"""
     bulk_viscosity: float
     """Pa s, of the acoustic damping; zero without"""
     support: float
@@ -275,7 +277,7 @@ class Parameters(NamedTuple):
     bounds: Array
     """(2, d) beyond which liquid is lost"""
     moves: bool
-    """whether anything but the liquid does"""
+    """whether sides or bodies move"""
     integrator: str
     """a name of `time_stepping.INTEGRATORS`"""
     shifting: str
@@ -288,7 +290,7 @@ class Parameters(NamedTuple):
     tension: str
     """a name of `surface_tension.TENSIONS`"""
     color_reach: float
-    """m, how far the continuum surface force looks; zero without"""
+    """m, the range of the color function of the continuum surface force; zero without it"""
     passive_tracers: PassiveTracers
     """what the liquid carries along"""
     turbulence: bool
@@ -298,7 +300,7 @@ class Parameters(NamedTuple):
     fixed_volume: bool
     """whether rigid walls on all sides keep the volume of the liquid"""
     precision: Precision
-    """of what the sums over neighbors read and write; the state is always in double precision"""
+    """of the input and output of sums over neighbors; the state is always in double precision"""
     origin: Array
     """(d,) m: positions that sums read are relative to this"""
     user_forces: Callable[[Parameters, Any, Any], Array] | None = None

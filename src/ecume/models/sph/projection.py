@@ -74,7 +74,7 @@ class Problem(NamedTuple):
     """A problem with bounds, in scaled unknowns."""
 
     apply: Callable[[Array], Array]
-    """A x"""
+    """the product A x"""
     right: Array
     """b"""
     bounded: bool
@@ -86,7 +86,7 @@ class Problem(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """What the solver found."""
+    """The result of the solver."""
 
     x: Array
     gradient: Array
@@ -96,7 +96,7 @@ class Solution(NamedTuple):
 
 
 def solve(problem: Problem, guess: Array, tolerance: float, most: int) -> Solution:
-    """The solution within the tolerance, or what was reached in so many applications of A."""
+    """The solution within the tolerance, or the result after this number of applications of A."""
     x = np.maximum(guess, 0.0) if problem.bounded else guess.copy()
     gradient = problem.apply(x) - problem.right
     free, chopped = _split(problem, x, gradient)
@@ -107,7 +107,7 @@ def solve(problem: Problem, guess: Array, tolerance: float, most: int) -> Soluti
         if dot(chopped, chopped) <= PROPORTION**2 * dot(reduced, free):
             ahead = problem.apply(direction)
             curvature = dot(direction, ahead)
-            if curvature <= 0.0:  # nothing but rounding is left along this direction
+            if curvature <= 0.0:  # only rounding errors remain along this direction
                 break
             length = dot(gradient, direction) / curvature
             farthest = _farthest(x, direction) if problem.bounded else np.inf
@@ -140,7 +140,7 @@ def solve(problem: Problem, guess: Array, tolerance: float, most: int) -> Soluti
 
 
 def _split(problem: Problem, x: Array, gradient: Array) -> tuple[Array, Array]:
-    """The gradient of the x above zero, and the part of the others that would raise them."""
+    """The gradient with respect to the positive x, and the part of the others that would increase them."""
     if not problem.bounded:
         return gradient, np.zeros_like(gradient)
     inside = x > 0.0
@@ -148,7 +148,7 @@ def _split(problem: Problem, x: Array, gradient: Array) -> tuple[Array, Array]:
 
 
 def _farthest(x: Array, direction: Array) -> float:
-    """How far along minus the direction no x becomes negative."""
+    """The longest step against the direction that keeps all x positive or zero."""
     falling = direction > 0.0
     return float((x[falling] / direction[falling]).min(initial=np.inf))
 
@@ -169,7 +169,7 @@ class System(NamedTuple):
     resting: Array
     """(d, N) m/s^2: the acceleration by the pressures of images and dummies where that of the liquid is zero"""
     held: Array
-    """(N,) 1/s^2: l of these pressures"""
+    """(N,) 1/s^2: the Laplacian l of these pressures"""
     diagonal: Array
     """(N,) 1/Pa: of A"""
     volume: Array
@@ -177,16 +177,16 @@ class System(NamedTuple):
     weight: Array
     """(columns,) volumes of liquid and images, zero for dummies"""
     root: Integers
-    """(columns,) the particle of liquid that each column is, or is an image of; 0 for dummies"""
+    """(columns,) the particle of the liquid of which each column is an image, or which it is; 0 for dummies"""
     sign: Array
-    """(d, columns) -1 for components that mirrors turn around, 0 for dummies"""
+    """(d, columns) -1 for components whose sign mirrors change, 0 for dummies"""
     lists: Lists
     density: float
     time: float
 
 
 def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float) -> System:
-    """The equation at the present positions, from fields that were filled with a pressure of zero."""
+    """The equation at the present positions, from fields filled with zero pressures."""
     lists, table = workspace.lists, workspace.fields.table
     d, count, room = now.dimension, workspace.rates.shape[1], lists.neighbor.shape[1]
     gradient, closing, resting = np.empty((d + 1, count, room)), np.empty((d, count)), np.empty((d, count))
@@ -208,7 +208,7 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
 
 
 def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
-    """The real particle of each column, and the signs that mirrors give the components of its vectors."""
+    """The particle of which each column is an image, and the signs of the components of its vectors."""
     images, real, d = workspace.images, len(workspace.lists.counts), now.dimension
     root = np.concatenate([np.arange(real), roots_of(images, real)])
     sign, chains, sides = np.ones((d, len(root))), chains_of(images, real), now.boundary.sides
@@ -291,12 +291,12 @@ def sum_gradients(
 
 
 def accelerations(system: System, pressure: Array) -> Array:
-    """(d, N) a(p), m/s^2."""
+    """The accelerations a(p), (d, N) in m/s^2."""
     return _sums_of_pressure(system, pressure)[:-1]
 
 
 def _sums_of_pressure(system: System, pressure: Array) -> Array:
-    """(d + 1, N) a(p) and l(p)."""
+    """The sums a(p) and l(p), (d + 1, N)."""
     found = np.empty((len(system.closing) + 1, len(pressure)))
     carried = system.weight * pressure[system.root]
     sum_pressure(
@@ -306,19 +306,19 @@ def _sums_of_pressure(system: System, pressure: Array) -> Array:
 
 
 def applied(system: System, pressure: Array) -> Array:
-    """A p: the relative decrease of density in the step."""
+    """The product A p: the relative decrease of density in the step."""
     sums = _sums_of_pressure(system, pressure)
     exact = -compressions(system, sums[:-1])
     return incompressible.decrease(exact, sums[-1], system.time)
 
 
 def compressions(system: System, velocity: Array) -> Array:
-    """(N,) c(v), 1/s, with walls at rest."""
+    """The compressions c(v) (N,) in 1/s, with walls at rest."""
     return compressions_of(system, velocity, system.weight * system.sign * velocity[:, system.root])
 
 
 def known_compression(now: Parameters, system: System, position: Array) -> Array:
-    """(N,) 1/s^2: the mean of the sources c(r) of -c(a(p)) and -c(G) - m of l(p)."""
+    """The mean (N,) in 1/s^2 of the sources c(r) of -c(a(p)) and -c(G) - m of l(p)."""
     away = position - now.pull_center[:, None]
     gravity = now.gravity[:, None] - now.pull_rate**2 * away
     both = compressions(system, system.resting - gravity)
@@ -327,22 +327,22 @@ def known_compression(now: Parameters, system: System, position: Array) -> Array
 
 
 def compressions_of(system: System, velocity: Array, carried: Array) -> Array:
-    """(N,) c(v), 1/s; `carried` is (d, columns), volume times velocity, twice that of dummies."""
+    """The compressions c(v) (N,) in 1/s; `carried` (d, columns) is volume times velocity, doubled for dummies."""
     found = np.empty(velocity.shape[1])
     sum_compression(found, system.gradient, system.closing, velocity, carried, system.lists)
     return found
 
 
 def moving_compressions(system: System, workspace: Workspace, velocity: Array) -> Array:
-    """(N,) c(v), 1/s, with walls that move, from filled fields."""
+    """The compressions c(v) (N,) in 1/s with moving walls, from filled fields."""
     fields = workspace.fields
     carried = fields.volume * (2.0 - fields.liquid) * fields.velocity[: len(velocity)]
     return compressions_of(system, velocity, carried.astype(np.float64))
 
 
 def excess_of_motion(system: System, workspace: Workspace, state: State) -> Array:
-    """(N,) the excess of density by motion on straight lines. The velocity is that before the kick by other forces,
-    which keeps the density; that in the filled fields is after it.
+    """The excess of density (N,) by motion on straight lines. The velocity is that before the kick by other forces,
+    which keeps the density; the one in the filled fields is after it.
     """
     fields = workspace.fields
     kick = system.time * state.acceleration
@@ -455,12 +455,13 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     record(state, found)
     if forces_work(parameters):
         fill(now, state, workspace)
-        with np.errstate(over="ignore", invalid="ignore"):  # the integration reports what is not finite
+        with np.errstate(over="ignore", invalid="ignore"):  # the integration reports values that are not finite
             state.budget[RATE] = power_of_forces(now, state, workspace)
 
 
 def missing_density(system: System, settings: Projection) -> Array:
-    """What the density of particles at a free surface lacks because there is nothing above, over the density.
+    """The missing part of the density of particles at a free surface, over the density, due to the
+    empty space above.
 
     It is that of a row of a lattice below a flat surface with the same sum of gradients. Where that sum is small, as in
     drops and between approaching surfaces, the density is low because particles are missing: these may approach.
@@ -472,7 +473,7 @@ def missing_density(system: System, settings: Projection) -> Array:
 
 
 def pressures(system: System, right: Array, guess: Array, settings: Projection) -> Solution:
-    """The pressures, and the error that is left of the density of each particle.
+    """The pressures, and the remaining error of the density of each particle.
 
     Unknowns are scaled with the diagonal of V A, where V are the volumes, so that the matrix is symmetric.
     """
@@ -496,7 +497,7 @@ def pressures(system: System, right: Array, guess: Array, settings: Projection) 
 
 
 def record(state: State, found: Solution) -> None:
-    """Count iterations, and keep the error that is left."""
+    """Count iterations, and store the remaining error."""
     state.tally[ITERATIONS] += found.iterations
     state.tally[MOST_ITERATIONS] = max(state.tally[MOST_ITERATIONS], found.iterations)
     state.tally[RESIDUAL] = found.error

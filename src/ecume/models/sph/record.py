@@ -1,4 +1,4 @@
-"""The SPH model, as the driver sees it, and what actions may change of a tank."""
+"""The SPH model as a record of functions, and the quantities that actions may change in a tank."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 def faults(scene: SphScene, parameters: Parameters, state: State) -> list[str]:
-    """The particles behind a wall, in a solid, or beyond an open side."""
+    """Messages on the particles behind a wall, in a solid, or beyond an open side."""
     guard, outside = with_moved_solids(parameters, state).boundary.guard, np.zeros(len(state.mass), np.bool_)
     if len(guard.owner):
         flag_outside(state.position, guard.sheet.kind, guard.sheet.number, 0.0, outside)
@@ -61,7 +61,7 @@ def faults(scene: SphScene, parameters: Parameters, state: State) -> list[str]:
 
 
 def changed(state: State, moved: bool) -> None:
-    """Forces depend on positions and velocities."""
+    """Mark forces as invalid after positions or velocities were changed."""
     state.ready[0] = 0
     if moved:
         state.reference[...] = state.position
@@ -89,7 +89,7 @@ def start(scene: SphScene, parameters: Parameters) -> State:
 
 
 def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
-    """What a state with as many particles looks like: openings change their number."""
+    """The arrays of a state with this number of particles, which open sides change."""
     vectors, rows = np.zeros((parameters.dimension, state.mass.size)), np.zeros(state.mass.size)
     liquid = Liquid(vectors, vectors, rows, rows, rows, np.zeros(state.mass.size, np.int64))
     blank = make_state(parameters, liquid)
@@ -109,12 +109,12 @@ def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Lists and tables at the state's reference positions."""
+    """The workspace with lists and tables at the state's reference positions."""
     return workspace_at(at_reference(parameters, state), state)
 
 
 def checked_parameters(scene: SphScene) -> Parameters:
-    """The parameters of a scene that fits into the machine."""
+    """The parameters of a scene, if it fits into the memory of the machine."""
     count = particles_expected(scene)
     needed = count * bytes_per_particle(scene)
     there = memory_limit()
@@ -127,7 +127,7 @@ def checked_parameters(scene: SphScene) -> Parameters:
 
 
 def regions_beyond(scene: SphScene) -> list[Fault]:
-    """Regions larger than their tank: a drawing in another unit, more likely than so much liquid."""
+    """Faults of regions larger than their tank, probably given in another unit."""
     faults, room = [], np.array(scene.tank.high) - np.array(scene.tank.low)
     for index, region in enumerate(scene.fluid):
         low, high = part_of(region, scene.spacing).bounds()
@@ -147,7 +147,7 @@ def particles_expected(scene: SphScene) -> float:
 
 
 COPIES = 3
-"""Of the arrays of a frame, while it is written."""
+"""The number of copies of a frame's arrays while it is written."""
 SCALARS = 15
 """Other numbers of a particle: seven of its state, two places in lists, four in cells, two earlier rates."""
 
@@ -163,7 +163,7 @@ def bytes_per_particle(scene: SphScene) -> float:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """The particle that failed first, the time, and the remedy."""
+    """The message on the first particle that failed: the time, and the remedy."""
     if failed(parameters, state):
         return unsolved(parameters, state)
     with np.errstate(over="ignore"):  # a diverged particle may have an infinite speed
@@ -187,7 +187,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 def unsolved(parameters: Parameters, state: State) -> str:
-    """Where the solver for the pressure did not converge, and the remedy."""
+    """The message on a pressure that did not converge: the particle with the largest error, and the remedy."""
     settings = parameters.projection
     assert settings is not None  # noqa: S101  # only a solver fails
     worst = int(np.flatnonzero(state.identity == int(state.tally[WORST]))[0])
@@ -202,14 +202,14 @@ def unsolved(parameters: Parameters, state: State) -> str:
 
 
 def summary(scene: SphScene) -> list[Row]:
-    """Derived numbers: name, value with unit, remark."""
+    """The rows of `ecume check`: name, value with unit, remark."""
     parameters = checked_parameters(scene)
     state = start(scene, parameters)
     return advice(scene, parameters, state.position, bytes_per_particle(scene))
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:
-    """The tank with laws of the user."""
+    """The model with laws of the user."""
     from ecume.models.sph import user_laws
 
     return user_laws.extended(SPH, laws)

@@ -1,4 +1,4 @@
-"""What the physics moves, and the scratch beside it."""
+"""State and workspace of a tank."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
 SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, ITERATIONS, MOST_ITERATIONS, RESIDUAL, WORST = range(8)
-"""Places in `State.tally`."""
+"""Indices of `State.tally`."""
 WORK, RATE = range(2)
-"""Places in `State.budget`."""
+"""Indices of `State.budget`."""
 ENTERED, LEFT, LOST, NEXT = range(4)
-"""Places in `State.population`."""
+"""Indices of `State.population`."""
 SORT_EVERY = 16
-"""Particles are put into cell order at every so many-th renewal of the lists."""
+"""The number of renewals of the lists after which particles are sorted into cells."""
 
 
 FIRST_SKIN, LEAST_SKIN, MOST_SKIN = 0.1, 0.03, 0.25
-"""In supports."""
+"""The skin of the first lists, the smallest and the largest skin, in supports."""
 LIST_COST, CALL_COST = 1.5, 400.0
-"""What the square of the skin is worth, see `skin_for`: measured."""
+"""Coefficients of the cost of lists relative to that of pairs, measured: see `skin_for`."""
 
 
 class State(NamedTuple):
-    """Everything that can change a later bit. Particles stand in cell order; `identity` says who is who."""
+    """All data that affect later bits. Particles are in cell order; `identity` holds their permanent numbers."""
 
     position: Array
     """(d, N) m: axis by axis, so that loops over neighbors read along contiguous rows"""
@@ -42,33 +42,33 @@ class State(NamedTuple):
     acceleration: Array
     """(d, N) m/s^2, at the end of the last step"""
     transport: Array
-    """(d, N) m/s: what particles move with beside the velocity"""
+    """(d, N) m/s: the velocity with which particles move in addition to `velocity`"""
     density: Array
     """(N,) kg/m^3"""
     pressure: Array
-    """(N,) Pa, of incompressible liquids alone; the first guess of the next step"""
+    """(N,) Pa, of incompressible liquids only; the first guess of the next step"""
     density_rate: Array
-    """(N,) kg/(m^3 s): the rate of density, of the Verlet scheme alone"""
+    """(N,) kg/(m^3 s)"""
     mass: Array
     """(N,) kg"""
     identity: Integers
-    """(N,) the particle's number at the start"""
+    """(N,) the permanent numbers of particles"""
     region: Integers
     """(N,)"""
     zone: Integers
-    """(N,) 0 for liquid, else the buffer it is in: see `open_boundaries`"""
+    """(N,) 0 for liquid, otherwise the number of the buffer: see `open_boundaries`"""
     reference: Array
     """(d, N) positions when the lists were made, which determine the order of sums"""
     skin: Array
-    """(1,) m: how far beyond the support the lists look"""
+    """(1,) m: the distance beyond the support that the lists include"""
     pose: Array
-    """(7, B) of rigid bodies: middle and quaternion"""
+    """(7, B) of rigid bodies: center and quaternion"""
     motion: Array
     """(6, B) of rigid bodies: velocity and spin"""
     body_acceleration: Array
-    """(6, B) what changes those, at the end of the last step"""
+    """(6, B) their linear and angular acceleration at the end of the last step"""
     delayed_body_acceleration: Array
-    """(6, B) m/s^2, 1/s^2: the same, some steps late, as the pressure of the bodies' dummies has it"""
+    """(6, B) the same, relaxed over some steps, for the pressure of the bodies' dummies"""
     pose_reference: Array
     """(7, B) when the lists were made"""
     passive_position: Array
@@ -78,11 +78,11 @@ class State(NamedTuple):
     passive_clock: Integers
     """(1,) number of steps of passive particles, the counter of their random numbers"""
     clock: Array
-    """(2,) s: now, within a step too; when the lists were made"""
+    """(2,) s: the present time, also within a step; the time when the lists were made"""
     step: Integers
     """(1,)"""
     ready: Integers
-    """(1,) whether `acceleration` holds at the present positions"""
+    """(1,) whether `acceleration` is valid at the present positions"""
     tally: Array
     """substeps, hits of the guard, renewals of the lists, most substeps in a step; of incompressible liquids:
     iterations, most iterations in a substep, the last error of the solver, the particle where it is largest
@@ -94,8 +94,8 @@ class State(NamedTuple):
     budget: Array = np.zeros(2)
     """work from outside (J), and its rate by forces (W) at the end of the last step: see `report.energy_budget`"""
     image: Integers = np.zeros((0, 0), np.int64)
-    """(d, N) by how many sides of a periodic tank each particle has gone further than its position says; (0, 0) without
-    periodic sides, and in runs of former versions
+    """(d, N) the number of periods by which each particle has moved beyond its stored position; (0, 0) without periodic
+    sides, and in runs of former versions
     """
     passive_image: Integers = np.zeros((0, 0), np.int64)
     """(d, C) the same of passive particles"""
@@ -108,7 +108,7 @@ class State(NamedTuple):
 
 
 class CellLists(NamedTuple):
-    """All particles in cells, as they were when the neighbor lists were made."""
+    """All particles in cells, from the time when the neighbor lists were made."""
 
     grid: Grid
     sorted: Sorted
@@ -125,7 +125,7 @@ class Workspace:
     fields: Fields
     rates: Rates
     records: Floats
-    """(entries, 8 or 16) what a sum reads of each particle: see `rates.neighbor_sums`"""
+    """(entries, 8 or 16) the numbers of each particle that a sum reads: see `rates.neighbor_sums`"""
     before: Array
     """(d + 1, N) rates of velocity and density at the last positions"""
     cells: CellLists | None
@@ -136,7 +136,7 @@ class Workspace:
     """`touching_solids.exchanged_loads` of bodies at the last evaluation; None if it was with other lists"""
 
     def take(self, other: Workspace) -> None:
-        """Become the other."""
+        """Take over all arrays of another workspace."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
         self.rates, self.records = other.rates, other.records
         self.before, self.cells, self.exchanged = other.before, other.cells, None
@@ -202,7 +202,7 @@ PER_PARTICLE = (
 
 
 def particle_arrays(state: State) -> dict[str, Any]:
-    """The arrays of a state with a value for each particle of the liquid."""
+    """The arrays of a state with one value for each particle of the liquid."""
     count = state.position.shape[1]
     return {name: array for name in PER_PARTICLE if (array := getattr(state, name)).shape[-1] == count}
 

@@ -43,7 +43,7 @@ from ecume.units import Array
 
 
 class LiquidPair(NamedTuple):
-    """Two particles of the liquid, as user-defined laws see them beside their distance."""
+    """The properties of two particles of the liquid that laws of the user get beside their distance."""
 
     mass_i: float
     mass_j: float
@@ -54,7 +54,7 @@ class LiquidPair(NamedTuple):
 
 
 class LiquidParticle(NamedTuple):
-    """A particle of the liquid, as external laws see it beside position, velocity and time."""
+    """The properties of a particle of the liquid that external laws get beside position, velocity and time."""
 
     mass: float
     density: float
@@ -95,9 +95,9 @@ class UserForces:
     """The compiled laws of a scene."""
 
     mask: NDArray[np.int64]
-    """(S, S) pair laws of each pair of regions"""
+    """(S, S) the pair laws of each pair of regions, as bits"""
     flags: NDArray[np.int64]
-    """(S,) external laws of each region"""
+    """(S,) the external laws of each region, as bits"""
     pair_loop: Callable[..., None] | None
     external_loop: Callable[..., None] | None
 
@@ -119,7 +119,7 @@ class UserForces:
 
 
 def _root_in_liquid(parameters: Parameters, state: State, workspace: Workspace) -> Integers:
-    """The particle of the liquid that each column is, or is a periodic image of; -1 for all others."""
+    """The particle of the liquid of which each column is a periodic image, or which it is; -1 for all others."""
     images, real = workspace.images, len(workspace.lists.counts)
     root = np.concatenate([np.arange(real), roots_of(images, real)])
     mirrors = sum(1 << int(side) for side in np.flatnonzero(parameters.boundary.image_owner >= 0))
@@ -128,7 +128,7 @@ def _root_in_liquid(parameters: Parameters, state: State, workspace: Workspace) 
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """The tank with laws of the user. Raises BadInput for what is no such law."""
+    """The model with laws of the user. Raises BadInput for functions that are no such laws."""
     require_kinds("sph", laws, [PAIR, EXTERNAL])
     pairs, external = ([law for law in laws if law.arguments == kind] for kind in (PAIR, EXTERNAL))
     for law in pairs:

@@ -1,5 +1,5 @@
-"""What the liquid does to what holds it: forces and torques on sides, obstacles and bodies, pair by pair as the sums
-over neighbors have them, so that what the liquid gets the solid loses.
+"""Forces and torques of the liquid on sides, obstacles and bodies. They are summed pair by pair like the forces on the
+liquid, so that action equals reaction.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from ecume.units import Array
 
 Vector = tuple[float, float, float]
 BODY_AND_LIQUID = 2.0
-"""What a mirror bears across itself of the force of the image of a body's dummy on the liquid: the same force acts on
-the dummy, by the image of the liquid.
+"""The force across a mirror, over the force of the image of a body's dummy on the liquid: an equal force acts on the
+dummy, by the image of the liquid.
 """
 
 
 class PairForces(NamedTuple):
-    """The forces that act between two particles: see `PressureForce` and `Friction`."""
+    """The terms of the force between two particles: see `PressureForce` and `Friction`."""
 
     transported: bool
     viscous: bool
@@ -36,12 +36,14 @@ class PairForces(NamedTuple):
     corrected: bool
     """whether the pressure acts along B_i x_ij and B_j x_ij"""
     completed: bool
-    """whether friction counts for what is missing at a surface"""
+    """whether friction is increased where neighbors are missing at a surface"""
 
 
 @compiled_inside
 def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> Vector:
-    """Density-weighted pressure, and the momentum by the transport velocity (see `sums.pair_transported_pressure`)."""
+    """The force by density-weighted pressure and by the momentum of the transport velocity (see
+    `sums.pair_transported_pressure`).
+    """
     both = (
         0.5
         * pull
@@ -65,7 +67,7 @@ def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> 
 
 @compiled_inside
 def completed(fields: Floats, i: int, x: float, y: float, z: float) -> Vector:
-    """B_i x."""
+    """The vector B_i x."""
     xx, yy, zz = fields[FIELD.correction, i], fields[FIELD.correction + 1, i], fields[FIELD.correction + 2, i]
     xy, xz, yz = fields[FIELD.correction + 3, i], fields[FIELD.correction + 4, i], fields[FIELD.correction + 5, i]
     return xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
@@ -73,14 +75,16 @@ def completed(fields: Floats, i: int, x: float, y: float, z: float) -> Vector:
 
 @compiled_inside
 def between(share: float, x: Vector, other: Vector) -> Vector:
-    """X where the share is zero, the other vector where it is one."""
+    """The linear interpolation between two vectors: x where the share is zero, the other one where it is one."""
     (a, b, c), (d, e, f) = x, other
     return a + share * (d - a), b + share * (e - b), c + share * (f - c)
 
 
 @compiled_inside
 def completion(fields: Floats, i: int, j: int, apart: Vector) -> float:
-    """x.(B_i + B_j) x / 2 of a pair: by how much it counts for the friction that is missing, times r^2."""
+    """The factor x.(B_i + B_j) x / 2 of a pair, which is r^2 in full surroundings and larger where neighbors are
+    missing.
+    """
     x, y, z = apart
     (ax, ay, az), (bx, by, bz) = completed(fields, i, x, y, z), completed(fields, j, x, y, z)
     return ((ax + bx) * x + (ay + by) * y + (az + bz) * z) / 2
@@ -88,7 +92,9 @@ def completion(fields: Floats, i: int, j: int, apart: Vector) -> float:
 
 @compiled_inside
 def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float, float]) -> Vector:
-    """Pressure with completed gradients, if none of the two is a dummy (see `corrections.pair_corrected_pressure`)."""
+    """The pressure force with completed gradients; without them if one of the two is a dummy (see
+    `corrections.pair_corrected_pressure`).
+    """
     weight, damp = pair
     own, push, liquid = fields[FIELD.force_term, i], fields[FIELD.force_term, j], 1.0
     if fields[FIELD.liquid, i] * fields[FIELD.liquid, j] == 0.0:
@@ -105,7 +111,9 @@ def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float,
 
 @compiled_inside
 def _rubbed(fields: Floats, i: int, j: int, apart: Vector, law: tuple[float, int, float]) -> Vector:
-    """Viscous force of a pair: along the difference of velocities, or along the line between them, d + 2 times that."""
+    """The viscous force of a pair: along the difference of velocities, or along the line of centers with the factor d +
+    2.
+    """
     pull, radially, soft = law
     held, (dx, dy, dz) = fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j], apart
     drag = (
@@ -137,7 +145,9 @@ def press(
     forces: PairForces,
     force: Array,
 ) -> None:
-    """The force on each of the columns `mine`, (groups, 3, columns), of its neighbors in each group (-1: in none)."""
+    """Sum the forces on each of the columns `mine` by its neighbors in each group, (groups, 3, columns); a group of -1
+    is ignored.
+    """
     kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
     damper = constants[0].smoothing_length, constants[0].damping_divisor, constants[0].sound_speed, constants[0].alpha
     transported, deep = forces.transported, constants[0].dimension == 3
@@ -183,7 +193,7 @@ def press(
 
 
 def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:
-    """(groups, 3, columns) N, out of a filled workspace."""
+    """The forces on some columns by each group of neighbors, (groups, 3, columns) in N, from a filled workspace."""
     lists, force = workspace.lists, np.zeros((int(group.max(initial=0)) + 1, 3, len(mine)))
     constants, friction = parameters.constants, parameters.friction
     forces = PairForces(
@@ -198,11 +208,13 @@ def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, grou
 
 
 def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) -> tuple[Array, Array]:
-    """Force and place, (3, n) each, of all dummies from number `first` on, by the liquid and its images.
+    """The force on each dummy from number `first` on, by the liquid and its images, and the position of each dummy; (3,
+    n) each.
 
-    An image pushes a dummy as the dummy's own image pushes the particle, mirrored, up to the weight of what is between
-    (1e-4 of the weight of a tank). Along the mirror the dummy bears what the particle gets. Across it both are pushed
-    away from the mirror, which bears both for a body (see `BODY_AND_LIQUID`); an obstacle stands on it.
+    The image of a particle acts on a dummy as the dummy's image acts on the particle, mirrored, up to the weight of the
+    liquid between them (1e-4 of the weight of a tank). The component parallel to the mirror is a force on the dummy.
+    The component normal to the mirror acts on both and is balanced by the mirror if the dummy is part of a body (see
+    `BODY_AND_LIQUID`); an obstacle is fixed.
     """
     images, real, liquid = workspace.images, len(workspace.lists.counts), workspace.rates.shape[1]
     mine = np.arange(liquid + first, real)
@@ -226,8 +238,8 @@ def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
 
 
 def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, Array, Array]]:
-    """Name, force and torque of every wall, obstacle and body. A wall's torque is about the middle of the tank, an
-    obstacle's and a body's about its own.
+    """Yield the name, the force and the torque of each wall, obstacle and body. Torques of walls are about the middle
+    of the tank, the others about the solid's own center.
     """
     boundary = parameters.boundary
     force, place = forces_on_dummies(parameters, workspace, 0)
@@ -241,11 +253,12 @@ def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, A
 
 
 OBSTACLE, BODY = 1, 2
-"""What an image is of; 0 is liquid."""
+"""Kinds of sources of images: obstacle and body; 0 is liquid."""
 
 
 def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict[int, Array], Array]:
-    """The force of each mirror on the liquid before it, by side; and the indices of that liquid.
+    """The force of each mirror on the liquid in front of it, by side; and the indices of that
+    liquid.
 
     An image in a corner was mirrored by two or three sides; each of them has the component along its own normal.
     """
@@ -264,15 +277,15 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
         crossed = _crossed(boundary.image_owner, chain)
         for axis in range(3):
             side = _bearer(boundary.image_owner, chain, axis)
-            # Along a mirror the image of a dummy pushes in the dummy's stead, and the dummy has that part.
+            # The force of the image of a dummy along a mirror is the dummy's own.
             if side >= 0 and (axis in crossed or not solid):
                 found[side][axis] += (BODY_AND_LIQUID if solid == BODY else 1.0) * force[g, axis]
     return found, _places(parameters, workspace, mine)
 
 
 def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers, what: tuple[int, int]) -> float:
-    """The force of one mirror on some of the liquid along an axis (N), as in `forces_of_images`; `what` is the side of
-    the mirror, and the axis.
+    """The force (N) of one mirror on some of the liquid along one axis, as in `forces_of_images`; `what` holds the side
+    of the mirror and the axis.
     """
     images, owner, (side, axis) = workspace.images, parameters.boundary.image_owner, what
     real = len(workspace.lists.counts)
@@ -312,7 +325,9 @@ def chains_of(images: Images, real: int) -> Integers:
 
 
 def _bearer(owner: Integers, chain: int, axis: int) -> int:
-    """The side that bears a component: the one it is normal to, or else the last; -1 where no wall is among them."""
+    """The side on which a component of the force acts: the side normal to it, or else the last one; -1 if no wall is
+    among them.
+    """
     through = [int(side) for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0]
     return next((side for side in through if side // 2 == axis), through[-1] if through else -1)
 

@@ -40,18 +40,18 @@ admit(states)
 
 
 def speed_at(opening: OpenBoundary, points: Array) -> Array:
-    """(N,) m/s, the speed of the liquid through a gate at points (N, d), from its mean and profile."""
+    """The speed (m/s) of the liquid through an open side at points (N, d), from its mean and its profile."""
     speed = np.full(len(points), opening.speed)
     for axis in np.flatnonzero(opening.curved):
-        # With a free surface, the profile is half of that of a channel of twice the depth.
+        # With a free surface, the profile is half of the profile of a channel of twice the depth.
         width = float(opening.high[axis] - opening.low[axis]) * opening.curved[axis]
         speed *= [channel_speed(y - opening.low[axis], width, 1.0) for y in points[:, axis]]
     return speed
 
 
 def with_buffers(parameters: Parameters, state: State) -> State:
-    """The state at the start with all buffers: full behind an inflow, and behind an outflow as full as the liquid
-    there.
+    """The initial state with filled buffers: completely behind an inflow; behind an outflow, as far as there is liquid
+    in front of it.
     """
     for opening in parameters.open_boundaries:
         points, volume = _rows(opening, parameters.spacing)
@@ -67,7 +67,7 @@ def with_buffers(parameters: Parameters, state: State) -> State:
 
 
 def _rows(opening: OpenBoundary, spacing: float) -> tuple[Array, float]:
-    """The lattice of a buffer, row behind row, and the volume of its cells, which fit across the gate."""
+    """The lattice of a buffer, row by row, and the volume of its cells, which fit the width of the opening."""
     axes, volume = [], 1.0
     for axis in range(len(opening.low)):
         places, widths = fitted_axis(opening.low[axis], opening.high[axis], spacing)
@@ -78,7 +78,7 @@ def _rows(opening: OpenBoundary, spacing: float) -> tuple[Array, float]:
 
 
 def _continued(opening: OpenBoundary, spacing: float, state: State) -> tuple[Array, Array]:
-    """Positions and velocities behind an outflow: the last row of liquid, repeated."""
+    """Positions and velocities of the particles behind an outflow: copies of the last row of liquid."""
     away = opening.inward * (state.position[opening.axis] - opening.place)
     row = (state.zone == 0) & (away < spacing) & (away >= 0.0)
     points, velocity = state.position[:, row].T, state.velocity[:, row].T
@@ -119,7 +119,7 @@ def set_buffer_pressures(parameters: Parameters, state: State) -> None:
 def mean_head(
     density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, axis: int, reach: tuple[float, float]
 ) -> float:
-    """Mean enthalpy less the gravitational part, of the liquid between two positions on an axis; 0 without liquid."""
+    """The mean of enthalpy plus potential energy of the liquid between two positions on an axis; 0 without liquid."""
     total, count = 0.0, 0
     for i in range(len(density)):
         x = position[axis, i]
@@ -153,13 +153,15 @@ def zero_buffer_rates(state: State) -> None:
 
 
 def exchange_due(parameters: Parameters, state: State) -> bool:
-    """Whether a particle enters, leaves or is lost."""
+    """Whether a particle enters, leaves or is lost in this step."""
     comes, out, back, gone = _crossings(parameters, state)
     return bool(len(comes) or len(out) or len(back) or gone.any())
 
 
 def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers, Integers, Any]:
-    """Particles that enter from a buffer, leave into one, and return from one; flags of those that are removed."""
+    """The particles that enter from a buffer, leave into one, and return from one; and flags of
+    those that are removed.
+    """
     low, high = parameters.bounds
     gone = ((state.position < low[:, None]) | (state.position > high[:, None])).any(axis=0)
     comes, out, back = (np.zeros(len(gone), bool) for _ in range(3))

@@ -1,4 +1,5 @@
-"""What moves beside the liquid: rigid bodies, and sides, bodies and tanks whose motion is prescribed.
+"""Motion of solids: rigid bodies in the liquid, and sides, bodies and tanks whose motion is
+prescribed.
 
 Rigid bodies: the equations of motion, their dummy particles, and collisions. Quaternions are (w, x, y, z). Bodies
 collide with sides, obstacles and each other: impulses act at the deepest point of each contact, in sweeps over all
@@ -25,9 +26,11 @@ from ecume.models.sph.state import State
 from ecume.units import Array
 
 LEAST_DELAY = 4.0
-"""In evaluations: sound waves must not make a body oscillate."""
+"""The smallest delay, in evaluations; with less, sound waves make a body oscillate."""
 ANSWERED = 0.2
-"""The part of the displaced liquid that moves with a body of two spacings' radius, by the pressure of its dummies."""
+"""The added mass that the pressure of dummies represents, over the displaced mass, for a body with a radius of two
+spacings.
+"""
 
 
 def rotations(pose: Array) -> Array:
@@ -42,7 +45,7 @@ def rotations(pose: Array) -> Array:
 
 
 def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dummies:
-    """The dummies, with those of bodies at the present positions and velocities."""
+    """The dummies, with those of bodies at their present positions and velocities."""
     if not bodies.shapes:
         return dummies
     d, first = len(dummies.position), bodies.first
@@ -56,8 +59,8 @@ def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dumm
 
 
 def apparent_gravity(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array], gravity: Array) -> Array:
-    """(d, D) gravity less the acceleration of each dummy, from pose, motion and acceleration of the bodies. Walls and
-    obstacles are at rest.
+    """Gravity less the acceleration of each dummy, (d, D), from poses, motions and accelerations of the bodies. Walls
+    and obstacles are at rest.
     """
     pulls = np.repeat(gravity[:, None], dummies.position.shape[1], axis=1)
     if bodies.shapes:
@@ -84,7 +87,7 @@ def delay(bodies: Bodies, density: float) -> Array:
 
 
 def inverse_inertia(bodies: Bodies, turn: Array) -> Array:
-    """(B, 3, 3) the inverse inertia tensors in the fixed frame; zero about axes of no rotation in 2D."""
+    """The inverse inertia tensors in the fixed frame, (B, 3, 3); zero about axes without rotation in 2D."""
     inverse = np.divide(1.0, bodies.inertia, out=np.zeros_like(bodies.inertia), where=bodies.inertia > 0.0)
     found: Array = np.einsum("nab,bn,ncb->nac", turn, inverse, turn)
     return found
@@ -150,7 +153,7 @@ def largest_displacement(bodies: Bodies, pose: Array, reference: Array) -> float
 
 
 def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> int:
-    """Move liquid particles (position, velocity, mass) inside a body back to its surface; returns their number. The
+    """Move the liquid particles inside a body (position, velocity, mass) to its surface; return their number. The
     momentum of liquid and bodies is conserved.
     """
     position, velocity, mass = liquid
@@ -193,7 +196,7 @@ def apply_impulse(bodies: Bodies, body: int, state: tuple[Array, Array], impulse
 
 
 def inverse_inertia_of(bodies: Bodies, body: int, pose: Array) -> Array:
-    """(3, 3) of one body."""
+    """The inverse inertia tensor of one body, (3, 3)."""
     turn = rotations(pose[:, body : body + 1])[0]
     own = bodies.inertia[:, body]
     inverse = np.divide(1.0, own, out=np.zeros(3), where=own > 0.0)
@@ -221,8 +224,8 @@ class Contact(NamedTuple):
 
 
 def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: float) -> tuple[int, float]:
-    """Resolve all contacts of bodies, changing poses and motions; returns the number of contacts before, and the work
-    of moving walls (J). Approaches slower than `calm` have no restitution.
+    """Resolve all contacts of bodies and change their poses and motions; return the number of contacts before that, and
+    the work of moving walls (J). Approaches slower than `calm` have no restitution.
     """
     first, work = 0, 0.0
     for sweep in range(SWEEPS):
@@ -295,7 +298,7 @@ def _separate(bodies: Bodies, pose: Array, contact: Contact) -> None:
 
 
 def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: float) -> Array:
-    """The impulse on the body."""
+    """Apply the impulse of a contact to its body, and return it."""
     pose, motion = state
     pair = [contact.body] if contact.other == NOTHING else [contact.body, contact.other]
     arms = [contact.point - pose[:3, body] for body in pair]
@@ -306,7 +309,7 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
         return np.zeros(3)
     give_way = sum(_compliance(bodies, body, pose, arm) for body, arm in zip(pair, arms, strict=True))
     bounce = min(bodies.restitution[body] for body in pair) if normal_speed < -calm else 0.0
-    # Sticking impulse; if it is outside the friction cone, the tangential part slides on the cone.
+    # The impulse of a sticking contact; outside of the friction cone, the tangential part is reduced to the cone.
     needed_impulse = solve(give_way, -approach - bounce * normal_speed * contact.normal)
     along = dot(needed_impulse, contact.normal)
     across = needed_impulse - along * contact.normal
@@ -324,7 +327,7 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
 
 
 def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
-    """(3, 3) the velocity at the arm's end of a unit impulse there."""
+    """The velocity at the end of the lever arm per unit impulse there, (3, 3)."""
     cross = np.cross(np.eye(3), arm)
     inverse = inverse_inertia_of(bodies, body, pose)
     found: Array = np.eye(3) / bodies.mass[body] + product(product(cross, inverse), cross.T)
@@ -332,7 +335,7 @@ def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
 
 
 def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
-    """Value, rate and second rate of a drive: of a sine, or on the straight lines of a table."""
+    """The value of a drive and its first and second time derivative: of a sine, or of a piecewise linear table."""
     angle = drive.turning * time + drive.phase
     value = drive.amplitude * (math.sin(angle) + drive.start)
     rate = drive.amplitude * drive.turning * math.cos(angle)
@@ -346,17 +349,17 @@ def drive_at(drive: Drive, time: float) -> tuple[Array, Array, Array]:
 
 
 def with_moved_solids(parameters: Parameters, state: State) -> Parameters:
-    """The parameters with everything where it is now."""
+    """The parameters with all solids and sides at their present positions."""
     return at(parameters, float(state.clock[0]), state.pose, state.motion)
 
 
 def at_reference(parameters: Parameters, state: State) -> Parameters:
-    """The parameters with everything at its position when the lists were made."""
+    """The parameters with all solids and sides at their positions when the lists were made."""
     return at(parameters, float(state.clock[1]), state.pose_reference, state.motion)
 
 
 def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Parameters:
-    """The parameters with everything at its position at a time."""
+    """The parameters with all solids and sides at their positions at one time."""
     if not parameters.moves:
         return parameters
     boundary = parameters.boundary
@@ -375,7 +378,7 @@ def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Param
 
 
 def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) -> Boundary:
-    """The boundary with one mirror, and the guard behind it, at the positions of a drive."""
+    """The boundary with one driven mirror, and the reflecting surface behind it, at the position of its drive."""
     value, rate, second = (float(part[0]) for part in drive)
     axis, d = number // 2, boundary.sides.normal.shape[1]
     row = boundary.image_owner == number
@@ -393,7 +396,9 @@ def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) 
 
 
 def _accelerated(parameters: Parameters, more: Array) -> Parameters:
-    """The parameters with the present apparent gravity, and its hydrostatic gradient; none along periodic sides."""
+    """The parameters with the present apparent gravity and its hydrostatic gradient, which is zero along periodic
+    sides.
+    """
     sides, constants = parameters.boundary.sides, parameters.constants.copy()
     held = more * (np.abs(sides.normal[sides.mirrors == 0]).sum(axis=0) == 0.0)
     material = parameters.material
@@ -404,7 +409,7 @@ def _accelerated(parameters: Parameters, more: Array) -> Parameters:
 
 
 def displacement_of_sides(parameters: Parameters, state: State) -> float:
-    """The displacement of sides since the lists were made; their images move twice as far."""
+    """The displacement of sides since the lists were made, doubled since their images move twice as far."""
     now, then = (float(time) for time in state.clock)
     ways = (drive_at(drive, now)[0] - drive_at(drive, then)[0] for _, drive in parameters.drives)
     return float(sum(abs(way[0]) for way in ways))

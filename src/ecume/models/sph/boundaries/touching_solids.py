@@ -1,18 +1,19 @@
 """Forces of the liquid on obstacles and bodies that touch a wall or one another.
 
-Pairs of particles say what all solids together do to the liquid. Which of two that touch bears it they do not say:
-around the contact a dummy has dummies instead of liquid beside it, which exert nothing, so that a disc on the floor
-was pulled down. There the force of the pressure on a solid is its surface integral,
+Sums over pairs of particles give the total force on all solids together, but not the force on each of two solids that
+touch: around the contact a dummy has other dummies instead of liquid beside it, which exert no force, so that a disc on
+the floor was pulled down. There the force of the pressure on a solid is its surface integral,
 
-    F = -sum_k p_k n_k A_k,    p_k = sum_j w_kj [p_j + rho g.(x_k - x_j)] / sum_j w_kj,
+F = -sum_k p_k n_k A_k, p_k = sum_j w_kj [p_j + rho g.(x_k - x_j)] / sum_j w_kj,
 
-over panels k of its surface; the error is of first order in the spacing, and zero in liquid at rest but for the panels
-[monaghan1994]. The weights are w_kj = V_j W_kj f_j^4, with the sum f_j of V W over the liquid around j, and a kernel
-that reaches one and a half supports: single particles in a wedge have dummies instead of liquid around them, which hold
-them at a pressure that may differ by that of a third of a spacing. Without these weights they cost a disc on the floor,
-five particles across, 6 % of its weight. What a solid gets more than by pairs the other one gets less, so that the sum
-stays that of pairs. A gap too narrow for particles is wet, with the pressure of the nearest liquid. An obstacle's face
-on a wall is dry. The integral fades out where the gap is between half a support and a whole one.
+over panels k of its surface. The error is of first order in the spacing, and zero in liquid at rest apart from the
+discretization by panels [monaghan1994]. The weights are w_kj = V_j W_kj f_j^4, with the sum f_j of V W over the liquid
+around j, and a kernel with a support of one and a half supports. The factor f_j^4 suppresses single particles in a
+wedge, which have dummies instead of liquid around them and a pressure that may differ by the hydrostatic pressure of a
+third of a spacing; without it a disc on the floor, five particles across, lost 6 % of its weight. The excess of one
+solid over its pair sum is subtracted from the other one, so that the total stays that of the pairs. A gap too narrow
+for particles is wet, with the pressure of the nearest liquid. The face of an obstacle on a wall is dry. The integral is
+blended out where the gap is between half a support and a whole one.
 """
 
 from __future__ import annotations
@@ -42,13 +43,13 @@ admit(kernels)
 SEALED = 1e-6
 """In spacings: an obstacle's panel this close to a wall is dry."""
 FAR = 1.5
-"""Supports within which liquid has a say on the pressure at a panel."""
+"""The distance, in supports, within which liquid contributes to the pressure at a panel."""
 TRUST = 4
-"""The power of the liquid part of a particle's surroundings by which it has that say."""
+"""The exponent of f_j, the sum over the liquid around a particle, in its weight."""
 
 
 class Solid(NamedTuple):
-    """An obstacle or a body where it is."""
+    """An obstacle or a body at its present position."""
 
     owner: int
     """a place in `Boundary.names`"""
@@ -62,12 +63,12 @@ class Solid(NamedTuple):
     """of its surface, in the axes of the shape"""
 
     def gap(self, points: Array) -> Array:
-        """(N,) how far points are outside of it."""
+        """The distances (N,) of points from its surface, positive outside."""
         return self.shape.nearest(product(points - self.middle, self.turn))[0]
 
 
 def solids_now(now: Parameters, pose: Array) -> list[Solid]:
-    """Obstacles, then bodies."""
+    """All obstacles, followed by all bodies."""
     d, bodies = now.dimension, now.bodies
     first, still = len(now.boundary.names) - len(bodies.panels), len(bodies.obstacles)
     turns = rotations(pose) if bodies.shapes else np.zeros((0, 3, 3))
@@ -80,7 +81,7 @@ def solids_now(now: Parameters, pose: Array) -> list[Solid]:
 
 
 def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) -> dict[int, Array]:
-    """By owner, how far points of a surface are from the walls and other solids within a support of any of them."""
+    """The distances of points from walls and other solids, by owner."""
     guard, d, found = now.boundary.guard, now.dimension, dict[int, Array]()
     kind, number = guard.sheet.kind, guard.sheet.number
     middle = points.mean(axis=0)
@@ -95,7 +96,9 @@ def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) ->
 
 
 def pressures_at(now: Parameters, state: State, workspace: Workspace, points: Array, narrow: Flags) -> Array:
-    """(N,) Pa at points of a surface: zero where it is dry. In narrow gaps, that of the nearest liquid."""
+    """The pressures (N,) in Pa at points of a surface: zero where it is dry, and in narrow gaps that of the nearest
+    liquid.
+    """
     count, fields = state.position.shape[1], workspace.fields
     reach, found = FAR * now.support, np.zeros(len(points))
     low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
@@ -178,7 +181,9 @@ Load = tuple[Array, Array]
 
 
 def exchanged_loads(now: Parameters, state: State, workspace: Workspace, movers: bool = False) -> dict[int, Load]:
-    """By owner, the force and torque to add to what pairs give; of bodies and what they touch alone, if `movers`."""
+    """The force and torque to add to those of pairs, by owner; with `movers`, only for bodies and the solids that they
+    touch.
+    """
     solids, found, sums = solids_now(now, state.pose), dict[int, Load](), dict[int, Load]()
     for mine in solids:
         if movers and not mine.moves:
@@ -209,7 +214,7 @@ def exchanged_loads(now: Parameters, state: State, workspace: Workspace, movers:
 
 
 def pair_loads(now: Parameters, workspace: Workspace, movers: bool) -> dict[int, Load]:
-    """By owner, what the pressures of pairs do to obstacles and bodies, about their centers."""
+    """The forces and torques by the pressures of pairs on obstacles and bodies, about their centers, by owner."""
     boundary = now.boundary
     first = now.bodies.first if movers else int(np.count_nonzero(boundary.dummies.owner < 2 * now.dimension))
     force, place = forces_on_dummies(now._replace(friction=None), workspace, first)
@@ -219,8 +224,9 @@ def pair_loads(now: Parameters, workspace: Workspace, movers: bool) -> dict[int,
 
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
-    """What a solid gets and what those beside it lose: along each axis the nearest wall across it within a support, or
-    else the nearest neighbor. Of two solids each gets half of the difference it has, and half of the other's.
+    """Yield the additional loads of a solid and of its neighbors, which add up to zero: along each axis the neighbor is
+    the nearest wall within a support, or else the nearest solid. Each of two solids gets half of its own difference and
+    half of the other's.
     """
     centers, (force, torque) = now.boundary.centers, more
     nearest = min(least, key=lambda owner: least[owner])
@@ -237,7 +243,7 @@ def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -
 
 
 def power_on_bodies(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Power (W) of the exchanged loads on bodies, which no pair of particles pays for."""
+    """The power (W) of the exchanged loads on bodies, which is not contained in the forces of pairs."""
     bodies, first = len(now.bodies.shapes), len(now.boundary.names) - len(now.bodies.shapes)
     if not bodies:
         return 0.0

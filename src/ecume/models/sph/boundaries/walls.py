@@ -76,7 +76,7 @@ class Reflected(NamedTuple):
 
 
 def reflect_particles(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Reflected:
-    """Repeat the drift of particles that are outside after it, with reflections, in place."""
+    """Repeat, in place, the drift of particles that are outside after it, with reflections."""
     hits = np.zeros(len(guard.owner), np.int64)
     out = np.zeros(position.shape[1], np.bool_)
     if len(hits):
@@ -86,7 +86,7 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
         return found
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)
-    v = before.T.copy()  # a copy in any case: columns that were picked may lie the other way round in memory
+    v = before.T.copy()  # always a copy: selected columns may have the other memory order
     status = np.zeros(len(x), np.int64)
     tally = (np.zeros_like(status), status, hits)
     earlier = _as_before(guard.sheet, time)
@@ -101,8 +101,8 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
 
 
 def impulses(guard: Guard, met: Reflected) -> list[Repelled]:
-    """The changes of velocity by each wall or obstacle, as pushes over a second: of a particle in a corner of the tank,
-    each side has the component along its own normal.
+    """The changes of velocity by each wall or obstacle, as accelerations over one second. For a particle in a corner of
+    the tank, each side has the component along its own normal.
     """
     kind, number, d = guard.sheet.kind, guard.sheet.number, len(met.outside)
     deep = np.zeros((3, len(met.who)))
@@ -130,7 +130,7 @@ def add_impulses(now: Parameters, state: State, met: Reflected) -> None:
 
 
 def _as_before(packed: Sheet, time: float) -> Sheet:
-    """The surfaces with moving planes at the start of the drift; the engine moves them."""
+    """The surfaces with moving planes at the start of the drift; `ecume.engine.walls` moves them."""
     number = packed.number.copy()
     flat = packed.kind[:, 0] == PLANE
     way = time * (number[:, :3] * number[:, SPEED : SPEED + 3]).sum(axis=1)
@@ -139,9 +139,7 @@ def _as_before(packed: Sheet, time: float) -> Sheet:
 
 
 def _move_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
-    """Particles that started outside, because a wall moved over them, are put onto the wall, and their approach is
-    stopped.
-    """
+    """Move particles that started outside, because a wall moved over them, onto the wall, and stop their approach."""
     kind, number = guard.sheet.kind, guard.sheet.number
     for _ in range(4):
         here = (x[0], x[1], x[2] if len(x) == 3 else 0.0)
@@ -157,7 +155,7 @@ def _move_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
 
 
 FASTEST = 0.1
-"""In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
+"""The speed of a particle that just reaches the wall, in sound speeds: the limit of a weakly compressible liquid."""
 
 
 @spread
@@ -178,12 +176,12 @@ def repel(position: Array, kind: Integers, number: Array, reach: float, speed: f
 
 
 RESOLVED = 0.5
-"""Largest product of the time step and the angular frequency of the repulsion: from 2 on its energy grows."""
+"""The largest product of the time step and the angular frequency of the repulsion; from 2 on its energy grows."""
 
 
 def speed_of(parameters: Parameters) -> float:
-    """The approach velocity that the repulsion just stops (m/s). The steps of incompressible liquids resolve a softer
-    one than the flow's speed would need: the guard stops what is faster.
+    """The approach velocity (m/s) that the repulsion just stops. Incompressible liquids take long steps, which resolve
+    a weaker repulsion than the flow's speed requires; the guard stops faster particles.
     """
     sound, reach = parameters.material.sound_speed, parameters.boundary.guard.reach
     if math.isfinite(sound):
@@ -211,7 +209,7 @@ def drawn_owner(parameters: Parameters, number: int) -> int:
 
 
 def repelled_by_drawn(parameters: Parameters, state: State, number: int) -> Repelled:
-    """Particles repelled by an obstacle of which the guard has no surfaces."""
+    """Particles repelled by an obstacle without surfaces in the guard."""
     reach = parameters.boundary.guard.reach
     near, gap, normal = close_to(parameters, state, number, reach)
     acceleration = [wall_forces.standoff_push(own, reach, speed_of(parameters)) for own in gap]

@@ -1,4 +1,4 @@
-"""The elementwise parts of a step, over threads."""
+"""Elementwise updates of all particles, and maxima over them, in threads."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ecume._jit import compiled_inside, prange, spread, summing
 from ecume.units import Array
 
 BLOCKS = 16
-"""Blocks of particles that are searched separately."""
+"""The number of blocks of particles whose maxima are taken separately."""
 
 
 @spread
 def kick(velocity: Array, acceleration: Array, time: float) -> None:
-    """V += a t."""
+    """Advance velocities with constant accelerations, v += a t."""
     for i in prange(velocity.shape[1]):
         for axis in range(velocity.shape[0]):
             velocity[axis, i] += time * acceleration[axis, i]
@@ -23,7 +23,7 @@ def kick(velocity: Array, acceleration: Array, time: float) -> None:
 
 @spread
 def drift(position: Array, velocity: Array, time: float) -> None:
-    """X += v t."""
+    """Advance positions with constant velocities, x += v t."""
     for i in prange(position.shape[1]):
         for axis in range(position.shape[0]):
             position[axis, i] += time * velocity[axis, i]
@@ -31,7 +31,7 @@ def drift(position: Array, velocity: Array, time: float) -> None:
 
 @spread
 def advance_density(density: Array, density_rate: Array, time: float) -> None:
-    """Rho += (d rho/dt) t."""
+    """Advance densities with constant rates, rho += (drho/dt) t."""
     for i in prange(len(density)):
         density[i] += time * density_rate[i]
 
@@ -40,7 +40,9 @@ def advance_density(density: Array, density_rate: Array, time: float) -> None:
 def predict(
     velocity: Array, acceleration: Array, density: Array, density_rate: Array, before: Array, time: float
 ) -> None:
-    """Predict velocities (already half a step ahead) and densities with the present rates, which `before` keeps."""
+    """Predict densities and velocities (which are half a step ahead already) with the present rates, and copy these to
+    `before`.
+    """
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -54,7 +56,7 @@ def predict(
 def correct(
     velocity: Array, acceleration: Array, density: Array, density_rate: Array, before: Array, time: float
 ) -> None:
-    """Correct the predicted values to those of the mean of the rates before and now."""
+    """Correct the predicted values by half the difference between the present rates and those in `before`."""
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -63,7 +65,7 @@ def correct(
 
 
 def largest(vectors: Array) -> float:
-    """The largest length among the columns; NaN or infinite where one is."""
+    """The largest length of the columns; NaN or infinite if any column is."""
     most = np.zeros(BLOCKS)
     largest_squares(vectors, most)
     return math.sqrt(most.max())
@@ -86,7 +88,7 @@ def largest_squares(vectors: Array, most: Array) -> None:
 
 
 def farthest(position: Array, reference: Array) -> float:
-    """The largest displacement from the reference; NaN or infinite if a position is."""
+    """The largest displacement from the reference; NaN or infinite if any position is."""
     most = np.zeros(BLOCKS)
     farthest_squares(position, reference, most)
     return math.sqrt(most.max())
@@ -111,5 +113,5 @@ def farthest_squares(position: Array, reference: Array, most: Array) -> None:
 
 @compiled_inside
 def larger_or_nowhere(found: float, total: float) -> float:
-    """The largest of some squares, and their sum where that is no number: a comparison with NaN keeps nothing of it."""
+    """The largest of some squares, or their sum if it is not finite: comparisons with NaN would lose it."""
     return found if total < math.inf else total

@@ -1,4 +1,5 @@
-"""Passive particles in the liquid: tracers, and grains with drag, weight and buoyancy. They do not act on the liquid.
+"""Passive particles, which the liquid carries without reaction: tracers, and grains with drag,
+weight and buoyancy.
 
 The velocity of the liquid is the Shepard mean over the particles around; outside of the liquid a grain falls freely.
 The equation of motion of grains is integrated exactly for the drag coefficient at the start of the step, with an added
@@ -28,14 +29,14 @@ from ecume.units import Array
 admit(brownian_motion, drag)
 
 INSIDE = 0.5
-"""The part of a kernel's full surroundings from which on a particle is in the liquid."""
+"""The kernel's sum over the liquid, relative to full surroundings, above which a passive particle is in the liquid."""
 
 
 class Surroundings(NamedTuple):
     """The liquid around each of C places."""
 
     fraction: Array
-    """(C,) the liquid's part of a kernel's full surroundings"""
+    """(C,) the kernel's sum over the liquid, relative to full surroundings"""
     eddy_viscosity: Array
     """(C,) m^2/s"""
     pressure: Array
@@ -45,7 +46,7 @@ class Surroundings(NamedTuple):
 
 
 def move_passive_particles(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Move all of them through a part of a step, in the flow of its end."""
+    """Move all passive particles through one substep, with the flow at its end."""
     tracers, guard = parameters.passive_tracers, parameters.boundary.guard
     when = int(state.passive_clock[0])
     for number, group in enumerate(tracers.groups):
@@ -64,7 +65,7 @@ def move_passive_particles(parameters: Parameters, state: State, workspace: Work
 
 
 def surroundings(parameters: Parameters, workspace: Workspace, position: Array) -> Surroundings:
-    """The liquid at these places."""
+    """The velocity, pressure and eddy viscosity of the liquid at these places."""
     count = position.shape[1]
     around = Surroundings(np.zeros(count), np.zeros(count), np.zeros(count), np.zeros((3, count)))
     cells = workspace.cells
@@ -90,8 +91,8 @@ def look_around(
     position: Array, around: Surroundings, fields: Floats, constants: Constants, origin: Array,
     liquid: tuple[float, float, float, float], cells: CellLists,
 ) -> None:  # fmt: skip
-    """Shepard's means at each place, over the cells around it; liquid = (the kernel's factor, viscosity, the kernel's
-    support, how far away its cells may be).
+    """Compute Shepard's means at each place, over the cells around it; liquid = (the kernel's factor, viscosity, the
+    kernel's support, the width of its cells).
     """
     kernel, inverse, dimension = constants[0].kernel, float(constants[0].inverse_length), constants[0].dimension
     deep, last = dimension == 3, dimension - 1
@@ -137,7 +138,7 @@ def look_around(
 
 @compiled_inside
 def rate_of(speed: float, radius: float, mass: float, liquid: tuple[float, float]) -> float:
-    """Drag over speed and mass, by Schiller and Naumann."""
+    """The ratio of drag to momentum (1/s), by Schiller and Naumann."""
     density, viscosity = liquid
     if viscosity <= 0.0:
         return 0.0
@@ -155,7 +156,7 @@ def fall(
     gravity: Array,
     time: float,
 ) -> None:
-    """One grain; body = (radius, density, density of what it is in)."""
+    """Advance one grain; body = (radius, density, density of the liquid or air around it)."""
     radius, own, around = body
     square = 0.0
     for axis in range(len(gravity)):
@@ -175,7 +176,7 @@ def move(
     position: Array, velocity: Array, around: Surroundings, group: CarriedGroup, gravity: Array,
     liquid: tuple[float, float], random_numbers: tuple[int, int, int], time: float,
 ) -> None:  # fmt: skip
-    """One group; liquid = (density, viscosity), chance = (seed, when, first one's number)."""
+    """Advance one group; liquid = (density, viscosity), random_numbers = (seed, step, number of the first particle)."""
     radius, own, dispersion = group.radius, group.density, group.dispersion
     for i in prange(position.shape[1]):
         flow = around.velocity[0, i], around.velocity[1, i], around.velocity[2, i]
@@ -183,7 +184,7 @@ def move(
             beside = liquid[0] if around.fraction[i] >= INSIDE else 0.0
             fall(position[:, i], velocity[:, i], flow, (radius, own, beside), liquid, gravity, time)
         else:
-            # Where there is no liquid a tracer stays as it is.
+            # A tracer outside of the liquid does not move.
             for axis in range(len(gravity)):
                 velocity[axis, i] = flow[axis]
                 position[axis, i] += time * flow[axis]

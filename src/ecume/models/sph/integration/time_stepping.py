@@ -1,7 +1,7 @@
-"""One step after another. Python says what comes next; every pass over particles is compiled.
+"""The time step of a tank, as a sequence of compiled loops over particles.
 
-A step is some milliseconds of work for ten thousand particles, and calling six compiled loops from Python costs less
-than a tenth of one: so the scheme stands here in words, and each loop is compiled once for all scenes.
+A step takes some milliseconds for ten thousand particles, and calling six compiled loops from Python costs less than a
+tenth of a millisecond. The schemes are therefore written in Python, and each loop is compiled once for all scenes.
 """
 
 from __future__ import annotations
@@ -68,15 +68,15 @@ from ecume.models.sph.state import (
 )
 
 MOST_DIVISIONS = 64
-"""A step that must be divided more often than this will not recover."""
+"""The largest number of substeps in a step; a state that needs more has diverged."""
 CALM = 0.01
-"""What collides more slowly than this part of the fastest speed does not bounce."""
+"""Approach speed, over the fastest speed of the flow, below which bodies do not rebound."""
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """Integrate over that many steps; each is divided if speeds or forces require it."""
+    """Integrate over this number of steps; each is divided if speeds or forces require it."""
     step = INTEGRATORS[parameters.integrator]
-    # Who is nowhere has no neighbors, and would do no harm that anyone notices.
+    # A particle with a NaN position has no neighbors, so that the error would stay undetected.
     if not np.isfinite(state.position).all():
         return DIVERGED
     status = DONE
@@ -103,12 +103,12 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         if exchange_due(parameters, state):
             status = EXCHANGE
             break
-    # What the last step broke must not become a frame.
+    # A state that the last step made invalid must not be recorded.
     return status if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
 
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
-    """The number of substeps that sound and forces require; very many if a value is not finite."""
+    """The number of substeps that sound and forces require; very large if a value is not finite."""
     h = float(number(parameters.constants, "smoothing_length"))
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
@@ -215,15 +215,15 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
 
 
 def displacement_of_solids(parameters: Parameters, state: State) -> float:
-    """The displacement of bodies and sides since the lists were made."""
+    """The largest displacement of bodies and sides since the lists were made."""
     return largest_displacement(parameters.bodies, state.pose, state.pose_reference) + displacement_of_sides(
         parameters, state
     )
 
 
 def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Renew the lists at the present positions, wrapped at periodic sides; at times sort the particles into cells
-    before.
+    """Renew the lists at the present positions, wrapped at periodic sides; at regular intervals sort the particles into
+    cells before.
     """
     wrap(parameters, state)
     if int(state.tally[RENEWALS]) % SORT_EVERY == 0:

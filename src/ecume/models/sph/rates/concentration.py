@@ -1,4 +1,6 @@
-"""The gradient of the particle concentration, by which particles are shifted, and how full a neighborhood is."""
+"""The gradient of the particle concentration, for particle shifting, and the number of neighbors relative to full
+surroundings.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ admit(incompressible)
 
 
 class ConcentrationSums(NamedTuple):
-    """Sums of `CONCENTRATION`."""
+    """The sums of `CONCENTRATION`."""
 
     fullness: Any
     concentration_gradient: Any
@@ -26,7 +28,7 @@ class ConcentrationSums(NamedTuple):
 
 @summed_inside
 def concentration_settings(numbers: Numbers, settings: Any, like: Vector) -> Any:
-    """The inverse of the kernel's value at one spacing, zero: all count alike; and constants of the kernel."""
+    """The inverse of the kernel's value at one spacing (zero for equal weights), and constants of the kernel."""
     zero, reference = numbers.zero, numbers.reference_value
     inverse = zero if reference <= zero else 1.0 / reference
     return zero + inverse, numbers.kernel, numbers.inverse_length, zero, numbers.slope_factor
@@ -34,7 +36,7 @@ def concentration_settings(numbers: Numbers, settings: Any, like: Vector) -> Any
 
 @summed_inside
 def empty_concentration(zero: float, like: Vector) -> ConcentrationSums:
-    """Empty sums, in double precision."""
+    """Sums of zero, in double precision."""
     return ConcentrationSums(0.0, zeros(0.0, like), zeros(0.0, like))
 
 
@@ -42,9 +44,9 @@ def empty_concentration(zero: float, like: Vector) -> ConcentrationSums:
 def pair_concentration(
     total: ConcentrationSums, apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> ConcentrationSums:
-    """The fullness -sum_j V_j F r^2, the reversed concentration gradient sum_j V_j F x_ij, zero in a lattice, in which
-    each neighbor counts `tensile_weight` times, and an even sum, which counts dummies half (see
-    `correct_for_spreading`).
+    """The sums with the terms of a pair: the fullness -sum_j V_j F r^2; the reversed concentration gradient sum_j V_j F
+    x_ij, weighted by `tensile_weight`, which vanishes in a lattice; and the same with equal weights, in which dummies
+    count half (see `correct_for_spreading`).
     """
     tensile, kernel, inverse, zero, _ = given
     square, pull = dot(apart, apart), slope * math.fabs(other.weight)

@@ -62,7 +62,7 @@ from ecume.units import Array
 
 admit(density_diffusion, kernels)
 SINGULAR = 1e-3
-"""Below this determinant of its matrix a particle has too few neighbors for a gradient."""
+"""The determinant of a particle's matrix below which it has too few neighbors for a gradient."""
 MATRIX = (*range(FIELD.correction, FIELD.correction + 6), NOTHING, NOTHING)
 
 

@@ -1,4 +1,5 @@
-"""The tables that sums read, filled: the entries of the liquid, of its images, and of the dummies of walls and bodies.
+"""Filling the tables that sums read: the entries of the liquid, of its images, and of the dummies
+of walls and bodies.
 
 Dummies take pressure and velocity from the liquid before them: Adami, Hu and Adams, J. Comput. Phys. 231 (2012) 7057,
 eqs. 22, 23 and 27. [adami2012]
@@ -24,7 +25,7 @@ admit(states)
 
 @compiled_inside
 def tait_state(density: float, pressure: float, tait: Tait) -> tuple[float, float, float]:
-    """Density, pressure and enthalpy: the density determines the others."""
+    """Density, pressure and enthalpy at this density."""
     c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
     enthalpy = states.tait_enthalpy(density, rho0, c0, gamma)
     return density, states.tait_pressure(density, rho0, c0, gamma), enthalpy
@@ -32,13 +33,13 @@ def tait_state(density: float, pressure: float, tait: Tait) -> tuple[float, floa
 
 @compiled_inside
 def constant_state(density: float, pressure: float, liquid: ConstantDensity) -> tuple[float, float, float]:
-    """Density, pressure and enthalpy: the solver of the pressure determines it."""
+    """Density, pressure and enthalpy at this pressure, which the pressure solver computed."""
     return liquid.density, pressure, pressure / liquid.density
 
 
 @compiled_inside
 def tait_at_enthalpy(enthalpy: float, tait: Tait) -> tuple[float, float]:
-    """Density and pressure."""
+    """Density and pressure at this enthalpy."""
     c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
     density = states.density_at_enthalpy(enthalpy, rho0, c0, gamma)
     return density, states.tait_pressure(density, rho0, c0, gamma)
@@ -46,7 +47,7 @@ def tait_at_enthalpy(enthalpy: float, tait: Tait) -> tuple[float, float]:
 
 @compiled_inside
 def constant_at_enthalpy(enthalpy: float, liquid: ConstantDensity) -> tuple[float, float]:
-    """Density and pressure."""
+    """Density and pressure at this enthalpy."""
     return liquid.density, liquid.density * enthalpy
 
 
@@ -63,7 +64,7 @@ def fill_liquid(
     fields: Floats, position: Array, velocity: Array, density: Array, pressure: Array, mass: Array,
     origin: Array, by_mass: bool, liquid: EquationOfState,
 ) -> None:  # fmt: skip
-    """Everything that sums read of the liquid, from its state."""
+    """Fill the entries of the liquid from its state."""
     dimension, count = position.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -108,9 +109,8 @@ def _shift(fields: Floats, i: int, image: int, side: Array, dimension: int) -> N
 
 @inlined
 def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: Array, liquid: EquationOfState) -> None:
-    """The mirrored particle, at rest under gravity where its source is: its enthalpy is the source's, and what the
-    way between adds. A wall that holds the liquid turns the velocity around for friction, and lets only the normal
-    part turn for the equation of continuity.
+    """Fill the entries of a mirrored particle. Its enthalpy is that of its source plus the hydrostatic difference. For
+    friction, a no-slip wall reverses the whole velocity; for the equation of continuity, only the normal component.
     """
     dimension = len(pull)
     c0, rho0 = liquid.sound_speed, liquid.density
@@ -171,7 +171,7 @@ def fill_weights(fields: Floats, first: int, by_mass: bool) -> None:
 
 
 NOTHING = 1e-12
-"""Kernel sums below this part of W(0) mean that there is no liquid near."""
+"""The sum of kernels, over W(0), below which no liquid is near."""
 INDEX = np.uint64
 
 
@@ -185,10 +185,10 @@ def read_liquid(
     clip: bool,
     liquid: EquationOfState,
 ) -> None:
-    """Fill the columns of dummies, from `first` on, out of the liquid in their rows.
+    """Fill the columns of dummies, from `first` on, by interpolation from the liquid in their rows.
 
-    Their positions, wall velocities and slip (their viscosity is zero on slippery walls) are set already.
-    `pull` is (d, dummies): gravity less each one's own acceleration (eq. 27).
+    Their positions, wall velocities and slip (their viscosity is zero on slippery walls) are set already. `pull` is (d,
+    dummies): gravity less each one's own acceleration (eq. 27).
     """
     kernel, dimension, inverse = constants[0].kernel, len(pull), 1.0 / constants[0].smoothing_length
     counts, neighbor = lists
@@ -216,7 +216,7 @@ def read_liquid(
 
 @spread
 def read_damping(fields: Floats, damping: Floats, first: int, lists: Lists, constants: Constants) -> None:
-    """Fill the damping of dummies, from column `first` on: the mean of the liquid in their rows."""
+    """Fill the damping of dummies, from column `first` on, with the mean over the liquid in their rows."""
     kernel, inverse = constants[0].kernel, 1.0 / constants[0].smoothing_length
     counts, neighbor = lists
     for dummy in prange(first, len(counts)):

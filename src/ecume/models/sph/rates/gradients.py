@@ -1,4 +1,5 @@
-"""Renormalized gradients, exact for linear fields, also at a free surface; and the eddy viscosity made from one.
+"""Renormalized gradients, exact for linear fields, also at a free surface; and the eddy viscosity that follows from
+that of the velocity.
 
 sum_j V_j F (A_j - A_i) x_ij = B grad A with B = sum_j V_j F x_ij x_ij (minus the unit matrix in full surroundings);
 Randles and Libersky, Comput. Methods Appl. Mech. Eng. 139 (1996) 375. [randles1996]
@@ -75,7 +76,6 @@ def pair_density_gradient(
 def store_density_gradient(
     rates: Floats, fields: Floats, i: int, total: tuple[Symmetric, Vector], own: Particle, given: Any
 ) -> None:  # fmt: skip
-    """Store the gradient."""
     store_vector(fields, FIELD.density_gradient, i, 1.0, solved(total[0], total[1]))
 
 
@@ -102,7 +102,9 @@ def no_number(zero: float, like: Vector) -> float:
 def pair_gradient_diffusion(
     total: float, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> float:
-    """Less what both particles' gradients say lies between them; dummies do not take part."""
+    """The sum with the term of a pair: minus the difference that the mean density gradient of both implies; dummies do
+    not contribute.
+    """
     zero = given[0]
     rise = density_diffusion.mean_rise(dot(own.vector, apart), dot(other.vector, apart))
     return total + density_diffusion.flow(
@@ -220,7 +222,7 @@ def given_eddies(numbers: Numbers, settings: tuple[float, float], like: Vector) 
 
 @summed_inside
 def pair_strain(total: Any, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Any:
-    """Gradients of the velocity that friction sees; walls contribute."""
+    """The sums with the terms of a pair for the gradient of the friction velocity; walls contribute."""
     return plus_strain(total, given[0] * slope * other.weight, difference(other.vector, own.vector), apart)
 
 

@@ -25,19 +25,19 @@ value_of = selection("value_of", {KERNEL_CODES[name]: form.value for name, form 
 
 
 class AnyKernel(NamedTuple):
-    """A kernel whose formula a loop looks up by its number."""
+    """Any kernel; loops select its formula by its number."""
 
     code: int
 
 
 class WendlandC2(NamedTuple):
-    """The default."""
+    """Wendland's C2 kernel, the default."""
 
     code: int
 
 
 class CubicSpline(NamedTuple):
-    """The second most in use."""
+    """The cubic spline, the second most used kernel."""
 
     code: int
 
@@ -47,20 +47,17 @@ KernelType = AnyKernel | WendlandC2 | CubicSpline
 
 @summed_inside
 def any_slope(q: float, kernel: AnyKernel) -> float:
-    """Slope of the kernel with this number."""
     found: float = slope_of(q, kernel.code)
     return found
 
 
 @summed_inside
 def wendland_slope(q: float, kernel: WendlandC2) -> float:
-    """Slope of Wendland's C2."""
     return kernels.wendland_c2_slope(q)
 
 
 @summed_inside
 def cubic_slope(q: float, kernel: CubicSpline) -> float:
-    """Slope of the cubic spline."""
     return kernels.cubic_spline_slope(q)
 
 

@@ -26,11 +26,11 @@ Law = Callable[..., float]
 
 
 class PressureMethod(NamedTuple):
-    """How the pressure follows from the motion, and what that makes available to other options."""
+    """A method to compute the pressure, and the capabilities that it offers to other options."""
 
     equation: type[EquationOfState]
     integrator: str
-    """the default, a name of `time_stepping.INTEGRATORS`"""
+    """the default integrator, a key of `time_stepping.INTEGRATORS`"""
     has: frozenset[str]
     """capabilities, which `incompressible.NEEDS` compares with what other options need"""
 
@@ -50,10 +50,10 @@ PRESSURES: Mapping[str, PressureMethod] = {
 
 
 class PressureForce(NamedTuple):
-    """A form of the pressure force, and of the equation of continuity that goes with it."""
+    """A form of the pressure force, and its equation of continuity."""
 
     by_mass: bool
-    """whether a neighbor counts by p/rho^2 and its mass, instead of its pressure and volume: see `Fields`"""
+    """whether the force has the terms m p/rho^2 of two particles, instead of V p: see `Fields`"""
     per_volume: bool
     """whether the sum is a force per volume, instead of per mass"""
     transported: bool
@@ -61,9 +61,11 @@ class PressureForce(NamedTuple):
     sum: NeighborSum
     """over neighbors"""
     most_damping: float
-    """largest coefficient of the acoustic damping with which the usual time step is stable; zero: takes none"""
+    """the largest coefficient of the acoustic damping with which the default time step is stable;
+    zero without damping
+    """
     continuity: Mapping[int, NeighborSum] = CONTINUITY
-    """the equation of continuity to which it is adjoint, by the row of the field that diffuses"""
+    """the equation of continuity that is adjoint to the force, by the row of the diffusing field"""
 
     @property
     def corrected(self) -> bool:
@@ -71,7 +73,9 @@ class PressureForce(NamedTuple):
         return self.continuity is not CONTINUITY
 
     def damping_shares(self, fields: Fields, count: int) -> Array:
-        """(N,) the part of the acoustic damping that each of the first particles has: less with completed gradients."""
+        """The factor (N,) of the acoustic damping of each of the first particles: less than 1 where gradients are
+        completed.
+        """
         return completion_factors(fields, count) ** -2.0 if self.corrected else np.ones(count)
 
 
@@ -84,16 +88,16 @@ class Friction(NamedTuple):
     """over neighbors"""
     law: Law
     corrected: bool = False
-    """whether pairs count for the neighbors that are missing at a free surface"""
+    """whether pairs have larger weights where neighbors are missing at a free surface"""
 
 
 class DensityDiffusion(NamedTuple):
     """A diffusion term in the equation of continuity."""
 
     excess: Law | None
-    """what one of a pair has in excess of the other; None: no diffusion"""
+    """the difference between two particles that diffuses; None without diffusion"""
     field: Literal["density", "enthalpy"]
-    """what diffuses"""
+    """the field that diffuses"""
     balances_weight: bool
     """whether the change of that field along gravity in a liquid at rest is subtracted"""
     gradients: bool

@@ -1,8 +1,9 @@
-"""The one loop of the sums over neighbors of a tank: each sum is a formula for a pair, and names the fields it reads.
+"""The loop of all sums over neighbors of a tank. A sum is defined by a formula for a pair and the
+fields that it reads.
 
-What the formula reads of each particle is packed into a record of eight or sixteen numbers. Records of a particle's
-neighbors are turned into columns (see `ecume._columns`), and the loop over neighbors, which has no store inside, is
-vectorized by the compiler. It is compiled for vectors of the plane or of space, whichever a scene has, and for each
+The fields that the formula reads of each particle are packed into a record of eight or sixteen numbers. Records of a
+particle's neighbors are turned into columns (see `ecume._columns`), and the loop over neighbors, which has no store
+inside, is vectorized by the compiler. It is compiled for vectors in 2D or 3D, whichever a scene has, and for each
 kernel type of `kernel_loops`. The order of summation inside a row is not specified, but it is the same in every run.
 NaN propagates. Rows are padded with the particle itself, so that each term must vanish for two at the same place.
 
@@ -26,22 +27,22 @@ from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.rates.kernel_loops import KernelType, written_slope
 
 INDEX = np.uint64
-"""Of all indexes: a signed one would be tested for being negative, pair by pair."""
+"""The type of all indices: a signed index would be tested for being negative, pair by pair."""
 BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
 CHUNK = 128
-"""Particles that one thread takes at a time, with one set of columns."""
+"""The number of particles that one thread processes at a time, with one set of columns."""
 SPARE = 8
 """Entries between two columns, so that they do not all fall into the same lines of the cache."""
 NOTHING = -1
-"""In place of a row of fields that a sum does not read."""
+"""The row of a field that a sum does not read."""
 FIRST, FURTHER = INDEX(0), INDEX(RECORD)
 POSITION, VECTOR, WEIGHT, VALUE = 0, 3, 6, 7
-"""Places in a record."""
+"""Offsets in a record."""
 
 
 @compiled_inside
 def whole(count: int) -> np.uint64:
-    """The length of a row rounded up to a whole vector: padding is the particle itself, and adds nothing."""
+    """The length of a row rounded up to a whole vector; it is padded with the particle itself, which adds nothing."""
     return (INDEX(count) + BEFORE) & DOWN
 
 
@@ -59,7 +60,7 @@ class Reading(NamedTuple):
 
 
 class Particle(NamedTuple):
-    """What a formula reads of a particle."""
+    """The numbers of a particle that a formula reads."""
 
     position: Any
     vector: Any
@@ -82,11 +83,11 @@ def neighbor_sum(
     reading: Reading, given: Callable[..., Any], zero: Callable[..., Any], pair: Callable[..., Any],
     store: Callable[..., None],
 ) -> NeighborSum:  # fmt: skip
-    """A sum over neighbors, of four compiled functions.
+    """Return the sum that four compiled functions define.
 
     given(numbers, settings, like) are the constants that the formula needs; zero(nought, like) is an empty sum, of
-    vectors like this one; pair(total, apart, slope, own, other, given) is the total and what a neighbor adds, with
-    slope = f'(q)/q; store(target, fields, i, total, own, given) puts the sum where it belongs.
+    vectors like this one; pair(total, apart, slope, own, other, given) is the total with the term of a neighbor, where
+    slope = f'(q)/q; store(target, fields, i, total, own, given) stores the sum.
     """
     read, fill = (further_particle, fill_both) if reading.more else (one_particle, fill_one)
     width = 2 * RECORD if reading.more else RECORD
@@ -114,19 +115,19 @@ def neighbor_sum(
                     total = pair(total, apart, slope, own, other, known)
                 store(target, fields, i, total, own, known)
 
-    loop.__qualname__ = f"neighbor_sum.{pair.__name__}"  # compiled code is found by its name
+    loop.__qualname__ = f"neighbor_sum.{pair.__name__}"  # the name identifies compiled code on disk
     return NeighborSum(summing(loop), rows_of(reading), reading.signed)
 
 
 @summed_inside
 def fill_one(columns: Floats, records: Floats, neighbor: Slots, i: np.uint64, count: np.uint64) -> None:
-    """The columns of records of eight."""
+    """Copy records of eight numbers into columns."""
     fill_columns(columns, records, neighbor, i, count, FIRST)
 
 
 @summed_inside
 def fill_both(columns: Floats, records: Floats, neighbor: Slots, i: np.uint64, count: np.uint64) -> None:
-    """The columns of records of sixteen."""
+    """Copy records of sixteen numbers into columns."""
     fill_columns(columns, records, neighbor, i, count, FIRST)
     fill_columns(columns, records, neighbor, i, count, FURTHER)
 
@@ -148,14 +149,14 @@ _particle = by_dimension(_in_plane, _in_space)
 
 @summed_inside
 def one_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """What record k of eight says."""
+    """The particle of record k of eight numbers."""
     found: Particle = _particle(columns, k, (), like)
     return found
 
 
 @summed_inside
 def further_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """What record k of sixteen says."""
+    """The particle of record k of sixteen numbers."""
     found: Particle = _particle(columns, k, further_column(columns, k), like)
     return found
 

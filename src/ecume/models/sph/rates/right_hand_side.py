@@ -1,4 +1,5 @@
-"""The rates at the present positions: tables filled, neighbors summed, what they do stored; and shifting.
+"""Rates of density and velocity at the present positions: fill the tables, sum over neighbors, store the rates; and
+particle shifting.
 
 Particle shifting: a transport velocity relative to the liquid that keeps the particles evenly spaced.
 """
@@ -47,13 +48,13 @@ INDEX = np.uint64
 admit(incompressible)
 
 SURFACE = 0.75
-"""Below this part of the full divergence of position a particle is at the surface."""
+"""The divergence of position, over that in full surroundings, below which a particle is at the surface."""
 MOST = 0.5
-"""The fastest shift, in fastest speeds."""
+"""The largest shifting velocity, over the fastest speed of the flow."""
 
 
 def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Set the transport for the next drift."""
+    """Set the transport velocity of the next drift."""
     evaluate_sum(CONCENTRATION, parameters, workspace)
     concentration_gradient = workspace.rates.concentration_gradient[: parameters.dimension].astype(np.float64)
     state.transport[...] = SHIFTINGS[parameters.shifting].transport(
@@ -87,8 +88,8 @@ def correct_for_spreading(state: State, concentration_gradient: NDArray[np.float
 def of_background(
     parameters: Parameters, state: State, workspace: Workspace, concentration_gradient: Array, time: float
 ) -> Array:
-    """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
-    eq. 13, with equal volumes).
+    """The change of velocity in half a step by a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami
+    et al. 2013, eq. 13, with equal volumes).
     """
     return time * parameters.background / state.density * concentration_gradient
 
@@ -96,8 +97,9 @@ def of_background(
 def delta_plus(
     parameters: Parameters, state: State, workspace: Workspace, concentration_gradient: Array, time: float
 ) -> Array:
-    """4 h u sum_j (1 + 0.2 (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface
-    (Sun et al. 2017). Less in a step in which particles would move beyond the middle between their neighbors.
+    """The velocity 4 h u sum_j (1 + 0.2 (W/W(dx))^4) V_j F x_ij, at most half the fastest speed u, and zero near a
+    surface (Sun et al. 2017). It is reduced in steps in which particles would move beyond the middle between their
+    neighbors.
     """
     fastest = fastest_speed(parameters, state)
     strongest = parameters.shifting_limit / time
@@ -111,12 +113,13 @@ def delta_plus(
 
 
 def fastest_speed(parameters: Parameters, state: State) -> float:
-    """m/s: that of the flow, at most the fastest expected."""
+    """The fastest speed of the flow (m/s), at most the maximum speed of the scene."""
     return min(parameters.material.fastest, largest(state.velocity))
 
 
 def shifts_needed(parameters: Parameters, state: State, time: float) -> int:
-    """Into how many equal shifts a step of this time is divided, so that none of them overshoots.
+    """The number of equal shifts into which a step of this time is divided, so that none of them
+    overshoots.
 
     Steps that resolve sound waves need one; those of incompressible liquids are about ten times as long.
     """
@@ -125,13 +128,13 @@ def shifts_needed(parameters: Parameters, state: State, time: float) -> int:
 
 
 def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
-    """Flags of the particles at the surface, and of all that have one of them in their support."""
+    """Flags of the particles at the surface, and of all particles with one of them in their support."""
     lists, images = workspace.lists, workspace.images
     liquid = workspace.rates.shape[1]
     real = len(lists.counts)
     at_surface = np.zeros(real + len(images.source), np.bool_)
     at_surface[:liquid] = workspace.rates.fullness < SURFACE * parameters.dimension
-    # Side by side: an image may be of an earlier side's image.
+    # One side after the other, since an image may be of an earlier side's image.
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         at_surface[real + first : real + last] = at_surface[images.source[first:last]]
     near = at_surface[:liquid].copy()
@@ -159,15 +162,15 @@ class Shifting(NamedTuple):
 
 
 SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
-"""By name; without shifting only a background pressure, where there is one, spreads particles."""
+"""The shifting methods by name; with "none", only a background pressure, if there is one, shifts particles."""
 
 
 UNIT = np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]])
-"""The matrix of liquid in buffers, which continues beyond their ends."""
+"""The unit matrix, for the correction in buffers, in which the liquid continues."""
 
 
 def evaluate_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The rate of density at the present positions."""
+    """Evaluate the rate of density at the present positions."""
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     _sum_stretch(parameters, workspace)
@@ -177,8 +180,9 @@ def evaluate_density_rate(parameters: Parameters, state: State, workspace: Works
 def evaluate_accelerations(
     parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False
 ) -> None:
-    """The acceleration at the present positions, and the transport for the next drift. `summed`: the lists are still
-    those by which `evaluate_density_rate` summed the rate of density half a drift ago; acoustic damping takes that one.
+    """Evaluate the accelerations at the present positions, and the transport velocity of the next drift. With `summed`,
+    the lists are those with which `evaluate_density_rate` summed the rate of density half a drift ago, and acoustic
+    damping uses that rate.
     """
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
@@ -187,7 +191,9 @@ def evaluate_accelerations(
 
 
 def take_other_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The acceleration at the present positions without the pressure, and the transport for the next drift."""
+    """Evaluate the accelerations at the present positions without the pressure, and the transport velocity of the next
+    drift.
+    """
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     workspace.fields.force_term[...] = 0.0
@@ -198,14 +204,14 @@ def take_other_forces(parameters: Parameters, state: State, workspace: Workspace
 
 
 def take_shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The transport for the next drift, and nothing else."""
+    """Evaluate the transport velocity of the next drift only."""
     now = with_moved_solids(parameters, state)
     fill(now, state, workspace)
     shift(now, state, workspace, time)
 
 
 def evaluate_rates(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
+    """Evaluate the rates of density and velocity, in one sum if there is neither diffusion nor a dummy."""
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
     lists = workspace.lists
@@ -228,7 +234,8 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
 
 
 def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
-    """Add the pressure (zeta/rho) drho/dt of the acoustic damping (`viscous.acoustic_damping`) to what pairs add up.
+    """Add the pressure (zeta/rho) drho/dt of the acoustic damping (`viscous.acoustic_damping`) to the force terms of
+    all particles.
 
     The rate contains density diffusion: it is that at which the pressure changes. With -zeta div v, small waves were
     damped, too, since a sum without neighbors beyond the surface takes their strain for a compression, which diffusion
@@ -275,8 +282,8 @@ def _store_density_rate(parameters: Parameters, state: State, workspace: Workspa
 
 
 def conserve_volume(state: State, workspace: Workspace) -> None:
-    """Add the same strain rate to all particles, so that sum m/rho does not change: a full tank of rigid walls keeps
-    its volume. It counts as diffusion, which does work.
+    """Add the same strain rate to all particles, so that sum m/rho is constant in a full tank of rigid walls. It counts
+    as diffusion, which does work.
 
     Density integrates the motion of particles, sum_j m_j W. While a disordered arrangement settles, this sum decreases
     although the tank stays full. The pressure would fall by c0^2 times as much, become negative at the lid, and there
@@ -289,7 +296,9 @@ def conserve_volume(state: State, workspace: Workspace) -> None:
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Store the acceleration: pressure, gravity, friction, repulsion, bodies, surface tension, laws of the user."""
+    """Store the sum of the accelerations by pressure, gravity, friction, repulsion, bodies, surface tension, and laws
+    of the user.
+    """
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
     density = workspace.fields.density[: len(state.density)].astype(np.float64, copy=False)
     store_acceleration(state.acceleration, rates.table, density, parameters.gravity, per_volume)

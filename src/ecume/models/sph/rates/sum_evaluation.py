@@ -1,4 +1,4 @@
-"""A sum over neighbors, taken from filled fields."""
+"""The evaluation of a sum over neighbors from filled fields."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def evaluate_sum(
     taken: NeighborSum, parameters: Parameters, workspace: Workspace, target: Floats | None = None,
     settings: tuple[float, ...] = (),
 ) -> None:  # fmt: skip
-    """Take a sum for all particles of the liquid, from filled fields, into the target: by default the rates."""
+    """Evaluate a sum for all particles of the liquid, from filled fields, into the target: by default the rates."""
     fields, constants = workspace.fields.table, parameters.constants
     fill_records(fields, workspace.records, taken.rows, taken.signed)
     taken.loop(

@@ -22,9 +22,8 @@ Damper = tuple[float, float, float, float]
 
 @summed_inside
 def damping(approach: float, square: float, damper: Damper) -> float:
-    """Artificial viscosity with the liquid's own density and sound speed for both of a pair, as delta-SPH has it
-    (Antuono et al. 2012); positive for two that approach. `damper` is (h, divisor, sound
-    speed, alpha), see `Numbers`.
+    """The artificial viscosity of a pair, with the particle's own density and sound speed for both, as in delta-SPH
+    (Antuono et al. 2012); positive for two that approach. `damper` is (h, divisor, sound speed, alpha), see `Numbers`.
     """
     h, share, sound, alpha = damper
     return viscous.artificial_viscosity(viscous.approach_speed(approach, square, h), share, sound, alpha)
@@ -32,13 +31,13 @@ def damping(approach: float, square: float, damper: Damper) -> float:
 
 @summed_inside
 def pair_divergence(pull: float, radial: float) -> float:
-    """A pair's part of -div v: w_j F (v_j - v_i).x_ij (Monaghan 1994)."""
+    """The term of a pair in -div v: w_j F (v_j - v_i).x_ij (Monaghan 1994)."""
     return pull * radial
 
 
 @summed_inside
 def pair_force(pull: float, own: float, push: float, damp: float) -> float:
-    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `Fields.force_term` and `Fields.weight`."""
+    """The force of a pair over x_ij: w_j F (P_i + P_j + damping); see `Fields.force_term` and `Fields.weight`."""
     return pull * (own + push + damp)
 
 
@@ -51,7 +50,7 @@ def no_vector(zero: float, like: Vector) -> Vector:
 
 @summed_inside
 def given_slope_factor(numbers: Numbers, settings: Any, like: Vector) -> float:
-    """What slopes of the kernel are multiplied with, which most sums leave to their end."""
+    """The factor of slopes of the kernel, which most sums apply at the end."""
     return numbers.slope_factor
 
 
@@ -70,7 +69,7 @@ def given_continuity(numbers: Numbers, settings: Any, like: Vector) -> Any:
 
 @summed_inside
 def no_continuity(zero: float, like: Vector) -> tuple[float, float]:
-    """No stretching and no flow."""
+    """Zero compression and zero diffusion."""
     return zero, zero
 
 
@@ -78,7 +77,7 @@ def no_continuity(zero: float, like: Vector) -> tuple[float, float]:
 def pair_continuity(
     total: tuple[float, float], apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> tuple[float, float]:
-    """Stretching and flow with those of a pair. Dummies do not take part in diffusion."""
+    """The sums with the terms of a pair: compression and diffusion. Dummies do not contribute to diffusion."""
     (rise, _, zero, _), (stretching, flow) = given, total
     radial = dot(difference(other.vector, own.vector), apart)
     beyond = density_diffusion.beyond_rest(own.value, other.value, dot(rise, apart))
@@ -105,7 +104,9 @@ def given_pressure(numbers: Numbers, settings: Any, like: Vector) -> Any:
 
 @summed_inside
 def pair_pressure(total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Vector:
-    """Pressure and artificial viscosity, in which dummies take no part."""
+    """The acceleration with the term of a pair by pressure and artificial viscosity; dummies have no artificial
+    viscosity.
+    """
     damper, zero, _ = given
     damp = damping(dot(difference(other.vector, own.vector), apart), dot(apart, apart), damper)
     pull = slope * math.fabs(other.weight)
@@ -115,7 +116,7 @@ def pair_pressure(total: Vector, apart: Vector, slope: float, own: Particle, oth
 
 @summed_inside
 def no_rates(zero: float, like: Vector) -> tuple[float, Vector]:
-    """No stretching and no acceleration."""
+    """Zero compression and zero acceleration."""
     return zero, zeros(zero, like)
 
 
@@ -123,7 +124,7 @@ def no_rates(zero: float, like: Vector) -> tuple[float, Vector]:
 def pair_rates(
     total: tuple[float, Vector], apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> tuple[float, Vector]:
-    """Continuity and pressure in one sum, without diffusion and dummies."""
+    """Compression and acceleration by pressure in one sum, without diffusion and dummies."""
     (damper, _, _), (stretching, acceleration) = given, total
     radial, pull = dot(difference(other.vector, own.vector), apart), slope * other.weight
     push = pair_force(pull, own.value, other.value, damping(radial, dot(apart, apart), damper))
@@ -163,16 +164,16 @@ CONTINUITY_AND_PRESSURE = neighbor_sum(
 
 @summed_inside
 def drag(slope: float, own: Particle, other: Particle) -> float:
-    """F V_j mu_j/(mu_i + mu_j): a pair's part of the viscous force, but for what is the same for all neighbors. A wall
-    that lets the liquid slip has no viscosity.
+    """The factor F V_j mu_j/(mu_i + mu_j) of a pair in the viscous force, without factors common to all neighbors. A
+    wall with slip has no viscosity.
     """
     return slope * other.weight * other.value / (own.value + other.value)
 
 
 @summed_inside
 def pair_friction(total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Vector:
-    """(2/rho_i) sum_j mu_ij F V_j (u_i - u_j), mu_ij the harmonic mean (Morris et al. 1997, eq. 22; Adami et al. 2012,
-    eq. 8).
+    """The viscous acceleration (2/rho_i) sum_j mu_ij F V_j (u_i - u_j), where mu_ij is the harmonic mean (Morris et al.
+    1997, eq. 22; Adami et al. 2012, eq. 8).
     """
     found: Vector = axpy(total, drag(slope, own, other), difference(own.vector, other.vector))
     return found
@@ -195,8 +196,9 @@ def given_radial_friction(numbers: Numbers, settings: Any, like: Vector) -> tupl
 def pair_radial_friction(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> Vector:
-    """(1/rho_i) sum_j Z_ij F V_j [(u_i - u_j).x_ij] x_ij/r^2, Z_ij = 2 (d + 2) times the harmonic mean of the
-    viscosities (Monaghan 2005). No two are nearer than the least distance, but a particle and its image may be.
+    """The viscous acceleration (1/rho_i) sum_j Z_ij F V_j [(u_i - u_j).x_ij] x_ij/r^2, where Z_ij is 2 (d + 2) times
+    the harmonic mean of the viscosities (Monaghan 2005). The least distance matters only for a particle and its own
+    image.
     """
     radial = dot(difference(own.vector, other.vector), apart) / max(dot(apart, apart), given[0])
     found: Vector = axpy(total, drag(slope, own, other) * radial, apart)
@@ -220,7 +222,8 @@ RADIAL_FRICTION = neighbor_sum(VISCOUS, given_radial_friction, no_vector, pair_r
 def pair_transported_pressure(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> Vector:
-    """Pressure weighted by densities, and the momentum that a transport velocity W carries beside the liquid's.
+    """The acceleration by density-weighted pressure, and by the momentum that the transport
+    velocity W carries.
 
     (1/m_i) sum_j (V_i^2 + V_j^2) [p_ij - (1/2)(A_i + A_j).x_ij ...] F x_ij with p_ij = (rho_j p_i + rho_i p_j)/(rho_i +
     rho_j), A = rho v W (Adami et al. 2013, eqs. 5, 8 and 10). Half of each flux: the other half is in the factor
@@ -256,7 +259,7 @@ TRANSPORTED_PRESSURE = neighbor_sum(
 
 @spread
 def store_density_rate(density_rate: Array, rates: Floats, density: Array, by_mass: bool) -> None:
-    """D rho/dt: the sum is per density where neighbors count by their volumes."""
+    """Store the rate of density; the sum is over density where neighbors have their volumes as weights."""
     for i in prange(len(density)):
         share = 1.0 if by_mass else density[i]
         density_rate[i] = share * rates[RATE.continuity, i] + rates[RATE.diffusion, i]
@@ -264,7 +267,7 @@ def store_density_rate(density_rate: Array, rates: Floats, density: Array, by_ma
 
 @spread
 def store_acceleration(acceleration: Array, rates: Floats, density: Array, pull: Array, per_volume: bool) -> None:
-    """A = what neighbors do, and gravity."""
+    """Store the acceleration by neighbors plus gravity."""
     for i in prange(acceleration.shape[1]):
         share = 1.0 / density[i] if per_volume else 1.0
         for axis in range(acceleration.shape[0]):

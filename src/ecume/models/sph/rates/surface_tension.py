@@ -42,22 +42,22 @@ admit(tension, kernels)
 NODES = 0.6
 """From node to node, in spacings. At 0.5 and 0.67 forces are the same within some percent of their noise."""
 BLOCKS = 16
-"""Parts of the grid that are colored each by itself; how many must not depend on the threads."""
+"""The number of parts of the grid that are filled separately; it must not depend on the number of threads."""
 ENERGY = 4
-"""Row of nodes after color and gradient: energy over sigma and a node's volume."""
+"""The row of the nodes' energy over sigma and a node's volume, after color and gradient."""
 
 
 class GridNumbers(NamedTuple):
     """Constants of the nodes and of the color kernel."""
 
     reach: float
-    """m, how far a particle colors"""
+    """m, the range of a particle's color"""
     inverse_length: float
     """1/h"""
     step: float
     """m, from node to node"""
     value: float
-    """the kernel's factor, and those of its first and second derivative"""
+    """the factors of the kernel and of its first and second derivative"""
     slope: float
     bend: float
     least: float
@@ -81,7 +81,7 @@ class Colors(NamedTuple):
     volume: Array
     grid: Grid
     nodes: Array
-    """(5, nodes): color and gradient, or what the forces sum; and the energy"""
+    """(5, nodes): color and gradient, later the terms of the forces; and the energy"""
 
 
 def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
@@ -100,7 +100,7 @@ def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
 
 
 def grid_around(parameters: Parameters, position: Array) -> Grid:
-    """Nodes at multiples of their distance, as far as the liquid colors."""
+    """A grid of nodes that covers the range of the liquid's color."""
     dimension, step, reach = parameters.dimension, NODES * parameters.spacing, parameters.color_reach
     low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
     low[:dimension] = np.floor((position[:dimension].min(axis=1) - reach) / step)
@@ -121,13 +121,13 @@ def planes_of(parameters: Parameters) -> Array:
 
 
 def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """J (in 2D per meter of depth): sigma times the sum over nodes."""
+    """The surface energy (J, in 2D per meter of depth): sigma times the sum over nodes."""
     nodes = colors_of(parameters, workspace).nodes
     return node_share(parameters) * float(nodes[ENERGY].sum())
 
 
 def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) -> Array:
-    """(d, N) N: minus the slopes of that energy by the liquid's positions."""
+    """The forces (d, N) in N: minus the derivatives of that energy with respect to the liquid's positions."""
     colors = colors_of(parameters, workspace)
     force = np.zeros_like(colors.position)
     draw(force, colors.position, colors.volume, colors.nodes, *colors.grid)
@@ -135,7 +135,7 @@ def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) ->
     give_back(parameters, workspace, force)
     found: Array = force[: parameters.dimension, : len(mass)]
     if alone(parameters, workspace):
-        # What the grid, which stands still, holds on to is given back, as if it went along.
+        # The net force of the fixed grid is subtracted, as if the grid moved with the liquid.
         found -= found.sum(axis=1)[:, None] * (mass / mass.sum())
     return found
 
@@ -147,12 +147,12 @@ def alone(parameters: Parameters, workspace: Workspace) -> bool:
 
 
 def node_share(parameters: Parameters) -> float:
-    """The energy of one node over its value: sigma a^d."""
+    """The factor sigma a^d of a node's energy."""
     return parameters.material.surface_tension * (NODES * parameters.spacing) ** parameters.dimension
 
 
 def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> None:
-    """Add the force on images to their sources: last images first, since they may be images of earlier ones."""
+    """Add the force on images to their sources, in reverse order since images may be images of earlier ones."""
     images, sides, real = workspace.images, parameters.boundary.sides, len(workspace.lists.counts)
     for side in reversed(range(len(sides.normal))):
         here = slice(images.start[side], images.start[side + 1])
@@ -172,7 +172,7 @@ def first_node(place: float, low: float, numbers: GridNumbers) -> int:
 
 @compiled_inside
 def end_node(place: float, low: float, numbers: GridNumbers, most: int) -> int:
-    """One beyond the last node within reach."""
+    """The first node beyond the range of a particle along an axis."""
     return min(most, math.floor((place + numbers.reach - low) / numbers.step) + 1)
 
 
@@ -209,7 +209,9 @@ def color(nodes: Array, position: Array, volume: Array, low: Array, shape: Integ
 
 @spread
 def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: GridNumbers) -> None:
-    """Energies; and psi' phi and psi n in place of color and gradient, for the part of a node before all planes."""
+    """Compute the energies of the nodes, and replace color and gradient by psi' phi and psi n, for the part of a node
+    in front of all planes.
+    """
     step, least = numbers.step, numbers.least
     for node in prange(nodes.shape[1]):
         a, rest = divmod(node, shape[1] * shape[2])
@@ -235,7 +237,7 @@ def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: Gri
 def draw(
     force: Array, position: Array, volume: Array, nodes: Array, low: Array, shape: Integers, numbers: GridNumbers
 ) -> None:
-    """Minus the derivative of the total energy with respect to each position."""
+    """Compute the force on each position: minus the derivative of the total energy."""
     reach = numbers.reach
     for i in prange(position.shape[1]):
         x, y, z = position[0, i], position[1, i], position[2, i]
@@ -264,7 +266,7 @@ def draw(
 
 STRENGTHS = {2: tension.cohesion_strength_in_plane, 3: tension.cohesion_strength_in_space}
 COUNTED = {2: 0.331, 3: 0.236}
-"""The part of cohesion's tension that remains beside the pressure that it causes, for which div v in the sum of
+"""The part of the tension by cohesion that remains beside the pressure that it causes, for which div v in the sum of
 continuity is zero up to a flat surface. Computed for Wendland's C2 and uniform liquid: see the page on the physics, and
 `tests/models/sph/test_tension.py`.
 """
@@ -276,7 +278,9 @@ def add_surface_tension(parameters: Parameters, state: State, workspace: Workspa
 
 
 def surface_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """J: of all pairs under cohesion, of the color's contours otherwise; forces are its slopes."""
+    """The surface energy (J): of all pairs under cohesion, otherwise of the color function; forces
+    are its derivatives.
+    """
     return TENSIONS[parameters.tension].energy(parameters, workspace)
 
 
@@ -301,14 +305,14 @@ def add_cohesion(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 def energy_of_pairs(parameters: Parameters, workspace: Workspace) -> float:
-    """J, of cohesion."""
+    """The energy of cohesion (J)."""
     energy = np.zeros((1, workspace.rates.shape[1]))
     evaluate_sum(COHESION_ENERGY, parameters, workspace, energy, (parameters.support, cohesion_strength(parameters)))
     return float(energy.sum())
 
 
 def cohesion_strength(parameters: Parameters) -> float:
-    """The strength with which cohesion has the tension of the liquid."""
+    """The strength of cohesion that gives the surface tension of the liquid."""
     material, law = parameters.material, STRENGTHS[parameters.dimension]
     target = material.surface_tension / COUNTED[parameters.dimension]
     return law(target, material.density, parameters.support)
@@ -337,7 +341,7 @@ def no_sum(zero: float, like: Vector) -> float:
 def pair_cohesion(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> Vector:
-    """sum_j m_j C(r) x_ij/r, alike for both of a pair; walls and images pull like the liquid."""
+    """The sum of m_j C(r) x_ij/r with the term of a pair, equal for both; walls and images attract like the liquid."""
     distance = math.sqrt(dot(apart, apart))
     pull = other.weight * other.value * tension.cohesion_kernel(distance, given[0]) / max(distance, SAME)
     found: Vector = axpy(total, pull, apart)
@@ -356,7 +360,7 @@ def add_to_acceleration(
 def pair_energy(
     total: float, apart: Vector, slope: float, own: Particle, other: Particle, given: tuple[float, float]
 ) -> float:
-    """Half of the energy of each pair belongs to each particle, or to its image; all of it for a particle of a wall."""
+    """The energy with the term of a pair: half for each particle or its image, all of it next to a dummy."""
     distance, mass = math.sqrt(dot(apart, apart)), math.fabs(other.weight) * other.value
     share = 0.5 if other.weight > 0.0 else 1.0
     return total + (share * mass * tension.cohesion_energy(distance, given[0]) if distance > SAME else 0.0)
@@ -371,7 +375,7 @@ def store_energy(
 
 
 SAME = 1e-30
-"""m, two particles that are nearer are one: see `neighbor_sums`."""
+"""The distance (m) below which two particles are the same one: see `neighbor_sums`."""
 COHESION = neighbor_sum(
     Reading(weight=FIELD.volume, value=FIELD.density), given_cohesion, no_pull, pair_cohesion, add_to_acceleration
 )
@@ -388,17 +392,17 @@ class Tension(NamedTuple):
     """A model of surface tension."""
 
     pull: Callable[[Parameters, State, Workspace], None]
-    """adds its acceleration to the state's"""
+    """adds its acceleration to the state"""
     energy: Callable[[Parameters, Workspace], float]
-    """J, whose slopes its forces are"""
+    """the energy (J) whose derivatives are its forces"""
     color_reaches: Mapping[int, float]
-    """how far its color field looks, in spacings, by dimension; zero without one"""
+    """the range of its color function, in spacings, by dimension; zero without one"""
     inner_pressure: float
-    """a quarter of the pressure inside that it causes beside Laplace's, in tensions over supports"""
+    """a quarter of the pressure in the liquid that it causes beside Laplace's, in tensions over supports"""
     accuracy: Mapping[int, str]
-    """how well it does, by dimension"""
+    """a remark on its accuracy, by dimension"""
     laws: tuple[Callable[..., float], ...]
-    """what it rests on, for citations"""
+    """the laws that it uses, for citations"""
 
 
 TENSIONS: Mapping[str, Tension] = {
@@ -411,7 +415,7 @@ TENSIONS: Mapping[str, Tension] = {
         },
         laws=(tension.cohesion_kernel, tension.cohesion_strength_in_plane),
     ),
-    # A narrower color kernel sees single particles, a wider one flattens what is curved.
+    # A narrower color kernel resolves single particles, a wider one flattens curved surfaces.
     "csf": Tension(
         add_contour_force, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
         accuracy={

@@ -1,4 +1,4 @@
-"""What `ecume check` says of a liquid before it runs: resolution, cost, and which parts of the physics matter."""
+"""The report of `ecume check` on a tank before it runs: resolution, cost, and which parts of the physics matter."""
 
 from __future__ import annotations
 
@@ -43,15 +43,15 @@ from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array, duration_text, size_text, with_prefix
 
 IRRELEVANT, RELEVANT = 1000.0, 100.0
-"""Bond and Weber numbers above which surface tension has no visible effect, and below which it has."""
+"""The Bond or Weber numbers above which surface tension has no visible effect, and below which it has one."""
 DOMINANT = 10.0
-"""Times the liquid's own viscosity: an artificial viscosity above which the flow is not that of the liquid."""
+"""The ratio of artificial to physical viscosity above which the flow is not that of the liquid."""
 VISCOUS = 1e4
-"""A Reynolds number below which the liquid's viscosity may matter outside boundary layers."""
+"""The Reynolds number below which viscosity may matter outside boundary layers."""
 
 
 def regime_rows(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The Bond number (without gravity, the Weber number) and the Reynolds number, and what follows from them."""
+    """The rows on the Bond number (without gravity, the Weber number) and the Reynolds number."""
     return [
         *_tension_regime(scene, parameters),
         *_viscosity(scene, parameters),
@@ -61,18 +61,18 @@ def regime_rows(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 APPROACHING = 0.5
-"""The part of a pair's motion on which artificial viscosity acts: not while the two part."""
+"""The fraction of the time in which artificial viscosity acts on a pair: only while the two approach."""
 
 
 def numerical_viscosity(scene: SphScene, parameters: Parameters) -> float:
-    """m^2/s, the kinematic viscosity that the artificial viscosity amounts to."""
+    """The kinematic viscosity (m^2/s) that is equivalent to the artificial viscosity."""
     speed = float(number(parameters.constants, "sound_speed"))
     alpha, length = artificial_viscosity_of(scene), smoothing_of(scene)
     return APPROACHING * viscosity_of_alpha(alpha, length, speed, parameters.dimension)
 
 
 def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The Reynolds number with the artificial viscosity."""
+    """The row on the Reynolds number with the artificial viscosity."""
     added, material = numerical_viscosity(scene, parameters), parameters.material
     if added == 0.0:
         return []
@@ -82,7 +82,7 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """How fast the longest standing wave along x decays, and waves of moving sides."""
+    """The rows on the decay of the longest standing wave along x, and on waves of moving sides."""
     pull = gravity_of(scene)
     if not pull[1] < 0.0 or np.delete(pull, 1).any() or not free_surface(scene):
         return []
@@ -112,7 +112,7 @@ def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 class Water(NamedTuple):
-    """What waves travel on."""
+    """The quantities on which the decay of waves depends."""
 
     depth: float
     gravity: float
@@ -120,11 +120,11 @@ class Water(NamedTuple):
     viscosity: float
     """m^2/s, with the artificial one"""
     spacing: float
-    """m, zero where rows of particles do not damp waves"""
+    """m, zero if rows of particles do not damp waves"""
 
 
 def total_viscosity(scene: SphScene, parameters: Parameters) -> float:
-    """m^2/s: that of the liquid and the artificial one."""
+    """The kinematic viscosity (m^2/s) of the liquid plus the artificial one."""
     return numerical_viscosity(scene, parameters) + parameters.material.viscosity / parameters.material.density
 
 
@@ -141,8 +141,8 @@ damping: within 10 % up to k times the spacing of 0.2, and 20 % too large at `FI
 
 
 def lost_per_period(wavenumber: float, water: Water) -> float:
-    """The part of its height that a small standing wave loses in a period: by viscosity, and by the motion of the upper
-    rows of particles relative to each other, which sums over neighbors on one side drive and anything damps.
+    """The fraction of its height that a small standing wave loses in a period: by viscosity, and by the numerical
+    damping of the relative motion of the upper rows of particles, which sums over neighbors on one side drive.
     """
     wave = viscous_decay(wavenumber, water.depth, water.gravity, water.viscosity)
     rows = RESOLVING * (wavenumber * water.spacing) ** ORDER / math.tanh(wavenumber * water.depth) ** SHALLOW
@@ -168,13 +168,13 @@ def _tension_regime(scene: SphScene, parameters: Parameters) -> list[Row]:
         name, number = "Bond number", material.density * pull * extent**2 / tension
     elif tension_of(scene) == "none":
         name, number = "Weber number", material.density * material.fastest**2 * extent / tension
-    else:  # the speed to be expected is that of the surface tension itself
+    else:  # the expected speed is the one caused by surface tension
         return []
     return [(name, f"{number:.3g}", _tension_remark(number, tension_of(scene)))]
 
 
 def _tension_remark(number: float, model: str) -> str:
-    """Whether surface tension matters, and how to switch it."""
+    """The remark whether surface tension matters, and how to switch it."""
     if model != "none" and number > IRRELEVANT:
         return 'surface tension has no visible effect; method.surface_tension_model = "none" is faster'
     if model == "none" and number < RELEVANT:
@@ -192,7 +192,7 @@ def _viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _viscosity_remark(scene: SphScene, parameters: Parameters, number: float, extent: float) -> str:
-    """Whether the flow has the liquid's viscosity, and whether boundary layers are resolved."""
+    """The remark whether the flow has the liquid's viscosity, and whether boundary layers are resolved."""
     material = parameters.material
     added = material.density * numerical_viscosity(scene, parameters)
     if number < VISCOUS and added > DOMINANT * material.viscosity:
@@ -207,26 +207,28 @@ def _viscosity_remark(scene: SphScene, parameters: Parameters, number: float, ex
 
 
 PAIRS_PER_SECOND = 1.5e8
-"""Of the sums, on one core: a rough figure."""
+"""The number of pairs in sums per second on one core: a rough figure."""
 LIKELY_ITERATIONS = 10
-"""For the pressure of an incompressible liquid, in a step."""
+"""The typical number of iterations of the pressure solver of incompressible liquids in a step."""
 NODES_PER_SECOND = 1e8
-"""Of the color and its forces."""
+"""The number of nodes of the color function and its forces per second."""
 OVERHEAD = 3e-4
-"""Seconds of a step that do not depend on how many particles there are."""
+"""The time of a step (s) that does not depend on the number of particles."""
 CONSTANTS = 2.3e4
 """Bytes of the constants of a run without solids."""
 FEW_NEIGHBORS, MANY_NEIGHBORS = {2: 12, 3: 30}, {2: 80, 3: 250}
 PAIRING = {2: 25, 3: 65}
-"""Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs
+"""The number of neighbors above which particles form pairs, for kernels whose Fourier transform has negative values
 [dehnen2012].
 """
 COARSE, FINE = 8, 20
-"""Particles across the smallest extent: a first look, and what pressures can be read from."""
+"""The numbers of particles across the smallest extent for a first impression, and for reliable pressures."""
 UNEVEN, SPREAD = 0.05, 0.02
-"""Of fitted cells: how much longer one edge may be than another, and how far a mass may be from that of its cell."""
+"""Limits of fitted cells: the relative difference of their edges, and the relative difference of a mass from that of
+its cell.
+"""
 FAST, ASKED = 0.11, 0.1
-"""The Mach number above which a liquid is compressed by more than a percent or so, and the one to choose."""
+"""The Mach number above which a liquid is compressed by more than about a percent, and the recommended one."""
 
 
 def advice(scene: SphScene, parameters: Parameters, position: Array, bytes_each: float) -> list[Row]:
@@ -263,7 +265,7 @@ def _resolution(scene: SphScene, parameters: Parameters, position: Array) -> lis
 
 
 def gravity_row(scene: SphScene) -> Row:
-    """Gravity with its direction, and whether it points away from an open top."""
+    """The row on gravity: its direction, and whether it points away from an open top."""
     pull = gravity_of(scene)
     value, up = gravity_text(pull.tolist())
     if value == "none":
@@ -282,7 +284,9 @@ def gravity_row(scene: SphScene) -> Row:
 
 
 def fitted_row(scene: SphScene) -> Row:
-    """How far the lattice is from square cells as wide as the spacing, once it fits between walls and solids."""
+    """The row on the lattice that was fitted between walls and solids: how far its cells differ from squares as wide as
+    the spacing.
+    """
     drawn = [cells for (cells, _), region in zip(cells_of(scene), scene.fluid, strict=True) if region.particles is None]
     widths = np.concatenate([cells.widths for cells in drawn] or [np.full((1, 1), scene.spacing)])
     volumes = np.concatenate([cells.volumes for cells in drawn] or [np.full(1, scene.spacing)])
@@ -301,7 +305,7 @@ def fitted_row(scene: SphScene) -> Row:
 
 
 def packing_row(scene: SphScene, position: Array) -> list[Row]:
-    """How even the liquid is next to surfaces that its lattice does not fit."""
+    """The row on the unevenness of the liquid next to surfaces that its lattice does not fit."""
     cells, solids = [cells for cells, _ in cells_of(scene)], unaligned_solids(scene)
     ends = np.cumsum([len(each.centers) for each in cells])
     places = np.split(position.T[: ends[-1]], ends[:-1])
@@ -314,7 +318,7 @@ def packing_row(scene: SphScene, position: Array) -> list[Row]:
 
 
 def walls_remark(scene: SphScene, dummies: int) -> str:
-    """The kind of walls."""
+    """The remark on the kind of walls."""
     if dummies:
         return f"{dummies} more in walls and solids"
     if all(side.kind != "wall" for side in sides_of(scene)):
@@ -323,7 +327,9 @@ def walls_remark(scene: SphScene, dummies: int) -> str:
 
 
 def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """Obstacles and bodies thinner than the support: the liquid on either side feels the other, and dummies are few."""
+    """The rows on obstacles and bodies thinner than the support: liquid on both sides interacts, and there are few
+    dummies.
+    """
     solids = solids_of(scene)
     names = parameters.boundary.names[len(parameters.boundary.names) - len(solids) :]
     support = parameters.support / scene.spacing
@@ -346,7 +352,7 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def sound_rows(scene: SphScene, material: Material) -> list[Row]:
-    """Sound, and how much the liquid is compressed."""
+    """The rows on the speed of sound and the compression of the liquid."""
     return [
         ("sound speed", with_prefix(material.sound_speed, "m/s"), "of the numerical liquid"),
         ("Mach number", f"{material.fastest / material.sound_speed:.2g}", "to be expected"),
@@ -355,7 +361,7 @@ def sound_rows(scene: SphScene, material: Material) -> list[Row]:
 
 
 def solver_rows(settings: Projection) -> list[Row]:
-    """What replaces sound in an incompressible liquid."""
+    """The rows on the pressure solver of an incompressible liquid."""
     free = "zero at the free surface, not negative"
     bounds = free if settings.free_surface else "the tank is full: the least is zero"
     remark = f"r.m.s. error of a step, within {settings.iterations} iterations"
@@ -366,7 +372,7 @@ def solver_rows(settings: Projection) -> list[Row]:
 
 
 def compression_row(weight: float, material: Material) -> Row:
-    """How much the liquid is compressed, by its weight g H (J/kg) at rest and by the pressure of its motion."""
+    """The row on the compression of the liquid by its weight g H (J/kg) at rest and by the pressure of its motion."""
     laws = material.density, material.sound_speed, material.exponent
     at_rest = density_at_enthalpy(weight, *laws) / material.density - 1.0
     moving = (material.fastest / material.sound_speed) ** 2
@@ -389,7 +395,7 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def uniform_inflows(scene: SphScene) -> list[Row]:
-    """Inflows of one speed between no-slip walls, which stop the liquid beside them within a spacing."""
+    """The rows on uniform inflows between no-slip walls, which stop the liquid beside them within a spacing."""
     remark = 'particles accumulate where no-slip walls stop the liquid; profile = "parabolic" avoids it'
     return [
         (f"inflow {SIDES[number]}", "uniform", remark)
@@ -429,7 +435,9 @@ def dummies_size(parameters: Parameters) -> float:
 
 
 def numbers_expected(parameters: Parameters) -> list[str]:
-    """The numbers of a frame, by kind: energies and motion, loads on solids, poses of bodies, readings of gauges."""
+    """The kinds of the numbers of a frame: energies and motion, loads on solids, poses of bodies,
+    readings of gauges.
+    """
     boundary, d = parameters.boundary, parameters.dimension
     loaded = {int(side) for side in boundary.image_owner if side >= 0} | set(boundary.dummies.owner.tolist())
     turns, bodies = (1 if d == 2 else 3), len(parameters.bodies.shapes)
@@ -442,7 +450,9 @@ def numbers_expected(parameters: Parameters) -> list[str]:
 
 
 def seconds_a_step(scene: SphScene, parameters: Parameters, count: int) -> float:
-    """Two sums over neighbors, and for the continuum surface force two over the nodes around each particle."""
+    """The estimated time of a step (s): two sums over neighbors, and for the continuum surface force two over the nodes
+    around each particle.
+    """
     neighbors = lattice_neighbors(parameters.dimension, parameters.support / scene.spacing)
     reach = parameters.color_reach / (NODES * scene.spacing)
     nodes = math.pi * reach**2 * (1.0 if parameters.dimension == 2 else 4.0 / 3.0 * reach)
@@ -463,7 +473,8 @@ def resolution_remark(across: float) -> str:
 
 
 def lattice_neighbors(dimension: int, reach: float) -> int:
-    """Points of a square lattice closer to one of them than `reach` spacings, itself not counted.
+    """The number of points of a square lattice closer than `reach` spacings to one of them, itself
+    excluded.
 
     >>> lattice_neighbors(2, 4.0)
     44

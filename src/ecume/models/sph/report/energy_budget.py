@@ -47,8 +47,8 @@ admit(states)
 
 
 def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:
-    """Kinetic, potential (a shaken tank is counted as work), elastic (with the repulsion of walls) and surface energy,
-    and the energy of the bodies (J).
+    """The kinetic, potential, elastic (with the repulsion of walls) and surface energy, and the energy of the bodies
+    (J); the acceleration of a shaken tank counts as work.
     """
     material, waves = parameters.material, parameters.pressure_method.compressible
     laws = material.density, material.sound_speed, material.exponent
@@ -69,7 +69,7 @@ def energies(parameters: Parameters, state: State, propped: float, surface: floa
 
 @compiled
 def elastic_energies(density: Array, reference_density: float, sound_speed: float, exponent: float) -> Array:
-    """`tait_energy` of each particle (J/kg), by the C library's power function."""
+    """The `tait_energy` of each particle (J/kg), with the power function of the C library."""
     found = np.empty_like(density)
     for i in range(len(density)):
         found[i] = tait_energy(density[i], reference_density, sound_speed, exponent)
@@ -77,14 +77,14 @@ def elastic_energies(density: Array, reference_density: float, sound_speed: floa
 
 
 def potential_of(parameters: Parameters, mass: Array, position: Array) -> float:
-    """Potential energy in gravity and in the central pull at positions (d, N) (J)."""
+    """The potential energy (J) in gravity and in the central pull at positions (d, N)."""
     potential = -float(np.sum(mass * product(parameters.gravity, position)))
     away = position - parameters.pull_center[:, None]
     return potential + 0.5 * parameters.pull_rate**2 * float(np.sum(mass * (away**2).sum(axis=0)))
 
 
 def energy_of(parameters: Parameters, state: State, who: Any) -> float:
-    """Kinetic, potential and elastic energy of some particles (J)."""
+    """The kinetic, potential and elastic energy of some particles (J)."""
     some = subset(state, who)
     alone = energies(parameters, some, 0.0, 0.0)
     return alone["total_energy"] - alone["bodies_energy"]
@@ -108,11 +108,11 @@ def has_external_work(parameters: Parameters) -> bool:
 
 
 NUMERICAL = "numerical_work"
-"""The part of the injected work that the numerical method does."""
+"""The name of the part of the injected work that the numerical method does."""
 
 
 def has_numerical_work(parameters: Parameters) -> bool:
-    """Whether density diffusion, a volume that is kept, or dummies do work."""
+    """Whether density diffusion, the conservation of volume, or dummies do work."""
     return parameters.density_diffusion.excess is not None or parameters.fixed_volume or dummies_work(parameters)
 
 
@@ -129,13 +129,15 @@ def dummies_work(parameters: Parameters) -> bool:
 
 
 def may_lose_liquid(parameters: Parameters) -> bool:
-    """Whether liquid may be lost through a side, other than one to which it would have to rise."""
+    """Whether liquid may be lost through a side, apart from sides that it could only reach by rising."""
     outwards = np.array([-parameters.gravity, parameters.gravity])
     return bool((np.isfinite(parameters.bounds) & (outwards >= 0.0)).any())
 
 
 def has_unbudgeted_work(parameters: Parameters) -> bool:
-    """Whether surface tension does work outside the energy budget: it acts on moving parts, but not in the loads."""
+    """Whether surface tension does work outside the energy budget: it acts on moving solids, but is not part of the
+    loads.
+    """
     return parameters.tension != "none" and bool(
         parameters.drives or parameters.open_boundaries or parameters.bodies.shapes
     )
@@ -143,8 +145,8 @@ def has_unbudgeted_work(parameters: Parameters) -> bool:
 
 def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Add the work of density diffusion in a step, before its densities change: it changes the elastic energy without
-    moving anything, and the pressure that results may lift the liquid. It works against the acoustic damping, too:
-    what is left of the power of that is -(zeta/rho^2) V (drho/dt)^2.
+    any motion, and the resulting pressure may lift the liquid. It also does work against the acoustic damping, which in
+    total dissipates (zeta/rho^2) V (drho/dt)^2.
     """
     if parameters.density_diffusion.excess is None and not parameters.fixed_volume:
         return
@@ -168,8 +170,8 @@ def diffusion_work(
     bulk_viscosity: Array,
     time: float,
 ) -> float:
-    """sum_i m_i p/rho^2 (drho/dt of diffusion) dt (J), with the pressure in the middle of the change of density, and
-    the damping.
+    """The work sum_i m_i p/rho^2 (drho/dt of diffusion) dt (J), with the pressure in the middle of the change of
+    density, and with the damping.
     """
     total = 0.0
     for i in range(len(mass)):
@@ -183,15 +185,17 @@ def diffusion_work(
 def add_work(
     parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float
 ) -> None:
-    """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
+    """Add the work of a completed step; `began` holds the power (W) before it, and whether the
+    forces were known then.
+    """
     if parameters.base_excitation is None and not forces_work(parameters):
         return
-    if parameters.projection is not None:  # whose forces act from the start of the step to its end
+    if parameters.projection is not None:  # the forces of these particles act during the whole step
         shaken = 0.5 * (began[0] + power_of_base_excitation(parameters, state))
         state.budget[WORK] += (float(state.budget[RATE]) + shaken) * time
         state.budget[RATE] = 0.0
         return
-    with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
+    with np.errstate(over="ignore", invalid="ignore"):  # the integration reports positions that are not finite
         rate, numerical = powers_of_forces(with_moved_solids(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_base_excitation(parameters, state)
@@ -202,7 +206,9 @@ def add_work(
 
 
 def power_of_base_excitation(parameters: Parameters, state: State) -> float:
-    """Power of a shaken tank on liquid and bodies (W, in the frame of the tank): acceleration times momentum."""
+    """The power (W, in the frame of the tank) of the base excitation on liquid and bodies:
+    acceleration times momentum.
+    """
     if parameters.base_excitation is None:
         return 0.0
     pull, liquid = drive_at(parameters.base_excitation, float(state.clock[0]))[0], liquid_alone(parameters, state)
@@ -213,12 +219,12 @@ def power_of_base_excitation(parameters: Parameters, state: State) -> float:
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Power of moving sides, of buffers, of dummies and of laws of the user (W), from a filled workspace."""
+    """The power (W) of moving sides, buffers, dummies and laws of the user, from a filled workspace."""
     return powers_of_forces(now, state, workspace)[0]
 
 
 def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
-    """The power of all forces from outside, and the part of dummies that are compressed (W)."""
+    """The power (W) of all external forces, and the part of it by the compression of dummies."""
     power, compressing = 0.0, 0.0
     if workspace.user_acceleration is not None:
         inside = state.zone == 0
@@ -241,7 +247,7 @@ def moving_sides(now: Parameters) -> Integers:
 
 
 def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int) -> float:
-    """Power of a moving side on images and on repelled particles (W)."""
+    """The power (W) of a moving side on images and on repelled particles."""
     boundary, d = now.boundary, now.dimension
     side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
@@ -256,13 +262,13 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
 
 
 def moving_dummies(parameters: Parameters) -> Integers:
-    """Dummies in sides that move along themselves."""
+    """The dummies of sides that move along themselves."""
     dummies = parameters.boundary.dummies
     return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
 
 
 def power_of_moving_dummies(now: Parameters, workspace: Workspace) -> float:
-    """Power of moving layers of dummies (W); only periodic sides have images next to them."""
+    """The power (W) of moving layers of dummies; only periodic sides have images next to them."""
     mine, first = moving_dummies(now), workspace.rates.shape[1]
     group = np.zeros(workspace.fields.shape[1], np.int64)
     force = forces_on(now, workspace, first + mine, group)[0]
@@ -270,7 +276,8 @@ def power_of_moving_dummies(now: Parameters, workspace: Workspace) -> float:
 
 
 def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Power of the pressure of dummies, beside that of their force through their own motion (W).
+    """The power (W) of the pressure of dummies, apart from that of their force and their own
+    motion.
 
     A pair of liquid i and dummy w changes the kinetic energy by w_i w_w F (P_i + P_w) x_iw.v_i and the elastic energy
     of i by w_i w_w F P_i x_iw.(v_w - v_i). Their sum is the force times v_w, and w_i w_w F P_w x_iw.(v_i - v_w): the
@@ -298,7 +305,9 @@ def power_of_dummies(now: Parameters, state: State, workspace: Workspace) -> flo
 def dummy_powers(
     fields: Floats, counted: Floats, first: int, lists: Lists, constants: Constants, power: Array
 ) -> None:  # fmt: skip
-    """W of each dummy, from column `first` on: minus w P times its rate of compression by the liquid that counts."""
+    """The power (W) of each dummy, from column `first` on: minus w P times the rate at which the counted liquid
+    compresses it.
+    """
     kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
     deep = constants[0].dimension == 3
     counts, neighbor = lists
@@ -323,7 +332,7 @@ def dummy_powers(
 
 
 def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Power of the liquid behind inflows and outflows (W): the mean of the gain and the loss of a pair."""
+    """The power (W) of the liquid behind inflows and outflows: the mean of the gain and the loss of a pair."""
     real, liquid = len(workspace.lists.counts), workspace.rates.shape[1]
     root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
     held = np.zeros(real, np.int64)
@@ -345,20 +354,20 @@ def before_gates(now: Parameters, state: State) -> Integers:
 
 
 def periodic_work(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
-    """The work of moving liquid from one periodic side to the other (J)."""
+    """The work (J) of moving liquid from one periodic side to the other."""
     who = out & (state.zone == 0)
     mass, position = state.mass[who], state.position[:, who]
     return potential_of(parameters, mass, position + shift[:, None]) - potential_of(parameters, mass, position)
 
 
 def exchanged_energy(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
-    """The energy of particles that enter, less that of particles that leave (J); NaN if a position is not finite."""
+    """The energy of entering particles less that of leaving particles (J); NaN if a position is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
 
 
 def reflection_work(now: Parameters, state: State, before: Array) -> float:
-    """The work of moving sides on reflected particles (J), from their velocities before."""
+    """The work (J) of moving sides on reflected particles, from their velocities before."""
     work, guard, d = 0.0, now.boundary.guard, now.dimension
     for side, _ in now.drives:
         row = guard.sheet.number[guard.owner == side][0]

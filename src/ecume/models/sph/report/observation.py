@@ -81,7 +81,7 @@ def reference_of(scene: SphScene) -> PressureReference:
 
 
 def level_of(scene: SphScene, up: Array) -> float:
-    """m: the height to which the largest connected part of the liquid reaches at the start. Drops above it fall."""
+    """The initial level of the liquid (m): the height of its largest connected part. Drops above it fall."""
     regions = [part_of_space(region, scene.spacing) for region in scene.fluid]
     low, high = (np.array(corners) for corners in zip(*(region.bounds() for region in regions), strict=True))
     meet = (np.maximum(low, low[:, None]) < np.minimum(high, high[:, None]) + scene.spacing).all(axis=2)
@@ -94,7 +94,7 @@ def level_of(scene: SphScene, up: Array) -> float:
 
 
 def upward(gravity: Array) -> Array:
-    """(d,) the direction against gravity; zero without gravity."""
+    """The direction (d,) against gravity; zero without gravity."""
     size = float(np.linalg.norm(gravity))
     up: Array = -gravity / size if size > 0.0 else np.zeros(len(gravity))
     return up
@@ -108,7 +108,7 @@ def hydrostatic(reference: PressureReference, position: Array) -> Array:
 
 
 Kind = Callable[[PressureReference, Array, Array], Array]
-"""A pressure (Pa) from the reference, the gauge pressure (N,) and the position (N, d)."""
+"""The signature of a pressure (Pa) as a function of the reference, the gauge pressure (N,) and the position (N, d)."""
 
 PRESSURES: Mapping[str, Kind] = {
     "pressure": lambda reference, gauge, position: gauge,
@@ -116,21 +116,21 @@ PRESSURES: Mapping[str, Kind] = {
     "dynamic_pressure": lambda reference, gauge, position: gauge - hydrostatic(reference, position),
     "absolute_pressure": lambda reference, gauge, position: gauge + reference.atmospheric,
 }
-"""By name, as gauges, figures, pages and exports take them."""
+"""The pressures by name, for gauges, figures, pages and exports."""
 
 
 KERNEL = "wendland-c2"
 QUADRATURE = 200
-"""Points an axis for how much of a gauge's surroundings is in the tank."""
+"""The number of points along an axis in the integral over a gauge's surroundings."""
 ACROSS = 6
-"""Points along the line of a sensor, or along a radius and around a disc."""
+"""The number of points along the line of a sensor, or along a radius and around a disc."""
 
 Readings = tuple[dict[str, float], dict[str, str]]
-"""Numbers, and their units."""
+"""The values of gauges, and their units."""
 
 
 def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
-    """The gauges of a scene, rows of gauges as single ones."""
+    """The gauges of a scene; a row of gauges is expanded into single ones."""
     found = []
     ends, periods = _ends(scene.tank)
     for spec in scene.gauges:
@@ -144,8 +144,8 @@ def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
 
 
 def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
-    """(n, d) points that share the sensing area of a sensor evenly, along the nearest side of the tank and within it;
-    the place alone without a diameter.
+    """Points (n, d) with equal shares of the sensing area of a sensor, along the nearest side of the tank and within
+    it; the place alone without a diameter.
     """
     if diameter == 0.0:
         return place[None]
@@ -156,7 +156,7 @@ def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
     share = (np.arange(ACROSS) + 0.5) / ACROSS
     if len(along) == 1:
         points[:, along[0]] += (share - 0.5) * diameter
-    else:  # rings of equal areas
+    else:  # rings with equal areas
         radius, angle = np.meshgrid(0.5 * diameter * np.sqrt(share), 2.0 * np.pi * share)
         points[:, along] += np.stack([(radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel()], axis=1)
     inside: Array = points[((points >= low) & (points <= high)).all(axis=1)]
@@ -164,8 +164,8 @@ def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
 
 
 def _ends(tank: TankSpec) -> tuple[Array, Array]:
-    """The ends (2, d) and the periods (d,) of a tank, as `Gauge` has them. Buffers behind in- and outflows count as
-    solid, since gauges do not read what is in them.
+    """The ends (2, d) and the periods (d,) of a tank, as in `Gauge`. Buffers behind inflows and outflows count as
+    solid, since gauges do not read them.
     """
     sides = [getattr(tank, name).kind for name in SIDES[: 2 * len(tank.low)]]
     bounds = np.array([tank.low, tank.high], np.float64)
@@ -188,7 +188,7 @@ def _ground(tank: Array, place: Array, reach: float) -> float:
 
 
 class Surroundings(NamedTuple):
-    """What gauges read and what confines it, at one instant."""
+    """The liquid and the solids that gauges read, at one instant."""
 
     position: Array
     """(N, d) m, in the initial order of particles, so that sums do not depend on sorting"""
@@ -215,7 +215,7 @@ def readings(parameters: Parameters, state: State, pressure: Array) -> Readings:
 
 
 def surroundings_of(parameters: Parameters, state: State, pressure: Array) -> Surroundings:
-    """What the gauges read at this instant."""
+    """The liquid and the solids that gauges read at this instant."""
     order = np.argsort(state.identity)
     table = np.column_stack([state.velocity[:, order].T, pressure[order], (state.mass / state.density)[order]])
     dummies, sides = parameters.boundary.dummies, 2 * parameters.dimension
@@ -230,7 +230,7 @@ def surroundings_of(parameters: Parameters, state: State, pressure: Array) -> Su
 
 
 def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> Iterator[tuple[str, float, str]]:
-    """Name, value and unit of each number."""
+    """Yield the name, the value and the unit of each number of a gauge."""
     kinds = [name for name in PRESSURES if name in gauge.measures]
     if kinds or "velocity" in gauge.measures:
         close = _close(gauge, around)
@@ -248,7 +248,7 @@ def _read(gauge: Gauge, around: Surroundings, reference: PressureReference) -> I
 
 
 def _close(gauge: Gauge, around: Surroundings) -> Surroundings:
-    """The particles that a gauge may see, across periodic sides too."""
+    """The particles within the range of a gauge, also across periodic sides."""
     far = around.reach + float(np.abs(gauge.area - gauge.place).max())
     liquid, solid = (_beside(gauge, position) for position in (around.position, around.solid))
     seen, touched = ((np.abs(position - gauge.place) < far).all(axis=1) for position in (liquid, solid))
@@ -267,7 +267,7 @@ def _beside(gauge: Gauge, position: Array) -> Array:
 
 
 def _at_place(place: Array, around: Surroundings) -> list[float]:
-    """Velocity and pressure of the liquid there, exact for what grows linearly; zero where it is dry."""
+    """The velocity and the pressure of the liquid at a place, exact for linear fields; zero where it is dry."""
     position, table, reach = around.position, around.table, around.reach
     close = (np.abs(position - place) < reach).all(axis=1)
     pairs = near(place[None], position[close], reach)
@@ -280,8 +280,8 @@ def _at_place(place: Array, around: Surroundings) -> list[float]:
 
 
 def _covered(place: Array, gauge: Gauge, around: Surroundings) -> float:
-    """The part of a place that liquid covers, see `ecume.laws.wall_forces`: its room is that between the sides of the
-    tank and outside of solids.
+    """The fraction of a place that liquid covers, see `ecume.laws.wall_forces`, relative to the space between the sides
+    of the tank and outside of solids.
     """
     spacing, ends = around.spacing, gauge.ends + around.shift - place
     room = math.prod(between_planes(low, high, spacing) for low, high in ends.T.tolist())
@@ -290,14 +290,14 @@ def _covered(place: Array, gauge: Gauge, around: Surroundings) -> float:
 
 
 def _smeared(away: Array, volume: Array, spacing: float) -> float:
-    """The sum of smeared particles at these displacements."""
+    """The sum of the kernels of particles at these displacements."""
     dimension = away.shape[1]
     q = np.sqrt((away * away).sum(axis=1)) / spacing
     return dot(volume, np.array([smeared(each, dimension) for each in q.tolist()])) / math.pow(spacing, dimension)
 
 
 def _depth(gauge: Gauge, around: Surroundings) -> float:
-    """The volume of liquid around a place of the floor, per area of the floor between the sides where they are."""
+    """The volume of liquid around a place on the floor, per area of the floor between the present sides."""
     axes, reach = np.array([axis for axis in range(len(gauge.place)) if axis != 1]), around.reach
     level, place = around.position[:, axes], gauge.place[axes]
     close = (np.abs(level - place) < reach).all(axis=1)
@@ -353,7 +353,7 @@ BODY_UNITS = {
     "position": "m",
 }
 PER_DEPTH = {"J": "J/m", "N": "N/m", "N*m": "N*m/m", "kg": "kg/m", "kg*m/s": "kg/s", "m^3": "m^2"}
-"""What 2D tanks report in the place of each unit: quantities are per meter of depth."""
+"""The units of 2D tanks instead of each unit: quantities are per meter of depth."""
 
 
 def in_dimension(units: Mapping[str, str], dimension: int) -> dict[str, str]:
@@ -412,7 +412,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
 
 def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
     """Arrays with the passive particles after the liquid, as further species. They have no mass; their pressure is that
-    of the liquid around, zero outside.
+    of the surrounding liquid, zero outside.
     """
     tracers, material, count = parameters.passive_tracers, parameters.material, state.passive_position.shape[1]
     group = np.repeat(np.arange(len(tracers.groups)), np.diff(tracers.start))
@@ -476,7 +476,7 @@ def pose_of(state: State, body: int, names: tuple[str, str], start: Array) -> di
 
 
 def turned_since(now: Array, start: Array) -> Array:
-    """The quaternion q that turned `start` into `now`: q = now start*."""
+    """The quaternion q of the rotation from `start` to `now`: q = now start*."""
     (a, b, c, d), (w, x, y, z) = now, start
     return np.array(
         [
@@ -489,7 +489,7 @@ def turned_since(now: Array, start: Array) -> Array:
 
 
 def of_solver(parameters: Parameters, state: State) -> dict[str, float]:
-    """Iterations since the start, the most in a substep, and the mean of what the density is too large by."""
+    """The iterations since the start, the largest number in a substep, and the mean excess of density."""
     excess = np.maximum(state.density / parameters.material.density - 1.0, 0.0)
     return {
         "iterations": float(state.tally[ITERATIONS]),
@@ -499,7 +499,7 @@ def of_solver(parameters: Parameters, state: State) -> dict[str, float]:
 
 
 def pressure_in(parameters: Parameters, state: State) -> Array:
-    """(N,) Pa: Tait's, or that of the solver for incompressible liquids."""
+    """The pressure (N,) in Pa: of Tait's equation, or of the solver for incompressible liquids."""
     material = parameters.material
     if parameters.projection is not None:
         return state.pressure.copy()
@@ -508,7 +508,7 @@ def pressure_in(parameters: Parameters, state: State) -> Array:
 
 
 def gauge_pressure(parameters: Parameters, state: State) -> Array:
-    """(N,) Pa: Tait's, and the hydrostatic part where the forces leave it out."""
+    """The gauge pressure (N,) in Pa: of Tait's equation, plus the hydrostatic part where the forces omit it."""
     material = parameters.material
     pressure = pressure_in(parameters, state)
     depth = parameters.surface - state.position[1]
@@ -549,17 +549,19 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
 
 
 SQUEEZED = 0.2
-"""The largest change of density that a weakly compressible liquid may have: one of 1 % is meant."""
+"""The largest change of density that a weakly compressible liquid may have; the method is meant for 1 %."""
 MACH = 0.3
-"""The largest speed over that of sound: a tenth is meant, and the density changes by its square."""
+"""The largest speed over the speed of sound; the method is meant for a tenth, and the density changes by its square."""
 RISE = 0.02
-"""Of the energy: densities that are diffused and particles that are shifted bring a little."""
+"""The tolerated rise of the energy, relative: density diffusion and shifting add a little."""
 TURNED_BACK = 1e-3
-"""Hits of the guard, a particle and step."""
+"""The tolerated number of reflections by the guard, per particle and step."""
 FAINT = 0.05
-"""Of the speed that is expected: what goes so slowly has no more energy than layers lose and gain as they settle."""
+"""The speed, over the expected one, below which the kinetic energy is comparable to the changes of energy while layers
+settle.
+"""
 DRIFT = 1e-6
-"""Of momentum."""
+"""The tolerated drift of momentum, relative."""
 
 
 def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
@@ -593,8 +595,8 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
 
 
 def _faint(parameters: Parameters) -> Callable[[NumberHistory], float]:
-    """The energy of a faint motion, and of a weight that is lifted by a particle's size: a liquid at rest moves by some
-    hundredths of that while its layers settle.
+    """The energy of a faint motion, and of a weight that is lifted by a particle's diameter: a liquid at rest moves by
+    some hundredths of that while its layers settle.
     """
     material = parameters.material
     pull = float(np.linalg.norm(parameters.gravity))

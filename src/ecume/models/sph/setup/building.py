@@ -77,7 +77,7 @@ NUMERICAL_MACH = 0.1
 
 
 def material_of(scene: SphScene) -> Material:
-    """The liquid, with a sound speed for the numerics."""
+    """The liquid with its speed of sound."""
     given = filled(scene.liquid)
     fastest = given.maximum_speed or fastest_of(scene)
     waves = pressure_of(scene).compressible
@@ -93,7 +93,7 @@ def material_of(scene: SphScene) -> Material:
 
 
 def fastest_of(scene: SphScene) -> float:
-    """The fastest speed to be expected: of what moves at the start, and of its free fall to the end of the tank."""
+    """The highest expected speed: of the initial motion, and of free fall to the end of the tank."""
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
     speeds = [math.sqrt(2.0 * weight_enthalpy(scene))]
@@ -122,8 +122,8 @@ def fastest_of(scene: SphScene) -> float:
 
 
 def fall_enthalpy(scene: SphScene, low: Array, high: Array) -> float:
-    """J/kg of a fall to the sides of the tank: from the corner `low` toward lower and from `high` toward higher
-    coordinates; none along periodic sides.
+    """The energy (J/kg) of a fall to the sides of the tank: from the corner `low` toward lower and from `high` toward
+    higher coordinates; zero along periodic sides.
     """
     pull = held_pull(scene)
     way = np.where(pull < 0.0, low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
@@ -131,15 +131,15 @@ def fall_enthalpy(scene: SphScene, low: Array, high: Array) -> float:
 
 
 def weight_enthalpy(scene: SphScene) -> float:
-    """What the weight of the liquid above brings the lowest liquid, g H (J/kg)."""
+    """The enthalpy g H (J/kg) at the bottom by the weight of the liquid above."""
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     extent = np.max([high for _, high in bounds], axis=0) - np.min([low for low, _ in bounds], axis=0)
     return float(np.abs(gravity_of(scene)) @ extent)
 
 
 def channel_enthalpy(scene: SphScene) -> float:
-    """J/kg: the largest pressure drop by viscosity between no-slip walls behind an inflow, over the density. Sound must
-    be fast compared with its root, too [morris1997].
+    """The largest pressure drop by viscosity between no-slip walls behind an inflow, over the density (J/kg). The speed
+    of sound must be large compared with its square root, too [morris1997].
     """
     liquid, drops = filled(scene.liquid), [0.0]
     for number, side in enumerate(sides_of(scene)):
@@ -224,13 +224,15 @@ def parameters_of(scene: SphScene) -> Parameters:
 
 
 def central_force_of(scene: SphScene) -> tuple[float, Array]:
-    """The rate of the central pull (1/s), zero without one, and its center."""
+    """The rate of the central force (1/s), zero without one, and its center."""
     pull = scene.central_force
     return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.angular_frequency, np.array(pull.center))
 
 
 def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
-    """Pa s, of the acoustic damping; zero without. By default it does not require shorter steps for light bodies."""
+    """The bulk viscosity (Pa s) of the acoustic damping; zero without. By default it does not require shorter steps for
+    light bodies.
+    """
     alpha = acoustic_damping_of(scene)
     if alpha == 0.0:
         return 0.0
@@ -253,7 +255,7 @@ def bulk_viscosity_of(scene: SphScene, material: Material) -> float:
 
 
 def background_of(scene: SphScene, material: Material) -> float:
-    """Pa, of the transport velocity; zero without."""
+    """The background pressure (Pa) of the transport velocity; zero without."""
     given = scene.method.background_pressure
     if not pressure_force_of(scene).transported:
         if given is not None:
@@ -270,12 +272,12 @@ def background_of(scene: SphScene, material: Material) -> float:
 
 
 LENIENT = 4.0
-"""Largest ratio of a given time step to the limits, which are rules of thumb."""
+"""The largest ratio of a specified time step to the limits, which are rules of thumb."""
 BODIES = "the lightest body"
 
 
 def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dict[str, float]:
-    """The longest step (s), by what limits it; infinite where nothing does."""
+    """The longest time step (s) for each limit; infinite if a limit does not apply."""
     h, courant = smoothing_of(scene), scene.integration.courant_number
     tension = material.surface_tension if tension_of(scene) != "none" else 0.0
     return {
@@ -306,7 +308,7 @@ def damping_limit(scene: SphScene, spec: BodySpec, material: Material, bulk_visc
 
 
 def areal_mass_of(spec: BodySpec) -> float:
-    """The mass of a body over its surface."""
+    """The ratio of the mass of a body to its surface area."""
     shape = shape_of(spec)
     return float(mass_of(spec, shape) / shape.surface())
 

@@ -49,7 +49,7 @@ USUAL_ALPHA = 0.02
 
 
 def chosen(name: str, names: Any, path: str) -> str:
-    """A law's name, if there is such a law."""
+    """The name of a law, if the law exists. Raises SceneError otherwise."""
     if name not in names:
         known = ", ".join(names)
         near = suggestion(name, names)
@@ -70,7 +70,7 @@ def gravity_of(scene: SphScene) -> Array:
 
 
 def held_pull(scene: SphScene) -> Array:
-    """(d,) the part of gravity that pressure balances at rest: none along periodic sides, along which liquid
+    """The part (d,) of gravity that pressure balances at rest: zero along periodic sides, along which liquid
     accelerates.
     """
     pull = gravity_of(scene)
@@ -86,7 +86,7 @@ def pressure_of(scene: SphScene) -> PressureMethod:
 
 
 def modified(scene: SphScene) -> bool:
-    """Whether gravity is omitted from the motion, and the hydrostatic pressure added in frames."""
+    """Whether the forces omit gravity and frames add the hydrostatic pressure."""
     return scene.method.pressure_split == "modified"
 
 
@@ -114,7 +114,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     if term.field == "enthalpy":
         delta *= spring
     by_mass = pressure_force_of(scene).by_mass
-    if by_mass:  # neighbors then count by their mass, and diffusion is a sum over volumes
+    if by_mass:  # neighbors then have their masses as weights, but diffusion is a sum over volumes
         delta /= material.density
     rise = np.zeros(3)
     if term.balances_weight:
@@ -131,7 +131,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
         "softening": 0.01 * smoothing**2,
         "sound_speed": damping_speed,
         "alpha": artificial_viscosity_of(scene),
-        # By volume the viscosity's term is not per density squared.
+        # In the form by volumes the viscous term is not divided by the density squared.
         "damping_divisor": material.density if by_mass else 1.0 / material.density,
         "delta": delta,
         "rise_x": rise[0],
@@ -143,8 +143,8 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
 
 
 def artificial_viscosity_of(scene: SphScene) -> float:
-    """Its alpha: by default none where the liquid has a viscosity, and in tanks that make waves, which it would damp:
-    there the acoustic damping suffices.
+    """The coefficient alpha of the artificial viscosity: by default zero if the liquid has a viscosity, and in tanks
+    with waves, which it would damp and in which the acoustic damping suffices.
     """
     given = scene.method.artificial_viscosity
     if given is None:
@@ -154,25 +154,27 @@ def artificial_viscosity_of(scene: SphScene) -> float:
 
 
 def makes_waves(scene: SphScene) -> bool:
-    """Whether a scene is about waves on the surface: a side moves, or a standing wave is set up."""
+    """Whether a scene simulates surface waves: a side moves, or a standing wave is initialized."""
     moved = any(side.motion for side in sides_of(scene))
     return moved or any(region.flow == "standing-wave" for region in scene.fluid)
 
 
 USUAL_DAMPING = 2.0
-"""Of sound, where liquid may hit a wall. The quickest oscillation of a lattice is damped critically with 1.76."""
+"""The coefficient of acoustic damping in scenes with impacts on walls. With 1.76 the fastest oscillation of a lattice
+is critically damped.
+"""
 
 
 def impacts_dissipate(scene: SphScene) -> bool:
-    """Whether the method dissipates the sound of impacts: where there is a free surface, and sound, and unless the
-    scene gives zero artificial viscosity.
+    """Whether the method dissipates the sound of impacts: with a free surface and a compressible liquid, unless the
+    scene sets the artificial viscosity to zero.
     """
     hits = pressure_of(scene).compressible and free_surface(scene) and scene.tank.walls != "reflect"
     return hits and scene.method.artificial_viscosity != 0.0
 
 
 def acoustic_damping_of(scene: SphScene) -> float:
-    """Its alpha."""
+    """The coefficient alpha of the acoustic damping."""
     given = scene.method.acoustic_damping
     if given is None:
         return min(USUAL_DAMPING, pressure_force_of(scene).most_damping) * impacts_dissipate(scene)
@@ -196,7 +198,7 @@ def pressure_force_of(scene: SphScene) -> PressureForce:
 
 
 def friction_of(scene: SphScene) -> Friction:
-    """The form of the viscosity: the one that is right at a free surface, where there may be one."""
+    """The form of the viscous force: by default the one that is correct at a free surface, if there may be one."""
     if scene.method.viscosity_model == "automatic":
         at_surface = "corrected" if scene.method.pressure_force == "corrected" else "monaghan"
         return FRICTIONS[at_surface if free_surface(scene) else "morris"]
@@ -204,13 +206,13 @@ def friction_of(scene: SphScene) -> Friction:
 
 
 def acting_friction(scene: SphScene) -> Friction | None:
-    """The form of the viscosity; None for a liquid without any."""
+    """The form of the viscous force; None for an inviscid liquid."""
     return friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else None
 
 
 def free_surface(scene: SphScene) -> bool:
-    """Whether a part of the liquid's surface may move: a side is open, liquid may leave and none enters, the room
-    changes, or the tank is not full.
+    """Whether a part of the liquid's surface may move: a side is open, liquid may leave but not enter, the volume of
+    the tank changes, or the tank is not full.
     """
     kinds = {side.kind for side in sides_of(scene)}
     drains = "open" in kinds or ("outflow" in kinds and "inflow" not in kinds)
@@ -218,13 +220,15 @@ def free_surface(scene: SphScene) -> bool:
 
 
 def room_changes(scene: SphScene) -> bool:
-    """Whether sides move, other than two opposite ones together."""
+    """Whether the volume of the tank changes: sides move, other than two opposite ones together."""
     sides = sides_of(scene)
     return any(one.motion != other.motion for one, other in zip(sides[::2], sides[1::2], strict=True))
 
 
 SLIGHT = 2e-3
-"""Of the volume of a tank that is full, or the volume of a particle: what may lack by rounding and sampling."""
+"""The volume that may be missing by rounding and sampling, over the volume of a full tank and over
+that of a particle.
+"""
 
 
 @functools.lru_cache(maxsize=8)
@@ -269,7 +273,9 @@ def smallest_extent(scene: SphScene) -> float:
 
 
 def shifting_of(scene: SphScene) -> str:
-    """The shifting by its name. Where there is no surface flows pile particles up along their stagnation lines."""
+    """The shifting method by its name. Without a free surface, flows accumulate particles along
+    their stagnation lines.
+    """
     name = scene.method.shifting
     if name == "automatic":
         return "delta-plus" if not free_surface(scene) and not pressure_force_of(scene).transported else "none"
@@ -277,7 +283,7 @@ def shifting_of(scene: SphScene) -> str:
 
 
 def tension_of(scene: SphScene) -> str:
-    """The model of surface tension by its name. A liquid's name alone sets its value, and switches nothing on."""
+    """The model of surface tension by its name. The name of a liquid sets the value, but does not select a model."""
     name = scene.method.surface_tension_model
     if name == "automatic":
         return "csf" if scene.liquid.surface_tension else "none"
@@ -285,7 +291,7 @@ def tension_of(scene: SphScene) -> str:
 
 
 def color_reach_of(scene: SphScene) -> float:
-    """The reach of the color kernel (m); zero without the continuum surface force."""
+    """The range of the color kernel (m); zero without the continuum surface force."""
     return TENSIONS[tension_of(scene)].color_reaches[len(scene.tank.low)] * scene.spacing
 
 
@@ -295,7 +301,7 @@ def turbulent(scene: SphScene) -> bool:
 
 
 def require_right_split(scene: SphScene) -> None:
-    """Refuse a scene whose pressure would be wrong, with the reason."""
+    """Raise SceneError for a scene whose pressure would be wrong, with the reason."""
     split = scene.method.pressure_split
     if split == "none" or scene.method.allow_invalid_split:
         return
@@ -321,7 +327,9 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
 
 
 def filled(given: FluidSpec) -> FluidSpec:
-    """The liquid with density, viscosity and surface tension: what the scene says wins over what the name says."""
+    """The liquid with density, viscosity and surface tension: values in the scene take precedence over those of the
+    named liquid.
+    """
     named = substance_of(given)
     density, viscosity, tension = (WATER, 0.0, 0.0) if named is None else [getattr(named, key) for key in FILLED]
     return dataclasses.replace(
@@ -351,7 +359,7 @@ PRESSURE_LAWS: dict[str, list[Source]] = {
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """Kernel, pressure, diffusion, friction, tension, steps: as the model chooses them."""
+    """The laws behind the kernel, pressure, diffusion, friction, tension and time step of a scene."""
     liquid, name = filled(scene.liquid), diffusion_of(scene, gravity_of(scene))
     excess = DIFFUSIONS[name].excess
     form = kernels.KERNELS[scene.method.kernel]

@@ -36,13 +36,13 @@ class GivenValues(NamedTuple):
     """Given velocities, densities and masses of the particles of a region; NaN if not given."""
 
     velocity: Array
-    """(n, d), zero where nothing was said: it is added to the region's own"""
+    """(n, d), zero where none is specified: it is added to the velocity of the region"""
     density: Array
     mass: Array
 
 
 def given_values(region: RegionSpec, kept: Flags) -> GivenValues:
-    """The given values of the particles that were kept."""
+    """The specified values of the particles that were kept."""
     given, count = region.particles, int(kept.sum())
     unsaid = np.full(count, np.nan)
     if given is None:
@@ -58,7 +58,7 @@ def given_values(region: RegionSpec, kept: Flags) -> GivenValues:
 
 
 def with_given_values(liquid: Liquid, given: list[GivenValues]) -> Liquid:
-    """The liquid with the given values of its regions, in order."""
+    """The liquid with the specified values of its regions, in order."""
     dimension = len(liquid.position)
     velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in given])
     density, mass = np.concatenate([each.density for each in given]), np.concatenate([each.mass for each in given])
@@ -74,7 +74,7 @@ TAYLOR_GREEN, STANDING_WAVE, POISEUILLE = "taylor-green", "standing-wave", "pois
 
 
 def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
-    """(N, d) the velocity with which a region starts."""
+    """The initial velocity (N, d) of a region at points."""
     velocity = np.zeros_like(points)
     if region.velocity is not None:
         velocity += np.array(region.velocity)
@@ -94,7 +94,9 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
 
 
 def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
-    """(N, 2) along x and upwards: half a wave fits into the tank, and the region says how deep the liquid is."""
+    """The velocity (N, 2) of a standing wave along x and upwards: half a wavelength fits into the tank, and the region
+    defines the depth.
+    """
     low, high = scene.tank.low, scene.tank.high
     depth = float(part_of(region, scene.spacing).bounds()[1][1]) - low[1]
     lowest = float(points[:, 1].min(initial=math.inf))
@@ -106,7 +108,7 @@ def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
 
 
 def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """(N,) the gauge pressure of a region's flow (Pa), without the hydrostatic part.
+    """The gauge pressure (N,) in Pa of a region's flow, without the hydrostatic part.
 
     Without it a weakly compressible liquid starts with sound waves, which only viscosity damps.
     """
@@ -129,7 +131,7 @@ def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
 
 
 def _cross_speed(region: RegionSpec, scene: SphScene) -> float:
-    """The speed along y, from zero divergence in a tank that is not a square."""
+    """The speed along y that makes the divergence zero in a tank that is not a square."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     return float(region.flow_speed * size[1] / size[0])
 
@@ -139,7 +141,7 @@ def _free(scene: SphScene) -> bool:
 
 
 def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """The pressure of a free ball or square, zero at its surface."""
+    """The pressure in a free ball or square, zero at its surface."""
     dimension = points.shape[1]
     gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
     rate = scene.central_force.angular_frequency if scene.central_force else 0.0
@@ -155,7 +157,7 @@ def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: floa
 
 
 def liquid_of(scene: SphScene, material: Material) -> Liquid:
-    """The particles at the start, with the pressure of their depth."""
+    """The particles at the start, with the hydrostatic pressure."""
     pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
@@ -177,11 +179,11 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
 
 
 SEAM = 1e-6
-"""Relative: how far beyond the end of a region the next one is looked for."""
+"""Distance beyond the end of a region, relative, within which the next region is connected to it."""
 
 
 def way_up(points: Array, up: Array, own: Part, parts: Sequence[Part]) -> Array:
-    """(N,) how much liquid is above points of a part of it (m): in that part, and in those on top of it."""
+    """The height (N,) of liquid above points of a region (m): in that region, and in those on top of it."""
     way = own.way_out(points, up)
     ended, rest = np.zeros(len(points), bool), parts
     while rest and not ended.all():
@@ -196,7 +198,9 @@ def way_up(points: Array, up: Array, own: Part, parts: Sequence[Part]) -> Array:
 
 
 def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
-    """The cells that each region's particles stand for, and which particles of a table were kept (all, without one)."""
+    """The lattice cells that the particles of each region represent, and flags of the particles of a table that were
+    kept (all, without a table).
+    """
     found: list[tuple[Cells, Flags]] = []
     earlier: list[Part] = []
     solids = solids_of(scene)
@@ -219,8 +223,8 @@ def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:
-    """The box in which liquid may start: the tank, and for `single` particles of another run also beyond its open
-    sides.
+    """The box in which liquid may start: the tank, and for `single` particles of another run also the space beyond its
+    open sides.
     """
     tank = np.array([scene.tank.low, scene.tank.high])
     low, high = np.where(np.isfinite(bounds_of(scene)), bounds_of(scene), tank) if single else tank
@@ -228,12 +232,12 @@ def room_of(scene: SphScene, *, single: bool) -> Box:
 
 
 ALIGNED = 1e-6
-"""In spacings: between a face and the next end of a cell, and between distances of symmetric cells."""
+"""Tolerances in spacings: between a face and the next end of a cell, and between distances of symmetric cells."""
 
 
 def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Sequence[Shape]) -> Cells:
-    """The cells of a region that neither earlier regions nor solids cover. Their volumes add up to that of the places
-    they stand for: what a solid cuts off cells, or leaves of cells too close to it, is spread over all.
+    """The cells of a region that neither earlier regions nor solids cover. The volume that solids cut off cells, and
+    that of omitted cells too close to a solid, is distributed over all.
     """
     others = [other for other in (*earlier, *solids) if bounds_meet(shape, other)]
     cells = lattice_of(shape, spacing, others)
@@ -247,7 +251,7 @@ def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Seq
 
 
 MOST_UNEVEN = 0.25
-"""How much longer one edge of a cell may be than another so that a lattice ends at all faces."""
+"""The largest relative difference of the edges of a cell in a lattice that ends at all faces."""
 
 
 def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
@@ -259,8 +263,8 @@ def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
 
 
 def roomiest(cells: Cells, solids: Sequence[Shape], volume: float) -> Flags:
-    """Which cells to keep so that their volume is as near as can be to this one: those farthest out of the solids. Of
-    cells at one height that are equally far, as in a symmetric scene, all or none are kept.
+    """Flags of the cells to keep so that their total volume is nearest to this one: the cells farthest from the solids.
+    Of cells at one height with equal distances, as in a symmetric scene, all or none are kept.
     """
     gap, height, close = gaps_to(solids, cells.centers), cells.centers[:, 1], ALIGNED * cells.widths.min()
     order = np.lexsort((height, np.round(gap / close)))
@@ -285,7 +289,7 @@ def unaligned_solids(scene: SphScene) -> list[Shape]:
 
 
 def unaligned(part: Part, cells: Cells, solids: Sequence[Shape], spacing: float) -> list[Shape]:
-    """Those that are no boxes, or boxes in whose faces no cell ends."""
+    """The solids that are not boxes, or boxes with faces at which no cell ends."""
     return [solid for solid in solids if not _fits(part, cells, solid, ALIGNED * spacing)]
 
 
@@ -302,15 +306,15 @@ def _fits(part: Part, cells: Cells, solid: Shape, close: float) -> bool:
 
 
 def _kept(points: Array, earlier: Sequence[Part], solids: Sequence[Shape]) -> Flags:
-    """Which single particles are neither where other liquid is nor inside a solid. They keep the distances of the flow
-    they were taken from, to those of other tables and to solids, however small.
+    """Flags of the single particles that are neither in other liquid nor inside a solid. They keep their distances,
+    however small, from the particles of other tables and from solids.
     """
     others = [part for part in earlier if not isinstance(part, Cloud)]
     return apart(points, others) & free_of(points, solids, 0.0)
 
 
 def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array, Array]]) -> Liquid:
-    """Densities and masses of points where the enthalpy (J/kg) and the volume are known."""
+    """The particles at points with known enthalpy (J/kg) and volume: densities and masses."""
     points, velocity, head, volume = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
     if len(points) == 0:
         raise SceneError([Fault("spacing", f"got {scene.spacing:g} m: no particle fits into the liquid")])

@@ -33,9 +33,10 @@ from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
 BAND = 8.0
-"""Particles closer to an unaligned surface than this many spacings are moved."""
+"""The width of the layer next to an unaligned surface in which particles are moved, in spacings."""
 LEAST_GAP, LEAST_DEPTH = STANDOFF, 0.25
-"""Of the center of a particle to solids and to the faces of its region, in spacings. Closer to a solid it is repelled.
+"""The smallest distances of a particle from solids and from the faces of its region, in spacings. Solids repel closer
+particles.
 """
 EVEN = {2: 1e-4, 3: 1e-3}
 """The gradient of the concentration at which packing ends, over one per spacing, by dimension. With 2e-3 particles
@@ -45,14 +46,18 @@ MOST_STEPS = 300
 SKIN, LONGEST = 0.4, 0.1
 """In spacings: how far beyond the support pairs are listed, and the longest displacement of a step."""
 FIRST_STEP, LAST_STEP, GROWTH, CUT = 0.3, 0.9, 1.1, 0.5
-"""Time steps of FIRE, in periods of a particle about its place over 2 pi (or so), and the factors between them."""
+"""The time step of FIRE, in periods of a particle about its place over 2 pi, its largest value, and the factors of its
+growth and reduction.
+"""
 BLEND, FADING, PATIENCE = 0.1, 0.99, 5
-"""The part of the speed that is turned into the direction of the force, and how it fades after so many steps."""
+"""The fraction of the velocity that is turned into the direction of the force, the factor by which it decreases, and
+after how many steps.
+"""
 TINY = 1e-300
 
 
 class Particles(NamedTuple):
-    """What neighbors see during packing: liquid first, then what stands still."""
+    """The particles in the sums during packing: liquid first, then all that do not move."""
 
     position: Array
     """(n, d)"""
@@ -100,7 +105,7 @@ def packed(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -
 
 
 def _limits(scene: SphScene, regions: Sequence[Cells], near: Flags, solids: Sequence[Shape]) -> Limits:
-    """The region of each particle, and the solids."""
+    """The region of each moving particle, and the solids."""
     depth = LEAST_DEPTH * scene.spacing
     bounds = [part_of(spec, scene.spacing).bounds() for spec in scene.fluid]
     counts = [len(cells.centers) for cells in regions]
@@ -146,7 +151,7 @@ def _beyond(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
 
 
 def _nearest(points: Array, others: Array, within: float) -> Array:
-    """(N,) the distance to the nearest of others, infinite if it is not within that."""
+    """The distances (N,) to the nearest of others, infinite beyond `within`."""
     if len(others) == 0:
         return np.full(len(points), np.inf)
     from scipy.spatial import cKDTree
@@ -155,7 +160,7 @@ def _nearest(points: Array, others: Array, within: float) -> Array:
 
 
 def _continued(part: Part, spacing: float, support: float) -> tuple[Array, Array]:
-    """The lattice of a part of space, as wide as the support beyond its bounds."""
+    """The lattice of a region, extended beyond its bounds by one support."""
     cells, axes, volume = part.cells(spacing), [], 1.0
     layers = math.ceil(support / spacing)
     for axis in range(cells.centers.shape[1]):
@@ -169,7 +174,7 @@ def _continued(part: Part, spacing: float, support: float) -> tuple[Array, Array
 
 
 def _unwalled(scene: SphScene, points: Array) -> Flags:
-    """Which points are not behind a side that has images or dummies."""
+    """Flags of the points that are not behind a side with images or dummies."""
     free = np.ones(len(points), bool)
     for axis in range(points.shape[1]):
         for number, beyond in ((2 * axis, points[:, axis] < scene.tank.low[axis]),
@@ -215,7 +220,7 @@ def relaxed(particles: Particles, limits: Limits, kernel: Kernel, lengths: tuple
 
 
 def along_surfaces(vectors: Array, back: Array) -> Array:
-    """Vectors (m, d) without the parts that press particles against the limits, which put them `back` so far."""
+    """The components of vectors (m, d) that do not press particles against the limits, which moved them by `back`."""
     length = np.sqrt((back**2).sum(axis=1))[:, None]
     normal = back / np.maximum(length, TINY)
     found: Array = vectors - np.minimum((vectors * normal).sum(axis=1), 0.0)[:, None] * normal
@@ -223,7 +228,7 @@ def along_surfaces(vectors: Array, back: Array) -> Array:
 
 
 class Pairs(NamedTuple):
-    """Pairs of particles of which at least one moves, until one has moved too far."""
+    """Pairs of particles of which at least one moves; valid until one has moved too far."""
 
     one: Integers
     other: Integers
@@ -255,13 +260,13 @@ def pairs_of(particles: Particles, reach: float) -> Pairs:
 
 
 def with_images(particles: Particles, images: Images) -> Array:
-    """(d, n) positions of all, images last."""
+    """The positions (d, n) of all particles, images last."""
     position = np.ascontiguousarray(particles.position.T)
     return np.concatenate([position, positions_of_images(position, images, particles.sides)], axis=1)
 
 
 def distances(particles: Particles, pairs: Pairs) -> tuple[list[Array], Array]:
-    """Of each pair the difference of positions along each axis, and the distance."""
+    """The difference of positions of each pair along each axis, and its distance."""
     away = [line[pairs.one] - line[pairs.other] for line in with_images(particles, pairs.images)]
     square = away[0] * away[0]
     for along in away[1:]:
@@ -293,7 +298,9 @@ def concentrations(particles: Particles, kernel: Kernel, length: float) -> Array
 
 
 def unevenness(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape]) -> float | None:
-    """How far the concentration of particles next to unaligned solids is from one at most; None without such solids."""
+    """The largest deviation of the concentration from one, for particles next to unaligned solids; None without such
+    solids.
+    """
     position = np.concatenate([cells.centers for cells in regions])
     near = gaps_to(solids, position) < kernel_of(scene).support * smoothing_of(scene)
     if not near.any():
@@ -303,13 +310,13 @@ def unevenness(scene: SphScene, regions: Sequence[Cells], solids: Sequence[Shape
 
 
 DISORDER = 0.1
-"""Gradients of disordered liquid, over those at a surface."""
+"""The gradient in disordered liquid, over that at a surface."""
 WAVES = 33
-"""Wave numbers along an axis, for the largest eigenvalue."""
+"""The number of wave numbers along an axis among which the largest eigenvalue is searched."""
 
 
 def lattice(scene: SphScene) -> Array:
-    """(n, d) m: the points of a lattice within the support of the one at the origin, which is excluded."""
+    """The points (n, d) in m of a lattice within the support of the point at the origin, which is excluded."""
     kernel, h = kernel_of(scene), smoothing_of(scene)
     reach = int(np.ceil(kernel.support * h / scene.spacing))
     line = range(-reach, reach + 1)
@@ -327,8 +334,9 @@ def lattice_sum(scene: SphScene, points: Array) -> float:
 
 
 def surface_rows(scene: SphScene, points: Array) -> tuple[Array, Array]:
-    """|sum of V grad W| (1/m) and the missing density, over the density, in the rows below the flat surface of a
-    lattice, the deepest first. Rows of less than a tenth of the largest gradient count as full, as disorder does.
+    """The sums |sum of V grad W| (1/m) and the missing densities, over the density, of the rows of a lattice below its
+    flat surface, the deepest first. Rows with less than a tenth of the largest gradient count as full, since disorder
+    has such gradients.
     """
     kernel, h = kernel_of(scene), smoothing_of(scene)
     volume, total = scene.spacing**kernel.dim, lattice_sum(scene, points)
@@ -343,14 +351,14 @@ def surface_rows(scene: SphScene, points: Array) -> tuple[Array, Array]:
 
 
 def lattice_coupling(scene: SphScene, points: Array) -> float:
-    """The sum -sum_j V_j F_ij at a point of the lattice, 1/m^2."""
+    """The sum -sum_j V_j F_ij (1/m^2) at a point of the lattice."""
     kernel, h = kernel_of(scene), smoothing_of(scene)
     steepness = np.sqrt((kernel.gradient(points, h) ** 2).sum(axis=1) / (points**2).sum(axis=1))
     return float(scene.spacing**kernel.dim * steepness.sum())
 
 
 def largest_eigenvalue(scene: SphScene, points: Array) -> float:
-    """The largest eigenvalue of A over its diagonal, in a lattice: among waves along the axes and between them."""
+    """The largest eigenvalue of A over its diagonal in a lattice, among waves along the axes and between them."""
     kernel, h = kernel_of(scene), smoothing_of(scene)
     volume, gradient = scene.spacing**kernel.dim, kernel.gradient(points, h)
     steepness = np.sqrt((gradient**2).sum(axis=1) / (points**2).sum(axis=1))
@@ -362,14 +370,14 @@ def largest_eigenvalue(scene: SphScene, points: Array) -> float:
 
 
 def wave_vectors(scene: SphScene, count: int) -> Array:
-    """(W, d) 1/m: waves along the axes and between them, up to the shortest that the lattice resolves."""
+    """Wave vectors (W, d) in 1/m along the axes and between them, up to the shortest wave that the lattice resolves."""
     dimension = kernel_of(scene).dim
     return np.array(list(itertools.product(np.linspace(0.0, np.pi / scene.spacing, count), repeat=dimension)))
 
 
 def shifting_limit(scene: SphScene) -> float:
-    """m^2: the largest product of the shifting coefficient and time that moves no wave of small displacements in the
-    lattice beyond rest: the inverse of the largest eigenvalue of minus the change of the concentration gradient.
+    """The largest product (m^2) of the shifting coefficient and the time with which no small displacement wave of the
+    lattice overshoots: the inverse of the largest eigenvalue of minus the change of the concentration gradient.
     """
     kernel, h, points = kernel_of(scene), smoothing_of(scene), lattice(scene)
     volume, usual = scene.spacing**kernel.dim, kernel.value(scene.spacing, h)

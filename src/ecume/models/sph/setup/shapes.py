@@ -1,4 +1,4 @@
-"""What is solid in the liquid, as dummy particles: those within one support of a surface."""
+"""Shapes of regions and solids, and the dummy particles of solids: those within one support of a surface."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ecume.scenes.sph import BodySpec, ObstacleSpec, RegionSpec, ShapeSpec, SphS
 from ecume.units import Array
 
 CLEARANCE = 0.25
-"""Liquid that would start closer to a solid than this many spacings is omitted."""
+"""The distance from solids, in spacings, below which no liquid starts."""
 
 
 def shape_of(spec: ShapeSpec) -> Shape:
@@ -33,7 +33,6 @@ def shape_of(spec: ShapeSpec) -> Shape:
 
 @functools.lru_cache(maxsize=16)
 def _mesh(triangles: tuple[tuple[tuple[float, ...], ...], ...]) -> Mesh:
-    """Of many triangles this takes a while."""
     return Mesh(np.array(triangles))
 
 
@@ -49,7 +48,7 @@ def obstacles_of(scene: SphScene) -> list[Shape]:
 
 
 class OwnAxes(NamedTuple):
-    """A body about its middle and in its principal axes."""
+    """A body in its principal axes, relative to its center."""
 
     shape: Shape
     turn: Array
@@ -57,7 +56,7 @@ class OwnAxes(NamedTuple):
 
 
 def in_own_axes(shape: Shape) -> OwnAxes:
-    """A body as its equations of motion need it. All shapes but meshes are drawn along their axes."""
+    """A body in its principal axes, for the equations of motion. All shapes but meshes are drawn along these axes."""
     centered = shape.carried(-shape.middle())
     if isinstance(centered, Mesh):
         turn = centered.axes()
@@ -86,13 +85,13 @@ def gaps_to(solids: Sequence[Shape], points: Array) -> Array:
 
 
 def free_of(points: Array, solids: Sequence[Shape], spacing: float) -> Flags:
-    """Which points are outside of all solids, and not too close to one."""
+    """Flags of the points that are outside of all solids, at a sufficient distance."""
     free: Flags = gaps_to(solids, points) > CLEARANCE * spacing
     return free
 
 
 def dummies_of(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
-    """Dummies of a solid, (n, d), and their volumes, which fill the whole shape; the core deeper than the support is
+    """The dummies (n, d) of a solid and their volumes, which fill the whole shape; the core deeper than the support is
     omitted.
     """
     if isinstance(shape, Ball) and len(shape.center) == 2:
@@ -119,7 +118,7 @@ def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array
 
 
 def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Array]:
-    """Rows along the edges, one spacing apart, which have no holes, unlike an oblique lattice."""
+    """Rows of points along the edges, one spacing apart; unlike an oblique lattice they leave no holes."""
     points, volume, outer = [np.zeros((0, 2))], [np.zeros(0)], shape
     for row in range(round_up(support, spacing) + 1):
         inner, middle = shape.inset((row + 1) * spacing), shape.inset((row + 0.5) * spacing)
@@ -134,13 +133,13 @@ def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Arr
 
 
 def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
-    """Rings one spacing apart, so that the surface is as smooth as it can be."""
+    """Rings of points one spacing apart, which make the surface as smooth as possible."""
     rings = round_up(shape.radius, spacing)
     width = shape.radius / rings
     points, volume = [], []
     for ring in range(rings):
         radius = (ring + 0.5) * width
-        # Four times a number, from the middle between two: symmetric about both axes and both diagonals.
+        # A multiple of four, starting half a step from the axis: symmetric about both axes and both diagonals.
         count = 4 * max(1, round(0.5 * np.pi * radius / spacing))
         angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
         points.append(shape.center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
@@ -149,14 +148,14 @@ def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
 
 
 ARC = 360
-"""Corners of a circle that the sides of a tank cut."""
+"""The number of corners of a circle that the sides of a tank cut."""
 ON_SIDE = 1e-9
 """Of the tank's size: an edge this close to a side lies on it."""
 
 
 def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: float) -> tuple[Array, Array] | None:
-    """Rows along the part of a disc's or convex polygon's surface that is in the tank, one spacing apart, each from
-    side to side; None if no side cuts or touches the shape.
+    """Rows of points along the surface of a disc or convex polygon inside the tank, one spacing apart, each from side
+    to side; None if no side cuts or touches the shape.
     """
     (low, high), (first, last) = tank, shape.bounds()
     if ((first > low) & (last < high)).all() or ((first >= high) | (last <= low)).any():
@@ -176,7 +175,7 @@ def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: 
 
 
 def _inset(shape: Ball | Polygon, tank: tuple[Array, Array], depth: float) -> Polygon | None:
-    """The part of a shape in the tank that is deeper than that below its surface in the tank."""
+    """The part of a shape in the tank that is deeper than this below its surface in the tank."""
     if isinstance(shape, Ball):
         if depth >= shape.radius:
             return None
@@ -188,7 +187,7 @@ def _inset(shape: Ball | Polygon, tank: tuple[Array, Array], depth: float) -> Po
 
 
 def _exposed(polygon: Polygon, tank: tuple[Array, Array]) -> Flags:
-    """(V,) which edges do not lie on a side of the tank."""
+    """Flags (V,) of the edges that do not lie on a side of the tank."""
     one, other = polygon.vertices, np.roll(polygon.vertices, -1, axis=0)
     close, lying = ON_SIDE * float((tank[1] - tank[0]).max()), np.zeros(len(one), bool)
     for corner in tank:
@@ -197,7 +196,7 @@ def _exposed(polygon: Polygon, tank: tuple[Array, Array]) -> Flags:
 
 
 def _chains(polygon: Polygon, tank: tuple[Array, Array]) -> list[Array]:
-    """The parts of the outline between sides of the tank, each (K, 2) corners."""
+    """The parts of the outline between sides of the tank, as corners (K, 2) each."""
     exposed, corners = _exposed(polygon, tank), polygon.vertices
     count, found = len(corners), list[list[Array]]()
     begin = int(np.argmin(exposed)) if not exposed.all() else 0

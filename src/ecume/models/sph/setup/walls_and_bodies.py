@@ -1,4 +1,6 @@
-"""What holds the liquid: planes with images behind them, and layers of dummy particles."""
+"""Boundaries of a scene: planes with images behind them, layers of dummy particles, surfaces of the guard, open sides
+and bodies.
+"""
 
 from __future__ import annotations
 
@@ -31,11 +33,11 @@ from ecume.units import Array, with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
 LEAST_PERIOD = 1.2
-"""Of a periodic tank, in supports: lists look a little further than a support."""
+"""The smallest period of a tank, in supports: lists extend slightly beyond a support."""
 
 
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
-    """The tank, what stands in it, and the bodies' particles about their middles."""
+    """The tank, its obstacles, and the particles of bodies relative to their centers."""
     require_long_periods(scene, max(support, color_reach_of(scene)))
     sides, table, image_owner = imaging_sides(scene)
     solids = solids_of(scene)
@@ -51,7 +53,9 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
 
 
 def require_long_periods(scene: SphScene, support: float) -> None:
-    """A periodic tank must be longer than a support, or a particle would miss its neighbors' further images."""
+    """Raise SceneError if a periodic tank is shorter than a support, in which a particle would miss further images of
+    its neighbors.
+    """
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     for axis in range(len(size)):
         if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
@@ -63,12 +67,12 @@ def require_long_periods(scene: SphScene, support: float) -> None:
 
 
 def joined(pieces: list[Dummies]) -> Dummies:
-    """One after the other."""
+    """All dummies in one tuple, in order."""
     return Dummies(*(np.ascontiguousarray(np.concatenate(parts, axis=-1)) for parts in zip(*pieces, strict=True)))
 
 
 def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Dummies:
-    """A solid's particles at rest, from points (n, d)."""
+    """The dummies of a solid at rest, from points (n, d)."""
     count = len(points)
     number = np.full(count, owner, np.int64)
     return Dummies(points.T.copy(), np.zeros_like(points.T), np.full(count, viscosity), volume, number)
@@ -99,7 +103,7 @@ def holds(side: Any, scene: SphScene) -> bool:
 
 
 def narrowest_channel(scene: SphScene, axis: int) -> float:
-    """m: the least distance between two opposite no-slip walls along an axis; infinite without such walls."""
+    """The smallest distance (m) between two opposite no-slip walls along an axis; infinite without such walls."""
     low, high = scene.tank.low, scene.tank.high
     pairs = [(_side(scene, 2 * k), _side(scene, 2 * k + 1), k) for k in range(len(low)) if k != axis]
     return min(
@@ -113,8 +117,8 @@ def narrowest_channel(scene: SphScene, axis: int) -> float:
 
 
 def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
-    """Mirrors, and periodic sides, and the number of each mirror's side in the tank (-1: periodic). Mirrors first: a
-    periodic side then repeats the mirrored ones.
+    """The sides with images, mirrors first since periodic sides repeat mirrored particles, and the index of each in the
+    tank (-1 for periodic sides).
     """
     dimension = len(scene.tank.low)
     mirrors = scene.tank.walls == "mirror"
@@ -133,7 +137,7 @@ def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
 
 
 def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
-    """Point, normal, shift or velocity, whether it mirrors, whether it holds, acceleration."""
+    """The row of a side: point, normal, shift or velocity, whether it mirrors, whether it has no slip, acceleration."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     side, first = _side(scene, number), number % 2 == 0
     normal, third = np.zeros(len(low)), np.zeros(len(low))
@@ -147,7 +151,7 @@ def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
 
 
 def layers_around(scene: SphScene, support: float) -> tuple[Array, Array]:
-    """Layers of dummies, (n, d), as thick as the support, behind the walls of the tank; and their volumes."""
+    """Layers of dummies (n, d) with the thickness of the support behind the walls of the tank, and their volumes."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     dimension, spacing = len(low), scene.spacing
     if scene.tank.walls != "dummy":
@@ -172,7 +176,7 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     points, volumes = layers_around(scene, support)
     velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
-    # A lid moves its own layers, not the corners of the walls beside it: they stand still.
+    # A lid moves its own layers; the corners belong to the walls beside it, which are at rest.
     for number in range(2 * len(low)):
         side, axis = _side(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
@@ -186,15 +190,15 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
 
 
 OFF = 1e-3
-"""How far off the walls the guard keeps particles, in spacings."""
+"""The distance from the walls at which the guard keeps particles, in spacings."""
 STANDOFF = 0.1
-"""Walls repel particles closer than this, in spacings (see `boundaries.walls`). A wider one slows the front of a dam
-break.
+"""The distance, in spacings, below which walls repel particles (see `boundaries.walls`). A larger one slows the front
+of a dam break.
 """
 
 
 def guard_of(scene: SphScene, support: float) -> Guard:
-    """All sides that are walls, and the obstacles that have surfaces (see `has_surfaces`)."""
+    """The surfaces of the guard: all sides that are walls, and the obstacles with surfaces (see `has_surfaces`)."""
     pieces, owner, own = [], list[int](), list[Any]()
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     for number, name in enumerate(SIDES[: 2 * len(low)]):
@@ -219,11 +223,11 @@ def guard_of(scene: SphScene, support: float) -> Guard:
 
 
 PLANES = 129
-"""Distances at which the kernel is summed over planes."""
+"""The number of distances at which the kernel is summed over planes."""
 
 
 def braking_weights(scene: SphScene, support: float) -> Array:
-    """The kernel summed over planes up to the support (1/m); none where nothing is braked."""
+    """The kernel summed over planes up to the support (1/m); empty without braking."""
     if not impacts_dissipate(scene):
         return np.empty(0)
     shape = kernel(scene.method.kernel, dim=len(scene.tank.low))
@@ -235,7 +239,7 @@ COEFFICIENTS = ("restitution", "tangential_restitution")
 
 
 def _own(scene: SphScene, spec: Any, key: str) -> float:
-    """A coefficient of a side or an obstacle; by default that of the tank."""
+    """The coefficient of a side or an obstacle, by default that of the tank."""
     given = getattr(spec, key)
     return float(getattr(scene.tank, key) if given is None else given)
 
@@ -252,8 +256,8 @@ def _nothing(dimension: int) -> dict[str, Any]:
 
 
 def has_surfaces(shape: Shape) -> bool:
-    """Whether a shape is a box, a ball or a convex polygon: few surfaces turn particles back. Particles in others are
-    moved to the nearest point of the surface.
+    """Whether a shape is a box, a ball or a convex polygon: few surfaces, which the guard can use. Other shapes move
+    particles to the nearest point of their surface.
     """
     return isinstance(shape, (Ball, Box)) or (isinstance(shape, Polygon) and shape.convex())
 
@@ -272,7 +276,7 @@ ENDS = ("inflow", "outflow")
 
 
 def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, ...]:
-    """The sides with a buffer behind them."""
+    """The open sides, which have buffers behind them."""
     found, tank = [], scene.tank
     transported = PRESSURE_FORCES[scene.method.pressure_force].transported
     if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
@@ -315,12 +319,14 @@ def side_of(scene: SphScene, number: int) -> Any:
 
 
 def _walled(scene: SphScene, axis: int) -> bool:
-    """Whether there is a wall at the low end; what is above a level is air."""
+    """Whether there is a wall at the low end; above a free surface there is air."""
     return bool(side_of(scene, 2 * axis).kind == "wall")
 
 
 def bounds_of(scene: SphScene) -> Array:
-    """(2, d) beyond which liquid that went through an open side is lost: one diagonal of the tank away from it."""
+    """The limits (2, d) beyond which liquid that left through an open side is lost: one diagonal of the tank away from
+    it.
+    """
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     ends, far = np.array([low, high]), length(high - low)
     for number in range(2 * len(low)):
@@ -332,7 +338,7 @@ def bounds_of(scene: SphScene) -> Array:
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 TOUCHING = 1e-3
-"""Of a spacing."""
+"""The gap, in spacings, below which two solids touch."""
 PANEL = {2: 0.25, 3: 0.5}
 """Width of the panels on which the pressure on solids is integrated, in spacings, by dimension."""
 
@@ -395,7 +401,7 @@ def _require_possible(scene: SphScene) -> None:
 
 
 def _named(scene: SphScene) -> list[tuple[str, Shape]]:
-    """Obstacles and bodies with their places in the scene."""
+    """Obstacles and bodies with their paths in the scene."""
     names = [f"obstacles[{n}]" for n in range(len(scene.obstacles))]
     names += [f"bodies[{n}]" for n in range(len(scene.bodies))]
     return list(zip(names, solids_of(scene), strict=True))
@@ -426,7 +432,7 @@ def _overlap(one: Shape, other: Shape, fine: float) -> float:
 
 
 def mass_of(spec: BodySpec, shape: Shape) -> float:
-    """kg; in 2D kg per meter of depth."""
+    """The mass of a body (kg; in 2D kg per meter of depth)."""
     return spec.mass if spec.mass is not None else float(spec.density or 0.0) * shape.volume()
 
 
@@ -440,7 +446,7 @@ def _wide(points: Array) -> Array:
 
 
 def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
-    """The moving sides, by number."""
+    """The drives of moving sides, by the side's index."""
     found = []
     for number, name in enumerate(SIDES[: 2 * len(scene.tank.low)]):
         motion = getattr(scene.tank, name).motion
@@ -450,7 +456,7 @@ def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
 
 
 def base_excitation_of(scene: SphScene) -> Drive | None:
-    """The acceleration that a shaken tank adds to gravity."""
+    """The acceleration that the base excitation adds to gravity."""
     excitation = scene.base_excitation
     return None if excitation is None else _drive(excitation, excitation.amplitude, excitation.accelerations, 0.0)
 
