@@ -53,12 +53,13 @@ def nearest(apart: float, period: float, inverse: float) -> float:
 def into_box(position: Array, periods: Array) -> Array:
     """The images of these positions that are inside the box, which begins at the origin."""
     home = position - periods[0] * np.floor(position * periods[1])
-    # Just below zero the quotient rounds to one whole side.
+    # A coordinate just below zero is rounded up to the full period.
     return np.where((periods[0] > 0.0) & (home >= periods[0]), 0.0, home)
 
 
 def images_in(position: Array, periods: Array) -> Integers:
-    """The image numbers (N, d) of these positions: by how many sides each is away from its image inside the box.
+    """The image numbers (N, d) of these positions: the number of periods between each and its image
+    inside the box.
 
     >>> images_in(np.array([[-0.5, 9.0]]), periods_of([4.0, 0.0])).tolist()
     [[-1, 0]]
@@ -82,7 +83,7 @@ class Cells(NamedTuple):
     cell: Integers
     """(N,) the cell of a particle"""
     start: Integers
-    """(cells + 1,) where a cell begins in `order`"""
+    """(cells + 1,) index in `order` of the first particle of each cell"""
     order: Integers
     """(N,) particles cell by cell, ascending inside a cell"""
     periods: Array
@@ -168,11 +169,11 @@ class Sides(NamedTuple):
     """Planes with images behind them. A periodic pair is two sides with opposite shifts."""
 
     point: Array
-    """(sides, d) somewhere on each"""
+    """(sides, d) a point of each"""
     normal: Array
     """(sides, d) unit, into the liquid"""
     shift: Array
-    """(sides, d) what a periodic side adds to a position; zero for a mirror"""
+    """(sides, d) the displacement between a particle and its image at a periodic side; zero for a mirror"""
     mirrors: Integers
     """(sides,) 1 for a mirror, 0 for a periodic side"""
 

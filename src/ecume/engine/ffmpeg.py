@@ -1,4 +1,4 @@
-"""Films as rows of pixels, through the program ffmpeg."""
+"""Reading and writing films through the program ffmpeg."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ecume.errors import BadInput, StorageError, install
 
 
 def ffmpeg() -> str | None:
-    """The path of an ffmpeg: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
+    """The path of ffmpeg: of the system, or of the package imageio-ffmpeg; None if neither exists."""
     found = shutil.which("ffmpeg")
     if found is not None:
         return found
@@ -25,13 +25,13 @@ def ffmpeg() -> str | None:
         from imageio_ffmpeg import get_ffmpeg_exe
 
         path: str = get_ffmpeg_exe()
-    except (ImportError, RuntimeError):  # the package is optional, and has no program for every machine
+    except (ImportError, RuntimeError):  # the package is optional, and does not contain the program for all machines
         return None
     return path
 
 
 class Film(NamedTuple):
-    """What a film is like."""
+    """The properties of a film."""
 
     width: int
     height: int
@@ -44,7 +44,7 @@ DEPTHS = {"gray": 1, "rgb24": 3}
 
 
 def film_of(path: str | os.PathLike[str]) -> Film:
-    """Size and rate of a film. Raises BadInput for what is no film."""
+    """The size and the rate of a film. Raises BadInput for a file that is not a film."""
     command = [*_reading(path), "-frames:v", "1", "-f", "yuv4mpegpipe", "-pix_fmt", "yuv420p", "-"]
     done = subprocess.run(command, capture_output=True, check=False)  # noqa: S603  # no shell
     match = HEADER.match(done.stdout[:200])

@@ -25,13 +25,15 @@ if TYPE_CHECKING:
     from ecume.engine.cells import Integers
 
 THIN = 0.05
-"""Where less than this part of a point's surroundings is full, nothing is there."""
+"""The sum of weights, over that of full surroundings, below which there is no value."""
 FEW = 0.01
-"""A slope is trusted where neighbors spread this far in every direction, relative to the reach, squared."""
+"""The smallest variance of the neighbors' positions along any direction, over the reach squared, that determines a
+gradient.
+"""
 
 
 class Near(NamedTuple):
-    """Pairs of a point and a particle not farther than the reach, point by point."""
+    """The pairs of points and particles within the reach, ordered by points."""
 
     point: Integers
     """(pairs,) ascending"""
@@ -43,7 +45,7 @@ class Near(NamedTuple):
     """(pairs,)"""
     reach: float
     points: int
-    """how many there are"""
+    """the number of points"""
 
 
 def near(points: Array, position: Array, reach: float) -> Near:
@@ -67,12 +69,12 @@ def added(pairs: Near, values: Array) -> Array:
 
 
 def means(pairs: Near, weight: Array, values: Array) -> Array:
-    """Shepard's mean, sum_j w_j f_j / sum_j w_j, at each point; not a number where weights sum to less than `THIN`."""
+    """Shepard's mean, sum_j w_j f_j / sum_j w_j, at each point; NaN where the weights sum to less than `THIN`."""
     return _mean_of_pairs(pairs, weight, values[pairs.particle])
 
 
 def planes(pairs: Near, weight: Array, values: Array) -> Array:
-    """At each point the value of the linear fit to its neighbors: exact for linear fields.
+    """The value of the linear fit to the neighbors of each point: exact for linear fields.
 
     The mean is used if the neighbors do not determine a gradient.
     """
@@ -102,7 +104,7 @@ def _mean_of_pairs(pairs: Near, weight: Array, values: Array) -> Array:
 
 
 def _shaped(numbers: Array, like: Array) -> Array:
-    """Numbers with as many axes, so that each multiplies its row."""
+    """The numbers with further axes, so that each multiplies one row of `like`."""
     return numbers.reshape(numbers.shape + (1,) * (like.ndim - 1))
 
 
@@ -110,17 +112,19 @@ class Spread(NamedTuple):
     """Positions of particles on a grid."""
 
     corner: Integers
-    """(N, 2) the lowest point that each reaches"""
+    """(N, 2) the lowest grid point of each"""
     weight: Array
     """(2, N, order) along x and along y"""
     start: Integers
-    """(rows + 1,) where the particles with their corner in a row begin"""
+    """(rows + 1,) index in `order` of the first particle with its corner in each row"""
     order: Integers
     """(N,) particles row by row"""
 
 
 def spread_out(position: Array, low: Array, spacing: float, rows: int, order: int) -> Spread:
-    """Places and weights of particles, (N, 2), on a grid whose first point is at `low`, with so many rows."""
+    """The grid points and weights of particles (N, 2), on a grid with this number of rows whose first point is at
+    `low`.
+    """
     count = len(position)
     found = Spread(
         corner=np.empty((count, 2), np.int64),
@@ -135,7 +139,9 @@ def spread_out(position: Array, low: Array, spacing: float, rows: int, order: in
 
 @compiled
 def _spline(weights: Array, t: float) -> None:
-    """B-spline weights of the points around a particle at the fraction t of a cell, by the recursion over the order."""
+    """Compute the B-spline weights of the points around a particle at the fraction t of a cell, by recursion over the
+    order.
+    """
     order = len(weights)
     weights[0], weights[1] = 1.0 - t, t
     for n in range(3, order + 1):
@@ -160,7 +166,7 @@ def _weigh(position: Array, low: Array, per_cell: float, corner: Integers, weigh
 
 @compiled
 def _sort_rows(corner: Integers, start: Integers, order: Integers) -> None:
-    """Count, and put in order; stable."""
+    """Sort particles by rows, with a stable counting sort."""
     rows = len(start) - 1
     for i in range(len(order)):
         start[corner[i, 0] + 1] += 1
@@ -176,7 +182,7 @@ def _sort_rows(corner: Integers, start: Integers, order: Integers) -> None:
 
 
 def density(spread: Spread, charge: Array, shape: tuple[int, int]) -> Array:
-    """The charges on the grid: their sum is what they were."""
+    """The charges on the grid; their sum is conserved."""
     grid = np.zeros(shape)
     _fill(spread.corner, spread.weight, spread.start, spread.order, charge, grid)
     return grid

@@ -1,7 +1,8 @@
-"""The nearest of many triangles: a tree of bounding boxes, walked from the nearest corner's triangle on.
+"""Search for the nearest of many triangles, in a tree of bounding boxes.
 
-The boxes are in preorder, and each knows the box to go on with where it is too far, so that the walk needs no stack.
-The nearest point of a triangle is that of Ericson, "Real-Time Collision Detection" (2005), section 5.1.5.
+The boxes are in preorder, and each stores the next box outside of it, so that the traversal needs no stack. It starts
+with an upper bound from the triangle with the nearest center. The nearest point of a triangle is that of Ericson,
+"Real-Time Collision Detection" (2005), section 5.1.5.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 LEAF = 4
-"""Triangles in a box that is not divided."""
+"""The largest number of triangles in a box that is not divided."""
 Corners = tuple[Vector, Vector, Vector]
 
 
@@ -30,11 +31,11 @@ class Boxes(NamedTuple):
     corner: Array
     """(T, 9) of the triangles, in the order of the leaves"""
     triangle: Integers
-    """(T,) the numbers that they have in the mesh"""
+    """(T,) their indices in the mesh"""
     bound: Array
     """(M, 6) the lowest and the highest corner of each box"""
     after: Integers
-    """(M,) the box that follows all that is inside of one"""
+    """(M,) the next box that is not inside of this one"""
     first: Integers
     """(M,) the first triangle of a leaf; -1 of a box that is divided"""
     end: Integers
@@ -42,7 +43,7 @@ class Boxes(NamedTuple):
 
 
 def tree_of(triangles: Array) -> tuple[Boxes, cKDTree]:
-    """The tree of triangles (T, 3, 3), and that of their centers; kept for the meshes in use."""
+    """The tree of triangles (T, 3, 3), and that of their centers; cached for the meshes in use."""
     return _tree(np.ascontiguousarray(triangles, np.float64).tobytes())
 
 
@@ -54,7 +55,7 @@ def _tree(data: bytes) -> tuple[Boxes, cKDTree]:
     order = np.arange(len(points))
     bounds: list[Array] = []
     after, first, end = list[int](), list[int](), list[int]()
-    # Parts of `order` that wait, the next one last; None marks where a divided box ends.
+    # A stack of parts of `order` that remain to be divided; None marks the end of a divided box.
     waiting: list[tuple[int, int] | int] = [(0, len(order))]
     while waiting:
         part = waiting.pop()
@@ -107,7 +108,7 @@ def nearest_in(point: Vector, corners: Corners) -> Vector:
     if beside_a <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0 and (d4 - d3) + (d5 - d6) > 0.0:
         return axpy(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), axpy(c, -1.0, b))
     whole = beside_a + beside_b + beside_c
-    if whole == 0.0:  # three corners on a line
+    if whole == 0.0:  # degenerate triangle
         return a
     return axpy(axpy(a, beside_b / whole, along), beside_c / whole, across)
 
@@ -134,8 +135,8 @@ def corners_of(corner: Array, k: int) -> Corners:
 
 @compiled
 def find_nearest(points: Array, boxes: Boxes, guess: Integers, which: Integers, place: Array) -> None:
-    """Fill in the nearest triangle (a place in `boxes.corner`) of each point (N, 3) and its nearest point; `guess` is
-    any triangle that is near.
+    """Write the nearest triangle (an index of `boxes.corner`) of each point (N, 3) and its nearest point; `guess` is
+    any near triangle.
     """
     for i in range(points.shape[0]):
         point = points[i, 0], points[i, 1], points[i, 2]
@@ -160,7 +161,7 @@ def find_nearest(points: Array, boxes: Boxes, guess: Integers, which: Integers, 
 
 
 def nearest_triangles(triangles: Array, points: Array) -> tuple[Integers, Array]:
-    """The number of the triangle nearest to each of the points (N, 3), and its point that is nearest, (N, 3)."""
+    """The index of the nearest triangle of each point (N, 3), and the nearest point on it (N, 3)."""
     boxes, centers = tree_of(triangles)
     which, place = np.zeros(len(points), np.int64), np.zeros((len(points), 3))
     if len(points):

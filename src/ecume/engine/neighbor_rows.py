@@ -20,16 +20,18 @@ from ecume.engine.cells import Integers
 from ecume.units import Array
 
 Slots = NDArray[np.int32]
-"""Signed: so they are sums' offsets as they stand, eight at a time; read as `INDEX`, they are never negative."""
+"""The type of indices in lists. They are signed, so that sums can use eight of them as offsets without conversion; read
+as `INDEX`, they are never negative.
+"""
 INDEX = np.uint64
 CHUNK = 128
-"""Particles that one thread takes at a time."""
+"""The number of particles that one thread processes at a time."""
 BLOCKS = 16
 """Blocks of particles that are counted separately; their number must not depend on the number of threads."""
 SLICES = 4
-"""Cells in a reach along the last axis."""
+"""The number of cells per reach along the last axis."""
 STRIDE = 8
-"""Rows of neighbors go on to a multiple of this with the particle itself, so that whole vectors can be read."""
+"""Rows of neighbors are padded to a multiple of this with the particle itself, so that whole vectors can be read."""
 ROOMIER = 1.1
 OUTLIERS = 0.02
 
@@ -55,7 +57,7 @@ class Lists(NamedTuple):
 
 
 def room_for(centers: int, neighbors: int) -> Lists:
-    """Lists of nothing; `neighbors` is a guess of the most that anybody has."""
+    """Empty lists; `neighbors` is a guess of the largest number of neighbors."""
     room = STRIDE * math.ceil(max(neighbors, 1) / STRIDE)
     return Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.int32))
 
@@ -85,9 +87,9 @@ class Sorted(NamedTuple):
     position: Array
     """(d, N)"""
     order: Slots
-    """(N,) who stands here"""
+    """(N,) the index of the particle at each place"""
     start: Integers
-    """(cells + 1,) where each cell begins"""
+    """(cells + 1,) the first place of each cell"""
 
 
 def sort_by_cell(position: Array, grid: Grid) -> Sorted:
@@ -104,7 +106,9 @@ def _counting_sort(
     position: Array, low: Array, edge: Array, shape: Integers, cell: Integers, tally: Integers, there: Array,
     order: Slots, start: Integers,
 ) -> None:  # fmt: skip
-    """Counting sort, linear and stable: each block of particles is counted, gets offsets by cell, and is written."""
+    """Sort particles by cell, with a linear and stable counting sort: each block of particles is counted, gets offsets
+    for each cell, and is written.
+    """
     dimension, count = position.shape
     blocks, cells = tally.shape
     each = (count + blocks - 1) // blocks
@@ -135,7 +139,8 @@ def _counting_sort(
 
 
 def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, before: Lists) -> Lists:
-    """All neighbors closer than `reach` of the first particles at positions (d, N); no particle is its own neighbor.
+    """The neighbors closer than `reach` of the first particles at positions (d, N), without the
+    particle itself.
 
     Particles from `passive[0]` up to `passive[1]` are not neighbors of each other: walls do not act on walls. The
     arrays of the previous lists are reused, or replaced by larger ones.
@@ -156,7 +161,7 @@ def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, befo
 
 
 def _longest_run(start: Integers, cells: int) -> int:
-    """The most particles in so many cells that follow one another."""
+    """The largest number of particles in this number of consecutive cells."""
     if len(start) <= cells:
         return int(start[-1])
     return int((start[cells:] - start[:-cells]).max())
@@ -167,9 +172,9 @@ def _fill(
     position: Array, order: Slots, start: Integers, low: Array, edge: Array, shape: Integers, reach: float,
     limits: Integers, count: NDArray[np.int32], neighbor: Slots,
 ) -> None:  # fmt: skip
-    """One row a particle; counts go on where a row is full.
+    """Write one row for each particle; counting continues when a row is full.
 
-    Distances of a run first, then its indexes, each written over the last one that was too far: two loops without a
+    Distances of a run first, then its indices, each written over the last one that was too far: two loops without a
     branch.
     """
     dimension, particles = position.shape
@@ -234,7 +239,7 @@ def _fill(
 
 @compiled_inside
 def cell_at(along: float, cells: int) -> int:
-    """The number of the cell so many edges along; what is not a number is in the first."""
+    """The index of the cell at this number of edges along an axis; NaN is in the first cell."""
     return int(min(along, cells - 1.0)) if along > 0.0 else 0
 
 

@@ -30,8 +30,8 @@ Span = tuple[int, int, int]
 
 
 class Rows(NamedTuple):
-    """Neighbors of slot s: `neighbor[first[s]:first[s + 1]]`, slots themselves. Flat, since Numba's threads take no
-    nested tuples.
+    """The neighbors of slot s are the slots `neighbor[first[s]:first[s + 1]]`. The tuple is flat, since Numba's threads
+    take no nested tuples.
     """
 
     first: Integers
@@ -305,8 +305,8 @@ def part_pairs(first: Integers, later: Integers, edge: Integers) -> None:
 
 @compiled
 def write_neighbors(lists: NeighborLists, reach: float, stretches: tuple[int, int]) -> None:
-    """Write the rows of some stretches, from one up to another, and how wide their windows are: from a stretch's first
-    slot to the last one's last neighbor.
+    """Write the rows of a range of stretches, and the widths of their windows: from the first slot of a stretch to the
+    last neighbor of its last slot.
     """
     rows = lists.rows
     low, high = rows.edge[stretches[0]], rows.edge[stretches[1]]

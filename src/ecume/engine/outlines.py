@@ -1,11 +1,12 @@
-"""Bodies that no formula describes: outlines in 2D (distance, nearest points and normal of two), and closed meshes.
+"""Outlines and closed meshes: bodies in 2D with distance, nearest points and normal of two, and parts of space that no
+formula describes.
 
-Ellipses: distance and nearest points of two, and extent of one. Two ellipses are as far apart as the widest strip
-between them; its direction is what is looked for.
+Ellipses: distance and nearest points of two, and extent of one. The distance of two ellipses is the width of the widest
+strip between them, so its direction is searched.
 
-An outline is an ellipse (a disc is one), or corners and edges with a disc that runs along them: a needle is one edge,
-a square four, a star as many as it has arms. So all but ellipses meet as discs and straight edges do, whether they
-are convex or not. Two ellipses meet as `ellipses` says.
+An outline is an ellipse (a disc is one), or corners and edges with a disc that runs along them: a needle is one edge, a
+square four, a star as many as it has arms. All contacts but those of two ellipses are therefore contacts of discs and
+straight edges, for convex shapes and others. Contacts of two ellipses are those of `ellipses_near`.
 
 Parts of space that no formula describes: inside a closed surface of triangles, or around given points.
 """
@@ -29,11 +30,11 @@ from ecume.errors import BadInput
 from ecume.units import Array
 
 DIRECTIONS = 7
-"""Tried on either side of the line of centers, before the best is made better."""
+"""The number of directions on either side of the line of centers among which the best is chosen for refinement."""
 Ellipse = tuple[float, float, float]
 """Semi-axes, and the angle of the first."""
 Near = tuple[float, float, float, float, float, float, float]
-"""Gap, normal from one to the other, and where they are nearest, as seen from the center of each."""
+"""The gap, the normal from one to the other, and the nearest points, relative to the center of each."""
 
 
 @compiled_inside
@@ -56,8 +57,8 @@ def farthest_point(ellipse: Ellipse, direction: float) -> tuple[float, float]:
 
 @compiled_inside
 def strip(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) -> tuple[float, float, float]:
-    """The width of the strip between two ellipses across a direction, negative where they overlap; its first two
-    slopes.
+    """The width of the strip between two ellipses across a direction, negative where they overlap, and its first two
+    derivatives.
     """
     c, s = math.cos(direction), math.sin(direction)
     h, slope, bend = breadth(one, direction)
@@ -68,7 +69,8 @@ def strip(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) ->
 
 @compiled
 def widest_strip(x: float, y: float, one: Ellipse, other: Ellipse, reach: float) -> float:
-    """The direction across which two ellipses are farthest apart; any that shows them farther than `reach`.
+    """The direction of the widest strip between two ellipses; any direction with a width above
+    `reach`.
 
     Where they are apart the width has one maximum; overlapping ones have several, and the highest is taken. It is
     bracketed from the best of some directions, those across each ellipse among them, and found by Newton's method.
@@ -93,7 +95,7 @@ def widest_strip(x: float, y: float, one: Ellipse, other: Ellipse, reach: float)
 
 @compiled
 def climb(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) -> float:
-    """The maximum of the strip's width next to a direction: the zero of its slope, between two of unlike sign."""
+    """The direction of the maximum of the strip's width next to a direction, by the zero of its derivative."""
     slope = strip(x, y, one, other, direction)[1]
     if slope == 0.0:
         return direction
@@ -111,7 +113,7 @@ def climb(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) ->
             near = found
         else:
             far = found
-        # Newton's step where it stays between the two, else their middle.
+        # Newton's step if it stays in the bracket, otherwise bisection.
         going = found - value / bend if bend < 0.0 else far
         if (going - near) * (going - far) >= 0.0:
             going = 0.5 * (near + far)
@@ -123,7 +125,7 @@ def climb(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) ->
 
 @compiled
 def ellipses_near(x: float, y: float, one: Ellipse, other: Ellipse, reach: float) -> Near:
-    """Two ellipses whose centers are (x, y) apart; the gap is a lower bound where it is above `reach`."""
+    """The nearest points of two ellipses whose centers differ by (x, y); a gap above `reach` is only a lower bound."""
     direction = widest_strip(x, y, one, other, reach)
     gap = strip(x, y, one, other, direction)[0]
     on_one, on_other = farthest_point(one, direction), farthest_point(other, direction)
@@ -132,7 +134,7 @@ def ellipses_near(x: float, y: float, one: Ellipse, other: Ellipse, reach: float
 
 @compiled
 def farthest_from_origin(x: float, y: float, ellipse: Ellipse) -> float:
-    """The direction in which the point of an ellipse lies that is farthest from the origin, the center being (x, y).
+    """The direction of the point of an ellipse with center (x, y) that is farthest from the origin.
 
     Fixed-point iteration, in the direction of the farthest point so far, never increases the error; Newton's method
     then completes it.
@@ -156,14 +158,14 @@ def farthest_from_origin(x: float, y: float, ellipse: Ellipse) -> float:
 
 
 NEARNESS = 8
-"""Numbers of a place where two are near: gap, normal, arm of the one, arm of the other, and which feature it is."""
+"""The length of the record of a near feature: gap, normal, both lever arms, and the index of the feature."""
 
 
 class Outlines(NamedTuple):
-    """Of all bodies, each in its own frame, with its center in the origin."""
+    """The outlines of all bodies, each in its own frame with the center at the origin."""
 
     axes: Array
-    """(N, 2) semi-axes of an ellipse, the first along the body's own direction; zero for what has corners"""
+    """(N, 2) semi-axes of an ellipse, the first along the body's own direction; zero for a body with corners"""
     rounding: Array
     """(N,) radius of the disc that runs along corners and edges"""
     corner: Array
@@ -177,19 +179,19 @@ class Outlines(NamedTuple):
 
 
 class Stance(NamedTuple):
-    """Where all bodies are and how they are turned."""
+    """The positions and orientations of all bodies."""
 
     position: Array
     """(N, 2)"""
     angle: Array
     """(N,)"""
     corner: Array
-    """(V, 2) as seen from the center of each corner's body"""
+    """(V, 2) relative to the center of the corner's body"""
 
 
 @compiled
 def turn_corners(outlines: Outlines, stance: Stance) -> None:
-    """Corners as the bodies are turned now."""
+    """Compute the corners at the present angles."""
     for i in range(len(stance.angle)):
         c, s = math.cos(stance.angle[i]), math.sin(stance.angle[i])
         for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
@@ -199,7 +201,7 @@ def turn_corners(outlines: Outlines, stance: Stance) -> None:
 
 @compiled_inside
 def discs_near(x: float, y: float, one: float, other: float) -> tuple[float, float, float]:
-    """The gap of two discs and the direction from one to the other; the first axis where they have none."""
+    """The gap of two discs and the direction from one to the other; the first axis if the centers coincide."""
     distance = math.sqrt(x * x + y * y)
     if distance == 0.0:
         return -one - other, 1.0, 0.0
@@ -208,7 +210,9 @@ def discs_near(x: float, y: float, one: float, other: float) -> tuple[float, flo
 
 @compiled_inside
 def beside_edge(point_x: float, point_y: float, ends: tuple[float, float, float, float]) -> tuple[float, float, float]:
-    """Where along an edge a point lies (0 to 1 between its ends), and the normal of the edge on the point's side."""
+    """The projection of a point on an edge (0 to 1 between its ends), and the normal of the edge on
+    the point's side.
+    """
     x, y, to_x, to_y = ends
     along_x, along_y = to_x - x, to_y - y
     length = math.sqrt(along_x * along_x + along_y * along_y)
@@ -220,14 +224,14 @@ def beside_edge(point_x: float, point_y: float, ends: tuple[float, float, float,
 
 @compiled_inside
 def edge_ends(outlines: Outlines, stance: Stance, edge: int) -> tuple[float, float, float, float]:
-    """The ends of an edge, as seen from the center of its body."""
+    """The ends of an edge, relative to the center of its body."""
     k, m = outlines.edge[edge, 0], outlines.edge[edge, 1]
     return stance.corner[k, 0], stance.corner[k, 1], stance.corner[m, 0], stance.corner[m, 1]
 
 
 @compiled_inside
 def note(near: Array, found: int, found_near: Near, feature: int) -> int:
-    """Write down a place where two are near; how many there are now."""
+    """Record a near feature; return the number of features."""
     if found == len(near):
         return found
     row = near[found]
@@ -238,7 +242,7 @@ def note(near: Array, found: int, found_near: Near, feature: int) -> int:
 
 @compiled
 def corners_near(outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array) -> int:
-    """Corners of one body near corners of another."""
+    """Record the corners of one body near corners of another."""
     i, j = pair
     x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
     one, other, found, feature = outlines.rounding[i], outlines.rounding[j], 0, 0
@@ -260,7 +264,9 @@ def corners_near(outlines: Outlines, stance: Stance, pair: tuple[int, int], reac
 def corners_near_edges(
     outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array, found: int
 ) -> int:
-    """Corners of the pair's first body near edges of its second; after the `found` places that are there."""
+    """Record the corners of the pair's first body near edges of its second, after the `found`
+    features recorded so far.
+    """
     i, j = pair
     x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
     one, other = outlines.rounding[i], outlines.rounding[j]
@@ -282,13 +288,13 @@ def corners_near_edges(
 
 @compiled_inside
 def flipped(near: Near) -> Near:
-    """The same place as the other of the two sees it."""
+    """The same record with the two bodies exchanged."""
     return near[0], -near[1], -near[2], near[5], near[6], near[3], near[4]
 
 
 @compiled_inside
 def ellipse_of(outlines: Outlines, stance: Stance, i: int) -> Ellipse:
-    """A body that is an ellipse, as it is turned."""
+    """The ellipse of a body at its present angle."""
     return outlines.axes[i, 0], outlines.axes[i, 1], stance.angle[i]
 
 
@@ -296,7 +302,7 @@ def ellipse_of(outlines: Outlines, stance: Stance, i: int) -> Ellipse:
 def ellipse_near_corners(
     outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array, found: int
 ) -> int:
-    """An ellipse, the pair's first, near corners and edges of its second."""
+    """Record the corners and edges of the pair's second body near its first, an ellipse."""
     i, j = pair
     x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
     ellipse, rounding, feature = ellipse_of(outlines, stance, i), outlines.rounding[j], 0
@@ -324,7 +330,7 @@ def ellipse_near_corners(
 
 @compiled
 def bodies_near(outlines: Outlines, stance: Stance, i: int, j: int, reach: float, near: Array) -> int:
-    """All places where two bodies, i < j, are nearer than `reach`, as far as there is room; how many."""
+    """Record all features at which two bodies, i < j, are nearer than `reach`, up to the room; return their number."""
     smooth_i, smooth_j = outlines.axes[i, 0] > 0.0, outlines.axes[j, 0] > 0.0
     if smooth_i and smooth_j:
         x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
@@ -343,7 +349,9 @@ def bodies_near(outlines: Outlines, stance: Stance, i: int, j: int, reach: float
 def wall_near(
     outlines: Outlines, stance: Stance, walls: Walls, pair: tuple[int, int], reach: float, near: Array
 ) -> int:
-    """All places where body i is nearer than `reach` to wall number k, of the pair (i, k); how many."""
+    """Record all features at which body i is nearer than `reach` to wall number k, of the pair (i, k); return their
+    number.
+    """
     i, number = pair
     x, y = stance.position[i, 0], stance.position[i, 1]
     if outlines.axes[i, 0] > 0.0:
@@ -367,36 +375,38 @@ def wall_near(
 
 
 OBLIQUE = np.array([0.53779, 0.61803, 0.57309])
-"""A direction along which no edge of a drawn thing lies: a ray through an edge would count two crossings."""
+"""A direction along which drawn objects have no edges: a ray through an edge would count two crossings."""
 MOST_CROSSINGS = 4_000_000
-"""Pairs of ray and triangle that are looked at together."""
+"""The number of pairs of ray and triangle that are processed at once."""
 MOST_BUCKETS = 1024
-"""Along each side of the table of triangles."""
+"""The largest number of buckets along each side of the table of triangles."""
 COLUMNS = 300
-"""Along each side of the box around shells that overlap: rays that measure the volume of what they enclose together,
-within about 1e-4.
+"""The number of rays along each side of the box around overlapping shells, which measure the enclosed volume within
+about 1e-4.
 """
 ON_SURFACE, ON_AXES = 1e-12, 1e-9
-"""Of the size of a mesh: a point this close is on its surface. Of the moments of inertia: products that are rounding
-errors.
+"""Tolerances: the distance of a point on the surface over the size of the mesh, and products of inertia over the
+moments.
 """
 OVERLAP, SAME = 1e-4, 1e-9
-"""The part of a volume from which on shells overlap, and of the height below which two crossings are one."""
+"""The part of a volume from which shells count as overlapping, and the distance over the height below which two
+crossings count as one.
+"""
 
 
 class Crossings(NamedTuple):
-    """Where rays cross triangles."""
+    """The crossings of rays and triangles."""
 
     ray: Integers
-    """the number of the ray's point"""
+    """the index of the ray's point"""
     distance: Array
     """from the point, positive ahead"""
     way: Integers
-    """1 where the ray leaves, -1 where it enters, as the triangle's corners turn"""
+    """1 where the ray leaves, -1 where it enters, by the orientation of the triangle"""
 
 
 class Buckets(NamedTuple):
-    """Triangles as seen along a direction, in the buckets of a table that each of them covers a part of."""
+    """Triangles projected along a direction, and the list of those in each bucket of a table."""
 
     axes: Array
     """(2, 3) across the direction"""
@@ -407,11 +417,11 @@ class Buckets(NamedTuple):
     shape: Integers
     """(2,) buckets along each axis"""
     first: Integers
-    """of each bucket in `triangle`, and the end of the last"""
+    """index of the first triangle of each bucket in `triangle`, and the end of the last"""
     triangle: Integers
 
     def of(self, points: Array) -> tuple[Integers, Flags]:
-        """The bucket of each point, and whether it is in the table at all."""
+        """The bucket of each point, and whether it is inside the table."""
         place = np.floor((product(points, self.axes.T) - self.low) / self.size).astype(np.int64)
         within: Flags = np.asarray(((place >= 0) & (place < self.shape)).all(axis=1))
         bucket: Integers = np.where(within, place[:, 0] * self.shape[1] + place[:, 1], 0)
@@ -419,7 +429,7 @@ class Buckets(NamedTuple):
 
 
 def sorted_in(triangles: Array, direction: Array) -> Buckets:
-    """About as many buckets as there are triangles, so that few are in each."""
+    """The buckets of triangles, about as many as there are triangles."""
     least = np.eye(3)[int(np.argmin(np.abs(direction)))]
     one = np.cross(direction, least)
     axes = np.stack([one / np.linalg.norm(one), np.cross(direction, one) / np.linalg.norm(np.cross(direction, one))])
@@ -442,7 +452,9 @@ def sorted_in(triangles: Array, direction: Array) -> Buckets:
 
 
 class Mesh(NamedTuple):
-    """Inside a closed surface of triangles, (T, 3, 3): corners in meters. Of shells that overlap, inside of any."""
+    """The space inside a closed surface of triangles (T, 3, 3), in meters; for overlapping shells, inside of any of
+    them.
+    """
 
     triangles: Array
 
@@ -451,49 +463,49 @@ class Mesh(NamedTuple):
         return self.triangles.min(axis=(0, 1)), self.triangles.max(axis=(0, 1))
 
     def extent_along(self, direction: Array) -> float:
-        """Of a corner."""
+        """The largest extent along a direction, at a corner."""
         return float(product(self.triangles.reshape(-1, 3), direction).max())
 
     def inside(self, points: Array) -> Flags:
-        """A ray leaves another number of times than it enters: the winding number is not zero."""
+        """Whether points are inside: the winding number along a ray is not zero."""
         winding = np.zeros(len(points))
         for found in self._crossings(points, OBLIQUE):
             winding += np.bincount(found.ray, found.way, len(points))
         return np.asarray(winding != 0.0)
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """To the nearest triangle ahead; nothing where none is."""
+        """The distance to the nearest triangle ahead; zero if it meets no triangle."""
         way = np.full(len(points), np.inf)
         for found in self._crossings(points, direction):
             np.minimum.at(way, found.ray, found.distance)
         return np.where(np.isfinite(way), way, 0.0)
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """Those inside of a lattice that fits the box around it."""
+        """The cells inside of a lattice that fits the bounding box."""
         around = fitted_cells(*self.bounds(), spacing)
         return scaled_to(around.those(self.inside(around.centers)), self.volume())
 
     def faces(self) -> Array:
-        """None along the axes."""
+        """No faces along the axes."""
         return np.zeros((0, 3))
 
     def volume(self) -> float:
-        """Of the tetrahedra between the first corner and each triangle (divergence theorem). Of shells that overlap, of
-        the parts of many parallel rays that are inside.
+        """The volume of the tetrahedra between the first corner and each triangle (divergence theorem); for overlapping
+        shells, from the lengths of many parallel rays.
         """
         return _volume_of(self.triangles.tobytes())[0]
 
     def overlaps(self) -> bool:
-        """Whether shells of it overlap."""
+        """Whether some of its shells overlap."""
         return _volume_of(self.triangles.tobytes())[1]
 
     def lengths(self) -> tuple[float, float, float]:
-        """Of parallel rays along z, a grid of them: the length inside, that inside of more than one shell, and the area
-        that each stands for. Rays through an edge meet both of its triangles, of which one counts.
+        """The lengths of parallel rays along z: inside the mesh, and inside of more than one shell; and the area per
+        ray. Rays through an edge meet both of its triangles, of which one counts.
         """
         low, high = self.bounds()
         cell = (high - low)[:2] / COLUMNS
-        # Between the nodes of a lattice, where drawn things seldom have edges.
+        # Between the nodes of a lattice, since edges of drawn objects are rarely there.
         x, y = (low[axis] + (np.arange(COLUMNS) + 0.4877) * cell[axis] for axis in (0, 1))
         below = np.full(COLUMNS**2, 2.0 * low[2] - high[2])
         starts = np.column_stack([np.repeat(x, COLUMNS), np.tile(y, COLUMNS), below])
@@ -514,7 +526,7 @@ class Mesh(NamedTuple):
         return (*lengths, float(cell.prod()))  # type: ignore[return-value]  # two lengths
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """All of it, or no formula."""
+        """The whole volume if the box contains the mesh, otherwise None."""
         return whole_within(self, low, high)
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
@@ -523,7 +535,7 @@ class Mesh(NamedTuple):
         away = points - place
         gap = np.sqrt((away**2).sum(axis=1))
         inside = self.inside(points)
-        # On the surface itself there is no way: the triangle's own normal is it.
+        # On the surface the direction is undefined, and the normal of the triangle is used.
         on = gap < ON_SURFACE * float(np.abs(self.triangles).max())
         flat = np.where(on[:, None], self._normals()[which], away / np.where(gap > 0.0, gap, 1.0)[:, None])
         return np.where(inside, -gap, gap), np.where((inside & ~on)[:, None], -flat, flat)
@@ -549,7 +561,7 @@ class Mesh(NamedTuple):
         return center
 
     def surface(self) -> float:
-        """The triangles."""
+        """The total area of the triangles."""
         return float(_areas(self.triangles).sum())
 
     def inertia(self) -> Array:
@@ -557,7 +569,9 @@ class Mesh(NamedTuple):
         return self._principal()[0]
 
     def axes(self) -> Array:
-        """(3, 3) the principal axes of inertia, one a column; those of the coordinates where all are principal."""
+        """The principal axes of inertia, the columns of a matrix (3, 3); the coordinate axes if all
+        axes are principal.
+        """
         return self._principal()[1]
 
     def thickness(self) -> float:
@@ -568,11 +582,11 @@ class Mesh(NamedTuple):
         return float(np.ptp(product(self.triangles.reshape(-1, 3), normals.T), axis=0).min())
 
     def carried(self, way: Array) -> Mesh:
-        """Every corner."""
+        """The mesh moved by a vector."""
         return Mesh(self.triangles + way)
 
     def turned(self, turn: Array) -> Mesh:
-        """The same in the axes that are the columns of a matrix (3, 3)."""
+        """The mesh in the axes that are the columns of a matrix (3, 3)."""
         return Mesh(product(self.triangles.reshape(-1, 3), turn).reshape(-1, 3, 3))
 
     def _sense(self) -> float:
@@ -587,7 +601,9 @@ class Mesh(NamedTuple):
         return np.asarray(normal / np.where(size > 0.0, size, 1.0))
 
     def _pieces(self, spacing: float) -> tuple[Array, Integers]:
-        """Triangles (S, 3, 3) no longer than the spacing that each triangle is cut into, and the number of that one."""
+        """Triangles (S, 3, 3) no longer than the spacing into which the triangles are cut, and the index of the
+        triangle that each belongs to.
+        """
         edges = np.sqrt(((self.triangles - np.roll(self.triangles, 1, axis=1)) ** 2).sum(axis=2)).max(axis=1)
         counts = np.array([round_up(float(edge), spacing) for edge in edges])
         pieces, whole = [], []
@@ -599,7 +615,7 @@ class Mesh(NamedTuple):
         return np.concatenate(pieces), np.concatenate(whole)
 
     def _principal(self) -> tuple[Array, Array]:
-        """Moments about the centroid for unit mass and their axes, from the tetrahedra."""
+        """The principal moments about the centroid for unit mass and their axes, from the tetrahedra."""
         corners = self.triangles - self.middle()
         six, total = _determinants(corners), corners.sum(axis=1)
         # The integral of x_a x_b over a tetrahedron with one corner at the origin is 6 V (sum of x x^T of its corners,
@@ -615,7 +631,8 @@ class Mesh(NamedTuple):
         return moments, axes
 
     def _crossings(self, points: Array, direction: Array) -> Iterator[Crossings]:
-        """Where the rays from points cross triangles, some points at a time; of a ray, those in the bucket it is in.
+        """Yield the crossings of rays from points with triangles, for some points at a time; a ray is compared with the
+        triangles of its bucket.
 
         By Moller and Trumbore's algorithm; a ray along a triangle's own plane misses it.
         """
@@ -645,7 +662,7 @@ class Mesh(NamedTuple):
 
 @functools.lru_cache(maxsize=32)
 def _volume_of(data: bytes) -> tuple[float, bool]:
-    """The volume of a mesh, and whether its shells overlap; kept, since bodies need it at each step."""
+    """The volume of a mesh, and whether its shells overlap; cached, since bodies need it at each step."""
     mesh = Mesh(np.frombuffer(data).reshape(-1, 3, 3))
     if _shells(mesh.triangles) > 1:
         length, several, cell = mesh.lengths()
@@ -670,18 +687,18 @@ def _shells(triangles: Array) -> int:
 
 
 def _areas(triangles: Array) -> Array:
-    """(T,) the areas of triangles."""
+    """The areas (T,) of triangles."""
     edge, other = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     return 0.5 * np.asarray(np.sqrt((np.cross(edge, other) ** 2).sum(axis=1)))
 
 
 def _determinants(corners: Array) -> Array:
-    """(T,) six times the volumes of the tetrahedra between the origin and each triangle."""
+    """Six times the volumes (T,) of the tetrahedra between the origin and each triangle."""
     return np.asarray((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum(axis=1))
 
 
 def _cut_triangle(count: int) -> Array:
-    """(count^2, 3, 3) the barycentric coordinates of the corners of equal pieces of a triangle."""
+    """The barycentric coordinates (count^2, 3, 3) of the corners of equal pieces of a triangle."""
     pieces = []
     for row in range(count):
         for column in range(count - row):
@@ -709,11 +726,13 @@ def hull_of(points: Array) -> Mesh:
 
 
 ROUND_SIDES = 64
-"""Of the prism that stands for a cylinder."""
+"""The number of sides of the prism that approximates a cylinder."""
 
 
 def cylinder_of(center: Array, radius: float, axis: Array) -> Mesh:
-    """A cylinder about its center with an axis from one end to the other, as a prism of the same volume."""
+    """A cylinder with this center and with an axis from one end to the other, approximated by a prism of the same
+    volume.
+    """
     along = axis / length(axis)
     one = np.cross(along, np.eye(3)[int(np.argmin(np.abs(along)))])
     one /= length(one)
@@ -724,7 +743,7 @@ def cylinder_of(center: Array, radius: float, axis: Array) -> Mesh:
 
 
 class Cloud(NamedTuple):
-    """Around points, (N, d), half a spacing far along each axis."""
+    """The union of cubes around points (N, d), one spacing wide."""
 
     points: Array
     spacing: float
@@ -735,18 +754,18 @@ class Cloud(NamedTuple):
         return self.points.min(axis=0) - half, self.points.max(axis=0) + half
 
     def extent_along(self, direction: Array) -> float:
-        """Of a point, and half a spacing more."""
+        """The largest extent of a point along a direction, plus half a spacing."""
         return float(product(self.points, direction).max()) + 0.5 * self.spacing * length(direction)
 
     def inside(self, points: Array) -> Flags:
-        """Closer to one of them than half a spacing, along each axis."""
+        """Whether points are within half a spacing of one of the points along each axis."""
         from scipy.spatial import cKDTree
 
         distance, _ = cKDTree(self.points).query(points, p=np.inf)
         return np.asarray(distance < 0.5 * self.spacing)
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """To the last of its points ahead in a column one spacing wide, and half a spacing more; along an axis."""
+        """The distance along an axis to the last point ahead in a column one spacing wide, plus half a spacing."""
         axis = int(np.argmax(np.abs(direction)))
         ahead = np.sign(direction[axis])
         columns = np.floor(np.delete(self.points - self.bounds()[0], axis, axis=1) / self.spacing)
@@ -760,18 +779,18 @@ class Cloud(NamedTuple):
         return found
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """One cell for each point, whatever the spacing."""
+        """One cell for each point, for any spacing."""
         widths = np.full(self.points.shape, self.spacing)
         return Cells(self.points, np.prod(widths, axis=1), widths)
 
     def faces(self) -> Array:
-        """None along the axes."""
+        """No faces along the axes."""
         return np.zeros((0, self.points.shape[1]))
 
     def volume(self) -> float:
-        """A cell for each point."""
+        """The volume of one cell for each point."""
         return float(len(self.points) * self.spacing ** self.points.shape[1])
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """All of it, or no formula."""
+        """The whole volume if the box contains all points, otherwise None."""
         return whole_within(self, low, high)

@@ -56,7 +56,9 @@ PAIRS = 1 << 16
 
 @compiled_inside
 def counter_of_pair(first: int, second: int, when: int, turn: int) -> Words:
-    """The counter of a pair of particles, or of a particle and a wall, a step, and their turns in this step."""
+    """The counter of a pair of particles, or of a particle and a wall, for a step and the number of their collision in
+    it.
+    """
     what = PAIRS * (1 + (int(turn) & 0x7FFF)) + ((int(when) >> 32) & 0xFFFF)
     return int(first) & WORD, int(when) & WORD, int(second) & WORD, what
 

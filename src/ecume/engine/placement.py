@@ -32,7 +32,7 @@ SURE = 0.95
 
 
 class Region(NamedTuple):
-    """A rectangle to place discs in, cut by walls or periodic."""
+    """A rectangle in which discs are placed, bounded by walls or periodic."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -63,10 +63,11 @@ class _Grid(NamedTuple):
 
 
 def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
-    """Centers of discs that touch neither each other, nor the walls, nor those already there (`taken`: centers, radii).
+    """The centers of discs that overlap neither each other, nor the walls, nor existing discs (`taken`: centers,
+    radii).
 
-    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with
-    what would fit when that fails: random placement jams when a little more than half of the surface is covered.
+    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with what
+    would fit when that fails: random placement jams when a little more than half of the surface is covered.
     """
     centers = np.concatenate([taken[0].reshape(-1, 2), np.zeros((len(radius), 2))])
     radii = np.concatenate([taken[1], np.sort(radius)[::-1]])
@@ -195,7 +196,7 @@ def _put(grid: _Grid, centers: Array, disc: int) -> None:
 
 @compiled
 def _fits(grid: _Grid, centers: Array, radii: Array, disc: int, walls: Walls) -> bool:
-    """Whether the disc touches no wall and no disc before it."""
+    """Whether the disc overlaps no wall and no earlier disc."""
     x, y, radius = centers[disc, 0], centers[disc, 1], radii[disc] * (1.0 + CLEARANCE)
     for number in range(wall_count(walls)):
         if wall_distance(walls, number, x, y)[0] < radius:

@@ -1,8 +1,9 @@
-"""Pixels of pictures: discs and lit balls painted one after the other, and parallel rays through fields on a grid.
+"""Rendering of pictures: discs and shaded balls painted in order, and parallel rays through fields
+on a grid.
 
 Discs and lit balls painted into pixels, one after the other: later ones lie on earlier ones. Edges cover the pixels
-that they cross in part. Bands of rows are painted side by side, each by one thread, so that the pixels do not depend
-on how many there are.
+that they cross in part. Bands of rows are painted side by side, each by one thread, so that the pixels do not depend on
+how many there are.
 
 Parallel rays through fields on a grid of cells: where they meet a liquid and a solid, and their way in the liquid. A
 field is above 0 inside. Between the centers of cells it is linear along each axis; beyond the outer ones constant.
@@ -22,17 +23,17 @@ from ecume.units import Array
 Pixels = NDArray[np.uint8]
 Color = tuple[float, float, float]
 Disc = tuple[float, float, float]
-"""Across, down, radius."""
+"""The coordinates of the center across and down, and the radius."""
 BANDS = 16
-"""Of rows, painted side by side."""
+"""The number of bands of rows that are painted in parallel."""
 LEAST_RADIUS = 0.75
-"""In pixels: what would be smaller is painted so large."""
+"""The smallest painted radius, in pixels."""
 DIMMEST = 0.45
-"""How bright the rim of a ball is, its middle being 1: it is lit from where the eye is."""
+"""The brightness of the rim of a ball over that of its middle: it is lit from the observer."""
 
 
 class Dots(NamedTuple):
-    """What is painted, in pixels from the upper left corner."""
+    """The discs to paint, in pixels from the upper left corner."""
 
     across: Array
     """(N,)"""
@@ -45,19 +46,19 @@ class Dots(NamedTuple):
 
 
 class Look(NamedTuple):
-    """How all of them look."""
+    """The appearance of all discs."""
 
     ball: bool
-    """lit as balls are, or flat"""
+    """whether they are shaded as balls, or flat"""
     rim: float
-    """how wide the line around each is, in pixels; 0 for none"""
+    """the width of the line around each, in pixels; 0 without a line"""
     ink: Array
     """(3,) of that line, from 0 to 255"""
 
 
 @threaded
 def splat(pixels: Pixels, dots: Dots, look: Look) -> None:
-    """Paint all dots into pixels (height, width, 4), whose fourth is how opaque they are."""
+    """Paint all discs into pixels (height, width, 4) with the opacity as the fourth component."""
     rows = pixels.shape[0]
     for band in prange(BANDS):
         _paint_rows(pixels, dots, look, (band * rows // BANDS, (band + 1) * rows // BANDS))
@@ -79,7 +80,7 @@ def _paint_rows(pixels: Pixels, dots: Dots, look: Look, rows: tuple[int, int]) -
 
 @compiled_inside
 def _paint_row(pixels: Pixels, row: int, disc: Disc, colors: tuple[Color, Color], look: tuple[bool, float]) -> None:
-    """One row of one dot: edge, inside, edge."""
+    """Paint one row of one disc: edge, inside, edge."""
     across, up, radius = disc[0], row + 0.5 - disc[1], disc[2]
     ball, rim = look
     start, stop = _span(across, up, radius + 0.5, (0, pixels.shape[1]))
@@ -97,21 +98,23 @@ def _paint_row(pixels: Pixels, row: int, disc: Disc, colors: tuple[Color, Color]
 
 @compiled_inside
 def mixed(color: Color, ink: Color, light: float, edge: float) -> Color:
-    """A color in this light, of which a part is the line's."""
+    """The color in this light, mixed with a fraction of the line's color."""
     own = (1.0 - edge) * light
     return (own * color[0] + edge * ink[0], own * color[1] + edge * ink[1], own * color[2] + edge * ink[2])
 
 
 @compiled_inside
 def _span(middle: float, aside: float, radius: float, within: tuple[int, int]) -> tuple[int, int]:
-    """The columns (or rows) whose middles a circle reaches in a row (or column) beside its own."""
+    """The range of columns (or rows) whose centers a circle contains, in a row (or column) at this distance from its
+    center.
+    """
     half = math.sqrt(max(radius * radius - aside * aside, 0.0))
     return max(within[0], math.ceil(middle - half - 0.5)), min(within[1], math.floor(middle + half - 0.5) + 1)
 
 
 @compiled_inside
 def _lay(pixels: Pixels, at: tuple[int, int], cover: float, color: Color) -> None:
-    """Lay a color over a pixel that may be transparent: Porter and Duff's "over" (porter1984)."""
+    """Paint a color over a pixel that may be transparent: Porter and Duff's "over" (porter1984)."""
     row, column = at
     if cover >= 1.0:
         _put(pixels, at, color)
@@ -136,13 +139,14 @@ def _put(pixels: Pixels, at: tuple[int, int], color: Color) -> None:
 
 
 STRIDE = 0.6
-"""Of a step along a ray, in cells."""
+"""The length of a step along a ray, in cells."""
 HALVINGS = 4
-"""Of the step in which a surface is met."""
+"""The number of bisections of the step in which a ray meets a surface."""
 MET = 8
-"""Numbers of a ray: how far it goes from the plane of the eye to the liquid and to the solid (infinite if it misses),
-how far it goes in liquid before the solid, and the outward slopes of both fields there, the liquid's first two
-components and the third, and the solid's angle to the ray."""
+"""The length of the record of a ray: the distances from the plane of the observer to the liquid and to the solid
+(infinite if it misses), the path in liquid before the solid, and the outward gradients of both fields there: the first
+two components of the liquid's, its third, and the solid's angle to the ray.
+"""
 
 Fields = NDArray[np.float32]
 
@@ -171,12 +175,12 @@ class Eye(NamedTuple):
     camera: Array
     """(3, 3) the directions right, up, and toward the eye"""
     nearest: float
-    """how far the plane is from the origin, toward the eye (m)"""
+    """the distance of the plane from the origin, toward the observer (m)"""
 
 
 @threaded
 def cast(block: Block, eye: Eye, met: Array) -> None:
-    """Follow a ray for each pixel; `met` is (rows, columns, MET)."""
+    """Follow a ray for each pixel; write its record into `met`, (rows, columns, MET)."""
     for row in prange(len(eye.up)):
         for column in range(len(eye.across)):
             _follow(block, eye, (eye.across[column], eye.up[row]), met[row, column])
@@ -214,7 +218,7 @@ def _follow(block: Block, eye: Eye, place: tuple[float, float], met: Array) -> N
 
 @compiled_inside
 def _outward(block: Block, camera: Array, start: tuple[float, float, float], met: Array, wall: bool) -> None:
-    """The outward normal of the liquid where the ray meets it: that of the block where it enters through its side."""
+    """The outward normal of the liquid where the ray enters it; at a side of the block, that of the side."""
     there = (start[0] - met[0] * camera[2, 0], start[1] - met[0] * camera[2, 1], start[2] - met[0] * camera[2, 2])
     if wall:
         best, axis, sign = math.inf, 0, 1.0
@@ -234,7 +238,7 @@ def _outward(block: Block, camera: Array, start: tuple[float, float, float], met
 
 @compiled_inside
 def _through(block: Block, camera: Array, start: tuple[float, float, float]) -> tuple[float, float]:
-    """How far a ray goes until it enters the block, and until it leaves it."""
+    """The distances along a ray at which it enters and leaves the block."""
     first, last = 0.0, math.inf
     for k in range(3):
         speed = -camera[2, k]
@@ -251,7 +255,7 @@ def _through(block: Block, camera: Array, start: tuple[float, float, float]) -> 
 def _between(
     field: Fields, block: Block, camera: Array, start: tuple[float, float, float], outside: float, inside: float
 ) -> float:
-    """Where along a ray a field passes through 0, by bisection."""
+    """The distance along a ray at which a field is zero, by bisection."""
     if outside == inside:
         return inside
     for _ in range(HALVINGS):
@@ -266,7 +270,7 @@ def _between(
 
 @compiled_inside
 def _slope(field: Fields, block: Block, at: tuple[float, float, float]) -> tuple[float, float, float]:
-    """The slope of a field by central differences over two cells, up to a factor."""
+    """The gradient of a field by central differences over two cells, up to a factor."""
     x, y, z = block.cell[0], block.cell[1], block.cell[2]
     along = _read(field, block, (at[0] + x, at[1], at[2])) - _read(field, block, (at[0] - x, at[1], at[2]))
     up = _read(field, block, (at[0], at[1] + y, at[2])) - _read(field, block, (at[0], at[1] - y, at[2]))
@@ -276,7 +280,7 @@ def _slope(field: Fields, block: Block, at: tuple[float, float, float]) -> tuple
 
 @compiled_inside
 def _read(field: Fields, block: Block, at: tuple[float, float, float]) -> float:
-    """A field at a point, linear along each axis between the centers of the cells."""
+    """The value of a field at a point, linear along each axis between the centers of the cells."""
     i, a = _cell((at[0] - block.low[0]) / block.cell[0] - 0.5, field.shape[0])
     j, b = _cell((at[1] - block.low[1]) / block.cell[1] - 0.5, field.shape[1])
     k, c = _cell((at[2] - block.low[2]) / block.cell[2] - 0.5, field.shape[2])
@@ -292,7 +296,7 @@ def _read(field: Fields, block: Block, at: tuple[float, float, float]) -> float:
 
 @compiled_inside
 def _cell(place: float, count: int) -> tuple[int, float]:
-    """The cell before a place, and the part of the way to the next."""
+    """The cell below a coordinate, and the fraction of the distance to the next."""
     inside = min(max(place, 0.0), count - 1.0)
     first = min(int(inside), count - 2)
     return first, inside - first

@@ -1,4 +1,5 @@
-"""Parts of space: which points are inside, how far it is from there to the boundary, and what solids have besides.
+"""Shapes of regions and solids: which points are inside, their distances from the boundary, and for solids nearest
+points, panels and inertia.
 
 Points are (N, d). Lattices of equal cells fit into shapes: the volumes of the cells add up to that of the shape.
 """
@@ -19,7 +20,7 @@ Flags = NDArray[np.bool_]
 
 
 class Cells(NamedTuple):
-    """A shape cut into small cells."""
+    """A shape divided into small cells."""
 
     centers: Array
     """(N, d)"""
@@ -29,7 +30,7 @@ class Cells(NamedTuple):
     """(N, d) along each axis"""
 
     def those(self, which: Flags) -> Cells:
-        """Some of them."""
+        """The selected cells."""
         return Cells(self.centers[which], self.volumes[which], self.widths[which])
 
 
@@ -38,65 +39,67 @@ Panels = tuple[Array, Array, Array]
 
 
 class Part(Protocol):
-    """A part of space that liquid fills."""
+    """A region that liquid can fill."""
 
     def bounds(self) -> tuple[Array, Array]:
-        """Its lowest and highest corner, each (d,)."""
+        """The lowest and the highest corner of the bounding box, each (d,)."""
 
     def extent_along(self, direction: Array) -> float:
-        """The largest coordinate of any of its points along a direction of length one."""
+        """The largest coordinate of its points along a unit vector."""
 
     def inside(self, points: Array) -> Flags:
-        """(N,) whether each point is inside."""
+        """Flags (N,) of the points inside."""
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """(N,) how far it is from each point inside to the boundary along a unit vector."""
+        """The distance (N,) from each point inside to the boundary along a unit vector."""
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """A lattice that fits into it, with cells about as wide as the spacing; their volumes add up to its own.
-        `faces`, (k, d), are coordinates along each axis where cells had best end.
+        """A lattice of cells that fits into the region, about as wide as the spacing; their volumes add up to its
+        volume. `faces`, (k, d), are preferred coordinates of cell boundaries along each axis.
         """
 
     def faces(self) -> Array:
-        """(k, d) coordinates of its faces along each axis, if it is bounded by such faces alone; else none, (0, d)."""
+        """The coordinates (k, d) of its faces along each axis, if all its faces are normal to axes; otherwise none, (0,
+        d).
+        """
 
     def volume(self) -> float:
-        """Its volume; in 2D its area."""
+        """The volume; in 2D the area."""
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """The part of its volume that is inside a box; None where no formula gives it."""
+        """The volume of the part of it inside a box; None without a formula."""
 
 
 class Shape(Part, Protocol):
-    """A part of space that may be solid."""
+    """A region that may be solid."""
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """(N,) how far outside each point is (negative: inside), and (N, d) the slope of that: the way out."""
+        """The distance (N,) of each point from the surface, negative inside, and its gradient (N, d)."""
 
     def rim(self, spacing: float) -> Array:
-        """(S, d) points of the boundary, its corners among them, no farther apart than the spacing."""
+        """Points (S, d) of the surface, including its corners, no farther apart than the spacing."""
 
     def panels(self, spacing: float) -> tuple[Array, Array, Array]:
-        """Pieces of the boundary no wider than the spacing: middles (S, d), normals (S, d) outward, and areas (S,)."""
+        """Pieces of the surface no wider than the spacing: centers (S, d), outward normals (S, d), and areas (S,)."""
 
     def middle(self) -> Array:
-        """(d,) the center of mass."""
+        """The center of mass (d,)."""
 
     def surface(self) -> float:
-        """The area of its boundary; in 2D the length."""
+        """The area of the surface; in 2D the length."""
 
     def inertia(self) -> Array:
-        """(3,) moments of inertia about the axes through the center, for unit mass; in 2D only the last is used."""
+        """The moments of inertia (3,) about the axes through the center, for unit mass; in 2D only the last is used."""
 
     def thickness(self) -> float:
-        """Between the two parallel lines or planes that hold it most narrowly."""
+        """The smallest distance of two parallel lines or planes that enclose it."""
 
     def carried(self, way: Array) -> Shape:
-        """The same shape, moved by (d,)."""
+        """The same shape, moved by a vector (d,)."""
 
 
 def whole_within(part: Part, low: Array, high: Array) -> float | None:
-    """Its volume if all of it is inside a box."""
+    """The volume of a region if a box contains all of it, otherwise None."""
     first, last = part.bounds()
     return part.volume() if (first >= low).all() and (last <= high).all() else None
 
@@ -120,23 +123,23 @@ class Ball(NamedTuple):
         return self.center - self.radius, self.center + self.radius
 
     def extent_along(self, direction: Array) -> float:
-        """Of the center, and the radius more."""
+        """The coordinate of the center plus the radius."""
         return dot(self.center, direction) + self.radius * length(direction)
 
     def inside(self, points: Array) -> Flags:
-        """Closer than the radius to the center."""
+        """Whether points are closer than the radius to the center."""
         square: Array = ((points - self.center) ** 2).sum(axis=1)
         return square < self.radius**2
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """The rest of the chord."""
+        """The remaining length of the chord."""
         away = points - self.center
         along = away @ direction
         way: Array = -along + np.sqrt(np.maximum(along**2 + self.radius**2 - (away**2).sum(axis=1), 0.0))
         return way
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """A square lattice with a corner at the center, as symmetric as the ball. It is stretched a little about the
+        """A square lattice with a corner at the center, as symmetric as the ball. It is stretched slightly about the
         center, so that its cells have the volume of the ball.
         """
         half = spacing * round_up(self.radius, spacing) * np.ones(len(self.center))
@@ -150,11 +153,11 @@ class Ball(NamedTuple):
         return Cells(self.center + width / spacing * away, np.full(len(away), volume), widths)
 
     def faces(self) -> Array:
-        """None along the axes."""
+        """No faces along the axes."""
         return np.zeros((0, len(self.center)))
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """Along the radius; at the very center every way leads out, and the first axis is taken."""
+        """The distance along the radius; at the center every direction leads outside, and the first axis is taken."""
         away = points - self.center
         length = np.linalg.norm(away, axis=1)
         first = np.eye(points.shape[1])[0]
@@ -162,7 +165,7 @@ class Ball(NamedTuple):
         return length - self.radius, normal
 
     def rim(self, spacing: float) -> Array:
-        """Evenly around a circle; a spiral with golden steps around a sphere."""
+        """Points at equal distances on a circle, or on a golden spiral around a sphere."""
         if len(self.center) == 2:
             angle = np.linspace(0.0, 2.0 * np.pi, round_up(2.0 * np.pi * self.radius, spacing), endpoint=False)
             unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -176,7 +179,7 @@ class Ball(NamedTuple):
         return points
 
     def panels(self, spacing: float) -> tuple[Array, Array, Array]:
-        """Tangents of a circle of the same area, or the points of a spiral around a sphere."""
+        """The tangents of a circle with the same area, or the points of a spiral around a sphere."""
         if len(self.center) == 2:
             count = 4 * round_up(0.5 * np.pi * self.radius, spacing)
             angle = 2.0 * np.pi * (np.arange(count) + 0.5) / count
@@ -187,23 +190,23 @@ class Ball(NamedTuple):
         return self.center + self.radius * normal, normal, area
 
     def middle(self) -> Array:
-        """Its center."""
+        """The center."""
         return self.center
 
     def volume(self) -> float:
-        """That of a disc, or of a sphere."""
+        """The area of a disc, or the volume of a sphere."""
         return np.pi * self.radius**2 * (1.0 if len(self.center) == 2 else 4.0 / 3.0 * self.radius)
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """All of it, or no formula."""
+        """The whole volume if the box contains the ball, otherwise None."""
         return whole_within(self, low, high)
 
     def surface(self) -> float:
-        """Its volume's derivative by the radius."""
+        """The derivative of the volume with respect to the radius."""
         return len(self.center) * self.volume() / self.radius
 
     def inertia(self) -> Array:
-        """r^2 / 2 of a disc, 2/5 r^2 of a sphere."""
+        """The moments of inertia: r^2 / 2 of a disc, 2/5 r^2 of a sphere."""
         return np.full(3, (0.5 if len(self.center) == 2 else 0.4) * self.radius**2)
 
     def thickness(self) -> float:
@@ -211,12 +214,12 @@ class Ball(NamedTuple):
         return 2.0 * self.radius
 
     def carried(self, way: Array) -> Ball:
-        """Its center."""
+        """The ball around the moved center."""
         return Ball(self.center + way, self.radius)
 
 
 class Box(NamedTuple):
-    """Between two corners."""
+    """A rectangle or a box between two corners."""
 
     low: Array
     high: Array
@@ -226,11 +229,11 @@ class Box(NamedTuple):
         return self.low, self.high
 
     def extent_along(self, direction: Array) -> float:
-        """Of a corner."""
+        """The largest coordinate of a corner."""
         return float(np.sum(np.maximum(self.low * direction, self.high * direction)))
 
     def inside(self, points: Array) -> Flags:
-        """Between the corners."""
+        """Whether points are between the corners."""
         return np.asarray(((points > self.low) & (points < self.high)).all(axis=1))
 
     def way_out(self, points: Array, direction: Array) -> Array:
@@ -242,7 +245,7 @@ class Box(NamedTuple):
         return way
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """As many along each edge as fit best."""
+        """The numbers of cells along each edge whose widths are closest to the spacing."""
         return fitted_cells(self.low, self.high, spacing, faces)
 
     def faces(self) -> Array:
@@ -250,7 +253,7 @@ class Box(NamedTuple):
         return np.array([self.low, self.high])
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """Distance and normal of the nearest face, from outside of all faces that the point is beyond."""
+        """The distance and the normal of the nearest face; outside, from all faces that the point is beyond."""
         from_middle = points - self.middle()
         beyond = np.abs(from_middle) - 0.5 * (self.high - self.low)
         inside = np.eye(points.shape[1])[np.argmax(beyond, axis=1)]
@@ -282,7 +285,7 @@ class Box(NamedTuple):
         return np.concatenate(points), np.concatenate(normals), np.concatenate(areas)
 
     def middle(self) -> Array:
-        """Half way between the corners."""
+        """The center between the corners."""
         center: Array = 0.5 * (self.low + self.high)
         return center
 
@@ -291,31 +294,31 @@ class Box(NamedTuple):
         return float(np.prod(self.high - self.low))
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """Between the higher of the low ends and the lower of the high ends."""
+        """The product of the overlaps of the edges."""
         edges = np.minimum(self.high, high) - np.maximum(self.low, low)
         return float(np.prod(np.maximum(edges, 0.0)))
 
     def surface(self) -> float:
-        """The volume over each edge, twice."""
+        """Twice the sum of the volume over each edge."""
         return float(2.0 * (self.volume() / (self.high - self.low)).sum())
 
     def inertia(self) -> Array:
-        """(b^2 + c^2) / 12 about the axis along a."""
+        """The moments of inertia, (b^2 + c^2) / 12 about the axis along a."""
         square = np.pad((self.high - self.low) ** 2, (0, 3 - len(self.low)))
         moments: Array = (square.sum() - square) / 12.0
         return moments
 
     def thickness(self) -> float:
-        """Its shortest edge."""
+        """The shortest edge."""
         return float((self.high - self.low).min())
 
     def carried(self, way: Array) -> Box:
-        """Both corners."""
+        """The box between the moved corners."""
         return Box(self.low + way, self.high + way)
 
 
 class Polygon(NamedTuple):
-    """Any simple polygon, vertices (V, 2) clockwise or counterclockwise."""
+    """A simple polygon with vertices (V, 2), clockwise or counterclockwise."""
 
     vertices: Array
 
@@ -324,11 +327,11 @@ class Polygon(NamedTuple):
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     def extent_along(self, direction: Array) -> float:
-        """Of a corner."""
+        """The largest coordinate of a corner."""
         return float(product(self.vertices, direction).max())
 
     def inside(self, points: Array) -> Flags:
-        """A ray to the right crosses an odd number of edges."""
+        """Whether a ray to the right crosses an odd number of edges."""
         odd: Flags = self._crossings(points, np.array([1.0, 0.0])).sum(axis=1) % 2 == 1
         return odd
 
@@ -338,21 +341,23 @@ class Polygon(NamedTuple):
         return way
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """Those inside of a lattice that fits the box around it."""
+        """The cells inside of a lattice that fits the bounding box."""
         around = fitted_cells(*self.bounds(), spacing)
         return scaled_to(around.those(self.inside(around.centers)), self.volume())
 
     def faces(self) -> Array:
-        """None along the axes."""
+        """No faces along the axes."""
         return np.zeros((0, 2))
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """That of the part inside."""
+        """The area of the part inside the box."""
         rest = self.within(low, high)
         return 0.0 if rest is None else rest.volume()
 
     def within(self, low: Array, high: Array) -> Polygon | None:
-        """The part inside a box, cut off at each face; None if empty. Lines of no width join several pieces."""
+        """The part inside a box, cut off at each face; None if empty. Several pieces remain connected by lines of zero
+        width.
+        """
         rest = self.vertices
         for axis, sign, face in ((0, 1.0, low), (0, -1.0, high), (1, 1.0, low), (1, -1.0, high)):
             rest = _cut(rest, sign * (rest[:, axis] - face[axis]))
@@ -371,14 +376,14 @@ class Polygon(NamedTuple):
         every = np.arange(len(points))
         gap, way = length[every, best], away[every, best]
         inside = self.inside(points)
-        # On the edge itself there is no way: the edge's own normal is it.
+        # On an edge the direction is undefined, and the normal of the edge is used.
         outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1)[best] * np.sign(self._turn())
         on = gap < 1e-12 * np.abs(self.vertices).max()
         way = np.where(on[:, None], outward, np.where(inside[:, None], -way, way))
         return np.where(inside, -gap, gap), way / np.linalg.norm(way, axis=1)[:, None]
 
     def rim(self, spacing: float) -> Array:
-        """Along every edge."""
+        """Points along every edge."""
         pieces = []
         for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
             share = np.linspace(0.0, 1.0, round_up(float(np.linalg.norm(last - first)), spacing), endpoint=False)
@@ -407,7 +412,7 @@ class Polygon(NamedTuple):
         return 0.5 * abs(self._turn())
 
     def surface(self) -> float:
-        """Its edges, one after the other."""
+        """The total length of the edges."""
         return float(np.linalg.norm(np.roll(self.vertices, -1, axis=0) - self.vertices, axis=1).sum())
 
     def inertia(self) -> Array:
@@ -432,7 +437,9 @@ class Polygon(NamedTuple):
         return bool((turn >= -1e-12 * np.abs(turn).max()).all())
 
     def inset(self, depth: float, edges: Flags | None = None) -> Polygon | None:
-        """The part of a convex polygon deeper than a distance below every edge, or below some; None if empty."""
+        """The part of a convex polygon deeper than a distance below every edge, or below some of
+        them; None if empty.
+        """
         rest = self.vertices
         for k, (first, last) in enumerate(zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True)):
             if edges is not None and not edges[k]:
@@ -445,11 +452,11 @@ class Polygon(NamedTuple):
         return Polygon(rest)
 
     def carried(self, way: Array) -> Polygon:
-        """Every corner."""
+        """The polygon with moved corners."""
         return Polygon(self.vertices + way)
 
     def _fan(self) -> tuple[Array, Array, Array]:
-        """Two edges of each triangle from the first corner, and twice its area with the sign of its sense."""
+        """Two edges of each triangle from the first corner, and twice its signed area."""
         one = self.vertices - self.vertices[0]
         other = np.roll(one, -1, axis=0)
         return one, other, one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
@@ -461,11 +468,11 @@ class Polygon(NamedTuple):
         return np.isfinite(self._distances(points, direction))
 
     def _distances(self, points: Array, direction: Array) -> Array:
-        """(N, V) from each point along a ray to each edge; infinite where it misses."""
+        """The distances (N, V) from each point along a ray to each edge; infinite if it misses the edge."""
         ahead = np.array([direction[0], direction[1]])
         across = np.array([-direction[1], direction[0]])
         first, last = self.vertices, np.roll(self.vertices, -1, axis=0)
-        # Each end is on one side of the ray, an end on it counts as above: a vertex is crossed once.
+        # An end on the ray counts as above it, so that a vertex is crossed once.
         below_first = (first @ across)[None, :] < (points @ across)[:, None]
         below_last = (last @ across)[None, :] < (points @ across)[:, None]
         start, end = first @ across, last @ across
@@ -490,74 +497,74 @@ class Hollow(NamedTuple):
         return self.low, self.high
 
     def extent_along(self, direction: Array) -> float:
-        """That of the block."""
+        """The extent of the block."""
         return Box(self.low, self.high).extent_along(direction)
 
     def inside(self, points: Array) -> Flags:
-        """Outside of the hole."""
+        """Whether points are outside of the hole."""
         return ~self.hole.inside(points)
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """To the end of the block; a hole on the way is not seen."""
+        """The distance to the end of the block, ignoring the hole."""
         return Box(self.low, self.high).way_out(points, direction)
 
     def cells(self, spacing: float, faces: Array | None = None) -> Cells:
-        """Those outside of the hole of a lattice that fits the block."""
+        """The cells outside of the hole, of a lattice that fits the block."""
         around = fitted_cells(self.low, self.high, spacing)
         return scaled_to(around.those(self.inside(around.centers)), self.volume())
 
     def faces(self) -> Array:
-        """None: those of the block are not in the liquid."""
+        """No faces: those of the block are not in the liquid."""
         return np.zeros((0, len(self.low)))
 
     def volume(self) -> float:
-        """That of the block less that of the hole in it."""
+        """The volume of the block minus that of the hole inside it."""
         hole = self.hole.volume_within(self.low, self.high)
         box = Box(self.low, self.high)
         return box.volume() - (_sampled_volume(box, self.hole, ()) if hole is None else hole)
 
     def volume_within(self, low: Array, high: Array) -> float | None:
-        """All of it, or no formula."""
+        """The whole volume if the box contains the block, otherwise None."""
         return whole_within(self, low, high)
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """Those of the hole, the other way round."""
+        """The distances and normals of the hole, with opposite signs."""
         gap, normal = self.hole.nearest(points)
         return -gap, -normal
 
     def rim(self, spacing: float) -> Array:
-        """That of the hole."""
+        """The points of the hole."""
         return self.hole.rim(spacing)
 
     def panels(self, spacing: float) -> tuple[Array, Array, Array]:
-        """Those of the hole that are in the block, the other way round."""
+        """The panels of the hole that are in the block, with opposite normals."""
         points, normals, areas = self.hole.panels(spacing)
         within = ((points > self.low) & (points < self.high)).all(axis=1)
         return points[within], -normals[within], areas[within]
 
     def middle(self) -> Array:
-        """That of the block."""
+        """The center of the block."""
         return Box(self.low, self.high).middle()
 
     def surface(self) -> float:
-        """That of the hole."""
+        """The surface of the hole."""
         return self.hole.surface()
 
     def inertia(self) -> Array:
-        """None: it never turns."""
+        """Not a number: it never rotates."""
         return np.full(3, np.inf)
 
     def thickness(self) -> float:
-        """That of the block."""
+        """The thickness of the block."""
         return Box(self.low, self.high).thickness()
 
     def carried(self, way: Array) -> Hollow:
-        """Block and hole."""
+        """The block and the hole, moved."""
         return Hollow(self.hole.carried(way), self.low + way, self.high + way)
 
 
 def _cut(vertices: Array, above: Array) -> Array:
-    """What of a polygon is above a line, from each corner's height over it."""
+    """The part of a polygon above a line, from the height of each corner over the line."""
     kept = []
     for k in range(len(vertices)):
         ahead = (k + 1) % len(vertices)
@@ -570,13 +577,15 @@ def _cut(vertices: Array, above: Array) -> Array:
 
 
 SAMPLES = {2: 500, 3: 64}
-"""Points along each axis where no formula gives a volume: good to some 1e-4 of what is covered."""
+"""The number of points along each axis for volumes without a formula; their error is about 1e-4 of
+the covered volume.
+"""
 AT_ONCE = 20_000
 
 
 def covered_volume(part: Part, others: Sequence[Part]) -> float:
-    """The volume of a part of space that is inside any of the others. Exact for boxes in a box, and for polygons and
-    whole balls and meshes in a box that touch none of the rest; else by sampling.
+    """The volume of a region that is inside any of the others. It is exact for boxes in a box, and for polygons and
+    whole balls and meshes in a box that touch none of the rest; otherwise by sampling.
     """
     in_box = len(part.faces()) > 0
     boxes = [other for other in others if in_box and len(other.faces())]
@@ -592,7 +601,7 @@ def covered_volume(part: Part, others: Sequence[Part]) -> float:
 
 
 def _covered_by_boxes(part: Part, boxes: Sequence[Part]) -> float:
-    """Of a box: all faces cut it into cells that are each covered as a whole or not at all."""
+    """The covered volume of a box: all faces divide it into cells that are completely covered or not at all."""
     low, high = part.bounds()
     faces = np.concatenate([np.clip(box.faces(), low, high) for box in boxes])
     axes = [np.unique([low[axis], *faces[:, axis], high[axis]]) for axis in range(len(low))]
@@ -603,7 +612,7 @@ def _covered_by_boxes(part: Part, boxes: Sequence[Part]) -> float:
 
 
 def bounds_meet(one: Part, other: Part) -> bool:
-    """Whether the boxes around two parts of space overlap."""
+    """Whether the bounding boxes of two regions overlap."""
     low, high = _common_bounds(one, other)
     return bool((low < high).all())
 
@@ -614,7 +623,7 @@ def _common_bounds(one: Part, other: Part) -> tuple[Array, Array]:
 
 
 def _sampled_volume(part: Part, other: Part, earlier: Sequence[Part]) -> float:
-    """Of the places in both and in none of the earlier ones, by points of a lattice."""
+    """The volume of the points in both and in none of the earlier regions, by sampling on a lattice."""
     low, high = _common_bounds(part, other)
     if not (low < high).all():
         return 0.0
@@ -630,15 +639,15 @@ def _sampled_volume(part: Part, other: Part, earlier: Sequence[Part]) -> float:
 
 
 SAME = 1e-9
-"""Relative: a fitted width this close to the spacing is the spacing, so that rounding in a scene changes no bit."""
+"""Relative difference below which a fitted width is set to the spacing, so that rounding in a scene changes no bit."""
 ROUNDING = 1e-13
-"""Relative, of a sum of volumes."""
+"""The relative rounding error of a sum of volumes."""
 NARROWEST = 0.5
-"""In spacings."""
+"""The smallest width of a cell, in spacings."""
 
 
 def round_up(length: float, spacing: float) -> int:
-    """Number of pieces a length is cut into; rounding must not make one more."""
+    """The number of pieces into which a length is cut, rounded up except for rounding errors."""
     return max(1, int(np.ceil(length / spacing - 1e-6)))
 
 
@@ -656,7 +665,7 @@ def fitted_axis(low: float, high: float, spacing: float) -> tuple[Array, Array]:
 
 
 def fitted_cells(low: Array, high: Array, spacing: float, faces: Array | None = None) -> Cells:
-    """The cells of a box. Those along each axis end at `faces`, (k, d) coordinates, unless a piece between two of them
+    """The cells of a box. Along each axis cells end at `faces`, (k, d) coordinates, unless a piece between two of them
     were narrower than half a spacing.
     """
     axes = []
@@ -672,7 +681,9 @@ def fitted_cells(low: Array, high: Array, spacing: float, faces: Array | None = 
 
 
 def _apart(faces: Iterable[float], first: float, last: float, least: float) -> list[float]:
-    """Those between two ends, sorted, that are not nearer to an end or to the one before than the least distance."""
+    """The coordinates between two ends, sorted, without those nearer to an end or to the previous one than the least
+    distance.
+    """
     found = [first]
     for face in sorted(faces):
         if face - found[-1] >= least and last - face >= least:
@@ -681,7 +692,7 @@ def _apart(faces: Iterable[float], first: float, last: float, least: float) -> l
 
 
 def scaled_to(cells: Cells, volume: float) -> Cells:
-    """The same cells, with volumes that add up to this; unchanged where they do so already."""
+    """The same cells with volumes scaled to this sum; unchanged if they already have it."""
     total = float(cells.volumes.sum())
     if total == 0.0 or abs(total - volume) <= ROUNDING * volume:
         return cells

@@ -1,7 +1,7 @@
-"""Vectors of the plane and of space, for loops that are compiled for one of them: a formula is written once for both.
+"""Vectors in 2D and 3D for compiled loops: a formula is written once for both.
 
-Every function dispatches on the type of its last argument. In compiled code components live in registers, and a vector
-of the plane has no third one that would cost anything.
+Every function dispatches on the type of its last argument. In compiled code components live in registers, and a 2D
+vector has no third component that would cost anything.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from ecume._jit import by_type, summed_inside
 
 
 class Vector2(NamedTuple):
-    """A vector of the plane."""
+    """A 2D vector."""
 
     x: float
     y: float
 
 
 class Vector3(NamedTuple):
-    """A vector of space."""
+    """A 3D vector."""
 
     x: float
     y: float
@@ -28,7 +28,7 @@ class Vector3(NamedTuple):
 
 
 class Symmetric2(NamedTuple):
-    """A symmetric matrix of the plane."""
+    """A symmetric 2 x 2 matrix."""
 
     xx: float
     yy: float
@@ -36,7 +36,7 @@ class Symmetric2(NamedTuple):
 
 
 class Symmetric3(NamedTuple):
-    """A symmetric matrix of space."""
+    """A symmetric 3 x 3 matrix."""
 
     xx: float
     yy: float
@@ -53,7 +53,7 @@ VECTORS: dict[int, Vector] = {2: Vector2(0.0, 0.0), 3: Vector3(0.0, 0.0, 0.0)}
 
 
 def by_dimension(plane: Callable[..., Any], space: Callable[..., Any]) -> Callable[..., Any]:
-    """A function that calls the one or the other, by the type of its last argument."""
+    """A function that calls one of the two, by the type of its last argument."""
     chosen = {Vector2: plane, Symmetric2: plane, Vector3: space, Symmetric3: space}
     return by_type(chosen.__getitem__)
 
@@ -139,7 +139,7 @@ def _chosen3(x: float, y: float, z: float, like: Vector3) -> Vector3:
 
 
 vector_of = by_dimension(_chosen2, _chosen3)
-"""vector_of(x, y, z, like): a vector of two or three of these components."""
+"""vector_of(x, y, z, like): the vector of the first two or of all three components."""
 
 
 @summed_inside
@@ -186,7 +186,7 @@ def _trace3(matrix: Symmetric3) -> float:
 
 
 trace = by_dimension(_trace2, _trace3)
-"""trace(matrix): the sum of its diagonal."""
+"""trace(matrix): the sum of the diagonal."""
 
 
 @summed_inside
@@ -252,4 +252,4 @@ def _add3(table: Any, row: int, i: Any, factor: float, a: Vector3) -> None:
 
 
 add_vector = by_dimension(_add2, _add3)
-"""add_vector(table, row, i, factor, a): add factor a to them."""
+"""add_vector(table, row, i, factor, a): add factor a to column i of the rows from `row` on."""

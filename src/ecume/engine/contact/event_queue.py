@@ -1,6 +1,7 @@
-"""The events of a step in the order of their times: a binary heap in which the time of each row can change.
+"""A priority queue of the events of a step, as in event-driven molecular dynamics: a binary heap in which the time of
+each row can change.
 
-This is the priority queue of event-driven molecular dynamics. `place[row]` is where a row stands in the heap, or -1.
+`place[row]` is the index of a row in the heap, or -1.
 """
 
 from __future__ import annotations
@@ -22,14 +23,14 @@ class EventQueue(NamedTuple):
     heap: Integers
     """(rows,) the rows; the first is the earliest"""
     place: Integers
-    """(rows,) where each row stands in the heap; -1 if it has no event"""
+    """(rows,) the index of each row in the heap; -1 without an event"""
     time: Array
     """(rows,) s"""
 
 
 @compiled
 def make_event_queue(rows: int) -> EventQueue:
-    """Return an empty queue for so many rows."""
+    """Return an empty queue for this number of rows."""
     return EventQueue(np.zeros(1, np.int64), np.empty(rows, np.int64), np.full(rows, -1), np.empty(rows))
 
 
@@ -54,7 +55,7 @@ def schedule(queue: EventQueue, row: int, time: float) -> None:
 
 @compiled
 def settle(heap: Integers, place: Integers, times: Array, size: int, row: int, spot: int) -> None:
-    """Move a row up or down from a free spot of the heap, until no parent is later than its children."""
+    """Move a row up or down from a free place of the heap, until no parent is later than its children."""
     while spot > 0 and times[row] < times[heap[(spot - 1) // 2]]:
         heap[spot] = heap[(spot - 1) // 2]
         place[heap[spot]] = spot

@@ -1,4 +1,5 @@
-"""The impulses of all contacts of a step: projected Gauss-Seidel sweeps by islands, and an exact active-set method.
+"""Solvers for the impulses of all contacts of a step: projected Gauss-Seidel sweeps by islands, and an exact active-set
+method.
 
 `solve` is the place to start. In Moreau's and Jean's time stepping the unknowns are the impulses p >= 0 of a
 step, complementary to the conditions n.(w_j - w_i) >= bound. `w` is the velocity with which particles move during the
@@ -348,20 +349,23 @@ def scatter_impulses(contacts: Contacts, rows: Integers, some: Contacts) -> None
 Choice = NDArray[np.bool_]
 
 LARGEST = 128
-"""Contacts of an island; so many take about a tenth of a second, and larger islands are left to sweeps."""
+"""The largest number of contacts of an island for the active-set method, which takes about a tenth of a second for it;
+larger islands are left to sweeps.
+"""
 DEPENDENT = 1e-10
-"""What must be left of a column beside the others, over its length, for it to count as independent."""
+"""The norm of a column's component orthogonal to the others, over its own norm, below which it counts as dependent."""
 OPTIMAL = 1e-13
 """The largest gradient that still counts as zero, where the longest columns are about one."""
 FEASIBLE = 1e-12
-"""What must be left of the last row: less is rounding, and no velocity fulfills all conditions."""
+"""The last component of the residual below which no velocity fulfills all conditions."""
 
 
 @compiled
 def nearest_velocity(
     pair: tuple[Integers, Integers, Array], bound: Array, impulse: Array, velocity: Array, mobility: Array
 ) -> bool:
-    """Solve contacts (first, second, normal) exactly, from impulses that stand in `velocity` already; both change.
+    """Solve contacts (first, second, normal) exactly, starting from impulses that are already included in `velocity`;
+    change both. Return False, without a change, if no solution was found.
 
     False, and no change, where no solution was found.
     """
@@ -396,7 +400,7 @@ def nearest_velocity(
 
 @compiled
 def _numbered(pair: tuple[Integers, Integers, Array], count: int) -> tuple[Integers, int]:
-    """The places of bodies among those that take part, in ascending order, and the number of these."""
+    """The new index of each body that takes part, in ascending order, and the number of these bodies."""
     first, second, _ = pair
     place, bodies = np.zeros(count, np.int64), 0
     for k in range(len(first)):
@@ -412,8 +416,8 @@ def _numbered(pair: tuple[Integers, Integers, Array], count: int) -> tuple[Integ
 def _columns(
     pair: tuple[Integers, Integers, Array], place: Integers, bodies: int, mobility: Array
 ) -> tuple[Array, float]:
-    """The responses to unit impulses, in the norm of kinetic energy, over the largest of their lengths, which is
-    returned too; zero if no body moves. The last row remains empty.
+    """The responses to unit impulses in the norm of kinetic energy, divided by the largest of their lengths, and that
+    length; zero if no body moves. The last row remains empty.
     """
     first, second, normal = pair
     matrix, longest = np.zeros((2 * bodies + 1, len(normal))), 0.0
@@ -434,7 +438,6 @@ def _columns(
 def _push(
     pair: tuple[Integers, Integers, Array], impulse: Array, sign: float, velocity: Array, mobility: Array
 ) -> None:
-    """Change velocities by impulses, or undo it with the sign -1."""
     first, second, normal = pair
     for k in range(len(first)):
         i, j = first[k], second[k]
@@ -445,8 +448,8 @@ def _push(
 
 @compiled
 def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array) -> tuple[Array, float]:
-    """The shortfall of each contact's normal velocity below its bound (m/s), and the largest magnitude, infinite if one
-    is NaN.
+    """The difference between the bound and the normal velocity of each contact (m/s), zero if it is fulfilled, and the
+    largest magnitude of both; infinite if one is NaN.
     """
     first, second, normal = pair
     need, scale = np.empty(len(first)), 0.0
@@ -460,8 +463,8 @@ def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array
 
 @compiled
 def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tuple[Array, bool]:
-    """The u >= 0 for which |matrix u - right| is least, and whether it was found; `guess` says which components may be
-    positive to begin with. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
+    """The u >= 0 that minimizes |matrix u - right|, and whether it was found. `guess` flags the components that may
+    initially be positive. Algorithm NNLS of [lawson1974], with modified Gram-Schmidt for least squares.
     """
     count = matrix.shape[1]
     solution, passive, barred = np.zeros(count), np.empty(count, np.bool_), np.zeros(count, np.bool_)
@@ -484,7 +487,7 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
             return solution, True
         passive[entering] = True
         settled = _settle(matrix, right, solution, passive)
-        # One that leaves at once depends on those that are there, to rounding: it would come and go for ever.
+        # A column that leaves at once is dependent to rounding: it would enter and leave endlessly.
         barred[entering] = not passive[entering]
         if not barred[entering]:
             for k in range(count):
@@ -494,7 +497,7 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
 
 @compiled
 def _rest(matrix: Array, right: Array, solution: Array) -> Array:
-    """The residual right - matrix solution, the product added column by column."""
+    """The residual right - matrix solution."""
     total = np.zeros(len(matrix))
     for k in range(len(solution)):
         if solution[k] != 0.0:
@@ -507,7 +510,9 @@ def _rest(matrix: Array, right: Array, solution: Array) -> Array:
 
 @compiled
 def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bool:
-    """Solve least squares for the passive components; those that would become negative leave the set, one by one."""
+    """Solve least squares for the passive components; components that would become negative leave
+    the set, one by one.
+    """
     for _ in range(2 * len(solution) + 2):
         target = _least_squares(matrix, right, passive)
         share = 1.0
@@ -528,7 +533,9 @@ def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bo
 
 @compiled
 def _least_squares(matrix: Array, right: Array, passive: Choice) -> Array:
-    """The least squares of the passive components, by modified Gram-Schmidt; dependent columns leave these."""
+    """The least squares solution of the passive components by modified Gram-Schmidt; dependent columns leave the
+    passive set.
+    """
     rows, columns = matrix.shape
     basis, upper, column = np.empty((columns, rows)), np.zeros((columns, columns)), np.empty(rows)
     who, kept = np.empty(columns, np.int64), 0
@@ -538,7 +545,7 @@ def _least_squares(matrix: Array, right: Array, passive: Choice) -> Array:
         for row in range(rows):
             column[row] = matrix[row, k]
         length = _length(column)
-        for _ in range(2):  # twice is enough
+        for _ in range(2):  # two orthogonalizations suffice
             for other in range(kept):
                 along = 0.0
                 for row in range(rows):

@@ -56,7 +56,7 @@ class DenseRows(NamedTuple):
 
 @compiled
 def make_dense_rows(rows: int, contacts: int, size: int) -> DenseRows:
-    """Empty arrays for some rows and a motion of that size."""
+    """Empty arrays for this number of rows, and for velocities of this total size."""
     return DenseRows(
         np.zeros((rows, ENTRIES), np.int64), np.zeros((rows, ENTRIES)), np.empty((rows, size)),
         np.zeros(rows, np.int64), np.zeros(rows), np.zeros(contacts), np.zeros(contacts), np.zeros(rows),

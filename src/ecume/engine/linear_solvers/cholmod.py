@@ -73,7 +73,7 @@ def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, nul
     cvxopt, pattern, size = library(), matrix.pattern, right[0].size
     numbers = matrix.blocks.ravel()
     values = 0.5 * (numbers[analysis.place] + numbers[analysis.across])
-    # In the lower triangle the columns of the first unknowns have no entries above the diagonal.
+    # The fixed unknowns come first; their columns of the lower triangle contain the diagonal only.
     held = analysis.column < null_space_dimension
     values[held] = analysis.row[held] == analysis.column[held]
     analysis.lower.V = cvxopt.matrix(values)

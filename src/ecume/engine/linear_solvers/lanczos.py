@@ -31,7 +31,7 @@ ROTATED = 1e-15
 
 @compiled
 def root_product(matrix: Array, vector: Array, result: Array) -> None:
-    """Write B z for a matrix M = B B^T and a vector z. Small matrices are factorized, for larger see `krylov_root`."""
+    """Write B z for a matrix M = B B^T and a vector z. Small matrices are factorized; larger ones use `krylov_root`."""
     if len(vector) <= FACTORIZED:
         cholesky_product(matrix, vector, result)
     else:

@@ -52,7 +52,7 @@ class Kept:
 
 
 Solve = Callable[[Kept, Matrix, Array, Array, int], bool]
-"""Solve, into `solution`. Returns False without a solution."""
+"""The signature of a solver: write into `solution`, return False without one."""
 
 
 def densely(kept: Kept, matrix: Matrix, right: Array, solution: Array, null_space_dimension: int) -> bool:

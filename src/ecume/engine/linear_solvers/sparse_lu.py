@@ -39,8 +39,8 @@ LEAF = 12
 def elimination_order(pattern: Pattern) -> Integers:
     """The rows of a pattern in the order of their elimination."""
     level, part, depth = _cut(pattern)
-    end = (part + 1) << (depth - level)  # parts of the last level that end with this one
-    return np.lexsort((-level, end))  # of those that end together, deeper ones first
+    end = (part + 1) << (depth - level)  # parts of the last level that end at this row
+    return np.lexsort((-level, end))  # of separators that end at the same row, the deeper ones come first
 
 
 def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
@@ -64,7 +64,7 @@ def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
 
 
 def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
-    """The half of its part that each row belongs to: 0 or 1."""
+    """The half (0 or 1) of its part to which each row belongs."""
     rows = np.flatnonzero(remaining)
     rows = rows[np.argsort(part[rows], kind="stable")]
     sizes = np.bincount(part[rows])
@@ -75,7 +75,7 @@ def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
 
 
 Indexes = NDArray[np.int32]
-"""What SuperLU counts with."""
+"""The integer type of SuperLU."""
 ACCURATE = 1e-11
 """The residual, relative to the right side, above which a solution is refined."""
 USEFUL = 1e-6
@@ -97,12 +97,12 @@ class Analysis(NamedTuple):
     rank: Integers
     """the place of each unknown in this order"""
     place: Integers
-    """of each number of the compressed columns, among all numbers of the blocks"""
+    """the index of each entry of the compressed columns, among the entries of all blocks"""
     row: Indexes
     """of each number, in the order of the elimination"""
     column: Indexes
     start: Indexes
-    """where each column begins"""
+    """the first entry of each column"""
 
 
 def analyze(pattern: Pattern, width: int) -> Analysis:

@@ -1,4 +1,4 @@
-"""Reflection as a function of arrays: `reflect`, and `trace` with every hit."""
+"""Reflection at walls as functions of arrays: `reflect`, and `trace`, which returns every hit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ecume.units import Array
 
 
 class Trace(NamedTuple):
-    """One step with every hit of every particle; the hits stand particle by particle, in the order of time."""
+    """One step with every hit of every particle; the hits are ordered by particle, then by time."""
 
     position: Array
     """(N, d) m"""
@@ -24,17 +24,17 @@ class Trace(NamedTuple):
     hits: Integers
     """(N,)"""
     particle: Integers
-    """(M,) who"""
+    """(M,) the index of the particle of each hit"""
     surface: Integers
-    """(M,) hit which surface"""
+    """(M,) the index of the surface"""
     time: Array
-    """(M,) s, since the step began"""
+    """(M,) s, since the start of the step"""
     place: Array
     """(M, d) m"""
     left: Integers
-    """(N,) the opening through which a particle left, or -1; it stays where it went through"""
+    """(N,) the opening through which a particle left, or -1; such a particle stays at the point where it left"""
     capped: np.ndarray[Any, np.dtype[np.bool_]]
-    """(N,) True where the step had more events than a step may have; the rest of the flight is missing"""
+    """(N,) whether the step had more events than allowed; the rest of the flight is missing"""
 
 
 def reflect(
@@ -132,7 +132,7 @@ def _require_step(dt: float, walls: Surfaces) -> None:
 
 
 def _prepared(position: Any, velocity: Any, acceleration: Any, radius: Any) -> Prepared:
-    """Copies in the layout that compiled code wants."""
+    """Copies in the memory layout that compiled code requires."""
     new, fast = numbers_of(position, "position"), numbers_of(velocity, "velocity")
     if new.ndim != 2 or new.shape[1] not in (2, 3) or fast.shape != new.shape:
         raise BadInput(f"position, velocity: got shapes {new.shape}, {fast.shape}; expected (N, 2) or (N, 3) for both")
@@ -151,7 +151,7 @@ def _prepared(position: Any, velocity: Any, acceleration: Any, radius: Any) -> P
 
 
 def gaps(position: Array, walls: Surfaces) -> Array:
-    """(N, K) how far inside each surface each point is (m)."""
+    """The distance (N, K) of each point from each surface (m), positive inside."""
     wide = np.pad(position, ((0, 0), (0, 3 - position.shape[1])))
     flat = wide @ walls.place.T - walls.size
     away = np.linalg.norm(wide[:, None, :] - walls.place[None], axis=2)
@@ -160,9 +160,10 @@ def gaps(position: Array, walls: Surfaces) -> Array:
 
 
 def clearance(position: Array, walls: Surfaces) -> tuple[Array, Integers]:
-    """The distance of each point from the nearest surface (m; negative: outside), and that surface.
+    """The distance of each point from the nearest surface (m, negative outside), and the index of
+    that surface.
 
-    An obstacle is as far as the farthest of its faces.
+    The distance from an obstacle is the largest of those from its faces.
     """
     found = gaps(position, walls)
     nearest = np.tile(np.arange(found.shape[1]), (len(found), 1))

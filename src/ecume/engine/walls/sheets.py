@@ -1,4 +1,4 @@
-"""Surfaces in compiled loops: vectors as tuples, gaps and normals at a time, and times at which a flight meets a
+"""Surfaces in compiled loops: vectors as tuples, gaps and normals at a given time, and times at which a flight meets a
 surface.
 
 Three numbers at a time: a vector as a tuple, which compiled code keeps in registers. In two dimensions z is 0.
@@ -24,37 +24,37 @@ Vector = tuple[float, float, float]
 
 @compiled_inside
 def dot(a: Vector, b: Vector) -> float:
-    """A . b"""
+    """The scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @compiled_inside
 def cross(a: Vector, b: Vector) -> Vector:
-    """A x b"""
+    """The cross product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @compiled_inside
 def length(a: Vector) -> float:
-    """|a|"""
+    """The length |a|."""
     return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
 @compiled_inside
 def axpy(a: Vector, factor: float, b: Vector) -> Vector:
-    """A + factor b"""
+    """The sum a + factor b."""
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 
 @compiled_inside
 def scaled(factor: float, a: Vector) -> Vector:
-    """Factor a"""
+    """The product of a factor and a vector."""
     return factor * a[0], factor * a[1], factor * a[2]
 
 
 @compiled_inside
 def ballistic(position: Vector, velocity: Vector, acceleration: Vector, time: float) -> Vector:
-    """X + v t + a t^2 / 2"""
+    """The position x + v t + a t^2 / 2."""
     return axpy(axpy(position, time, velocity), 0.5 * time * time, acceleration)
 
 
@@ -151,7 +151,7 @@ def _proportion(given: Any, name: str, count: int) -> Array:
 
 @compiled_inside
 def place_of(number: Array, k: int) -> Vector:
-    """The normal of plane k, the center of sphere k."""
+    """The normal of plane k, or the center of sphere k."""
     return number[k, 0], number[k, 1], number[k, 2]
 
 
@@ -236,7 +236,7 @@ Quartic = tuple[float, float, float, float, float]
 
 @compiled_inside
 def time_to_plane(gap: float, speed: float, push: float) -> float:
-    """The first t >= 0 at which gap + speed t + push t^2/2 turns negative, from above.
+    """The first t >= 0 at which gap + speed t + push t^2/2 becomes negative, from above.
 
     The form of the root avoids cancellation. A flight that starts at a negative gap, as beside the face of an obstacle,
     must first become positive.
@@ -336,13 +336,13 @@ def inflections(a: float, b: float, c: float, longest: float) -> tuple[float, fl
 
 @compiled_inside
 def value(c: Quartic, t: float) -> float:
-    """c0 + c1 t + ... + c4 t^4"""
+    """The value of the polynomial c0 + c1 t + ... + c4 t^4."""
     return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])))
 
 
 @compiled_inside
 def bracketed(c: Quartic, low: float, high: float) -> float:
-    """The root between two ends of opposite sign: Newton's steps, halving where they lead out."""
+    """The root between two ends of opposite sign, by Newton's steps, with bisection where these leave the bracket."""
     rising = value(c, high) > value(c, low)
     t = 0.5 * (low + high)
     for _ in range(100):

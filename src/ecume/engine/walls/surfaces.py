@@ -1,4 +1,5 @@
-"""What a particle is turned back by, planes and spheres each with its inside, and openings where particles come in.
+"""Surfaces of walls and obstacles: planes and spheres, each with an inner side, and openings through which particles
+enter or leave.
 
 Every shape is a list of surfaces; `together` joins lists. A particle must be on the inner side of all of them, except
 that of a convex obstacle it must be outside one of the faces.
@@ -48,7 +49,7 @@ class Surfaces(NamedTuple):
 
 
 def planes(points: Any, normals: Any, velocities: Any = None) -> Surfaces:
-    """Planes through points; the normals, of any length, point to the particles. Velocities if they move."""
+    """Planes through points; the normals, of any length, point to the particles. Moving planes have velocities."""
     through, normal = _rows(points, "points"), _rows(normals, "normals")
     _require_shape(normal, through, "normals", "points")
     lengths = np.linalg.norm(normal, axis=1)
@@ -70,7 +71,7 @@ def box(low: Sequence[float], high: Sequence[float]) -> Surfaces:
 
 
 def polygon(vertices: Any) -> Surfaces:
-    """The inside of a convex polygon, its corners in order, either way round: one line a side."""
+    """The inside of a convex polygon with corners in either order: one line for each side."""
     corners = _rows(vertices, "vertices")
     sides = np.roll(corners, -1, axis=0) - corners
     after = np.roll(sides, -1, axis=0)
@@ -97,14 +98,14 @@ def polyhedron(vertices: Any) -> Surfaces:
         faces = np.asarray(ConvexHull(corners).equations)
     except (QhullError, ValueError) as error:
         raise BadInput(f"polyhedron: got {len(corners)} points without a volume; expected four or more") from error
-    # A face of more than three corners comes as several triangles.
+    # A face with more than three corners is given as several triangles.
     apart = np.unique(np.round(faces, 9), axis=0, return_index=True)[1]
     normal, offset = -faces[np.sort(apart), :-1], faces[np.sort(apart), -1]
     return planes(offset[:, None] * normal, normal)
 
 
 def disc(center: Sequence[float], radius: float) -> Surfaces:
-    """The inside of a circle; of a sphere when the center has three coordinates."""
+    """The inside of a circle, or of a sphere if the center has three coordinates."""
     middle = _rows([center], "center")
     if not radius > 0.0:
         raise BadInput(f"disc: got radius {radius!r}; expected one above 0")
@@ -132,7 +133,9 @@ def outside(shape: Surfaces) -> Surfaces:
 
 
 def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[float]) -> Surfaces:
-    """The same walls with a hole in surface `number`: its part between two corners. Who flies through has left."""
+    """The same walls with an opening in surface `number`: its part between two corners, through
+    which particles leave.
+    """
     if not 0 <= number < len(walls.kind):
         raise BadInput(f"opening: got surface {number}; there are {len(walls.kind)}, from 0")
     corners = _rows([low, high], "low, high")
@@ -150,7 +153,7 @@ def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[f
 
 
 def together(*shapes: Surfaces) -> Surfaces:
-    """All of them at once, numbered one after the other."""
+    """All surfaces in one list, numbered in order."""
     if len({shape.dimension for shape in shapes}) != 1:
         raise BadInput("together: expected shapes of one dimension")
     starts = np.cumsum([0] + [len(shape.kind) for shape in shapes])
@@ -198,7 +201,7 @@ def nearest_points(walls: Surfaces) -> Array:
 
 
 def described(walls: Surfaces, number: int) -> str:
-    """A surface in words."""
+    """The description of a surface in words."""
     if number < 0:
         return "no surface"
     place = ", ".join(f"{value:.6g}" for value in walls.place[number, : walls.dimension])
@@ -226,7 +229,7 @@ def _made(dimension: int, kind: int, place: Array, size: Array, velocity: Array)
 
 
 def _meets(walls: Surfaces, number: int, corners: Array) -> bool:
-    """Whether a surface goes through the box between two corners (2, 3), or touches it but for rounding."""
+    """Whether a surface intersects or touches, up to rounding, the box between two corners (2, 3)."""
     middle, half = corners.mean(axis=0), 0.5 * (corners[1] - corners[0])
     place, size = walls.place[number], float(walls.size[number])
     if walls.kind[number] == PLANE:
@@ -246,7 +249,7 @@ def _rows(given: Any, name: str) -> Array:
 
 
 def numbers_of(given: Any, name: str) -> Array:
-    """A copy as numbers."""
+    """A copy as an array of floating-point numbers."""
     try:
         return np.array(given, np.float64, order="C")
     except (TypeError, ValueError) as error:
@@ -263,7 +266,7 @@ def _padded(array: Array) -> Array:
 
 
 class Entrance(NamedTuple):
-    """The part of a flat wall that an opening is."""
+    """An opening in a flat wall."""
 
     normal: Array
     """(d,) unit, to the inside"""
@@ -272,29 +275,30 @@ class Entrance(NamedTuple):
     along: Array
     """(d - 1, d) unit vectors in the wall"""
     half: Array
-    """(d - 1,) m: how far it reaches along each, at most"""
+    """(d - 1,) m: its largest extent along each"""
     low: Array
     """(d,) m: the corners of the opening's box"""
     high: Array
 
     def at(self, shares: Array) -> Array:
-        """(n, d) places on the wall, of shares (n, d - 1) in (0, 1)."""
+        """The points (n, d) on the wall at shares (n, d - 1) in (0, 1)."""
         places: Array = self.middle + ((2.0 * shares - 1.0) * self.half) @ self.along
         return places
 
     def holds(self, places: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """(n,) whether places on the wall are in the opening."""
+        """Flags (n,) of the points on the wall that are in the opening."""
         slack = 1e-9 * np.linalg.norm(self.high - self.low)
         within = (places >= self.low - slack) & (places <= self.high + slack)
         return np.asarray(within.all(axis=1))
 
     def area(self) -> float:
-        """m^2 in 3D, m in 2D; of an axis-parallel wall, or in 2D of any wall."""
+        """The area (m^2 in 3D, m in 2D), for a wall normal to an axis, in 2D for any wall."""
         return float(np.prod(2.0 * self.half))
 
 
 def entrance(walls: Surfaces, hole: int) -> Entrance:
-    """An opening as an entrance. Raises BadInput in a curved wall, and where the wall is not in the opening's box.
+    """The entrance of an opening. Raises BadInput in a curved wall, and if the wall is not in the
+    opening's box.
 
     >>> from ecume.engine.walls import box, opening
     >>> door = entrance(opening(box((0, 0), (2, 1)), 0, (0.0, 0.2), (0.0, 0.6)), 0)
@@ -375,12 +379,12 @@ def enclosed_by(surfaces: Surfaces) -> Walls:
 
 
 SLIVER = 1e-9
-"""Sides shorter than this, over the size of the enclosure, are those of lines that only touch it."""
+"""The length of a side over the size of the enclosure, below which its line only touches the enclosure."""
 
 
 def _ends(walls: Walls) -> Array:
-    """Where each line is part of the edge, (K, 2) m along it from the point nearest to the origin, counterclockwise:
-    the second end is not beyond the first if the line is no part of the edge.
+    """The ends (K, 2) of each line's part of the edge, in m along the line from the point nearest to the origin,
+    counterclockwise: the second end is not beyond the first if the line is no part of the edge.
     """
     normal, offset, count = walls.normal, walls.offset, len(walls.offset)
     radius = walls.disc_radius
@@ -400,7 +404,7 @@ def _ends(walls: Walls) -> Array:
 
 
 def reached(walls: Walls) -> Walls:
-    """The same enclosure without lines, and without a circle, that are no part of its edge."""
+    """The same enclosure without lines, or a circle, that are no part of its edge."""
     if not len(walls.offset):
         return walls
     ends = _ends(walls)

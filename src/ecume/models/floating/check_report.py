@@ -1,4 +1,4 @@
-"""The lines of `ecume check` for a floating scene: numbers that follow from it."""
+"""The report of `ecume check` on a floating scene."""
 
 from __future__ import annotations
 
@@ -120,7 +120,6 @@ def _summary_of_pairs(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 
 def _summary_of_chance(parameters: Parameters) -> list[Row]:
-    """The binding energies of touching pairs, over kT."""
     thermal, floats = parameters.drift.thermal, parameters.floats
     row, law = row_of(parameters), law_of(parameters)
     if thermal == 0.0 or row.energy is None or not row.has_force:

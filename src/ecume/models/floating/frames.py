@@ -122,7 +122,7 @@ def deepest_in_walls(walls: Walls, position: Array, radius: Array) -> float:
 
 
 def touching_shapes(parameters: Parameters, state: State, label: Integers) -> tuple[int, float]:
-    """The same as `touching_pairs` for shapes, including walls in the deepest overlap."""
+    """Label clusters of shapes as `touching_pairs` does; the deepest overlap includes walls."""
     radius, contacts, deepest = parameters.floats.radius, 0, 0.0
     label[:] = np.arange(len(radius))
     for i, j, gap in gaps_between(parameters, state.position, state.turning[:, 0], CONTACT_GAP * float(radius.min())):
@@ -145,7 +145,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     units = dict(ARRAY_UNITS)
     if inertia_of(parameters) is not None:
-        # Torques and rotational diffusion of active floats turn their headings.
+        # Torques and rotational diffusion change the headings of active floats.
         heading = state.turning[:, 0] + (state.active[:, 2] if len(state.active) else 0.0)
         arrays |= {"angle": heading, "spin": state.turning[:, 1].copy()}
         units |= {"angle": "rad", "spin": "rad/s"}

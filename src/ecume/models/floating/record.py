@@ -57,7 +57,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """Which float diverged, when, and what to do."""
+    """The message on the float that diverged, with the time and the remedy."""
     what, far = _who_and_what(parameters, state)
     steps = math.ceil(parameters.steps_per_frame * min(max(SHORTER, far / parameters.skin), LONGEST))
     shorter = parameters.time_step * parameters.steps_per_frame / steps
@@ -68,7 +68,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 SHORTER, LONGEST = 4.0, 1e3
-"""By how much a time step that diverged is to be shortened at least, and at most."""
+"""The smallest and the largest factor by which a diverged time step should be reduced."""
 
 
 def _who_and_what(parameters: Parameters, state: State) -> tuple[str, float]:
@@ -100,7 +100,7 @@ def _speeds(parameters: Parameters, state: State) -> Array:
 
 
 def faults(scene: FloatingScene, parameters: Parameters, state: State) -> list[str]:
-    """The floats that overlap by more than contacts tolerate, or are outside the dish."""
+    """Messages on floats that overlap by more than contacts tolerate, or are outside the dish."""
     radius = parameters.floats.radius
     names = [f"float {i}" for i in range(len(radius))]
     if contacts_of(parameters).gaps is not None:
@@ -116,7 +116,7 @@ def faults(scene: FloatingScene, parameters: Parameters, state: State) -> list[s
 
 
 def changed(state: State, moved: bool) -> None:
-    """Neighbor lists are made at the reference positions; contacts that were kept are of former positions."""
+    """Mark neighbor lists and stored contacts as invalid after positions were changed."""
     if moved:
         state.reference[:] = state.position
         state.touches[0] = 0

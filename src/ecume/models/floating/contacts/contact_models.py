@@ -95,7 +95,7 @@ def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: W
 
 
 def unchanged_state(state: State) -> State:
-    """Return the state as it is."""
+    """Return the state unchanged."""
     return state
 
 

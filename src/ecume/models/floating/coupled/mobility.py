@@ -104,7 +104,7 @@ class CoupledScratch(NamedTuple):
 
 
 def flow_of(part: CoupledKicks) -> Flow:
-    """How collisions of floats move their neighbors."""
+    """The data by which collisions of floats move their neighbors."""
     return Flow(part.radius, 1.0 / (3.0 * math.pi * part.viscosity))
 
 
@@ -159,7 +159,7 @@ def fill_mobility(part: CoupledKicks, position: Array, mobility: Array) -> None:
 
 @compiled
 def fill_own_block(part: CoupledKicks, unit: float, i: int, mobility: Array) -> None:
-    """The velocity and the spin of a float by the force and the torque on itself."""
+    """Compute the velocity and the spin of a float by the force and the torque on itself."""
     count, radius = len(part.radius), part.radius[i]
     mobility[2 * i, 2 * i], mobility[2 * i + 1, 2 * i + 1] = unit / radius, unit / radius
     mobility[2 * i, 2 * i + 1], mobility[2 * i + 1, 2 * i] = 0.0, 0.0
@@ -172,8 +172,8 @@ def fill_own_block(part: CoupledKicks, unit: float, i: int, mobility: Array) -> 
 
 @compiled
 def fill_spins(part: CoupledKicks, pair: tuple[int, int], way: tuple[float, float, float], mobility: Array) -> None:
-    """The spins of two floats by forces and torques on each other, and velocities by torques; `way` is the distance and
-    the direction from the first to the second.
+    """Compute the spins of two floats by forces and torques on each other, and their velocities by torques; `way` is
+    the distance and the direction from the first to the second.
     """
     (i, j), (distance, x, y), radius, count = pair, way, part.radius, len(part.radius)
     unit = 1.0 / (3.0 * math.pi * part.viscosity)
@@ -556,7 +556,7 @@ def apply_coupled_films(
 
 @compiled
 def subtract_far_field(part: CoupledFilms, parameters: Parameters, position: Array, pairs: Pairs) -> None:
-    """Subtract what the mobility resists already; nothing is left of films where it resists more."""
+    """Subtract the resistance that the mobility contains already; films with less friction than that vanish."""
     for row in range(len(pairs.friction)):
         i, j = pairs.first[row], pairs.second[row]
         x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]

@@ -172,7 +172,7 @@ class MagneticField(NamedTuple):
 
 
 class MagneticScratch(NamedTuple):
-    """The field now and a step before, and the energy as a polynomial of it."""
+    """The field now and one step earlier, and the energy as a polynomial of the field."""
 
     field: Array
     """(2, 3) T: now, and at the beginning of the step"""
@@ -191,7 +191,7 @@ def make_magnetic_scratch(
 
 @compiled
 def set_field(part: MagneticField, scratch: MagneticScratch, time: float) -> None:
-    """Store the field of the last time, and compute that of a time."""
+    """Store the previous field, and compute the field at a time."""
     for axis in range(3):
         scratch.field[1, axis] = scratch.field[0, axis]
         swing = part.amplitude[axis] * math.cos(part.turning * time + part.phase[axis])
@@ -268,8 +268,8 @@ def add_energy(
 def renew_field(
     part: MagneticField, scratch: MagneticScratch, parameters: Parameters, state: State, first: bool
 ) -> None:
-    """Advance the field by one time step, before it, and add half of the work of its change at the positions before;
-    after the step, add the other half, at the positions then.
+    """Before a step, advance the field, and add half of the work of its change at the positions there; after the step,
+    add the other half.
     """
     if first:
         set_field(part, scratch, (state.step[0] + 1) * parameters.time_step)
@@ -334,10 +334,10 @@ def shortest_time_at_contact(parameters: Parameters, moment: Array) -> float:
 
 
 def magnetic_lines(part: MagneticField, parameters: Parameters) -> list[tuple[str, str, str]]:
-    """Lines of `ecume check`: the induced moment, and how much two touching spheres change each other's."""
+    """The rows of `ecume check`: the induced moment, and the mutual induction of two touching spheres."""
     volume = 4.0 / 3.0 * math.pi * parameters.floats.radius**3
     effective = float(np.max(part.induced * 4.0 * math.pi * part.strength / volume))
-    # The field of a moment on the line of centers at the distance 2 R, over that which induces it.
+    # The field of an induced moment on the line of centers at the distance 2 R, over the inducing field.
     mutual = effective / 12.0
     return [
         ("induced moment", f"{float(part.induced.max()):.3g} A m^2/T", f"effective susceptibility {effective:.3g}"),

@@ -271,8 +271,8 @@ def multipole_energy(
 def kick_multipole_spins(
     part: Multipoles, scratch: MultipoleScratch, parameters: Parameters, state: State, first: bool
 ) -> None:
-    """Half a kick of the spins of floats that turn by their menisci; the angles after the first half, unless contacts
-    turn the floats, too, and advance the angles.
+    """Apply half a kick to the spins of floats that their menisci turn; advance the angles after the first half, unless
+    contacts advance them.
     """
     time = parameters.time_step
     if len(part.inertia) == 0:
@@ -369,7 +369,7 @@ def correction(tables: PairTables, i: int, j: int, distance: float) -> tuple[flo
     left, right = step * slope[node], step * slope[node + 1]
     bend, twist = 3.0 * (high - low) - 2.0 * left - right, 2.0 * (low - high) + left + right
     value = low + t * (left + t * (bend + t * twist))
-    # dE/ds over s, which has a limit at touching
+    # dE/ds over s, which is finite at contact
     rising = left + t * (2.0 * bend + 3.0 * t * twist)
     change = rising / (step * s) if s > 1e-9 else 2.0 * bend / (step * step)
     repelled = -change / (2.0 * touching)
@@ -500,8 +500,8 @@ def solved(parameters: Parameters, frame: Frame) -> MultipoleScratch:
 
 
 def heights_at(multipoles: Multipoles, scratch: MultipoleScratch, points: Array) -> Array:
-    """(P,) m at `points` (P, 2) in m: the deformation by the floats, including the response of the walls, without the
-    menisci of the walls; the part of a float is constant inside its contact line.
+    """The heights (P,) in m at `points` (P, 2) in m: the deformation by the floats, including the response of the
+    walls, without the menisci of the walls; it is constant inside the contact line of a float.
     """
     places = points / multipoles.length
     heights = np.zeros(len(points))
@@ -512,7 +512,7 @@ def heights_at(multipoles: Multipoles, scratch: MultipoleScratch, points: Array)
 
 
 def bends(multipoles: Multipoles, scratch: MultipoleScratch) -> Array:
-    """(N,) m: the deformation of the surface by each float alone, as the root mean square around its edge."""
+    """The deformation (N,) in m of the surface by each float alone, as the root mean square around its edge."""
     squares = np.abs(scratch.amplitudes) ** 2
     return np.asarray(multipoles.length * np.sqrt(squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)))
 

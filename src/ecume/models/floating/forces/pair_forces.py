@@ -183,7 +183,7 @@ def warn_of_long_range(parameters: Parameters, scene: FloatingScene) -> None:
 
 
 def pair_option(name: str) -> Option:
-    """The pair law of this name, with its capabilities."""
+    """The option of the pair law with this name, with its capabilities."""
     row = PAIR_LAWS[name]
     gives = frozenset(capability for capability in CAPABILITIES if getattr(row, capability))
     charges = {"charges"} if row.menisci or not row.has_force else set()
@@ -236,7 +236,6 @@ pair_energy = by_type(lambda constants: pair_laws.row_of(constants).energy or no
 
 
 def no_energy(distance: float, own: PairParameters, law: Any) -> float:
-    """Zero, for laws without a potential."""
     return 0.0
 
 

@@ -82,7 +82,7 @@ class WavesScratch(NamedTuple):
     torque: Array
     """(N,) N m"""
     before: Array
-    """(N, 6) at the beginning of the step: force, torque, position, angle"""
+    """(N, 6) at the start of the step: force, torque, position, angle"""
 
 
 def make_waves_scratch(part: Waves, parameters: Parameters, state: State, workspace: Workspace) -> WavesScratch:
@@ -101,7 +101,7 @@ def with_headings(part: Waves, state: State) -> State:
 
 @compiled_inside
 def tabled(table: Array, place: float) -> tuple[float, float]:
-    """The complex number at this place of the table, in nodes, by cubic interpolation; zero beyond its end."""
+    """The complex number at a place of the table (in nodes), by cubic interpolation; zero beyond its end."""
     nodes = table.shape[1]
     first = min(max(int(place) - 1, 0), nodes - 4)
     s = place - first
@@ -160,8 +160,8 @@ def add_at(scratch: WavesScratch, i: int, arm_x: float, arm_y: float, x: float, 
 
 @compiled
 def kick_wave_spins(part: Waves, scratch: WavesScratch, parameters: Parameters, state: State, first: bool) -> None:
-    """Half a kick of the spins, solved exactly with drag; the angles after the first half. After the second half, add
-    the work of the step by the mean of the forces at both ends.
+    """Apply half a kick to the spins, solved exactly with drag; advance the angles after the first half. After the
+    second half, add the work of the step by the mean of the forces at both ends.
     """
     time, count = parameters.time_step, len(scratch.torque)
     for i in range(count):

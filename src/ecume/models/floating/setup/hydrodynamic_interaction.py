@@ -43,21 +43,23 @@ class ReynoldsWarning(UserWarning):
 
 
 def missing_in_rafts(count: int) -> tuple[str, str]:
-    """How much too slow rafts of all floats are, since each float has the drag of a single one."""
+    """The row on rafts without hydrodynamic interaction: they are too slow by this factor, since each float has the
+    drag of a single one.
+    """
     largest = min(count, MOST_SOLVED)
     value = f"up to {raft_speed_factor(largest):.2g} times too slow"
     return value, f"compact rafts of {largest} in creeping flow: hydrodynamic interaction is not included"
 
 
 def included_in_rafts(count: int) -> tuple[str, str]:
-    """How much faster than single floats rafts of all floats are."""
+    """The row on rafts with hydrodynamic interaction: they are faster than single floats by this factor."""
     largest = min(count, MOST_SOLVED)
     value = f"up to {raft_speed_factor(largest):.2g} times a single float"
     return value, f"compact rafts of {largest}, by their flow; the flow at the walls of a dish is not included"
 
 
 def summed_in_rafts(count: int) -> tuple[str, str]:
-    """The same, with the accuracy of the grid."""
+    """The row on rafts with hydrodynamic interaction on a grid, with its accuracy."""
     value, remark = included_in_rafts(count)
     return value, f"{remark}; summed on a grid, velocities within {ERROR:g}"
 

@@ -62,7 +62,7 @@ def periods_in(scene: FloatingScene) -> Array:
 
 
 class Range(NamedTuple):
-    """How far a force of the scene reaches (m), and what shortens it."""
+    """The range of a force of the scene (m), and a hint how to reduce it."""
 
     name: str
     reach: float
@@ -126,7 +126,7 @@ overlap slightly.
 
 MOST_FAULTS = 20
 TURNS = 7
-"""Separates the random numbers of angles from those of positions."""
+"""The seed offset between random angles and random positions."""
 
 
 def start(scene: FloatingScene, parameters: Parameters) -> State:
@@ -151,14 +151,14 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
 
 
 SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 2e-4, 1000
-"""Of a radius: the overlaps that are removed before a run, from the smaller to the larger one. Soft contacts of other
-programs leave such; rafts that a run leaves overlap less, and continue as they are. And the sweeps that this may take.
+"""The largest and the smallest overlap, in radii, that is removed before a run, and the largest number of sweeps. Soft
+contacts of other programs leave such overlaps; rafts of another run overlap less and are continued unchanged.
 """
 
 
 def separated(position: Array, radius: Array, periods: Array) -> Array:
-    """Floats that overlap slightly, moved apart along their lines of centers until they touch; others stay where they
-    are. The overlaps have no energy then, which would appear from nowhere.
+    """Floats that overlap slightly, moved apart along their lines of centers until they touch; other floats are
+    unchanged. The overlaps had no energy, which would otherwise appear from nothing.
     """
     if len(radius) < 2:
         return position
@@ -175,7 +175,7 @@ def separated(position: Array, radius: Array, periods: Array) -> Array:
         depth = radius[i] + radius[j] - distance
         if (depth > SLIGHT * least).any() or not (depth > ENOUGH * least).any():
             break
-        # Half of what one pair alone needs: a float of several pairs is pushed by all of them.
+        # Half of the displacement for a single pair, since a float with several overlaps is moved by each of them.
         push = 0.25 * (np.maximum(depth, 0.0) / distance)[:, None] * away
         np.add.at(found, i, -push)
         np.add.at(found, j, push)
@@ -183,11 +183,11 @@ def separated(position: Array, radius: Array, periods: Array) -> Array:
 
 
 ENOUGH = 1e-10
-"""Of a radius: overlaps that are left."""
+"""The remaining overlap, over the radius, at which the separation ends."""
 
 
 def _touching(position: Array, radius: Array, periods: Array) -> Integers:
-    """(P, 2) pairs of which one overlaps the other by more than a bit but slightly, and those next to them."""
+    """The pairs (P, 2) with a slight overlap, and their neighboring pairs."""
     box = [side if side > 0.0 else None for side in periods[0].tolist()]
     wrapped = None if None in box else np.array(box)
     from scipy.spatial import cKDTree
@@ -209,8 +209,8 @@ def _touching(position: Array, radius: Array, periods: Array) -> Integers:
 
 
 def layout(scene: FloatingScene, parameters: Parameters, state: State) -> Layout:
-    """What a state of this scene looks like. Stored contacts are compared with those that are found, and index nothing.
-    States of earlier versions have no tally of injected work, which only driven scenes need.
+    """The arrays of a state of this scene. Stored contacts are compared with detected ones, and are not used as
+    indices. States of earlier versions have no tally of injected work, which only driven scenes need.
     """
     zeros = np.zeros((len(parameters.floats.radius), 2))
     blank = with_angles(with_parts(make_state(zeros, zeros), parameters), scene, parameters)
@@ -266,7 +266,7 @@ def position_faults(
 
 
 def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
-    """The same for shapes with their initial angles."""
+    """Raise SceneError for shapes with given positions and initial angles that overlap or are outside the dish."""
     names, radius, faults = float_names(scene), parameters.floats.radius, []
     # Floats at random positions are placed far away.
     far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))

@@ -156,8 +156,8 @@ def float_kinds(scene: FloatingScene) -> list[FloatKind]:
 
 
 def given_floats(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow, int]]:
-    """What gives floats, each with its path and the number of its equal floats: tables of species, of which those with
-    several sizes stand once for each float, and rows.
+    """The specifications of floats, each with its path and its number of equal floats: tables of species (one entry for
+    each float if they have several sizes), and rows.
     """
     found: list[tuple[str, FloatSpec | FloatRow, int]] = []
     for place, species in enumerate(scene.particles):

@@ -1,4 +1,4 @@
-"""Where floats start: positions and velocities that a scene gives, and the region for those placed at random."""
+"""Initial positions and velocities of floats that a scene specifies, and the region for floats placed at random."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def _velocities_of(species: FloatSpec) -> Array:
 
 
 def middle_of(scene: FloatingScene) -> tuple[float, float]:
-    """The center of the cell (m); without a cell the origin, the center of dishes."""
+    """The center of the cell (m); without a cell, the origin, which is the center of dishes."""
     width, height = scene.sides
     return 0.5 * width, 0.5 * height
 

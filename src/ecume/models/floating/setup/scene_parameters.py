@@ -424,7 +424,7 @@ BYTES_PER_POINT = 60
 def checked_parameters(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -> Parameters:
     """Return the parameters of a scene that fits into memory, with further interactions."""
     count = len(scene.rows) + sum(species.count for species in scene.particles)
-    # Tested before any allocation: a hundred million floats are typed as quickly as a hundred.
+    # Tested before any allocation, since a scene may request a hundred million floats by mistake.
     _require_memory(count, BYTES_PER_FLOAT * count)
     parameters = parameters_of(scene, further)
     _require_memory(count, memory_estimate(parameters))

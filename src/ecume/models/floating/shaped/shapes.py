@@ -70,7 +70,7 @@ class FloatingShape(NamedTuple):
 
 
 class Given(NamedTuple):
-    """A shape as given in a scene."""
+    """A shape as specified in a scene."""
 
     shape: ShapeSpec
     radius: float

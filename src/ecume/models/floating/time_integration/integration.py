@@ -129,7 +129,7 @@ def keep_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: 
 
 
 VALID, OUTDATED, TOO_FAST = range(3)
-"""Neighbor lists: hold for another step, must be made again, cannot hold for any step."""
+"""Neighbor lists are valid for another step, are outdated, or cannot be valid for any step."""
 
 
 @compiled_inside

@@ -444,7 +444,7 @@ RIGID = Integrator(
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
     bound_travel=bound_rigid_travel, store=store_rigid, scratch=lambda part, interactions: interactions[0],
 )  # fmt: skip
-"""Replaces the functions of an integrator for floats with a shape."""
+"""The row that replaces an integrator for floats with a shape."""
 
 COUPLED = Integrator(
     slot="coupled integrator", path="hydrodynamics.interaction", name="hydrodynamic interaction",
@@ -459,7 +459,7 @@ COUPLED_ON_GRID = replace(
     scratch=lambda part, interactions: make_grid_scratch(part), pairs_worth=grid_pairs, memory=grid_memory,
     compiled=False,
 )  # fmt: skip
-"""Replaces the functions of the overdamped integrator for floats that interact through the liquid."""
+"""The row that replaces the overdamped integrator for floats that interact through the liquid."""
 
 OF_THE_CHOICE = frozenset({"name", "path", "scheme", "gives", "needs", "drag_limit"})
 """Fields that are read from the row that a scene chooses, so that rows with kicks may differ in them."""

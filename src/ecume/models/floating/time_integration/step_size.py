@@ -1,4 +1,6 @@
-"""The time step: the longest good one by the stiffness of forces and the speed of floats, and the scene's own."""
+"""The length of the time step: the longest good one by the stiffness of forces and the speed of floats, and the one
+specified in a scene.
+"""
 
 from __future__ import annotations
 
@@ -38,9 +40,8 @@ PLACES = 400
 """Number of distances for the integral of a force over a half-plane."""
 
 SKIN_PER_STEP = 0.1
-"""Largest displacement in one step, over the skin, at speeds that floats have for long. At speeds that they reach for a
-moment, in their last approach to a wall or a raft or when a growing flow carries them away, it may be ten times as
-large: the lists then have a wider skin.
+"""The largest displacement in one step, over the skin, at persistent speeds. At speeds of short duration, in the last
+approach to a wall or a raft or in a growing flow, it may be ten times as large: the lists then have a wider skin.
 """
 
 
@@ -72,8 +73,8 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
 
 
 def collective_speed(parameters: Parameters) -> float:
-    """How many times faster than a single float a raft follows a force, at most: walls and other rafts pull what is
-    within a capillary length of them as a whole.
+    """The largest ratio of the speed of a raft to that of a single float under the same force per float: walls and
+    other rafts attract all floats within a capillary length together.
     """
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     within = PACKED * (length / float(floats.radius.min())) ** 2

@@ -225,8 +225,8 @@ def pair_loads(now: Parameters, workspace: Workspace, movers: bool) -> dict[int,
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
     """Yield the additional loads of a solid and of its neighbors, which add up to zero: along each axis the neighbor is
-    the nearest wall within a support, or else the nearest solid. Each of two solids gets half of the difference that it has and
-    half of the other's.
+    the nearest wall within a support, or else the nearest solid. Each of two solids gets half of the difference that it
+    has and half of the other's.
     """
     centers, (force, torque) = now.boundary.centers, more
     nearest = min(least, key=lambda owner: least[owner])
