@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from ecume.analysis.rheology import stress_tensor
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models.soft import SOFT
-from ecume.models.soft.record import most_missing
+from ecume.models.soft.integration.dirk_schemes import error_of_run
 from ecume.scenes.load import from_plain, to_plain
 from ecume.scenes.soft import SIDES, dimensions_of, sides_of
 from ecume.simulation import moments
@@ -347,7 +347,7 @@ def faults(scene, frames):
     spent = last["dissipated_work"] + last.get("size_work", 0.0) + last["total_energy"] - first["total_energy"]
     moved = abs(last["dissipated_work"]) + abs(last["total_energy"]) + abs(last["contact_work"])
     missing = abs(last["injected_work"] - spent) / max(moved, rounding_of(scene)["total_energy"])
-    if not missing < most_missing(SOFT.parameters(scene)):
+    if not missing < error_of_scene(scene):
         found["power"] = missing
     return found
 
@@ -365,6 +365,11 @@ def rounding_of(scene):
         "dissipated_work": force * radius, "total_energy": force * radius, "smallest_gap": 1e-12 * radius,
         "largest_compression": force, "shear_stress": stress, "pressure": stress,
     }  # fmt: skip
+
+
+def error_of_scene(scene):
+    """The error of stresses and work that the tolerance of a scene stands for."""
+    return error_of_run(scene.integration.integrator, scene.integration.tolerance)
 
 
 def unlike(scene, ours, theirs, matrix=None, order=None):
@@ -416,8 +421,8 @@ def outcome(seed):
                 continue
             more = {"order": how} if name == "order" else {"matrix": how}
             difference = unlike(scene, frames, again, **more)
-            # Steps judge the components of directions, and rounding decides which fail: both within the tolerance.
-            if not difference < 30.0 * scene.integration.tolerance:
+            # Steps judge the components of directions, and rounding decides which fail: each run errs by its tolerance.
+            if not difference < 2.0 * error_of_scene(scene):
                 found[name] = difference
         if states:
             resumed = run(scene, state=states[2])[0]

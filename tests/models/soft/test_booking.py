@@ -9,9 +9,9 @@ import pytest
 from ecume.laws.soft_pair import PREFACTORS, SoftPair, surface_energy
 from ecume.models.invariants import ENERGY, NumberHistory
 from ecume.models.soft import SOFT
+from ecume.models.soft.integration.dirk_schemes import ROUNDED, error_of_run
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.record import ROUNDED, most_missing
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, energy_of_faded
 from ecume.scenes.load import from_plain
 from ecume.scenes.soft import StageSpec
@@ -157,13 +157,38 @@ def test_films_take_what_contacts_hold_that_fade():
     assert energy_of_faded(parameters.contacts, step) == pytest.approx(held, rel=1e-12, abs=0.0)
 
 
+STRESSED = [{"time": 0.0, "pressure": 1e-3}, {"time": 1.0}, {"time": 1.0, "pressure": 1e-3, "shear_stress": 1e-4}]
+COURSES = {
+    "a shear": {"strain": 0.05},
+    "a jump": {"protocol": [{"time": 0.0}, {"time": 1.0}, {"time": 1.0, "strain": 0.01}]},
+    "a creep": {"protocol": STRESSED, "hydrodynamics": {"drag": "stokes"}},
+    "an oscillation": {"protocol": [{"time": 0.0, "oscillation": {"frequency": 1.0, "amplitude": 1e-3}}]},
+}
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+@pytest.mark.parametrize("course", COURSES)
+@pytest.mark.parametrize("scheme", ["tr-bdf2", "esdirk4"])
+def test_stresses_and_work_are_as_accurate_as_the_tolerance_says(course, scheme):
+    """Against a run of the finest tolerance, in all frames, relative to the largest stress and to the work put in."""
+
+    def run(scheme, tolerance):
+        found = list(simulate(stepped(packing(**RUN, **COURSES[course]), tolerance, scheme)))
+        names = ("shear_stress", "pressure", "injected_work", "dissipated_work", "total_energy")
+        return {name: np.array([frame.numbers[name] for frame in found]) for name in names}
+
+    exact = run("esdirk4", 1e-9)
+    for tolerance in (1e-3, 1e-5):
+        for name, values in run(scheme, tolerance).items():
+            scale = np.abs(exact["injected_work" if name == "total_energy" else name]).max()
+            assert np.abs(values - exact[name]).max() < error_of_run(scheme, tolerance) * scale, name
+
+
 @pytest.mark.parametrize(("scheme", "times"), [("tr-bdf2", 4.0), ("esdirk4", 8.0**0.8)])
 def test_the_defect_that_is_allowed_follows_the_order_of_the_scheme(scheme, times):
     """Eight times the tolerance e: e^(2/3) in second order, e^(4/5) in fourth."""
-    one, other = (
-        most_missing(SOFT.parameters(packing(integration={"integrator": scheme, "tolerance": tolerance})))
-        for tolerance in (1e-3, 8e-3)
-    )
+    one, other = (error_of_run(scheme, tolerance) for tolerance in (1e-3, 8e-3))
     assert other - ROUNDED == pytest.approx(times * (one - ROUNDED), rel=1e-9)
 
 

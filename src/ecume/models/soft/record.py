@@ -16,7 +16,7 @@ from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Num
 from ecume.models.model import DEEP, Layout, Model, Row, Source, first_broken
 from ecume.models.soft.contacts.contact_list import box_in
 from ecume.models.soft.integration import dirk_schemes
-from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import error_of_run
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import interval_at, rules_at
@@ -110,35 +110,23 @@ def summary(scene: SoftScene) -> list[Row]:
 DEEP_CONTACT = "the largest of a contact, over the smaller radius, beyond which the contact laws are inaccurate"
 UNBALANCED = 1e-7
 """Of the typical force: steps leave less than a tenth of it, but where deflections are lost in rounding."""
-LOOSE = 5.0
-"""Times the error that a scheme's order and the tolerance leave in a whole run."""
-ROUNDED = 1e-8
-"""Of the energy: what balances and rounding leave at any tolerance."""
 
 
 def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
     """The rows of a scene."""
     balance = "what a step leaves on a sphere, over the typical force"
+    allowed = error_of_run(parameters.scheme, parameters.tolerance)
     return [
         Invariant("gap", "whether any is closed", 0.0, _closed),
         Invariant("force balance", balance, UNBALANCED, _left),
         Invariant("deflection", DEEP_CONTACT, LARGE, _deflected),
-        Invariant(ENERGY, "what its budget misses, over what moved", most_missing(parameters), _missing),
+        Invariant(ENERGY, "what its budget misses, over what moved", allowed, _missing),
     ]
-
-
-def most_missing(parameters: Parameters) -> float:
-    """Steps err by the tolerance e, in the power p + 1 of their length where p is the scheme's order: all of them
-    together by e^(p/(p+1)). The tolerance is one of ln(gap) and directions, so where little moved, of what moving as
-    much would do.
-    """
-    order = SCHEMES[parameters.scheme].tableau.order
-    return float(LOOSE * parameters.tolerance ** (order / (order + 1.0)) + ROUNDED)
 
 
 def _missing(seen: NumberHistory) -> float:
     """The defect of the energy budget: work less the change of stored energy, dissipation, and the part of contact
-    sizes.
+    sizes. The tolerance is one of ln(gap) and directions, so where little moved, of what moving as much would do.
     """
     if INJECTED not in seen.now:
         return 0.0

@@ -28,7 +28,7 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, drive_at, protocol_of, rules_at
-from ecume.models.soft.report.balance_report import floppy, remedies, unbalanced, unborne, unmet_wall
+from ecume.models.soft.report.balance_report import floppy, remedies, unbalanced, unborne, unmet_wall, unresisted
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.scenes.sizes import radii_of
@@ -323,7 +323,11 @@ def _balance(parameters: Parameters, state: State) -> None:
     drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
     at, scratch = (drive, drive, rules), workspace(parameters, state, 1.0)
     path = "protocol" if any(rules) else "particles"
-    if cause := unborne(parameters, state, rules) or floppy(parameters, state, scratch, at[1:]):
+    if cause := (
+        unborne(parameters, state, rules)
+        or floppy(parameters, state, scratch, at[1:])
+        or unresisted(parameters, state, scratch, drive)
+    ):
         raise SceneError([Fault(path, cause)])
     if not balance(parameters, scratch, at, state.effort):
         raise SceneError([Fault(*_without_balance(parameters, state, at, path))])
@@ -357,7 +361,7 @@ def _without_balance(
         if balance(usual, workspace(usual, state, 1.0), at, state.effort.copy()):
             cause = f"{parameters.solver} found no balance of forces where auto finds one"
             return "integration.solver", f'{cause}; expected "auto"'
-    return path, unbalanced(parameters, at[2])
+    return path, unbalanced(parameters, workspace(parameters, state, 1.0), at[1:])
 
 
 def _planes(scene: SoftScene) -> Planes:

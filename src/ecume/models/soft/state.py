@@ -221,8 +221,8 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
 
 
 def force_residual(step: Step) -> float:
-    """The largest residual force on a sphere over the typical force: the root mean square of contact forces, or of
-    external forces if that is larger. Zero where forces are rounding errors.
+    """The largest residual force on a sphere, less what rounding of positions makes of it, over the typical force: the
+    root mean square of contact forces, or of external forces if that is larger.
     """
     forces = (step.responses.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
@@ -233,7 +233,8 @@ def force_residual(step: Step) -> float:
         stiffest(step.responses.stiffness, step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)),
         stiffest(touches.stiffness, touches.radius + far),
     )
-    return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0
+    residual = float(np.abs(step.bodies.right).max())
+    return max(residual - rounding, 0.0) / typical if typical > rounding else 0.0
 
 
 @compiled

@@ -34,6 +34,7 @@ OF_GAP = ("gap", "reduced_radius", "contacts")
 surface_by = selection("surface_by", codes(SURFACES, lambda row: row.surface), __name__, __file__, OF_SURFACE)
 energy_by = selection("energy_by", codes(SURFACES, lambda row: row.energy), __name__, __file__, OF_SURFACE)
 gap_energy_by = selection("gap_energy_by", codes(SURFACES, lambda row: row.gap_energy), __name__, __file__, OF_SURFACE)
+remote_energy_by = selection("remote_energy_by", codes(REMOTE, lambda row: row.energy), __name__, __file__, OF_GAP)
 remote_force_by = selection("remote_force_by", codes(REMOTE, lambda row: row.force), __name__, __file__, OF_GAP)
 remote_slope_by = selection("remote_slope_by", codes(REMOTE, lambda row: row.slope), __name__, __file__, OF_GAP)
 resistance_by = selection(
@@ -361,6 +362,14 @@ def frame_of(x: Vector, n: Vector, flat: bool) -> Frame:
 def dot(a: Vector, b: Vector) -> float:
     """The scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled_inside
+def square_across(x: Vector, n: Vector) -> float:
+    """The square of the part of a vector perpendicular to a unit vector. The difference of squares would lose it."""
+    along = dot(x, n)
+    across = (x[0] - along * n[0], x[1] - along * n[1], x[2] - along * n[2])
+    return dot(across, across)
 
 
 class Start(NamedTuple):

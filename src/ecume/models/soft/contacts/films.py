@@ -24,6 +24,7 @@ from ecume.models.soft.contacts.contact import (
     film_of,
     frame_of,
     linearized,
+    square_across,
 )
 from ecume.models.soft.contacts.user_forces import user_force
 from ecume.models.soft.parameters import Contacts
@@ -191,14 +192,9 @@ def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Arra
     """The elastic energy of the deflections (J)."""
     total = 0.0
     for c in range(len(pairs.first)):
-        i, j = pairs.first[c], pairs.second[c]
-        pull, square = 0.0, 0.0
-        for k in range(position.shape[1]):
-            between = position[j, k] - position[i, k] + pairs.offset[c, k]
-            pull += between * films.direction[c, k]
-            square += between * between
+        x = center_distance(position, pairs.offset, pairs.first[c], pairs.second[c], c)
+        n = (films.direction[c, 0], films.direction[c, 1], films.direction[c, 2])
         body = Body(pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c], 0.0, 0.0)
         gap = math.exp(films.log_gap[c])
-        sheared = max(square - pull * pull, 0.0)
-        total += contact_energy(contacts, body, gap, pull - body.radius_sum - gap, sheared)
+        total += contact_energy(contacts, body, gap, dot(x, n) - body.radius_sum - gap, square_across(x, n))
     return total

@@ -29,6 +29,7 @@ from ecume.models.soft.contacts.contact import (
     film_of,
     frame_of,
     linearized,
+    square_across,
 )
 from ecume.models.soft.contacts.rotation import axial, cross
 from ecume.models.soft.integration.dirk_schemes import Scheme
@@ -287,16 +288,16 @@ def add_wall_stiffness(walls: Walls, blocks: Array, own: Integers, dimensions: i
 
 
 @where_there(0.0)
-def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
-    """The elastic energy of the deflections at walls (J)."""
+def wall_energy(walls: Walls, contacts: Contacts, position: Array, turn: Array) -> float:
+    """The elastic energy of the deflections at walls (J); `turn` as in `wall_distance`."""
     touches, total = walls.touches, 0.0
     for c in range(len(touches.first)):
         n, radius = normal_of(walls.places, touches.wall[c]), touches.radius[c]
-        x = wall_distance(walls, position, position[:, :0], c)
+        x = wall_distance(walls, position, turn, c)
         pull, slip = dot(x, n), touches.slip
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
         body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
-        gap, square = math.exp(touches.log_gap[c]), max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
+        gap, square = math.exp(touches.log_gap[c]), square_across(apart, n)
         total += contact_energy(contacts, body, gap, pull - radius - gap, square)
     return total
 

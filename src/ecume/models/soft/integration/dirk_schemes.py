@@ -94,3 +94,16 @@ SCHEMES = {
     "tr-bdf2": TimeScheme(tr_bdf2(), tr_bdf2, relaxing=35.0, straining=3300.0, refinement=0.25, seconds=1.9e-5),
 }
 """Schemes for `integration.integrator`."""
+
+LOOSE = 5.0
+"""Times the error that a scheme's order and the tolerance leave in a whole run."""
+ROUNDED = 1e-8
+"""Of the energy: what balances and rounding leave at any tolerance."""
+
+
+def error_of_run(scheme: str, tolerance: float) -> float:
+    """The relative error of stresses and work in a run, at most: steps err by the tolerance e, in the power p + 1 of
+    their length where p is the scheme's order, so that all of them together err by e^(p/(p+1)).
+    """
+    order = SCHEMES[scheme].tableau.order
+    return float(LOOSE * tolerance ** (order / (order + 1.0)) + ROUNDED)

@@ -184,11 +184,12 @@ def assemble_jacobian(step: Step, span: float) -> None:
     if width > dimensions:
         fill_pair_blocks(step.pairs, step.responses, spins, bodies.position)
         block_matrix.assemble_pair_blocks(step.matrix, spins.pair_blocks, bodies.diagonal)
-        regularize_spins(step.matrix, spins, rotates_freely(step))
-        fill_rotation_sides(step.matrix, spins, step.borders.right)
     else:
         fill_matrix(pattern, numbers, step.responses.stiffness, bodies.diagonal)
     add_wall_stiffness(step.walls, numbers, pattern.diagonal, dimensions)
+    if width > dimensions:
+        regularize_spins(step.matrix, spins, rotates_freely(step))
+        fill_rotation_sides(step.matrix, spins, step.borders.right)
 
 
 @compiled

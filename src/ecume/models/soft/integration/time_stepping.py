@@ -12,12 +12,23 @@ from ecume.models.soft.cell import box_of
 from ecume.models.soft.contacts.contact_list import PairList, new_pairs, update_contact_list, wall_gaps
 from ecume.models.soft.contacts.walls import Walls, all_walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
-from ecume.models.soft.integration.dirk import accept
-from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
+from ecume.models.soft.integration.dirk import accept, reset_to_start
+from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme, error_of_run
 from ecume.models.soft.integration.linear_solvers import attempt, balance, begin_step
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, next_stop, rules_at
-from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, energy_of_faded
+from ecume.models.soft.report.energy_budget import (
+    DRAG,
+    FILMS,
+    INJECTED,
+    SIZE,
+    elastic_energy,
+    elastic_energy_at_end,
+    energy_of_faded,
+    energy_rounding,
+    remote_energy,
+    stake,
+)
 from ecume.models.soft.report.observation import deflections, is_beyond, remedy, worst_contact
 from ecume.models.soft.state import (
     ACCEPTED,
@@ -52,6 +63,12 @@ PER_AGE = 16.0
 """Times the tolerance, to the power 1/(p + 1): the longest step over the time since a jump. What a jump leaves relaxes
 at all rates, that of the widest films first, whose gaps change little, so that their error says nothing of the work.
 """
+WORK_TRIES, PART_OF_RUN = 4, 0.01
+"""Attempts to make the energy budget of a step as exact as that of a run: relative to what the step exchanges, and to
+this part of what the run has exchanged.
+"""
+MOST_WORK_SHRINK, LEAST_WORK = (0.01, 0.5), 1e-300
+"""The factor of a step whose budget is not; and J, where nothing moves."""
 NARROW = 0.5
 """A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
 NEARLY = 1e-9
@@ -115,7 +132,9 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
     """Repeat a step with shorter time steps until its error is small enough, and accept it. Returns the new contacts at
     its end, or None without success.
     """
-    scheme = SCHEMES[parameters.scheme].tableau
+    scheme, step, tries = SCHEMES[parameters.scheme].tableau, scratch.step, WORK_TRIES if len(state.budget) else 0
+    reset_to_start(step, drive_at(parameters.protocol, float(state.pace[CLOCK])))
+    before = elastic_energy(parameters.contacts, step) + remote_energy(parameters.contacts, step)
     for _ in range(MOST_TRIES):
         length, end = _next(parameters, state)
         if not end > state.pace[CLOCK]:
@@ -133,6 +152,9 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
         elif missed_contact(parameters, scratch.step, opened := new_contacts(parameters, scratch.step)):
             state.pace[LENGTH] = 0.5 * length
             state.tally[REJECTED] += 1
+        elif tries > 0 and (excess := missed_work(parameters, state, step, before)) > 1.0:
+            state.pace[LENGTH] = length * min(MOST_WORK_SHRINK[1], max(MOST_WORK_SHRINK[0], SAFETY / excess))
+            state.tally[REJECTED], tries = state.tally[REJECTED] + 1, tries - 1
         else:
             if len(state.budget):
                 state.budget[:] += scratch.step.budget.lines[-1, : len(state.budget)]
@@ -144,6 +166,21 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
             state.pace[PAST_ERROR] = ratio
             return opened
     return None
+
+
+def missed_work(parameters: Parameters, state: State, step: Step, before: float) -> float:
+    """What the energy budget of a step misses, over what it may; `before` is the energy stored at its start (J).
+
+    Where a film has just opened, or a load has begun, forces relax in a time far below that in which gaps change. Gaps
+    are then exact to the tolerance while the power at the stages is not that of the step.
+    """
+    contacts, line = parameters.contacts, step.budget.lines[-1]
+    grown = elastic_energy_at_end(contacts, step) + remote_energy(contacts, step) - before
+    dissipated = line[FILMS] + line[DRAG]
+    missing = abs(line[INJECTED] - dissipated - line[SIZE] - grown) - energy_rounding(step)
+    spent = float(state.budget[FILMS] + state.budget[DRAG])
+    moved = abs(dissipated) + abs(grown) + PART_OF_RUN * (spent + stake(step))
+    return float(missing / (error_of_run(parameters.scheme, parameters.tolerance) * max(moved, LEAST_WORK)))
 
 
 def new_contacts(parameters: Parameters, step: Step) -> PairList:

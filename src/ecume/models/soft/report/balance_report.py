@@ -13,6 +13,7 @@ from collections import deque
 import numpy as np
 
 from ecume.engine.cells import Integers
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.cell import WIDTH, StageTarget
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.integration.newton import assemble_jacobian, fill_borders
@@ -26,6 +27,8 @@ HELD = 1e-9
 """Of the mean stiffness: what is added to each unknown, so that a floppy network has a small resistance, not none."""
 FLOPPY = 1e-6
 """Of the resistance to an affine deformation: below it, only what was added resists."""
+YIELDING = 1e4
+"""Times the work in a network of the mean stiffness: beyond it, forces mostly move what only the added part resists."""
 MOST = 6000
 """Unknowns of a network that is tested."""
 
@@ -95,6 +98,37 @@ def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[D
     return f"the films bear no stress, however small: spheres {how} with no film deflected; {remedies(parameters)}"
 
 
+def unresisted(parameters: Parameters, state: State, scratch: Workspace, drive: Drive) -> str:
+    """A sentence on forces that begin with the load and that no film resists, so that they would roll spheres at once;
+    empty where films do. Forces that act from the start move the spheres before.
+    """
+    if drive.load != 0.0 or not (parameters.force.any() or parameters.torque.any()):
+        return ""
+    return rolling(parameters, scratch, drive, 1.0)
+
+
+def rolling(parameters: Parameters, scratch: Workspace, drive: Drive, load: float) -> str:
+    """A sentence on forces at a load that no film resists; empty where films do: the work of the forces in a network
+    with a little resistance everywhere, over that in one of its mean stiffness.
+    """
+    pull = np.concatenate([load * parameters.force + parameters.weight, load * parameters.torque], axis=1)
+    if parameters.drag.any() or not parameters.torque.shape[1] or not pull.any() or pull.size > MOST:
+        return ""
+    step = scratch.step
+    begin_step(parameters, step, drive)
+    assemble_jacobian(step, 0.0)
+    work = float((pull.ravel() * _softened(scratch, pull.reshape(1, -1))[0]).sum())
+    if work * mean_stiffness(step.matrix) < YIELDING * float((pull**2).sum()):
+        return ""
+    return f"no film resists the forces: spheres roll around each other at once; {remedies(parameters)}"
+
+
+def mean_stiffness(matrix: Matrix) -> float:
+    """The mean of the diagonal (N/m)."""
+    blocks = matrix.blocks[matrix.pattern.diagonal]
+    return float(np.abs(np.trace(blocks, axis1=1, axis2=2)).mean() / blocks.shape[1])
+
+
 def _softened(scratch: Workspace, columns: Array) -> Array:
     """What the spheres answer to the columns, a little held each."""
     from scipy.sparse import bsr_array, eye_array
@@ -123,10 +157,12 @@ def unborne(parameters: Parameters, state: State, rules: Rules) -> str:
     return f"no films lead {where}, so that nothing bears any {stress}; {remedies(parameters)}" if stress else ""
 
 
-def unbalanced(parameters: Parameters, rules: Rules) -> str:
-    """Why there is no balance where the network resists: a sentence with what helps."""
+def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
+    """Why there is no balance: a sentence with what helps."""
+    drive, rules = at
     if not any(rules):
-        return "the surfaces cannot balance forces as large as these; reduce them"
+        large = "the surfaces cannot balance forces as large as these; reduce them"
+        return rolling(parameters, scratch, drive, drive.load) or large
     cause = "the films bear a stress across the cell, but not as large a one; reduce it, have it grow from zero"
     return cause if parameters.drag.any() else f"{cause}, or {remedies(parameters)}"
 

@@ -148,8 +148,9 @@ def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> li
 def jamming_fraction(radius: Array, dimensions: int) -> float:
     """The volume fraction at which random packings of these radii jam.
 
-    In 3D 0.634 + 0.0658 d + 0.0857 S d^2, with the polydispersity d and the skewness S of the radii: an empirical
-    formula of these two [desmond2014], whose coefficients are restated, since the text of the paper was not available.
+    In 3D 0.634 + 0.0658 d + 0.0857 S d^2, with the polydispersity d <= 0.4 and the skewness S of the radii: a fit to
+    simulated packings [desmond2014]. The coefficients and the range are those that others quote from the paper, whose
+    text was not available.
     In 2D 0.84: packings of circles tend to it at low skewness, whatever the polydispersity, and exceed it at high
     skewness [meer2024].
     """

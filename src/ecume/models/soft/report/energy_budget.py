@@ -16,20 +16,24 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
+from ecume._portable import exp
 from ecume.laws.surfaces import Body
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, flow_gradient, unknowns
 from ecume.models.soft.contacts.contact import (
+    ROUNDING,
     Elastic,
     Vector,
     contact_gap_energy,
     dot,
     elastic_of,
+    remote_energy_by,
     remote_force_and_slope,
     sheared_energy_by,
+    square_across,
 )
-from ecume.models.soft.contacts.films import Films, center_distance, stored_energy, turned
-from ecume.models.soft.contacts.rotation import Spins
-from ecume.models.soft.contacts.user_forces import user_force
+from ecume.models.soft.contacts.films import Films, Pairs, center_distance, stored_energy, turned
+from ecume.models.soft.contacts.rotation import Spins, carry
+from ecume.models.soft.contacts.user_forces import Across, user_energies, user_force
 from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import CHUNK
@@ -128,7 +132,7 @@ def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int],
         )
         film += gap * opening * (dot(f, n) + across)
         film += (radius_sum[c] + gap) * dot(f, turning)
-        at = (gap, pull - radius_sum[c] - gap, max(dot(x, x) - pull * pull, 0.0))
+        at = (gap, pull - radius_sum[c] - gap, square_across(x, n))
         body, before = Body(radius_sum[c], reduced_radius[c], modulus[c], 0.0, 0.0), (sheared[c, 0], sheared[c, 1])
         by_gap, more, surface = surface_work(contacts, body, at, before)
         size += by_gap * opening + (surface.tangential - surface.normal) * at[1] * dot(x, turning)
@@ -177,7 +181,7 @@ def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: 
             prescribed = places.velocity[w, k] != 0.0
             driven, answered = driven + (power if prescribed else 0.0), answered + (0.0 if prescribed else power)
         apart = (x[0] - radius * slip[0], x[1] - radius * slip[1], x[2] - radius * slip[2])
-        stretch, square = dot(x, n) - radius - gap, max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
+        stretch, square = dot(x, n) - radius - gap, square_across(apart, n)
         body = Body(radius, radius, touches.modulus[c], 0.0, 0.0)
         by_gap, more, surface = surface_work(contacts, body, (gap, stretch, square), (sheared[c, 0], sheared[c, 1]))
         size, shrunk = size + by_gap * opening, shrunk + more
@@ -263,7 +267,67 @@ def elastic_energy(contacts: Contacts, step: Step) -> float:
     """The elastic energy of all deflections (J)."""
     position = step.bodies.position
     between = stored_energy(contacts, step.pairs, step.films, position)
-    return float(between + wall_energy(step.walls, contacts, position))
+    return float(between + wall_energy(step.walls, contacts, position, position[:, :0]))
+
+
+def elastic_energy_at_end(contacts: Contacts, step: Step) -> float:
+    """The same at the end of a step that is not accepted yet, whose contacts rotate with their spheres."""
+    direction = step.films.direction.copy()
+    carry(step.pairs, direction)
+    between = stored_energy(contacts, step.pairs, step.films._replace(direction=direction), step.bodies.position)
+    return float(between + wall_energy(step.walls, contacts, step.bodies.position, step.spins.turn))
+
+
+def remote_energy(contacts: Contacts, step: Step) -> float:
+    """The energy of long-range forces in films (J), relative to that at their reach."""
+    pairs, touches, log_gap = step.pairs, all_walls(step.walls).touches, step.films.log_gap
+    found = across_energy(contacts, log_gap, pairs.reduced_radius)
+    found += across_energy(contacts, touches.log_gap, touches.radius)
+    laws = laws_in(pairs)
+    found += user_energies(laws, log_gap).sum()
+    if contacts.fade_from < math.inf:
+        found -= user_energies(laws, np.full(len(log_gap), math.log(contacts.fade_from))).sum()
+    return float(found)
+
+
+def laws_in(pairs: Pairs) -> Across:
+    """The user's laws of the present contacts."""
+    return Across(pairs.row, pairs.ends, pairs.values)
+
+
+@compiled
+def across_energy(contacts: Contacts, log_gap: Array, radius: Array) -> float:
+    """The energy of the scene's long-range law in films between spheres of these reduced radii (J)."""
+    total, reach = 0.0, contacts.fade_from
+    for c in range(len(log_gap)):
+        total += remote_energy_by(math.exp(log_gap[c]), radius[c], contacts, contacts.remote)
+        if reach < math.inf:
+            total -= remote_energy_by(reach, radius[c], contacts, contacts.remote)
+    return total
+
+
+def energy_rounding(step: Step) -> float:
+    """What rounding of positions makes of the stored energy (J), at most."""
+    pairs, touches, far = step.pairs, all_walls(step.walls).touches, 2.0 * float(np.abs(step.bodies.position).max())
+    shift = np.append(pairs.radius_sum + np.abs(pairs.offset).max(axis=1), touches.radius) + far
+    force = np.linalg.norm(np.concatenate([step.responses.force, touches.force]), axis=1)
+    stiffness = np.append(pairs.modulus * pairs.radius_sum, touches.modulus * touches.radius)
+    return float(((force + stiffness * ROUNDING * shift) * ROUNDING * shift).sum())
+
+
+def stake(step: Step) -> float:
+    """The work of the forces of contacts while gaps open by their width, and directions rotate by a radian (J): the
+    scale of tolerances.
+    """
+    places, touches = all_walls(step.walls)
+    between = _stake(step.responses.force, step.films.direction, exp(step.films.log_gap), step.pairs.radius_sum)
+    return between + _stake(touches.force, places.normal[touches.wall], exp(touches.log_gap), touches.radius)
+
+
+def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
+    pull = np.abs((force * normal).sum(axis=1))
+    along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
+    return float((pull * gap + along * (radius_sum + gap)).sum())
 
 
 def energy_of_faded(contacts: Contacts, step: Step) -> float:
@@ -279,5 +343,6 @@ def energy_of_faded(contacts: Contacts, step: Step) -> float:
     if (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
         used = ("first", "wall", "radius", "modulus", "log_gap", "slip")
         touches = walls.touches._replace(**{name: getattr(walls.touches, name)[gone] for name in used})
-        total += wall_energy(Walls(walls.places, touches), contacts, step.bodies.position)
+        position = step.bodies.position
+        total += wall_energy(Walls(walls.places, touches), contacts, position, position[:, :0])
     return float(total)

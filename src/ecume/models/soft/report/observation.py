@@ -21,13 +21,21 @@ from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
 from ecume.models.soft.contacts.contact_list import box_in, image_indices, wrapped
-from ecume.models.soft.contacts.films import Pairs
-from ecume.models.soft.contacts.user_forces import Across, forces_across, user_energies
+from ecume.models.soft.contacts.user_forces import forces_across
 from ecume.models.soft.contacts.walls import all_walls
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy
+from ecume.models.soft.report.energy_budget import (
+    DRAG,
+    FILMS,
+    INJECTED,
+    SIZE,
+    elastic_energy,
+    laws_in,
+    remote_energy,
+    stake,
+)
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, FORCE_RESIDUAL, REJECTED, State, Step, Workspace
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
@@ -291,7 +299,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
-    numbers |= _budget(parameters, state, step, gap, held)
+    numbers |= _budget(parameters, state, step, held)
     if not parameters.box[: parameters.dimensions].all():
         sides = _sides(box)
         units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
@@ -334,55 +342,23 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     return velocity
 
 
-def laws_in(pairs: Pairs) -> Across:
-    """The user's laws of the present contacts."""
-    return Across(pairs.row, pairs.ends, pairs.values)
-
-
 def acts_across(parameters: Parameters) -> bool:
     """Whether there can be a long-range force between surfaces, of the scene or of the user."""
     return parameters.laws.remote.acts or bool(parameters.user_forces)
 
 
-def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: float) -> dict[str, float]:
+def _budget(parameters: Parameters, state: State, step: Step, held: float) -> dict[str, float]:
     """The energy budget (J): stored, injected and dissipated energy, and the separate entry of the surface law.
 
     Runs begun by an earlier version have no energy budget.
     """
     if not len(state.budget):
         return {}
-    remote = {"remote_energy": _remote_energy(parameters, step, gap)} if acts_across(parameters) else {}
+    remote = {"remote_energy": remote_energy(parameters.contacts, step)} if acts_across(parameters) else {}
     numbers = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.budget[INJECTED]}
     numbers |= {DISSIPATED: state.budget[FILMS] + state.budget[DRAG], SIZE_WORK: state.budget[SIZE]}
-    places, touches = all_walls(step.walls)
-    normal = places.normal[touches.wall]
-    numbers |= {STAKE: _stake(step.responses.force, step.direction, gap, step.pairs.radius_sum)}
-    numbers[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
+    numbers |= {STAKE: stake(step)}
     return remote | {name: float(value) for name, value in numbers.items()}
-
-
-def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
-    """The work of the forces of contacts while gaps open by their width, and directions rotate by a radian (J): the
-    scale of tolerances.
-    """
-    pull = np.abs((force * normal).sum(axis=1))
-    along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
-    return float((pull * gap + along * (radius_sum + gap)).sum())
-
-
-def _remote_energy(parameters: Parameters, step: Step, gap: Array) -> float:
-    """The energy of remote forces in films (J), relative to that at their reach."""
-    contacts = parameters.contacts
-    touches = all_walls(step.walls).touches
-    gap, radius = np.append(gap, exp(touches.log_gap)), np.append(step.pairs.reduced_radius, touches.radius)
-    law = _remote_law(parameters, parameters.laws.remote.energy)
-    reach = contacts.fade_from
-    found = sum(law(h, r) - (law(reach, r) if reach < math.inf else 0.0) for h, r in zip(gap, radius, strict=True))
-    laws, log_gap = laws_in(step.pairs), step.log_gap
-    found += user_energies(laws, log_gap).sum()
-    if reach < math.inf:
-        found -= user_energies(laws, np.full(len(log_gap), math.log(reach))).sum()
-    return float(found)
 
 
 def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
