@@ -62,13 +62,12 @@ ROWS = {Spring: Row(spring_force, 1.0), Film: Row(film_force, -1.0)}
 PAIRS = edited_laws.Side.LEFT, 3
 """,
     "edited_step": """
+from typing import NamedTuple
 from ecume import _jit
 import edited_laws
 import edited_table
 
 force = _jit.by_type(lambda kind: edited_table.ROWS[kind].force)
-chosen = _jit.selected(lambda kind: starts[kind])
-
 @_jit.compiled
 def spring_start(own):
     return 0.5 * own.stiffness
@@ -77,7 +76,11 @@ def spring_start(own):
 def film_start(own):
     return own.tension
 
-starts = {edited_table.Spring: spring_start, edited_table.Film: film_start}
+class Start(NamedTuple):
+    start: object
+
+starts = {edited_table.Spring: Start(spring_start), edited_table.Film: Start(film_start)}
+chosen = _jit.selected(starts, "start")
 
 @_jit.compiled_inside
 def moved(position, speed):

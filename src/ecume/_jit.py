@@ -166,25 +166,34 @@ def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Ca
     return chosen
 
 
-def selected(choice: Callable[[type], Any]) -> Any:
-    """The function `choice(type)` of the type of the first argument, a NamedTuple, where all choices are compiled
-    functions.
+def selected(rows: Mapping[type, Any], name: str, missing: int | None = None) -> Any:
+    """The function `name` of the row for the type of the first argument, a NamedTuple. Where the row has None, the
+    answer is `missing`, and nothing is compiled.
     """
-    if not COMPILES:
-        return lambda *arguments: choice(type(arguments[0]))(*arguments)
-    made = Selected(choice)
-    CHOICES[made] = Choice(choice, "argument 0")
-    return made
+    choice = _field_of(rows, name)
+    if COMPILES:
+        made = Selected(choice, missing)
+        CHOICES[made] = Choice(choice, "argument 0")
+        return made
+
+    def chosen(*arguments: Any) -> Any:
+        function = choice(type(arguments[0]))
+        return missing if function is None else function(*arguments)
+
+    return chosen
 
 
-def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., None]:
-    """A function of a tuple of parts, a tuple of as many workspaces, and further arguments, which calls
-    `choice(type)(part, workspace, *arguments)` for each part in turn. Compiled code contains the chosen functions only.
+def each_selected(rows: Mapping[type, Any], name: str) -> Callable[..., None]:
+    """A function of a tuple of parts, a tuple of as many workspaces, and further arguments, which calls for each part
+    in turn the function `name` of the row for its type, unless that is None: function(part, workspace, *arguments).
     """
+    choice = _field_of(rows, name)
 
     def each(parts: Any, workspaces: Any, *arguments: Any) -> None:
         for part, own in zip(parts, workspaces, strict=True):
-            choice(type(part))(part, own, *arguments)
+            function = choice(type(part))
+            if function is not None:
+                function(part, own, *arguments)
 
     if not COMPILES:
         return each
@@ -194,12 +203,21 @@ def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., 
     def version(parts: Any, workspaces: Any, *arguments: Any) -> Any:
         if not isinstance(parts, types.BaseTuple):
             return None
-        found: dict[str, Any] = {f"call_{k}": choice(kind.instance_class) for k, kind in enumerate(parts)}
+        chosen = [(k, choice(kind.instance_class)) for k, kind in enumerate(parts)]
+        found: dict[str, Any] = {f"call_{k}": function for k, function in chosen if function is not None}
         rest = "".join(f", a{k + 2}" for k in range(len(arguments)))
-        calls = [f"call_{k}(a0[{k}], a1[{k}]{rest})" for k in range(len(parts))]
+        calls = [f"call_{k}(a0[{k}], a1[{k}]{rest})" for k, function in chosen if function is not None]
         return _written(calls or ["pass"], len(arguments) + 2, found)
 
     return each
+
+
+def _field_of(rows: Mapping[type, Any], name: str) -> Callable[[type], Any]:
+    def choice(kind: type) -> Any:
+        return getattr(rows[kind], name)
+
+    choice.__qualname__ = f"{name} of rows"
+    return choice
 
 
 def _names(count: int) -> str:

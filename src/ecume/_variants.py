@@ -4,10 +4,16 @@ passes, and for the rows of a table.
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable
 from types import FunctionType
 from typing import Any, cast
+
+from numba.core import types
+from numba.core.imputils import lower_builtin
+from numba.core.typing import signature
+from numba.core.typing.templates import AbstractTemplate
 
 from ecume._parts import AloneCache, Dispatcher, TogetherCache
 
@@ -110,21 +116,52 @@ class Composed(Dispatcher):
 
 class Selected(Dispatcher):
     """Stands for one of several compiled functions, by the type of its first argument. Compiled code calls the chosen
-    function itself: a function in between would hand on hundreds of arrays, which takes long to compile.
+    function itself: a function in between would hand on hundreds of arrays, which takes long to compile. Where None is
+    chosen, the call is the constant `missing`.
     """
 
-    def __init__(self, choice: Callable[[type], Any]) -> None:
+    def __init__(self, choice: Callable[[type], Any], missing: int | None) -> None:
         super().__init__(cast(FunctionType, lambda *arguments: None), {}, cache=False)
-        self.choice = choice
+        self.choice, self.missing = choice, missing
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the chosen function."""
-        return self.choice(type(arguments[0]))(*arguments)
+        function = self.choice(type(arguments[0]))
+        return self.missing if function is None else function(*arguments)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
         """How compiled code calls the chosen function."""
-        return self.choice(arguments[0].instance_class).get_call_template(arguments, keywords)
+        function = self.choice(arguments[0].instance_class)
+        if function is None:
+            return _constant(self.missing)[0], None, arguments, keywords
+        return function.get_call_template(arguments, keywords)
 
     def get_overload(self, signature: Any) -> Any:
         """What compiled code calls."""
-        return self.choice(signature[0].instance_class).get_overload(signature)
+        function = self.choice(signature[0].instance_class)
+        return _constant(self.missing)[1] if function is None else function.get_overload(signature)
+
+
+@functools.cache
+def _constant(value: int | None) -> tuple[Any, Any]:
+    """How compiled code types and finds a call that is only this value."""
+    kind = types.none if value is None else types.int64
+
+    def constant(*arguments: Any) -> int | None:
+        return value
+
+    class Template(AbstractTemplate):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
+        key = constant
+
+        def generic(self, arguments: Any, keywords: Any) -> Any:
+            return signature(kind, *arguments)
+
+    @lower_builtin(constant, types.VarArg(types.Any))  # type: ignore[untyped-decorator]
+    def lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return context.get_dummy_value() if value is None else context.get_constant(kind, value)
+
+    return Template, constant
+
+
+_constant(None)
+_constant(0)

@@ -17,11 +17,10 @@ from ecume.lammps.numbers import numbers_of, pair_tables, parameters_for, text_o
 from ecume.lammps.process import SCENE
 from ecume.lammps.script import DATA, TABLES, data_text, external_text, setup_text
 from ecume.models.costs import within_steps
-from ecume.models.floating.parameters import DEEPEST, Parameters, State, Workspace, make_state
+from ecume.models.floating.parameters import DEEPEST, Parameters, State, Workspace, is_driven, make_state
 from ecume.models.floating.record import workspace
 from ecume.models.floating.setup.initial_state import with_parts
 from ecume.models.floating.time_integration.integration import forces_at
-from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
 from ecume.scenes.load import to_plain
 from ecume.trajectories.frame import Frame

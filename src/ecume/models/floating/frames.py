@@ -24,9 +24,9 @@ from ecume.models.floating.parameters import (
     Parameters,
     State,
     Workspace,
+    is_driven,
 )
 from ecume.models.floating.time_integration.integration import inertia_of
-from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, energy_never_rises, kept, part_of
 from ecume.scenes.floating import FloatingScene
 from ecume.trajectories.frame import Frame

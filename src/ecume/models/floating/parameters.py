@@ -162,8 +162,6 @@ class Parts(NamedTuple):
     """of `interactions.RESISTANCES`: they slow velocities after a kick"""
     contacts: Any
     """of `contact_models.CONTACTS`"""
-    lists: Any
-    """how neighbor lists are made: a key of `integration.LISTS`"""
 
 
 class Scratch(NamedTuple):
@@ -263,6 +261,13 @@ class Workspace(NamedTuple):
     """(1,) whether `force` is valid at the current positions"""
     scratch: Any = ()
     """the `Scratch` of the parts; empty in the workspace that compiled code gets"""
+
+
+@compiled
+def is_driven(parameters: Parameters) -> bool:
+    """Whether external forces do work on the floats."""
+    drift = parameters.drift
+    return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0 or drift.active)
 
 
 def make_state(position: Array, velocity: Array) -> State:

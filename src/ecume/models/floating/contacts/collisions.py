@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, composed, selected
+from ecume._jit import compiled, compiled_inside, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact import impulse_solvers
@@ -63,6 +63,10 @@ class Friction(NamedTuple):
     """(N + walls,) spin per angular impulse during one kick"""
     overlapping: bool = False
     """see `impulse_solvers.Impulses`"""
+
+
+class BrownianFriction(Friction):
+    """The same of Brownian floats."""
 
 
 class FrictionScratch(NamedTuple):
@@ -182,7 +186,8 @@ def friction_at_step(part: Friction, parameters: Parameters, turned: Array | Non
     friction = part.decay if turned is None else np.zeros_like(part.decay)
     decay, spin_mobility = spin_kick(parameters, part.inertia, friction)
     walls = np.zeros(len(parameters.kick.mobility) - len(spin_mobility))
-    return part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls]))
+    kind = BrownianFriction if parameters.drift.thermal > 0.0 else Friction
+    return kind(*part._replace(decay=decay, spin_mobility=np.concatenate([spin_mobility, walls])))
 
 
 def float_inertia(kind: FloatKind) -> float:
@@ -217,8 +222,19 @@ class Impulses(NamedTuple):
     """whether floats collide only if they already overlap, as in the original program"""
 
 
+class BrownianImpulses(Impulses):
+    """The same of Brownian floats."""
+
+
+def impulses_at_step(part: Impulses, parameters: Parameters, turned: Array | None) -> Impulses:
+    """Return the part; of another type for Brownian floats, whose collisions take much code."""
+    return BrownianImpulses(*part) if parameters.drift.thermal > 0.0 else part
+
+
 class Solver(NamedTuple):
-    """How impulses are computed: the functions that differ between contacts with and without friction."""
+    """How impulses are computed: the functions that differ between contacts with and without friction, and between
+    floats with and without thermal noise.
+    """
 
     stop: Callable[..., int]
     """stop(part, own, bodies, contacts, velocity, goal): impulses that stop all approaches; number of sweeps"""
@@ -226,37 +242,16 @@ class Solver(NamedTuple):
     """push(part, own, bodies, contacts, velocity): apply the impulses times the factors in `contacts.scratch`"""
     solve: Callable[..., int]
     """solve(part, own, bodies, contacts, velocity, goal): impulses, from the stored ones; number of sweeps"""
-    recall: Callable[..., None]
+    recall: Callable[..., None] | None = None
     """recall(part, own, state, workspace): tangential impulses of the previous step"""
-    remember: Callable[..., None]
+    remember: Callable[..., None] | None = None
     """remember(part, own, state, workspace): store the tangential impulses for the next step"""
-    load_spins: Callable[..., None]
+    load_spins: Callable[..., None] | None = None
     """load_spins(part, own, parameters, state, last): spins after their kick; `last` at the end of a step"""
-    store_spins: Callable[..., None]
+    store_spins: Callable[..., None] | None = None
     """store_spins(part, own, parameters, state, last): store spins, and advance angles, in the state"""
-    collide_by_noise: Callable[..., None]
+    collide_by_noise: Callable[..., None] | None = None
     """collide_by_noise(part, parameters, state, workspace): collisions of Brownian floats, and bounds of the solve"""
-
-
-def _solver(kind: type) -> Solver:
-    return SOLVERS[kind]
-
-
-stop = selected(lambda kind: _solver(kind).stop)
-
-push = selected(lambda kind: _solver(kind).push)
-
-solve = selected(lambda kind: _solver(kind).solve)
-
-recall = selected(lambda kind: _solver(kind).recall)
-
-remember = selected(lambda kind: _solver(kind).remember)
-
-load_spins = selected(lambda kind: _solver(kind).load_spins)
-
-store_spins = selected(lambda kind: _solver(kind).store_spins)
-
-collide_by_noise = selected(lambda kind: _solver(kind).collide_by_noise)
 
 
 @compiled_inside
@@ -325,7 +320,7 @@ def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContact
                 of_float[i] = least
 
 
-@composed
+@compiled
 def bounce(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
@@ -380,16 +375,6 @@ def push_smooth(part: Any, scratch: Any, bodies: Bodies, contacts: Contacts, mid
     touching.apply_impulses(contacts, contacts.impulse, midstep_velocity, bodies.mobility)
 
 
-@composed
-def no_memory(part: Any, scratch: Any, state: State, workspace: Workspace) -> None:
-    """Do nothing: smooth surfaces have no tangential impulses."""
-
-
-@composed
-def no_spins(part: Any, scratch: Any, parameters: Parameters, state: State, last: bool) -> None:
-    """Do nothing: smooth surfaces exert no torques."""
-
-
 @compiled
 def free_shares(parameters: Parameters, contacts: Contacts) -> Array:
     """The velocities of both floats of each contact by opposite unit forces, without interaction through the liquid."""
@@ -423,22 +408,32 @@ def collide_together(part: Any, parameters: Parameters, state: State, workspace:
     require_distances(parameters, state, contacts, workspace.midstep_velocity, share, lasting)
 
 
-SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins, collide_smoothly)
-
+SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth)
+ROUGH = Solver(
+    stop_with_friction,
+    push_with_friction,
+    continue_with_friction,
+    recall_friction,
+    remember_friction,
+    load_friction_spins,
+    store_friction_spins,
+)
 SOLVERS: dict[type, Solver] = {
     Impulses: SMOOTH,
-    Friction: Solver(
-        stop_with_friction,
-        push_with_friction,
-        continue_with_friction,
-        recall_friction,
-        remember_friction,
-        load_friction_spins,
-        store_friction_spins,
-        collide_together,
-    ),
+    BrownianImpulses: SMOOTH._replace(collide_by_noise=collide_smoothly),
+    Friction: ROUGH,
+    BrownianFriction: ROUGH._replace(collide_by_noise=collide_together),
 }
 """By the type of the part."""
+
+stop = selected(SOLVERS, "stop")
+push = selected(SOLVERS, "push")
+solve = selected(SOLVERS, "solve")
+recall = selected(SOLVERS, "recall")
+remember = selected(SOLVERS, "remember")
+load_spins = selected(SOLVERS, "load_spins")
+store_spins = selected(SOLVERS, "store_spins")
+collide_by_noise = selected(SOLVERS, "collide_by_noise")
 
 
 @compiled
@@ -450,7 +445,7 @@ def goal_of(parameters: Parameters, contacts: Contacts | TorqueContacts) -> Tole
     return goal_for(parameters, fastest)
 
 
-@composed
+@compiled
 def solve_contacts(
     part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
 ) -> None:
@@ -473,12 +468,6 @@ def solve_contacts(
 
 @compiled
 def collide(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Solve contacts before the drift: see `collide_by_passes`."""
-    collide_by_passes(part, scratch, parameters, state, workspace)
-
-
-@composed
-def collide_by_passes(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another after the
     step.
 
@@ -492,8 +481,7 @@ def collide_by_passes(part: Any, scratch: Any, parameters: Parameters, state: St
     split_velocities(parameters, state, workspace)
     bounce(part, scratch, parameters, state, workspace)
     require_gaps(part.overlapping, parameters, contacts)
-    if parameters.drift.thermal > 0.0:
-        collide_by_noise(part, parameters, state, workspace)
+    collide_by_noise(part, parameters, state, workspace)
     solve_contacts(part, scratch, parameters, state, workspace, workspace.midstep_velocity)
     add_rows(state.velocity, workspace.midstep_velocity)
     store_spins(part, scratch, parameters, state, False)
@@ -527,12 +515,6 @@ def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts |
 
 @compiled
 def separate(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Remove overlaps after the drift: see `separate_by_passes`."""
-    separate_by_passes(part, scratch, parameters, state, workspace)
-
-
-@composed
-def separate_by_passes(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
     if part.overlapping:
         return
@@ -562,14 +544,6 @@ def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts) ->
 
 @compiled
 def constrain_velocities(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Solve contacts at the end of the step: see `constrain_velocities_by_passes`."""
-    constrain_velocities_by_passes(part, scratch, parameters, state, workspace)
-
-
-@composed
-def constrain_velocities_by_passes(
-    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
-) -> None:
     """Solve contacts for the velocity at the end of the step, so that compressed floats are at rest."""
     if part.overlapping:
         return

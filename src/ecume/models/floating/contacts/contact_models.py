@@ -16,16 +16,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, composed, selected
+from ecume._jit import admit, selected
 from ecume._tables import by_constants
 from ecume.laws import friction
 from ecume.models.floating.contacts.collisions import (
+    BrownianFriction,
+    BrownianImpulses,
     Friction,
     Impulses,
     collide,
     constrain_velocities,
     friction_at_step,
     friction_of,
+    impulses_at_step,
     make_friction_scratch,
     separate,
 )
@@ -61,20 +64,7 @@ class NoContacts(NamedTuple):
     """Floats pass through one another."""
 
 
-@composed
-def no_contacts(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Do nothing."""
-
-
-@composed
-def all_listed(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Return DONE: candidates are listed with the neighbors."""
-    return DONE
-
-
-def no_energy(
-    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
-) -> tuple[float, float]:
+def no_energy(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
     """Return zero: impulses store no energy."""
     return 0.0, 0.0
 
@@ -117,14 +107,16 @@ class ContactModel(Option):
     """at_step(part, parameters, turned): the part for the chosen time step; `turned` is the inertia of floats that
     interactions turn, or None
     """
-    before_drift: Callable[..., None] = no_contacts
+    before_drift: Callable[..., None] | None = None
     """before_drift(part, scratch, parameters, state, workspace): change `workspace.midstep_velocity`"""
-    after_drift: Callable[..., None] = no_contacts
+    after_drift: Callable[..., None] | None = None
     """after_drift(part, scratch, parameters, state, workspace): change positions"""
-    at_end: Callable[..., None] = no_contacts
+    at_end: Callable[..., None] | None = None
     """at_end(part, scratch, parameters, state, workspace): change velocities at the end of the step"""
-    find: Callable[..., int] = all_listed
-    """find(part, scratch, parameters, state, workspace): list possible contacts of this step; `DONE` or `CROWDED`"""
+    find: Callable[..., int] | None = None
+    """find(part, scratch, parameters, state, workspace): list possible contacts of this step; `DONE` or `CROWDED`. None
+    if candidates are listed with the neighbors
+    """
     scratch: Callable[..., Any] = no_scratch
     """scratch(part, parameters, state, workspace, workspace of the integrator): the workspace"""
     state: Callable[[State], State] = unchanged_state
@@ -161,12 +153,14 @@ CONTACTS = {
     ),
     "impulse": ContactModel(
         path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
+        at_step=impulses_at_step,
         before_drift=collide, after_drift=separate, at_end=constrain_velocities,
         gives=frozenset({"apart", "lubricated", "full mobility", "no spins"}),
     ),
     "legacy": ContactModel(
         path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
-        make=_simple(Impulses(True)), before_drift=collide, after_drift=separate, at_end=constrain_velocities,
+        make=_simple(Impulses(True)), at_step=impulses_at_step,
+        before_drift=collide, after_drift=separate, at_end=constrain_velocities,
         gives=frozenset({"apart", "lubricated", "no spins"}),
         needs={"round": "the original program knows spheres only"},
     ),
@@ -213,6 +207,10 @@ CONTACTS["coupled friction"] = replace(CONTACTS["coupled"], path="contacts.frict
 OF_THE_CHOICE = frozenset({"name", "path", "make", "gives", "needs", "laws"})
 """Fields that are read from the row that a scene chooses: rows with constants of one type may differ in them."""
 BY_CONSTANTS = by_constants(CONTACTS.values(), OF_THE_CHOICE)
+BY_CONSTANTS |= {
+    kind: replace(BY_CONSTANTS[still], constants=kind)
+    for kind, still in ((BrownianImpulses, Impulses), (BrownianFriction, Friction))
+}
 
 
 def contacts_of(parameters: Parameters) -> ContactModel:
@@ -226,7 +224,7 @@ def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: f
     return [] if gaps is None else gaps(parameters.parts.contacts, parameters, position, angle, reach)
 
 
-contacts_before_drift = selected(lambda kind: BY_CONSTANTS[kind].before_drift)
-contacts_after_drift = selected(lambda kind: BY_CONSTANTS[kind].after_drift)
-contacts_at_end = selected(lambda kind: BY_CONSTANTS[kind].at_end)
-find_contacts = selected(lambda kind: BY_CONSTANTS[kind].find)
+contacts_before_drift = selected(BY_CONSTANTS, "before_drift")
+contacts_after_drift = selected(BY_CONSTANTS, "after_drift")
+contacts_at_end = selected(BY_CONSTANTS, "at_end")
+find_contacts = selected(BY_CONSTANTS, "find", DONE)

@@ -327,11 +327,6 @@ def store_velocities(scratch: CoupledScratch, state: State, workspace: Workspace
 
 
 @compiled
-def finish_coupled(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Do nothing: velocities follow from the forces at the start of the step."""
-
-
-@compiled
 def add_coupled_work(
     part: CoupledKicks, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:

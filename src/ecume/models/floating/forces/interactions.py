@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume._jit import composed, each_by_type
+from ecume._jit import composed, each_selected
 from ecume._tables import by_constants
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import contact_lines, ewald, multipole, pair_laws, radiated_waves
@@ -96,21 +96,6 @@ def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Works
     return ()
 
 
-@composed
-def unsorted(part: Any, scratch: Any, parameters: Parameters, lists: NeighborLists) -> None:
-    """Do nothing: the part stores nothing in the order of the lists."""
-
-
-@composed
-def no_turning(part: Any, scratch: Any, parameters: Parameters, state: State, first: bool) -> None:
-    """Do nothing: the forces act through the centers."""
-
-
-@composed
-def no_work(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Do nothing: the energy contains the work of the forces."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Interaction(Option):
     """A row of the table, and everything that depends on it."""
@@ -131,11 +116,11 @@ class Interaction(Option):
     compiled: bool = True
     """whether compiled code can call `add_forces`; if not, Python runs the time steps"""
     scratch: Callable[[Any, Parameters, State, Workspace], Any] = no_scratch
-    sort: Callable[..., None] = unsorted
+    sort: Callable[..., None] | None = None
     """sort(part, scratch, parameters, lists): called after new lists"""
-    kick_spins: Callable[..., None] = no_turning
+    kick_spins: Callable[..., None] | None = None
     """kick_spins(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
-    add_work: Callable[..., None] = no_work
+    add_work: Callable[..., None] | None = None
     """add_work(part, scratch, parameters, state, workspace): the work in a step of forces that have no energy"""
     state: Callable[[Any, State], State] = lambda part, state: state
     """state(part, state): the state with what the part needs"""
@@ -313,15 +298,15 @@ RESISTANCES["coupled films"] = replace(
 
 RESISTANCES_BY_CONSTANTS = by_constants(RESISTANCES.values(), OF_THE_CHOICE)
 
-add_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_forces)
+add_forces = each_selected(BY_CONSTANTS, "add_forces")
 
-sort_parts = each_by_type(lambda kind: BY_CONSTANTS[kind].sort)
+sort_parts = each_selected(BY_CONSTANTS, "sort")
 
-add_work_of_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_work)
+add_work_of_forces = each_selected(BY_CONSTANTS, "add_work")
 
-kick_spins = each_by_type(lambda kind: BY_CONSTANTS[kind].kick_spins)
+kick_spins = each_selected(BY_CONSTANTS, "kick_spins")
 
-apply_resistances = each_by_type(lambda kind: RESISTANCES_BY_CONSTANTS[kind].slow)
+apply_resistances = each_selected(RESISTANCES_BY_CONSTANTS, "slow")
 
 
 @composed

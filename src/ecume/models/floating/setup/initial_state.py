@@ -26,10 +26,9 @@ from ecume.models.floating.contacts.contact_models import contacts_of, gaps_betw
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, make_state
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, is_driven, make_state
 from ecume.models.floating.setup.places import given_places, region_of
 from ecume.models.floating.time_integration.integration import WIDEST, inertia_of
-from ecume.models.floating.time_integration.integrators import is_driven
 from ecume.models.model import Layout
 from ecume.units import Array, with_prefix
 

@@ -51,12 +51,12 @@ from ecume.models.floating.setup.initial_state import boundary_of, periods_in, r
 from ecume.models.floating.setup.kinds import floats_of, moments_of
 from ecume.models.floating.setup.places import given_places, region_of
 from ecume.models.floating.shaped.bodies import RigidKicks
-from ecume.models.floating.time_integration.integration import EveryRow
 from ecume.models.floating.time_integration.integrators import (
     INTEGRATORS,
     INTEGRATORS_BY_CONSTANTS,
     SCHEMES,
     Integrator,
+    kicks_of,
 )
 from ecume.models.floating.time_integration.step_size import GOOD, NOISE_DEVIATIONS, good_step, kick_of, step_of
 from ecume.models.liquids import liquid_of
@@ -121,10 +121,10 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
                    if (found := inertia_by(each.part)) is not None), None)  # fmt: skip
     contacts = chosen.contacts.at_step(touching.part, timed, turned)
     spinning = turned is not None or chosen.contacts.inertia(contacts) is not None
-    integrator = chosen.hydrodynamics.make(timed, scene, spinning) or chosen.integrator.constants()
+    integrator = chosen.hydrodynamics.make(timed, scene, spinning) or kicks_of(chosen.integrator, timed)
     if scene.shaped:
         integrator = RigidKicks(parts[0].inertia, parts[0].friction)
-    return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts, EveryRow()))
+    return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts))
 
 
 def initial_area(parameters: Parameters, scene: FloatingScene) -> float:

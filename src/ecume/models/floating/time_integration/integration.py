@@ -11,10 +11,7 @@ parts select the functions of their rows when the step is compiled.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
-
-from ecume._jit import compiled, compiled_inside, composed, plainly, selected
+from ecume._jit import compiled, compiled_inside, composed, plainly
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.contacts.candidates import list_candidates
@@ -44,7 +41,6 @@ from ecume.models.floating.time_integration.integrators import (
     bound_travel,
     finish,
     highest_speed,
-    is_driven,
     move,
     predict,
     store,
@@ -53,14 +49,8 @@ from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 
 
-class EveryRow(NamedTuple):
-    """Neighbor lists of all floats, made by this process."""
-
-
 @composed
-def renew_lists(
-    part: EveryRow, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
-) -> bool:
+def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> bool:
     """Make neighbor lists and candidates at the reference positions. False when there is no room."""
     if not build_all(parameters, state, workspace.lists, workspace.candidates):
         return False
@@ -105,11 +95,6 @@ def skin_for(parameters: Parameters, ahead: float) -> float:
     return skin
 
 
-LISTS: dict[type, Callable[..., bool]] = {EveryRow: renew_lists}
-"""How lists are made, by the type of the part."""
-renew = selected(lambda kind: LISTS[kind])
-
-
 @composed
 def keep_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """Make new lists before the old ones become invalid; only reference positions and skin of the state change."""
@@ -121,7 +106,7 @@ def keep_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: 
     copy_rows(workspace.stages[0], state.reference)
     copy_rows(state.reference, state.position)
     state.skin[0] = skin_for(parameters, workspace.travel[0])
-    if not renew(parts.lists, parts, scratches, parameters, state, workspace):
+    if not renew_lists(parts, scratches, parameters, state, workspace):
         copy_rows(state.reference, workspace.stages[0])
         state.skin[0] = former
         return CROWDED
@@ -153,17 +138,14 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
     predict(parts.integrator, parts, scratches, parameters, state, workspace)
     apply_resistances(parts.resistances, scratches.resistances, parameters, state, workspace)
     contacts_before_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
-    driven = is_driven(parameters)
-    if driven:
-        add_work(parts.integrator, scratches.integrator, parameters, state, workspace)
-        add_work_of_forces(parts.interactions, scratches.interactions, parameters, state, workspace)
-        add_heat(parameters, state, workspace)
+    add_work(parts.integrator, scratches.integrator, parameters, state, workspace)
+    add_work_of_forces(parts.interactions, scratches.interactions, parameters, state, workspace)
+    add_heat(parts.integrator, parameters, state, workspace)
     move(parts.integrator, scratches.integrator, parameters, state, workspace)
     contacts_after_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     if parameters.scheme.forces_at_end:
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
-    if driven:
-        add_heat(parameters, state, workspace)
+    add_heat(parts.integrator, parameters, state, workspace)
     finish(parts.integrator, scratches.integrator, parameters, state, workspace)
     if parameters.scheme.contacts_at_end:
         contacts_at_end(parts.contacts, scratches.contacts, parameters, state, workspace)
@@ -233,7 +215,7 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
 def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
     """Make the lists of a new workspace at the reference positions. False when there is no room."""
     bare, parts, scratch = parameters._replace(parts=()), parameters.parts, workspace.scratch
-    return bool(renew_lists(EveryRow(), parts, scratch, bare, state, workspace._replace(scratch=())))
+    return bool(renew_lists(parts, scratch, bare, state, workspace._replace(scratch=())))
 
 
 def inertia_of(parameters: Parameters) -> Array | None:

@@ -37,7 +37,6 @@ from ecume.models.floating.coupled.mobility import (
     coupled_memory,
     coupled_pairs,
     fastest_coupled,
-    finish_coupled,
     make_coupled_scratch,
     predict_coupled,
 )
@@ -57,6 +56,7 @@ from ecume.models.floating.parameters import (
     advance_rows,
     clear,
     copy_rows,
+    is_driven,
 )
 from ecume.models.floating.shaped.bodies import (
     RigidKicks,
@@ -71,13 +71,6 @@ from ecume.models.model import DONE
 from ecume.units import Array
 
 admit(brownian_motion, drag, flows)
-
-
-@compiled
-def is_driven(parameters: Parameters) -> bool:
-    """Whether external forces do work on the floats."""
-    drift = parameters.drift
-    return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0 or drift.active)
 
 
 @compiled
@@ -132,7 +125,7 @@ def add_work_of_kicks(part: Any, scratch: Any, parameters: Parameters, state: St
 
 
 @compiled
-def add_heat(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_heat_of_noise(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the heat of half a step, by the forces at its beginning or end, including a moving dish."""
     midstep_velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
     if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
@@ -151,19 +144,21 @@ def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
 
 
 @compiled_inside
-def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float) -> None:
+def kick_floats(part: Any, parameters: Parameters, state: State, force: Array, ahead: float) -> None:
     """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps from now."""
     if parameters.drift.thickness > 0.0:
         apply_nonlinear_kick(parameters, state, force)
     else:
         apply_kick(parameters.kick, state.velocity, force)
-    if parameters.drift.sway.moves:
-        add_dish_motion(parameters, state, (state.step[0] + ahead) * parameters.time_step)
+    move_dish(part, parameters, state, ahead)
 
 
 @compiled
-def add_dish_motion(parameters: Parameters, state: State, time: float) -> None:
+def add_dish_motion(part: Any, parameters: Parameters, state: State, ahead: float) -> None:
     """Change velocities by the motion of the dish, in its frame; without inertia only its velocity acts."""
+    if not parameters.drift.sway.moves:
+        return
+    time = (state.step[0] + ahead) * parameters.time_step
     sway, floats, gain, velocity = parameters.drift.sway, parameters.floats, parameters.kick.gain, state.velocity
     for axis in range(2):
         speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
@@ -216,6 +211,10 @@ class Kicks(NamedTuple):
     """Schemes of kicks and drift, in the order of `Parameters.scheme`."""
 
 
+class DrivenKicks(NamedTuple):
+    """The same of floats on which noise, a current, a moving dish or other sources do work."""
+
+
 class RungeKutta(NamedTuple):
     """The classical scheme of fourth order."""
 
@@ -224,26 +223,26 @@ class Stoermer(NamedTuple):
     """Stoermer's scheme: drift, kick, drift."""
 
 
-@composed
+@compiled
 def predict_kicked(
-    part: Kicks, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
+    part: Any, parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Compute velocities after their kick, and the midstep velocities."""
-    kick_before_drift(parameters, state, workspace)
-
-
-@compiled_inside
-def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Compute velocities after their kick, and the midstep velocities."""
     if parameters.scheme.drifts_first:
         copy_rows(workspace.midstep_velocity, state.velocity)
-        kick_floats(parameters, state, workspace.force, 0.5)
+        kick_floats(part, parameters, state, workspace.force, 0.5)
     else:
-        kick_floats(parameters, state, workspace.force, 0.0 if parameters.scheme.half_kicks else 0.5)
-        if parameters.drift.thermal > 0.0:
-            copy_rows(workspace.stages[DRIVEN], state.velocity)
-            add_noise(parameters, state.velocity, int(state.step[0]))
+        kick_floats(part, parameters, state, workspace.force, 0.0 if parameters.scheme.half_kicks else 0.5)
+        disturb(part, parameters, state, workspace)
         copy_rows(workspace.midstep_velocity, state.velocity)
+
+
+@compiled
+def add_thermal_motion(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Add Brownian motion to the velocities, if there is noise; those without it are kept."""
+    if parameters.drift.thermal > 0.0:
+        copy_rows(workspace.stages[DRIVEN], state.velocity)
+        add_noise(parameters, state.velocity, int(state.step[0]))
 
 
 @composed
@@ -300,12 +299,7 @@ def average_rows(rows: Array, others: Array) -> None:
 def finish_kicked(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply the second half kick, if the scheme has one."""
     if parameters.scheme.half_kicks:
-        kick_floats(parameters, state, workspace.force, 1.0)
-
-
-@composed
-def finish_runge_kutta(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Do nothing: the velocities are complete."""
+        kick_floats(part, parameters, state, workspace.force, 1.0)
 
 
 @compiled
@@ -334,22 +328,6 @@ def drift_straight(part: Any, scratch: Any, parameters: Parameters, state: State
     advance_rows(state.position, workspace.midstep_velocity, parameters.time_step)
 
 
-@composed
-def no_preparation(part: Any, scratch: Any, parameters: Parameters, state: State) -> None:
-    """Do nothing: discs and spheres need no preparation."""
-
-
-@composed
-def no_more_travel(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Return `DONE`: discs and spheres travel as far as their centers."""
-    return DONE
-
-
-@composed
-def no_storage(part: Any, scratch: Any, state: State) -> None:
-    """Do nothing: the velocities are in the state."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Integrator(Option):
     """A row of the table of integrators, and everything that depends on it."""
@@ -361,20 +339,30 @@ class Integrator(Option):
     """the longest stable time step over the shortest relaxation time of drag; infinite if drag is solved exactly"""
     predict: Callable[..., None]
     """predict(part, parts, scratch, parameters, state, workspace): velocities and midstep velocities"""
-    finish: Callable[..., None] = finish_kicked
-    """finish(part, scratch, parameters, state, workspace): the rest of the kick, with the forces at the end"""
+    finish: Callable[..., None] | None = finish_kicked
+    """finish(part, scratch, parameters, state, workspace): the rest of the kick, with the forces at the end; None if
+    `predict` has computed all
+    """
     move: Callable[..., None] = drift_straight
     """move(part, scratch, parameters, state, workspace): the drift"""
-    begin: Callable[..., None] = no_preparation
+    begin: Callable[..., None] | None = None
     """begin(part, scratch, parameters, state): complete a new workspace"""
-    bound_travel: Callable[..., int] = no_more_travel
-    """bound_travel(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED"""
-    store: Callable[..., None] = no_storage
+    bound_travel: Callable[..., int] | None = None
+    """bound_travel(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED. None if
+    floats travel as far as their centers
+    """
+    store: Callable[..., None] | None = None
     """store(part, scratch, state): write velocities into the state at the end of a step"""
     highest_speed: Callable[..., float] = fastest_kicked
     """highest_speed(part, scratch, parameters, state, workspace): without contacts and noise"""
-    add_work: Callable[..., None] = add_work_of_kicks
+    add_work: Callable[..., None] | None = add_work_of_kicks
     """add_work(part, scratch, parameters, state, workspace): the work of currents and of a moving dish in a step"""
+    add_heat: Callable[..., None] | None = add_heat_of_noise
+    """add_heat(part, parameters, state, workspace): the heat of half a step with noise"""
+    disturb: Callable[..., None] | None = None
+    """disturb(part, parameters, state, workspace): add thermal noise to the velocities after a kick"""
+    move_dish: Callable[..., None] | None = None
+    """move_dish(part, parameters, state, ahead): change velocities by the motion of the dish"""
     scratch: Callable[[Any, tuple[Any, ...]], Any] = lambda part, interactions: ()
     """scratch(part, workspaces of the interactions): the workspace"""
     compiled: bool = True
@@ -393,7 +381,8 @@ def _row(name: str, scheme: Scheme, gives: frozenset[str], **rest: Any) -> Integ
         raise TypeError(
             f"integrator {name!r}: got predict without constants; expected the type by which compiled code finds it"
         )
-    given: dict[str, Any] = {"constants": Kicks, "predict": predict_kicked} | rest
+    kicks = {"constants": Kicks, "predict": predict_kicked, "add_work": None, "add_heat": None}
+    given: dict[str, Any] = rest if "constants" in rest else kicks | rest
     return Integrator(
         slot="integrator", path="integration.integrator", name=repr(name), gives=gives, scheme=scheme, **given
     )
@@ -425,7 +414,7 @@ INTEGRATORS = {
         "rk4",
         Scheme(half_kicks=False, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
         frozenset({"keeps inertia"}),
-        constants=RungeKutta, predict=predict_runge_kutta, finish=finish_runge_kutta, drag_limit=2.0,
+        constants=RungeKutta, predict=predict_runge_kutta, finish=None, drag_limit=2.0,
     ),
     "overdamped": _row(
         "overdamped",
@@ -438,6 +427,13 @@ INTEGRATORS = {
 """The choices of `integration.integrator`."""
 
 SCHEMES = tuple(INTEGRATORS)
+DRIVEN_KICKS = replace(
+    INTEGRATORS["velocity-verlet"], slot="driven integrator", constants=DrivenKicks, add_work=add_work_of_kicks,
+    add_heat=add_heat_of_noise, disturb=add_thermal_motion, move_dish=add_dish_motion,
+)  # fmt: skip
+"""Replaces the functions of schemes with kicks for floats on which something does work: most floats are at rest, and
+need not compile them.
+"""
 RIGID = Integrator(
     slot="rigid integrator", path="particles", name="a float with a shape",
     scheme=Scheme(half_kicks=True, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
@@ -449,7 +445,7 @@ RIGID = Integrator(
 COUPLED = Integrator(
     slot="coupled integrator", path="hydrodynamics.interaction", name="hydrodynamic interaction",
     scheme=INTEGRATORS["overdamped"].scheme._replace(drags_along=False),
-    constants=CoupledKicks, predict=predict_coupled, finish=finish_coupled, highest_speed=fastest_coupled,
+    constants=CoupledKicks, predict=predict_coupled, finish=None, highest_speed=fastest_coupled,
     add_work=add_coupled_work, scratch=lambda part, interactions: make_coupled_scratch(part),
     pairs_worth=coupled_pairs, memory=coupled_memory,
 )  # fmt: skip
@@ -464,20 +460,23 @@ COUPLED_ON_GRID = replace(
 OF_THE_CHOICE = frozenset({"name", "path", "scheme", "gives", "needs", "drag_limit"})
 """Fields that are read from the row that a scene chooses, so that rows with kicks may differ in them."""
 
-INTEGRATORS_BY_CONSTANTS = by_constants((*INTEGRATORS.values(), RIGID, COUPLED, COUPLED_ON_GRID), OF_THE_CHOICE)
+INTEGRATORS_BY_CONSTANTS = by_constants(
+    (*INTEGRATORS.values(), DRIVEN_KICKS, RIGID, COUPLED, COUPLED_ON_GRID), OF_THE_CHOICE
+)
 
-predict = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].predict)
+predict = selected(INTEGRATORS_BY_CONSTANTS, "predict")
+finish = selected(INTEGRATORS_BY_CONSTANTS, "finish")
+move = selected(INTEGRATORS_BY_CONSTANTS, "move")
+begin = selected(INTEGRATORS_BY_CONSTANTS, "begin")
+bound_travel = selected(INTEGRATORS_BY_CONSTANTS, "bound_travel", DONE)
+store = selected(INTEGRATORS_BY_CONSTANTS, "store")
+highest_speed = selected(INTEGRATORS_BY_CONSTANTS, "highest_speed")
+add_work = selected(INTEGRATORS_BY_CONSTANTS, "add_work")
+add_heat = selected(INTEGRATORS_BY_CONSTANTS, "add_heat")
+disturb = selected(INTEGRATORS_BY_CONSTANTS, "disturb")
+move_dish = selected(INTEGRATORS_BY_CONSTANTS, "move_dish")
 
-finish = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].finish)
 
-move = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].move)
-
-begin = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].begin)
-
-bound_travel = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].bound_travel)
-
-store = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].store)
-
-highest_speed = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].highest_speed)
-
-add_work = selected(lambda kind: INTEGRATORS_BY_CONSTANTS[kind].add_work)
+def kicks_of(integrator: Integrator, parameters: Parameters) -> Any:
+    """The part of an integrator, in a type of its own for kicks of floats on which something does work."""
+    return DrivenKicks() if integrator.constants is Kicks and is_driven(parameters) else integrator.constants()
