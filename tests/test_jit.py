@@ -299,6 +299,56 @@ def test_the_type_of_an_argument_chooses_the_function_that_is_compiled_in():
         two_multiples(1.0, Twice(1.0))
 
 
+class Rule(NamedTuple):
+    add: object
+    status: object = None
+
+
+@_jit.compiled
+def add_doubled(part, sums):
+    sums[0] += 2.0 * part.x
+
+
+@_jit.compiled
+def add_to_own(part, sums, factor):
+    sums[0] += factor * part.x
+
+
+@_jit.compiled
+def status_of(part, sums):
+    return 7
+
+
+RULES = {Twice: Rule(add_doubled, status_of), Thrice: Rule(None)}
+add = _jit.selected(RULES, "add")
+status = _jit.selected(RULES, "status", 0)
+add_each = _jit.each_selected({Twice: Rule(add_to_own), Thrice: Rule(None)}, "add")
+
+
+@_jit.compiled
+def add_both(one, other, sums):
+    add(one, sums)
+    add(other, sums)
+    return status(one, sums), status(other, sums)
+
+
+@_jit.compiled
+def add_all(parts, workspaces, factor):
+    add_each(parts, workspaces, factor)
+
+
+def test_where_a_row_has_no_function_nothing_is_done_and_a_default_returned():
+    one, other = Twice(1.5), Thrice(1.0)
+    for function in (add_both, add_both.py_func):
+        sums = np.zeros(1)
+        assert function(one, other, sums) == (7, 0)
+        assert sums[0] == 3.0
+    for function in (add_all, add_all.py_func):
+        workspaces = np.zeros(1), np.zeros(1)
+        function((other, one), workspaces, 3.0)
+        assert [each[0] for each in workspaces] == [0.0, 4.5]
+
+
 OF_THIS_PROCESS = """
 from ecume import _jit
 

@@ -60,7 +60,7 @@ WRITTEN = "compile(text, __file__, 'exec')"
 COMPILED_CODE = {"_parts.py": ["pickle"]}
 """Machine code, from files that no other user could have written: see SECURITY.md."""
 MADE_OF_TABLES = {"_jit.py": [f"exec({WRITTEN}, found)", f"exec({COMPILED}, found)", WRITTEN, COMPILED]}
-"""`_jit.each_by_type` writes a call for each part of a tuple, of numbered names only. `_jit.selection` makes a
+"""`_jit.each_selected` writes a call for each part of a tuple, of numbered names only. `_jit.selection` makes a
 function with a branch for each row of a table of laws, as `dataclasses` make `__init__`."""
 
 
