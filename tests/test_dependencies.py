@@ -133,7 +133,7 @@ COUNTS = {
     "a row of a table": ("edited_table", "Row(spring_force,", "Row(film_force,"),
     "a value in a tuple": ("edited_table", "Side.LEFT, 3", "Side.LEFT, 4"),
     "a member of an enumeration": ("edited_laws", "LEFT = 0", "LEFT = 2"),
-    "a choice": ("edited_step", "edited_table.Spring: spring_start", "edited_table.Spring: film_start"),
+    "a choice": ("edited_step", "edited_table.Spring: Start(spring_start)", "edited_table.Spring: Start(film_start)"),
     "whose type chooses": ("edited_step", "[kind].force)", "[kind].force, 1)"),
     "a field": (
         "edited_table",
@@ -163,7 +163,7 @@ SPARES = {
     "a law of a row that is not chosen": ("edited_laws", "return -distance", "return distance"),
     "a row that is not chosen": ("edited_table", "Row(film_force,", "Row(spring_force,"),
     "what Python alone reads in a row": ("edited_table", "Row(spring_force, 1.0)", "Row(spring_force, 5.0)"),
-    "a choice for another type": ("edited_step", "Film: film_start", "Film: spring_start"),
+    "a choice for another type": ("edited_step", "Film: Start(film_start)", "Film: Start(spring_start)"),
 }
 
 

@@ -349,6 +349,45 @@ def test_where_a_row_has_no_function_nothing_is_done_and_a_default_returned():
         assert [each[0] for each in workspaces] == [0.0, 4.5]
 
 
+APART = """
+import numpy as np
+from ecume import _jit
+
+@_jit.compiled_apart("int64[:]", "float64[:,:]")
+def rare(numbers, table):
+    if len(numbers) > 2:
+        return False
+    for row in range(len(numbers)):
+        table[row, 1] += numbers[row]
+    return True
+
+@_jit.compiled
+def caller(numbers, table, often):
+    return rare(numbers, table) if often else False
+
+table = np.zeros((3, 2))
+done = [caller(np.arange(1, 3), table, False), len(getattr(rare, "signatures", ""))]
+done += [caller(np.arange(1, 3), table, True), caller(np.arange(3), table, True), caller(np.arange(0), table, True)]
+print(done, table.tolist())
+"""
+
+
+def test_what_is_compiled_apart_is_compiled_when_it_is_called_and_found_by_code_from_the_disk(tmp_path):
+    (tmp_path / "apart.py").write_text(APART)
+    places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}
+    told = "[False, 0, True, False, True] [[0.0, 1.0], [0.0, 2.0], [0.0, 0.0]]\n"
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, str(tmp_path / "apart.py")], env={**os.environ, **places}, capture_output=True, text=True
+        )
+        assert done.stdout == told, done.stderr
+    plain = subprocess.run(
+        [sys.executable, str(tmp_path / "apart.py")],
+        env={**os.environ, **places, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert plain.stdout == told, plain.stderr
+
+
 OF_THIS_PROCESS = """
 from ecume import _jit
 

@@ -59,9 +59,14 @@ COMPILED = "compile('\\n'.join(lines), file, 'exec')"
 WRITTEN = "compile(text, __file__, 'exec')"
 COMPILED_CODE = {"_parts.py": ["pickle"]}
 """Machine code, from files that no other user could have written: see SECURITY.md."""
-MADE_OF_TABLES = {"_jit.py": [f"exec({WRITTEN}, found)", f"exec({COMPILED}, found)", WRITTEN, COMPILED]}
+PACKED = "compile('\\n    '.join(text), __file__, 'exec')"
+MADE_OF_TABLES = {
+    "_jit.py": [f"exec({WRITTEN}, found)", f"exec({COMPILED}, found)", WRITTEN, COMPILED],
+    "_variants.py": [f"exec({PACKED}, names)", PACKED],
+}
 """`_jit.each_selected` writes a call for each part of a tuple, of numbered names only. `_jit.selection` makes a
-function with a branch for each row of a table of laws, as `dataclasses` make `__init__`."""
+function with a branch for each row of a table of laws, as `dataclasses` make `__init__`. `_variants.packing` writes
+the addresses of so many arrays."""
 
 
 def test_text_that_is_made_of_tables_holds_numbers_and_a_name_of_ours_only():

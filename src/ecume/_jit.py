@@ -28,7 +28,7 @@ if COMPILES:
 
     from ecume import _lowering  # noqa: F401  # for what it registers
     from ecume._parts import Dispatcher, overload
-    from ecume._variants import Composed, Selected, Shared, Spread, Threaded, require_own_threads
+    from ecume._variants import Apart, Composed, Selected, Shared, Spread, Threaded, require_own_threads
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -59,6 +59,19 @@ def compiled_inside(function: Function) -> Function:
 def summed_inside(function: Function) -> Function:
     """The same for loops that are `summing`, with their arithmetic, for any caller."""
     return _dispatcher(function, cache=True, forceinline=True, fastmath=ANY_ORDER)
+
+
+def compiled_apart(*arrays: str) -> Callable[[Function], Function]:
+    """Compile a function of these arrays, such as "float64[:,:]", when it is first called: for long code that few runs
+    reach. It returns whether it succeeded; false counts as any failure.
+    """
+
+    def decorate(function: Function) -> Function:
+        made: Any = Apart(function, arrays) if COMPILES else function
+        kept: Function = made
+        return kept
+
+    return decorate
 
 
 def threaded(function: Function) -> Function:
@@ -185,7 +198,7 @@ def selected(rows: Mapping[type, Any], name: str, missing: int | None = None) ->
 
 def each_selected(rows: Mapping[type, Any], name: str) -> Callable[..., None]:
     """A function of a tuple of parts, a tuple of as many workspaces, and further arguments, which calls for each part
-    in turn the function `name` of the row for its type, unless that is None: function(part, workspace, *arguments).
+    in turn the function `name` of the row for its type, if it has one: function(part, workspace, *arguments).
     """
     choice = _field_of(rows, name)
 

@@ -4,12 +4,19 @@ passes, and for the rows of a table.
 
 from __future__ import annotations
 
+import _thread
+import ctypes
 import functools
+import math
 import os
+import threading
 from collections.abc import Callable
+from itertools import islice
 from types import FunctionType
 from typing import Any, cast
 
+import llvmlite.binding
+import numpy as np
 from numba.core import types
 from numba.core.imputils import lower_builtin
 from numba.core.typing import signature
@@ -101,6 +108,59 @@ class Shared(Dispatcher):
             return super().__call__(*arguments)
         require_own_threads()
         return self.together(*arguments)
+
+
+class Apart(Dispatcher):
+    """What compiled code calls through Python, which compiles it at the first call. Arrays are handed on as addresses
+    and shapes. The entrance is linked by its name, which is known to LLVM as soon as the module is imported, so that
+    code from the disk finds it.
+    """
+
+    def __init__(self, function: Any, arrays: tuple[str, ...]) -> None:
+        super().__init__(function, {}, cache=True)
+        self.kinds = [(kind.partition("[")[0], kind.count(":")) for kind in arrays]
+        name = f"{function.__module__}.{function.__qualname__}"
+        self.entrance = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)(self.enter)
+        llvmlite.binding.add_symbol(name, ctypes.cast(self.entrance, ctypes.c_void_p).value)
+        enter = types.ExternalFunction(name, signature(types.int64, types.intp))
+        self.part = Dispatcher(packing(function, self.kinds, enter), {}, cache=True).part
+
+    def enter(self, address: int) -> int:
+        """Run the function with the arrays that are described there."""
+        numbers = iter(as_array(address, "int64", (sum(1 + axes for _, axes in self.kinds),)).tolist())
+        arrays = [as_array(next(numbers), kind, tuple(islice(numbers, axes))) for kind, axes in self.kinds]
+        try:
+            return int(self(*arrays))
+        except KeyboardInterrupt:  # which compiled code cannot hand on
+            threading.Timer(0.05, _thread.interrupt_main).start()
+            return 0
+
+
+def as_array(address: int, kind: str, shape: tuple[int, ...]) -> Any:
+    """The array of this type and shape that lies there."""
+    if 0 in shape:
+        return np.empty(shape, kind)
+    return np.ctypeslib.as_array((np.ctypeslib.as_ctypes_type(kind) * math.prod(shape)).from_address(address)).reshape(
+        shape
+    )
+
+
+def packing(function: Any, kinds: list[tuple[str, int]], enter: Any) -> Any:
+    """A function of the same arrays, which writes their addresses and shapes into one, and enters with it."""
+    numbers = [f"a{k}.{what}" for k, (_, axes) in enumerate(kinds) for what in ("ctypes.data", *_sizes(axes))]
+    text = [f"def packed({', '.join(f'a{k}' for k in range(len(kinds)))}):"]
+    text += [f"given = empty({len(numbers)}, int64)", *(f"given[{k}] = {one}" for k, one in enumerate(numbers))]
+    # Read once more, so that it lives until then.
+    text += ["done = enter(given.ctypes.data)", "return done != 0 and given[0] == a0.ctypes.data"]
+    names = {"__name__": function.__module__, "empty": np.empty, "int64": np.int64, "enter": enter}
+    exec(compile("\n    ".join(text), __file__, "exec"), names)  # noqa: S102  # of numbers and the names above
+    packed: Any = names["packed"]
+    packed.__qualname__ = f"{function.__qualname__}.packed"
+    return packed
+
+
+def _sizes(axes: int) -> list[str]:
+    return [f"shape[{axis}]" for axis in range(axes)]
 
 
 class Composed(Dispatcher):

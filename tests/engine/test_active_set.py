@@ -72,7 +72,7 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
     contacts.impulse[:total] = 0.1 * swept  # from whatever impulses
     pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
     impulse_solvers._push(pair, contacts.impulse[:total], 1.0, velocity, mobility)
-    assert impulse_solvers.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
+    assert impulse_solvers.nearest_velocity(*pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
     wrong, unexplained = optimality(contacts, start, velocity, mobility)
     assert wrong < 1e-12 * np.abs(start).max()
     assert unexplained < 1e-12 * np.abs(start).max()
@@ -97,7 +97,7 @@ def test_a_fixed_body_stays():
     total, velocity = contacts.total[0], start.copy()
     mobility[0], velocity[0] = 0.0, 0.0
     pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
-    assert impulse_solvers.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
+    assert impulse_solvers.nearest_velocity(*pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
     assert velocity[0].tolist() == [0.0, 0.0]
     start[0] = 0.0
     assert optimality(contacts, start, velocity, mobility)[0] < 1e-12

@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import compiled, compiled_inside
+from ecume._jit import compiled, compiled_apart, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Contacts, apply_impulses
 from ecume.units import Array
@@ -283,8 +283,8 @@ def solve_by_active_set(contacts: Contacts, span: Span, velocity: Array, mobilit
     """Solve an island by the active-set method; return whether the result is accepted. Nothing changes otherwise."""
     rows = _solvable(contacts, span)
     some = contacts_of_rows(contacts, rows)
-    pair, slower = (some.first, some.second, some.normal), velocity.copy()
-    if not nearest_velocity(pair, some.bound, some.impulse, velocity, mobility):
+    slower = velocity.copy()
+    if not nearest_velocity(some.first, some.second, some.normal, some.bound, some.impulse, velocity, mobility):
         return False
     before = contacts_of_rows(contacts, rows)
     scatter_impulses(contacts, rows, some)
@@ -360,15 +360,14 @@ FEASIBLE = 1e-12
 """The last component of the residual below which no velocity fulfills all conditions."""
 
 
-@compiled
+@compiled_apart("int64[:]", "int64[:]", "float64[:,:]", "float64[:]", "float64[:]", "float64[:,:]", "float64[:]")
 def nearest_velocity(
-    pair: tuple[Integers, Integers, Array], bound: Array, impulse: Array, velocity: Array, mobility: Array
+    first: Integers, second: Integers, normal: Array, bound: Array, impulse: Array, velocity: Array, mobility: Array
 ) -> bool:
-    """Solve contacts (first, second, normal) exactly, starting from impulses that are already included in `velocity`;
-    change both. Return False, without a change, if no solution was found.
-
-    False, and no change, where no solution was found.
+    """Solve contacts exactly, starting from impulses that are already included in `velocity`; change both. Return
+    False, without a change, if no solution was found.
     """
+    pair = first, second, normal
     place, bodies = _numbered(pair, len(mobility))
     matrix, strength = _columns(pair, place, bodies, mobility)
     if not strength > 0.0:

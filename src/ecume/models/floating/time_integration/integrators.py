@@ -478,5 +478,5 @@ move_dish = selected(INTEGRATORS_BY_CONSTANTS, "move_dish")
 
 
 def kicks_of(integrator: Integrator, parameters: Parameters) -> Any:
-    """The part of an integrator, in a type of its own for kicks of floats on which something does work."""
+    """The part of an integrator, in a separate type for kicks of floats on which something does work."""
     return DrivenKicks() if integrator.constants is Kicks and is_driven(parameters) else integrator.constants()
