@@ -237,19 +237,19 @@ class Solver(NamedTuple):
     """
 
     stop: Callable[..., int]
-    """stop(part, own, bodies, contacts, velocity, goal): impulses that stop all approaches; number of sweeps"""
+    """stop(part, scratch, bodies, contacts, velocity, goal): impulses that stop all approaches; number of sweeps"""
     push: Callable[..., None]
-    """push(part, own, bodies, contacts, velocity): apply the impulses times the factors in `contacts.scratch`"""
+    """push(part, scratch, bodies, contacts, velocity): apply the impulses times the factors in `contacts.scratch`"""
     solve: Callable[..., int]
-    """solve(part, own, bodies, contacts, velocity, goal): impulses, from the stored ones; number of sweeps"""
+    """solve(part, scratch, bodies, contacts, velocity, goal): impulses, from the stored ones; number of sweeps"""
     recall: Callable[..., None] | None = None
-    """recall(part, own, state, workspace): tangential impulses of the previous step"""
+    """recall(part, scratch, state, workspace): tangential impulses of the previous step"""
     remember: Callable[..., None] | None = None
-    """remember(part, own, state, workspace): store the tangential impulses for the next step"""
+    """remember(part, scratch, state, workspace): store the tangential impulses for the next step"""
     load_spins: Callable[..., None] | None = None
-    """load_spins(part, own, parameters, state, last): spins after their kick; `last` at the end of a step"""
+    """load_spins(part, scratch, parameters, state, last): spins after their kick; `last` at the end of a step"""
     store_spins: Callable[..., None] | None = None
-    """store_spins(part, own, parameters, state, last): store spins, and advance angles, in the state"""
+    """store_spins(part, scratch, parameters, state, last): store spins, and advance angles, in the state"""
     collide_by_noise: Callable[..., None] | None = None
     """collide_by_noise(part, parameters, state, workspace): collisions of Brownian floats, and bounds of the solve"""
 

@@ -64,7 +64,9 @@ class NoContacts(NamedTuple):
     """Floats pass through one another."""
 
 
-def no_energy(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+def no_energy(
+    part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
     """Return zero: impulses store no energy."""
     return 0.0, 0.0
 
