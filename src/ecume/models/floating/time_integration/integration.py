@@ -11,6 +11,8 @@ parts select the functions of their rows when the step is compiled.
 
 from __future__ import annotations
 
+from operator import attrgetter
+
 from ecume._jit import compiled, compiled_inside, composed, plainly
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
@@ -183,16 +185,11 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     """See `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call every part; otherwise
     Python runs the same text, step by step, around compiled parts.
     """
-    return advance_with(parameters.parts, parameters, state, workspace, steps)
-
-
-def advance_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """Advance with these parts instead of those of the parameters."""
-    whole = all(BY_CONSTANTS[type(part)].compiled for part in parts.interactions)
-    whole = whole and INTEGRATORS_BY_CONSTANTS[type(parts.integrator)].compiled
+    parts, bare = parameters.parts, parameters._replace(parts=())
+    interactions = map(BY_CONSTANTS.__getitem__, map(type, parts.interactions))
+    whole = all(map(attrgetter("compiled"), (INTEGRATORS_BY_CONSTANTS[type(parts.integrator)], *interactions)))
     run = integrate if whole else plainly(integrate)
-    bare, scratch = parameters._replace(parts=()), workspace.scratch
-    return run(parts, scratch, bare, state, workspace._replace(scratch=()), steps)
+    return run(parts, workspace.scratch, bare, state, workspace._replace(scratch=()), steps)
 
 
 def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
