@@ -263,7 +263,6 @@ class Workspace(NamedTuple):
     """the `Scratch` of the parts; empty in the workspace that compiled code gets"""
 
 
-@compiled
 def is_driven(parameters: Parameters) -> bool:
     """Whether external forces do work on the floats."""
     drift = parameters.drift

@@ -51,22 +51,14 @@ from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 
 
-@composed
-def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> bool:
-    """Make neighbor lists and candidates at the reference positions. False when there is no room."""
-    if not build_all(parameters, state, workspace.lists, workspace.candidates):
-        return False
-    sort_parts(parts.interactions, scratches.interactions, parameters, workspace.lists)
-    return True
-
-
 @compiled
-def build_all(parameters: Parameters, state: State, lists: NeighborLists, candidates: Candidates) -> bool:
+def build_all(
+    lists: NeighborLists, candidates: Candidates, position: Array, radius: Array, reach: float, skin: float
+) -> bool:
     """Make neighbor lists and candidates. False when there is no room."""
-    skin = skin_of(parameters, state)
-    if not build(lists, state.reference, parameters.reach + (skin - parameters.skin)):
+    if not build(lists, position, reach):
         return False
-    if not list_candidates(candidates, lists, parameters.floats.radius, skin):
+    if not list_candidates(candidates, lists, radius, skin):
         lists.valid[0] = 0
         return False
     return True
@@ -84,7 +76,6 @@ def skin_of(parameters: Parameters, state: State) -> float:
     return max(parameters.skin, float(state.skin[0]))
 
 
-@compiled
 def skin_for(parameters: Parameters, ahead: float) -> float:
     """The skin of new lists (m) for floats that move by at most `ahead` in the next step: that of the parameters, which
     is best for floats as fast as the time step expects; otherwise doubled until lists are valid for two steps.
@@ -97,39 +88,21 @@ def skin_for(parameters: Parameters, ahead: float) -> float:
     return skin
 
 
-@composed
-def keep_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Make new lists before the old ones become invalid; only reference positions and skin of the state change."""
-    speed = highest_speed(parts.integrator, scratches.integrator, parameters, state, workspace)
-    validity = list_validity(parameters, state, workspace, speed)
-    if validity != OUTDATED:
-        return DONE if validity == VALID else DIVERGED
-    former = state.skin[0]
-    copy_rows(workspace.stages[0], state.reference)
-    copy_rows(state.reference, state.position)
-    state.skin[0] = skin_for(parameters, workspace.travel[0])
-    if not renew_lists(parts, scratches, parameters, state, workspace):
-        copy_rows(state.reference, workspace.stages[0])
-        state.skin[0] = former
-        return CROWDED
-    return DONE
-
-
-VALID, OUTDATED, TOO_FAST = range(3)
-"""Neighbor lists are valid for another step, are outdated, or cannot be valid for any step."""
+OUTDATED = -1
+"""The status of a step that needs new neighbor lists."""
 
 
 @compiled_inside
 def list_validity(parameters: Parameters, state: State, workspace: Workspace, speed: float) -> int:
-    """Return `VALID` if the lists hold for another step at this highest speed, `OUTDATED` if new ones are needed, and
-    `TOO_FAST` if no list can hold. The skin covers all motion: by velocities, forces, noise and a moving dish.
+    """Return DONE if the lists hold for another step at this highest speed, `OUTDATED` if new ones are needed, and
+    DIVERGED if no list can hold. The skin covers all motion: by velocities, forces, noise and a moving dish.
     """
     ahead = parameters.time_step * speed + parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
     workspace.travel[0] = ahead
     if not ahead <= USED * WIDEST * parameters.skin:
-        return TOO_FAST
-    return OUTDATED if moved + ahead > USED * skin_of(parameters, state) else VALID
+        return DIVERGED
+    return OUTDATED if moved + ahead > USED * skin_of(parameters, state) else DONE
 
 
 @composed
@@ -168,7 +141,8 @@ def integrate(
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
     workspace.ready[0] = 1
     for _ in range(steps):
-        status = keep_lists(parts, scratches, parameters, state, workspace)
+        speed = highest_speed(parts.integrator, scratches.integrator, parameters, state, workspace)
+        status = list_validity(parameters, state, workspace, speed)
         if status == DONE:
             status = bound_travel(parts.integrator, scratches.integrator, parameters, state, workspace)
         if status == DONE:
@@ -189,7 +163,26 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     interactions = map(BY_CONSTANTS.__getitem__, map(type, parts.interactions))
     whole = all(map(attrgetter("compiled"), (INTEGRATORS_BY_CONSTANTS[type(parts.integrator)], *interactions)))
     run = integrate if whole else plainly(integrate)
-    return run(parts, workspace.scratch, bare, state, workspace._replace(scratch=()), steps)
+    last, space = int(state.step[0]) + steps, workspace._replace(scratch=())
+    while True:
+        status = run(parts, workspace.scratch, bare, state, space, last - int(state.step[0]))
+        if status != OUTDATED:
+            return status
+        if not renew_lists(parameters, state, workspace):
+            return CROWDED
+
+
+def renew_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
+    """Make new lists at the present positions; only reference positions and skin of the state change, and neither when
+    there is no room: then the result is False.
+    """
+    former, skin = state.reference.copy(), float(state.skin[0])
+    state.reference[...] = state.position
+    state.skin[0] = skin_for(parameters, float(workspace.travel[0]))
+    if fill_lists(parameters, state, workspace):
+        return True
+    state.reference[...], state.skin[0] = former, skin
+    return False
 
 
 def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
@@ -210,9 +203,14 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
-    """Make the lists of a new workspace at the reference positions. False when there is no room."""
-    bare, parts, scratch = parameters._replace(parts=()), parameters.parts, workspace.scratch
-    return bool(renew_lists(parts, scratch, bare, state, workspace._replace(scratch=())))
+    """Make the lists of a workspace at the reference positions. False when there is no room."""
+    lists, skin = workspace.lists, max(parameters.skin, float(state.skin[0]))
+    reach = parameters.reach + (skin - parameters.skin)
+    if not build_all(lists, workspace.candidates, state.reference, parameters.floats.radius, reach, skin):
+        return False
+    parts, bare = parameters.parts, parameters._replace(parts=())
+    sort_parts(parts.interactions, workspace.scratch.interactions, bare, lists)
+    return True
 
 
 def inertia_of(parameters: Parameters) -> Array | None:
