@@ -287,6 +287,8 @@ class Parameters(NamedTuple):
     without shifting"""
     background: float
     """Pa, of the transport velocity; zero without"""
+    spreading_pressure: float
+    """Pa: the part of the pressure whose gradient is not completed, see `rates.corrections`; zero without completion"""
     tension: str
     """a name of `surface_tension.TENSIONS`"""
     color_reach: float

@@ -35,6 +35,8 @@ class PairForces(NamedTuple):
     radial: bool
     corrected: bool
     """whether the pressure acts along B_i x_ij and B_j x_ij"""
+    spreading: float
+    """Pa: the part of the pressure that is not completed"""
     completed: bool
     """whether friction is increased where neighbors are missing at a surface"""
 
@@ -91,14 +93,16 @@ def completion(fields: Floats, i: int, j: int, apart: Vector) -> float:
 
 
 @compiled_inside
-def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float, float]) -> Vector:
+def _corrected(fields: Floats, i: int, j: int, apart: Vector, pair: tuple[float, float, float]) -> Vector:
     """The pressure force with completed gradients; without them if one of the two is a dummy (see
     `corrections.pair_corrected_pressure`).
     """
-    weight, damp = pair
-    own, push, liquid = fields[FIELD.force_term, i], fields[FIELD.force_term, j], 1.0
+    (weight, damp, spreading), liquid = pair, 1.0
     if fields[FIELD.liquid, i] * fields[FIELD.liquid, j] == 0.0:
         liquid = 0.0
+    uniform = spreading * liquid
+    own, push = fields[FIELD.force_term, i] - uniform, fields[FIELD.force_term, j] - uniform
+    damp += 2.0 * uniform
     x, y, z = apart
     ax, ay, az = between(liquid, apart, completed(fields, i, x, y, z))
     bx, by, bz = between(liquid, apart, completed(fields, j, x, y, z))
@@ -178,7 +182,7 @@ def press(
                 damps = fields[FIELD.liquid, i] * fields[FIELD.liquid, j] * damping(radial, square, damper)
                 both = pull * fields[FIELD.weight, i] * fields[FIELD.weight, j]
                 if corrected:
-                    fx, fy, fz = _corrected(fields, i, j, (dx, dy, dz), (both, damps))
+                    fx, fy, fz = _corrected(fields, i, j, (dx, dy, dz), (both, damps, forces.spreading))
                 else:
                     both *= fields[FIELD.force_term, i] + fields[FIELD.force_term, j] + damps
                     fx, fy, fz = both * dx, both * dy, both * dz
@@ -201,6 +205,7 @@ def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, grou
         viscous=friction is not None,
         radial=friction is not None and friction.radial,
         corrected=parameters.pressure_force.corrected,
+        spreading=parameters.spreading_pressure,
         completed=friction is not None and friction.corrected,
     )
     press(workspace.fields.table, mine, group, lists, constants, forces, force)

@@ -10,6 +10,16 @@ the divergence is exact for linear velocities, and the force is its adjoint, so 
 (Bonet and Lok, Comput. Methods Appl. Mech. Eng. 180 (1999) 97). A dummy has no such matrix, and pairs with one are not
 corrected. [bonet1999]
 
+The force of a uniform pressure is then zero in the first order at a surface, too, so that nothing spreads particles
+evenly there, and a density that is integrated with completed gradients is no function of the positions: disordered rows
+below a surface move in cycles after which they are closer together at the same density, and what falls drives them. So
+a part of the pressure, p_s = rho g times a spacing, is not completed:
+
+    F_i = -sum_j V_i V_j [(p_i - p_s) B_i + (p_j - p_s) B_j + 2 p_s] grad W.
+
+That part is the slope of the energy p_s [sum_i sum_j V_i V_j W_ij + sum_i V_i] (`spreading_energy`), which is constant
+in the interior.
+
 The rate at which damped sound decays in a lattice grows with the square of B: by a factor of 4 in the first row below a
 flat surface, and up to 25 in drops of a few particles. Drops are not corrected (`kernels.correction_share`), and the
 acoustic damping of a particle is divided by the square of its factor (`kernels.completion_factor`), so that the fastest
@@ -182,17 +192,26 @@ def pair_corrected_continuity(
 
 
 @summed_inside
+def given_corrected_pressure(numbers: Numbers, settings: Any, like: Vector) -> Any:
+    """The constants of `sums.given_pressure`, and the pressure p_s."""
+    damper, zero, factor = given_pressure(numbers, settings, like)
+    return damper, zero, settings[0], factor
+
+
+@summed_inside
 def pair_corrected_pressure(
     total: Vector, apart: Vector, slope: float, own: Particle, other: Particle, given: Any
 ) -> Vector:
-    """Pressure by p_i B_i + p_j B_j, and the artificial viscosity of `sums.pair_pressure`."""
-    damper, zero, _ = given
+    """Pressure by (p_i - p_s) B_i + (p_j - p_s) B_j + 2 p_s, and the artificial viscosity of `sums.pair_pressure`."""
+    damper, zero, spreading, _ = given
     damp = damping(dot(difference(other.vector, own.vector), apart), dot(apart, apart), damper)
     pull = slope * abs(other.weight)
-    push, corrected = pull * own.value, pull * own.value if other.weight > zero else zero
-    straight = push - corrected + (pull * damp if other.weight > zero else zero)
+    liquid = other.weight > zero
+    uniform = spreading if liquid else zero
+    corrected = pull * (own.value - uniform) if liquid else zero
+    straight = pull * (uniform + uniform + damp) if liquid else pull * own.value
     found: Vector = axpy(
-        axpy(axpy(total, corrected, completed(own, apart)), pull * other.value, completed(other, apart)),
+        axpy(axpy(total, corrected, completed(own, apart)), pull * (other.value - uniform), completed(other, apart)),
         straight, apart,
     )  # fmt: skip
     return found
@@ -230,7 +249,7 @@ CORRECTED_CONTINUITY = by_diffusing_field(
 )
 CORRECTED_PRESSURE = neighbor_sum(
     MOVED._replace(value=FIELD.force_term, more=MATRIX),
-    given_pressure, no_vector, pair_corrected_pressure, store_pressure_force,
+    given_corrected_pressure, no_vector, pair_corrected_pressure, store_pressure_force,
 )  # fmt: skip
 CORRECTED_FRICTION = neighbor_sum(
     VISCOUS._replace(more=MATRIX), given_corrected_friction, no_vector, pair_corrected_friction, add_radial_friction

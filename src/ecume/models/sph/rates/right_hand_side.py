@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -270,7 +270,10 @@ def _copy_to_images(workspace: Workspace, field: Floats) -> None:
 
 def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
     damp_sound(parameters, workspace, summed)
-    evaluate_sum(parameters.pressure_force.sum, parameters, workspace)
+    settings: tuple[float, ...] = ()
+    if parameters.pressure_force.corrected:
+        settings = (cast(float, parameters.precision(parameters.spreading_pressure)),)
+    evaluate_sum(parameters.pressure_force.sum, parameters, workspace, settings=settings)
 
 
 def _store_density_rate(parameters: Parameters, state: State, workspace: Workspace) -> None:

@@ -31,6 +31,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import states
+from ecume.laws.kernels import KERNELS, kernel
 from ecume.laws.states import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, with_moved_solids
@@ -65,6 +66,25 @@ def energies(parameters: Parameters, state: State, propped: float, surface: floa
         "bodies_energy": bodies,
         "total_energy": kinetic + potential + elastic + surface + bodies,
     }
+
+
+def spreading_energy(now: Parameters, state: State, workspace: Workspace) -> float:
+    """J: of the pressure whose gradient is not completed, from a filled workspace: see `rates.corrections`. Zero in the
+    interior of a lattice at the density of rest, negative at a surface. A dummy counts once: see `power_of_dummies`.
+    """
+    if now.spreading_pressure == 0.0:
+        return 0.0
+    (counts, neighbor), fields, count = workspace.lists, workspace.fields, state.position.shape[1]
+    rest, length = now.material.density, float(now.numbers.smoothing_length)
+    resting = np.where(fields.liquid > 0.0, fields.volume * fields.density / rest, fields.volume).astype(np.float64)
+    form = kernel(list(KERNELS)[int(now.numbers.kernel)], dim=now.dimension)
+    there = np.arange(neighbor.shape[1]) < counts[:count, None]
+    who = np.where(there, neighbor[:count], 0)
+    apart = np.sqrt(((fields.position[:, who] - fields.position[:, :count, None]) ** 2).sum(axis=0))
+    pairs = np.where(there, form.value(apart, length) * resting[who], 0.0).sum(axis=1)
+    own = state.mass / rest
+    around = pairs + own * form.value(0.0, length)
+    return now.spreading_pressure * float(np.sum(own * (around - 1.0)) + np.sum(state.mass / state.density - own))
 
 
 @compiled

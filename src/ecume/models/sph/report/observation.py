@@ -49,6 +49,7 @@ from ecume.models.sph.report.energy_budget import (
     has_numerical_work,
     has_unbudgeted_work,
     liquid_alone,
+    spreading_energy,
 )
 from ecume.models.sph.setup.choices import filled, held_pull
 from ecume.models.sph.setup.shapes import part_of as part_of_space
@@ -368,6 +369,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     leaning = all_repelled(parameters, state)
     solid, units = of_solids(parameters, state, workspace, [*leaning, *all_braked(parameters, state)])
     propped = sum(energy_of(parameters, state, each) for each in leaning)
+    propped += spreading_energy(parameters, state, workspace)
     state = liquid_alone(parameters, state)
     order = np.argsort(state.identity)
     arrays = {

@@ -209,6 +209,9 @@ def parameters_of(scene: SphScene) -> Parameters:
         shifting=shifting_of(scene),
         shifting_limit=math.inf if shifting_of(scene) == "none" else shifting_limit(scene),
         background=background_of(scene, material),
+        spreading_pressure=material.density * float(np.linalg.norm(gravity_of(scene))) * scene.spacing
+        if pressure_force_of(scene).corrected
+        else 0.0,
         tension=tension_of(scene),
         color_reach=color_reach_of(scene),
         passive_tracers=passive_tracers_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
