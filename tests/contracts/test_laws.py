@@ -21,6 +21,7 @@ from ecume import _jit
 from ecume.laws import (
     brownian_motion,
     capillarity,
+    carrier_flows,
     contact_lines,
     density_diffusion,
     drag,
@@ -66,10 +67,11 @@ COMPILED = (
     surfaces,
     interfaces,
     wall_forces,
+    carrier_flows,
 )
 RESCALED = (
-    density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies, flotation.balance,
-    flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
+    carrier_flows, density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies,
+    flotation.balance, flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
     time_step_limits, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, wall_forces, dam_breaks,
     liquids, soft_contacts, swirls,
 )  # fmt: skip
@@ -127,7 +129,7 @@ SAMPLES = {
     "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
     "shear_squared": 9e-4,
     "low": -0.2, "high": 0.5, "filled": 0.2, "room": 0.7,
-    "dim": 2, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
+    "dim": 2, "swing": 0.2, "decay": 0.3, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}
 """Of arguments whose name has another meaning elsewhere."""

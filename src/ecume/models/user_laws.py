@@ -1,7 +1,8 @@
 """User-defined laws: binding functions to the species and constants of a scene, and compiling them.
 
 A pair law is a function (distance, parameters) -> force (N); an external law is a function (position, velocity, time,
-parameters) -> acceleration (m/s^2). Each model chooses what they act on, and the fields of `parameters`.
+parameters) -> acceleration (m/s^2); a flow is a function (position, time, constants) -> velocity of the liquid (m/s).
+Each model chooses what they act on, and the fields of `parameters`.
 """
 
 from __future__ import annotations
@@ -22,9 +23,13 @@ from ecume.errors import BadInput, Fault, SceneError, nearest
 if TYPE_CHECKING:
     from ecume.scenes.load import Scene
 
-PAIR, EXTERNAL = 2, 4
+PAIR, FLOW, EXTERNAL = 2, 3, 4
 """The number of arguments of a law, which determines its kind."""
-KINDS = {PAIR: "pair laws (distance, parameters)", EXTERNAL: "external laws (position, velocity, time, parameters)"}
+KINDS = {
+    PAIR: "pair laws (distance, parameters)",
+    FLOW: "flows (position, time, constants)",
+    EXTERNAL: "external laws (position, velocity, time, parameters)",
+}
 MOST_LAWS = 60
 """Laws are the bits of an integer."""
 

@@ -51,7 +51,7 @@ from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
 from ecume.scenes.tables import NotText, text_of
 from ecume.scenes.templates import templates
-from ecume.scenes.tracers import TracersScene
+from ecume.scenes.tracers import TracersScene, follow_field
 from ecume.units import Unit
 
 Scene = FloatingScene | SoftScene | SphScene | TracersScene
@@ -468,8 +468,10 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
         from ecume.scenes.floating.surroundings import follow_current
 
         return [*follow_sizes(raw, folder), *follow_current(raw, folder)]
-    if raw.get("model") in ("soft", "tracers"):
+    if raw.get("model") == "soft":
         return [*follow_sizes(raw, folder), *_started(raw, folder)]
+    if raw.get("model") == "tracers":
+        return [*follow_sizes(raw, folder), *follow_field(raw, folder), *_started(raw, folder)]
     if raw.get("model") != "sph":
         return []
     from ecume.scenes.sph.sources import follow_sources

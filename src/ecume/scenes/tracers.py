@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Annotated, Any, Self
+from pathlib import Path as Folder
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ecume.scenes.common import Common, Kind, dataclass
-from ecume.scenes.faults import Inconsistent, Path
+from ecume.scenes.faults import Inconsistent, Path, echo
 from ecume.scenes.quantities import (
     CONCENTRATION,
+    LONGEST_NAME,
     MOST_PARTICLES,
     STRICT,
     AbsoluteTemperature,
@@ -27,10 +29,12 @@ from ecume.scenes.quantities import (
     Radius,
     Size,
     Switch,
+    TurningRate,
     Velocity,
 )
 from ecume.scenes.sizes import Share, SizeSpec, list_faults, shared_out, sized
-from ecume.units import ROOM, Acceleration, Unit
+from ecume.scenes.tables import beside, require_there
+from ecume.units import ROOM, Acceleration, Number, Rate, Speed, Unit
 
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
@@ -63,14 +67,93 @@ class FluidSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class PulseSpec:
+    """The factor of the speed in time, (1 + A sin(2 pi t/T)) exp(-c t)."""
+
+    amplitude: Annotated[Number, Field(ge=0.0, le=100.0)] = 0.0
+    """The amplitude A of the oscillation over the steady speed. Effect: above 1 the flow reverses in each period."""
+    period: Duration | None = None
+    """The period T of the oscillation (s). Effect: slower oscillations move particles farther back and forth."""
+    decay_rate: Annotated[Rate, Field(ge=0.0, le=1e6)] = 0.0
+    """The rate c at which the flow decays (1/s); by viscosity 2 nu k^2 for cellular flows. Effect: the flow comes to
+    rest."""
+
+    @model_validator(mode="after")
+    def _periodic(self) -> Self:
+        if self.amplitude and self.period is None:
+            raise Inconsistent([(("period",), "is missing; expected the period of the oscillation")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FieldSpec:
+    """Velocities of the liquid on a grid of equal steps, from a file, or from a run of the model `sph`."""
+
+    file: Annotated[str, Field(min_length=1, max_length=1000)]
+    """The file, beside the scene's: NumPy (`.npz`), NetCDF (`.nc`), VTK (`.vti`, `.vtr`, `.vtk`), or the directory of a
+    run of a tank. Example: `"gyre.npz"`. Effect: particles follow its velocities; NaN is land."""
+    length_unit: Size = 1.0
+    """The unit of the coordinates of the file (m). Effect: scales the grid."""
+    velocity_unit: Annotated[Speed, Field(gt=0.0, le=1e3)] = 1.0
+    """The unit of the velocities of the file (m/s). Effect: scales the velocities."""
+    time_unit: Duration = 1.0
+    """The unit of the times of the file (s); dates need none. Effect: scales the times."""
+    coordinates: tuple[Name, ...] = ()
+    """The names of the coordinates in the file, the upward one last; by default x, y in 2D and x, y, z in 3D. Example:
+    `["lon", "lat"]`. Effect: selects other arrays."""
+    velocities: tuple[Name, ...] = ()
+    """The names of the velocities in the file, in the order of the coordinates; by default u, v in 2D and u, v, w in
+    3D. Example: `["uo", "vo"]`. Effect: selects other arrays."""
+    time: Name = "t"
+    """The name of the times in the file; without them the flow is steady. Example: `"time"`. Effect: selects another
+    array."""
+    interpolation: Literal["divergence-free", "linear"] = "divergence-free"
+    """How velocities are interpolated: `divergence-free` by a stream function in 2D and by fluxes through the faces of
+    cells in 3D, so that particles do not cluster; or `linear`. Effect: `linear` keeps the divergence of the file."""
+    spacing: Size | None = None
+    """The spacing of the grid onto which the velocities of a run are averaged (m); by default a fiftieth of the tank.
+    Effect: smaller spacings resolve smaller eddies and take more memory."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class FlowSpec:
-    """How the liquid flows."""
+    """How the liquid flows: at the same velocity everywhere, sheared, and by the name of a flow or as a file says."""
 
     velocity: Speeds | None = None
     """The velocity of the liquid (m/s); by default it is at rest. Effect: drag accelerates the particles toward it."""
     shear_rate: ShearRate = 0.0
     """The gradient of the x velocity of the liquid with height (1/s). Effect: particles at different heights drift
     apart."""
+    name: Annotated[str, Field(max_length=LONGEST_NAME)] = ""
+    """A flow that adds to these two: `channel`, `couette`, `tube`, `duct`, `stagnation`, `rotation`, `cellular`,
+    `double-gyre`, `wave` or `abc`. Example: `"channel"`. Effect: particles follow this flow."""
+    speed: Velocity | None = None
+    """The speed of the named flow (m/s): the mean one of a channel, tube or duct, that of the moving wall, otherwise
+    the largest one, in waves at the surface. Effect: scales the velocities."""
+    rate: TurningRate | None = None
+    """The rate of a stagnation flow (1/s), at which it approaches along the vertical, or the angular velocity of a
+    rotation (rad/s). Effect: scales the velocities."""
+    wavelength: Size | None = None
+    """The length after which cells or waves repeat (m). Effect: sets the size of the cells."""
+    period: Duration | None = None
+    """The period of the swing of a double gyre (s). Effect: faster swings mix more."""
+    swing: Proportion | None = None
+    """The amplitude of the swing of the border between two gyres, over half of the length; by default 0, a steady
+    flow. Effect: above 0 particles cross the border."""
+    radius: Size | None = None
+    """The radius of a tube (m); by default half of the smaller side of the box. Effect: sets the profile."""
+    center: Point | None = None
+    """The point around which the named flow turns, the axis of a tube, or a corner of a cell (m); by default the middle
+    of the box, for cells its lower corner. Effect: shifts the flow."""
+    low: Point | None = None
+    """The lower corner of the box of the named flow (m); by default that of the tank. Effect: shifts its walls."""
+    high: Point | None = None
+    """The upper corner of the box of the named flow (m); by default that of the tank. Effect: shifts its walls."""
+    field: FieldSpec | None = None
+    """Velocities from a file or a run, instead of a named flow. Effect: particles follow these velocities."""
+    pulse: PulseSpec | None = None
+    """How the speed of the named flow or of the file changes in time; by default it is steady. Effect: makes the flow
+    pulsate or decay."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -148,6 +231,8 @@ class WallSpec:
     tangential_restitution: Proportion | None = None
     """The ratio C_T of tangential velocities after and before a collision with this wall; by default that of the tank.
     Effect: below 1 the wall slows down the motion along it."""
+    sticking: Switch | None = None
+    """Whether particles that touch this wall stay there; by default as the tank says. Effect: collects particles."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -172,6 +257,13 @@ class TankSpec:
     tangential_restitution: Proportion = 1.0
     """The ratio C_T of tangential velocities after and before a collision with a wall. Effect: below 1 walls slow
     down the motion along them."""
+    sticking: Switch = False
+    """Whether particles that touch a wall or an obstacle stay there. Effect: collects particles, which are counted by
+    wall."""
+    periodic: tuple[Literal["x", "y", "z"], ...] = ()
+    """The axes along which a box is periodic: it has no walls there, and particles that leave on one side enter on the
+    other; the remaining walls are numbered without these. Example: `["x"]`. Effect: makes the tank a part of a longer
+    one."""
     walls: tuple[WallSpec, ...] = ()
     """The coefficients of single walls, one table each. Effect: these walls reflect in another way than the others."""
 
@@ -181,6 +273,12 @@ class TankSpec:
             raise Inconsistent([((), "expected one of high, radius and vertices")])
         if self.high is None and self.low is not None:
             raise Inconsistent([(("low",), "is of a box; expected high with it")])
+        if self.periodic and self.high is None:
+            raise Inconsistent([(("periodic",), "is of a box; expected high with it")])
+        if len(set(self.periodic)) != len(self.periodic):
+            raise Inconsistent([(("periodic",), "got an axis twice; expected each once")])
+        if self.high is not None and "z" in self.periodic and len(self.high) == 2:
+            raise Inconsistent([(("periodic",), "got z in 2D; expected x or y, the vertical axis")])
         if self.high is not None:
             low = self.low or (0.0,) * len(self.high)
             object.__setattr__(self, "low", low)
@@ -209,6 +307,8 @@ class ObstacleSpec:
     tangential_restitution: Proportion | None = None
     """The ratio C_T of tangential velocities after and before a collision with the obstacle; by default that of the
     tank. Effect: below 1 the obstacle slows down the motion along it."""
+    sticking: Switch | None = None
+    """Whether particles that touch the obstacle stay there; by default as the tank says. Effect: collects particles."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -334,6 +434,21 @@ class TracersScene(Common):
         return self
 
 
+def follow_field(raw: dict[str, Any], folder: Folder) -> Complaints:
+    """Put the whole path of the file of a flow into `raw`, once it is known to be there; the faults of the path."""
+    flow = raw.get("flow")
+    field = flow.get("field") if isinstance(flow, dict) else None
+    if not isinstance(field, dict) or not isinstance(field.get("file"), str):
+        return []
+    try:
+        path = beside(folder, field["file"])
+        require_there(path, folder)
+    except ValueError as fault:
+        return [(("flow", "field", "file"), f"{echo(field['file'])} {fault}")]
+    field["file"] = str(path.resolve())
+    return []
+
+
 def _population(scene: TracersScene) -> Complaints:
     total = sum(species.count for species in scene.particles)
     if total == 0:
@@ -366,7 +481,9 @@ def _newcomers(scene: TracersScene) -> Complaints:
 def _coordinates(scene: TracersScene) -> Complaints:
     """Every point has as many coordinates as the tank."""
     required = scene.dimensions
-    points: list[tuple[Path, Any]] = [(("flow", "velocity"), scene.flow.velocity)]
+    points: list[tuple[Path, Any]] = [
+        (("flow", key), getattr(scene.flow, key)) for key in ("velocity", "center", "low", "high")
+    ]
     for index, species in enumerate(scene.particles):
         points += [(("particles", index, key), getattr(species, key)) for key in ("low", "high", "velocity")]
         for key in ("positions", "velocities"):

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import inside, number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
-from ecume.models.tracers.parameters import body_of, inside_of
+from ecume.models.tracers.parameters import body_of, copies_of, inside_of
 from ecume.show.curves import Frames, displacement, energies, evolution, over_time, titled
 from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
@@ -21,7 +21,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
-    from ecume.scenes.tracers import TracersScene
+    from ecume.scenes.tracers import TankSpec, TracersScene
 
 SLICES = 30
 """Of a profile."""
@@ -130,20 +130,28 @@ def wall_names(scene: TracersScene) -> list[str]:
     tank = (
         []
         if scene.tank is None
-        else _faces(inside_of(scene.tank), scene.dimensions if scene.tank.high is not None else 0, "wall")
+        else _sides(scene.tank, scene.dimensions)
+        if scene.tank.high is not None
+        else _faces(inside_of(scene.tank), 0, "wall")
     )
     bodies = [
         _faces(body_of(body), scene.dimensions if body.low is not None else 0, f"obstacle {number}")
         for number, body in enumerate(scene.obstacles, 1)
+        for _ in copies_of(scene)
     ]
     return [*tank, *itertools.chain.from_iterable(bodies)]
+
+
+def _sides(tank: TankSpec, dimensions: int) -> list[str]:
+    """The names of the sides of a box that are walls."""
+    return [side for k, side in enumerate(SIDES[dimensions]) if "xyz"[k % dimensions] not in tank.periodic]
 
 
 def _faces(surfaces: Surfaces, dimension: int, name: str) -> list[str]:
     """The names of the faces of a box of this dimension, or with 0 of another shape."""
     count = len(surfaces.kind)
     if dimension:
-        return [side if name == "wall" else f"{name}, {side}" for side in SIDES[dimension]]
+        return [f"{name}, {side}" for side in SIDES[dimension]]
     return (
         [name]
         if count == 1

@@ -1,5 +1,11 @@
 """Effects of the keys of tracers."""
 
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
 from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
 
 BASE = {
@@ -20,6 +26,32 @@ TRIANGLE = [[0.008, 0.0], [0.014, 0.002], [0.01, 0.016]]
 OPENING = {"openings": [{"wall": 0, "low": [0.0, 0.0], "high": [0.0, 0.016]}]}
 COMING = {"openings": [{**OPENING["openings"][0], "rate": 500.0, "velocity": [0.05, 0.0]}]}
 CARRIED = {"openings": [{**OPENING["openings"][0], "concentration": 1e6}], "flow": {"velocity": [0.05, 0.0]}}
+CHANNEL = {"flow": {"name": "channel", "speed": 0.02}}
+CELLS = {"flow": {"name": "cellular", "speed": 0.02, "wavelength": 0.01, "center": [0.0, 0.0]}}
+GYRE = {"flow": {"name": "double-gyre", "speed": 0.02, "swing": 0.2, "period": 0.1}}
+ROTATION = {"flow": {"name": "rotation", "rate": 2.0}}
+TUBE = {
+    "tank": {"high": [0.02, 0.016, 0.016]},
+    "flow": {"name": "tube", "speed": 0.02, "radius": 0.008, "center": [0.0, 0.008, 0.008]},
+}
+PULSE = {"flow": {"name": "channel", "speed": 0.02, "pulse": {"amplitude": 0.5, "period": 0.1}}}
+
+
+def grid(name, scale=1.0, **renamed):
+    """A file with two instants of a rotation."""
+    path = Path(tempfile.gettempdir()) / f"ecume-effects-{os.getpid()}-{name}.npz"
+    x, t = np.linspace(0.0, 0.02, 5), np.array([0.0, 1.0])
+    along, up = np.meshgrid(x, x, indexing="ij")
+    u, v = -scale * (up - 0.01), scale * (along - 0.01) + 0.3 * along * (along - 0.02)
+    arrays = {"x": x, "y": x, "t": t, "u": np.stack([u, 2.0 * u]), "v": np.stack([v, 2.0 * v])}
+    arrays |= {"other": 0.9 * x, "tau": 2.0 * t, "w": 2.0 * arrays["v"]}
+    np.savez(path, **arrays)
+    return str(path)
+
+
+FIELD = {"flow": {"field": {"file": grid("one")}}}
+STEERED = {"flow": {"field": {"file": grid("one"), "coordinates": ["x", "y"], "velocities": ["u", "v"]}}}
+STICKING = {"particles": [{"velocity": [2.0, 0.5]}], "hydrodynamics": {"drag": "none"}}
 WATER = {"liquid": {"name": "water"}}
 
 DRIFT = {
@@ -49,6 +81,28 @@ EFFECTS = {
     "liquid.mean_free_path": of(1e-4),
     "flow.velocity": of([0.01, 0.0]),
     "flow.shear_rate": of(1.0),
+    "flow.name": of("couette", **CHANNEL),
+    "flow.speed": of(0.03, **CHANNEL),
+    "flow.rate": of(3.0, **ROTATION),
+    "flow.wavelength": of(0.02, **CELLS),
+    "flow.period": of(0.05, **GYRE),
+    "flow.swing": of(0.3, **GYRE),
+    "flow.radius": of(0.01, **TUBE),
+    "flow.center": of([0.002, 0.001], **CELLS),
+    "flow.low": of([0.0, -0.01], **CHANNEL),
+    "flow.high": of([0.02, 0.03], **CHANNEL),
+    "flow.pulse.amplitude": of(0.9, **PULSE),
+    "flow.pulse.period": of(0.2, **PULSE),
+    "flow.pulse.decay_rate": of(10.0, **PULSE),
+    "flow.field.file": of(grid("two", 2.0), **FIELD),
+    "flow.field.length_unit": of(0.5, **FIELD),
+    "flow.field.velocity_unit": of(0.5, **FIELD),
+    "flow.field.time_unit": of(0.5, **FIELD),
+    "flow.field.coordinates": of(["x", "other"], **STEERED),
+    "flow.field.velocities": of(["u", "w"], **STEERED),
+    "flow.field.time": of("tau", **FIELD),
+    "flow.field.interpolation": of("linear", **FIELD),
+    "flow.field.spacing": of(0.001, REFUSED, **FIELD),
     "particles.name": of("sand", PICTURE),
     "particles.count": of(4),
     "particles.radius": of(3e-4),
@@ -76,6 +130,10 @@ EFFECTS = {
     ),
     "tank.restitution": of(0.5, **FAST),
     "tank.tangential_restitution": of(0.5, **FAST),
+    "tank.sticking": of(True, **STICKING),
+    "tank.periodic": of(["x"], **STICKING),
+    "tank.walls.sticking": of(True, tank={"walls": [{"wall": 2}]}, **STICKING),
+    "obstacles.sticking": of(True, **OBSTACLE),
     "tank.walls.wall": of(2, tank={"walls": [{"wall": 0, "restitution": 0.5}]}, **FAST),
     "tank.walls.restitution": of(0.2, tank={"walls": [{"wall": 2, "restitution": 0.5}]}, **FAST),
     "tank.walls.tangential_restitution": of(0.2, tank={"walls": [{"wall": 2}]}, **FAST),

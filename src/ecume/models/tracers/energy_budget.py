@@ -30,15 +30,8 @@ def has_budget(parameters: Parameters) -> bool:
 def is_driven(parameters: Parameters) -> bool:
     """Whether the liquid flows or has thermal noise."""
     flow, fluid = parameters.fluid.flow, parameters.fluid
-    return bool(fluid.thermal > 0.0 or fluid.shear_rate != 0.0 or flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0)
-
-
-@compiled
-def flow_at(parameters: Parameters, height: float, axis: int) -> float:
-    """A component of the velocity of the liquid at a height (m/s)."""
-    fluid = parameters.fluid
-    speed: float = fluid.flow[axis] + (fluid.shear_rate * height if axis == 0 else 0.0)
-    return speed
+    moves = fluid.shear_rate != 0.0 or flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0 or fluid.varies
+    return bool(fluid.thermal > 0.0 or moves)
 
 
 @compiled
@@ -71,13 +64,12 @@ def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i:
     collision at least the work of this drag along the path.
     """
     h, last, by_flow, along = parameters.time_step, scratch.origin.shape[1] - 1, 0.0, 0.0
-    height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
     for axis in range(last + 1):
         impulse = h * scratch.acceleration[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
         impulse -= h * scratch.external[i, axis]
         if axis == last:
             impulse += h * parameters.bodies.apparent_gravity[i]
-        by_flow += impulse * flow_at(parameters, height, axis)
+        by_flow += impulse * scratch.flow[i, axis]
         along += impulse / h * (state.position[i, axis] - scratch.origin[i, axis])
     return max(by_flow, along) if scratch.hits[i] > 0 else by_flow
 
@@ -107,9 +99,8 @@ def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, tim
         start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.apparent_gravity[i]
         if scratch.status[i] <= 0:
             friction = weight / bodies.settling[i] if bodies.settling[i] != 0.0 else bodies.friction[i]
-            height = start - 0.5 * time * bodies.settling[i]
             for axis in range(last + 1):
-                flow = flow_at(parameters, height, axis)
+                flow = scratch.flow[i, axis]
                 behind = time * flow - (state.position[i, axis] - scratch.origin[i, axis])
                 total += friction * behind * flow
         elif scratch.status[i] < INACTIVE:
@@ -157,4 +148,5 @@ def exchange(parameters: Parameters, state: State) -> State:
         velocity=np.concatenate([state.velocity, velocity]),
         left=np.concatenate([state.left, np.full(last - first, -1, np.int64)]),
         work=state.work + brought,
+        image=np.concatenate([state.image, np.zeros_like(position, np.int64)]) if len(state.image) else state.image,
     )

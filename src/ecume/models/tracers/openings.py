@@ -17,6 +17,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, uniforms
 from ecume.engine.walls import Entrance, Surfaces, clearance, entrance
 from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.tracers.liquid_flow import LiquidFlow
 from ecume.scenes.quantities import MOST_PARTICLES
 from ecume.scenes.sizes import largest_radius
 from ecume.scenes.tracers import OpeningSpec, TracersScene
@@ -31,9 +32,7 @@ PURPOSE = 16
 class Stream(NamedTuple):
     """The flow that carries entering particles."""
 
-    flow: Array
-    """(d,) m/s"""
-    shear_rate: float
+    flow: LiquidFlow
     settling: Array
     """(species,) m/s, downwards"""
 
@@ -84,8 +83,12 @@ def inflow_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Inflow
 def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int) -> Inflow:
     hole, door = scene.openings[index], entrance(surfaces, index)
     species = species_of(scene, hole)
-    speed = inward_speed(door, velocity_at(door.middle[None], hole, stream, species))[0]
-    slowest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).min()
+    if hole.concentration is not None and not stream.flow.steady:
+        raise BadInput("concentration: the flow changes in time; give rate")
+    speeds = inward_speed(door, velocity_at(_inner(door), hole, stream, species))
+    varies = stream.flow.loops is not None
+    middle = inward_speed(door, velocity_at(door.middle[None], hole, stream, species))[0]
+    speed, slowest = float(speeds.mean()) if varies else middle, float(speeds.min())
     if slowest <= 0.0:
         way = ", ".join(f"{part:.3g}" for part in door.normal)
         entered_count = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
@@ -110,8 +113,7 @@ def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int) 
     """(n, d) what newcomers come in with."""
     if hole.velocity is not None:
         return np.tile(np.array(hole.velocity, np.float64), (len(places), 1))
-    velocity = np.tile(stream.flow[: places.shape[1]], (len(places), 1))
-    velocity[:, 0] += stream.shear_rate * places[:, -1]
+    velocity = stream.flow.velocity(places, 0.0)
     velocity[:, -1] -= stream.settling[species]
     return velocity
 
@@ -122,9 +124,22 @@ def inward_speed(door: Entrance, velocity: Array) -> Array:
     return speed
 
 
-def _ends(door: Entrance) -> Array:
-    shares = np.array(np.meshgrid(*[[0.0, 1.0]] * len(door.half), indexing="ij")).reshape(len(door.half), -1).T
-    return door.at(shares)
+ROWS = 64
+"""Points along an opening at which the inflow is examined."""
+
+
+def _inner(door: Entrance) -> Array:
+    """Points in an opening, in the middles of equal pieces, over which the mean of a flow is good to 1/ROWS^2."""
+    middles = (np.arange(ROWS) + 0.5) / ROWS
+    return door.at(_combinations(middles, len(door.half)))
+
+
+def _corners(door: Entrance) -> Array:
+    return door.at(_combinations(np.array([0.0, 1.0]), len(door.half)))
+
+
+def _combinations(values: Array, count: int) -> Array:
+    return np.array(np.meshgrid(*[values] * count, indexing="ij")).reshape(count, -1).T
 
 
 def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int, count: int) -> Array:
@@ -132,7 +147,9 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
     hole, door = scene.openings[index], entrance(surfaces, index)
     species, d = species_of(scene, hole), scene.dimensions
     radius = largest_radius(scene.particles[species])
-    fastest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).max()
+    fastest = inward_speed(door, velocity_at(_corners(door), hole, stream, species)).max()
+    if stream.flow.loops is not None:
+        fastest = 1.001 * inward_speed(door, velocity_at(_inner(door), hole, stream, species)).max()
     places, left = np.zeros((count, d)), np.arange(count)
     for attempt in range(TRIES):
         rng = _draws(left, attempt, (scene.seed, PURPOSE + 4 * index + 1))

@@ -7,6 +7,7 @@ Where the tracers start: at given places, or at random in the tank or a part of 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from ecume.models.actions import Access
 from ecume.models.liquids import named_liquid
 from ecume.models.model import Layout, code_of
 from ecume.models.step_counts import ending_on_a_step
+from ecume.models.tracers.liquid_flow import FlowScales, LiquidFlow, OwnFlow, varying_flow
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, inflow_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sizes import largest_radius, radii_of
@@ -36,8 +38,10 @@ def surfaces_of(scene: TracersScene) -> Surfaces:
     shapes: list[Surfaces] = []
     for path, given in (("tank", scene.tank), *((f"obstacles[{k}]", body) for k, body in enumerate(scene.obstacles))):
         try:
-            if given is not None:
-                shapes.append(inside_of(given) if isinstance(given, TankSpec) else walls.outside(body_of(given)))
+            if isinstance(given, TankSpec):
+                shapes.append(inside_of(given))
+            elif given is not None:
+                shapes += [walls.outside(shifted(body_of(given), copy)) for copy in copies_of(scene)]
         except BadInput as error:
             faults.append(Fault(path, str(error)))
     made = walls.together(*shapes) if shapes else nothing(scene.dimensions)
@@ -48,7 +52,69 @@ def surfaces_of(scene: TracersScene) -> Surfaces:
             faults.append(Fault(f"openings[{k}]", str(error)))
     if faults:
         raise SceneError(faults)
-    return made
+    return with_sticking(made, sticking_of(scene))
+
+
+def with_sticking(surfaces: Surfaces, sticking: Array) -> Surfaces:
+    """The surfaces with an opening all over each that is sticking, after the others."""
+    held = np.flatnonzero(sticking)
+    everywhere = np.full((len(held), surfaces.low.shape[1]), math.inf)
+    return surfaces._replace(
+        hole=np.append(surfaces.hole, held),
+        low=np.vstack([surfaces.low, -everywhere]),
+        high=np.vstack([surfaces.high, everywhere]),
+    )
+
+
+def sticking_of(scene: TracersScene) -> Array:
+    """(K,) whether particles stay on each surface."""
+    usual = scene.tank is not None and scene.tank.sticking
+    rows = np.zeros(0, bool)
+    if scene.tank is not None:
+        rows = np.full(len(inside_of(scene.tank).kind), usual)
+        for wall in scene.tank.walls:
+            if wall.wall < len(rows) and wall.sticking is not None:
+                rows[wall.wall] = wall.sticking
+    bodies = [
+        np.full(len(body_of(body).kind) * len(copies_of(scene)), usual if body.sticking is None else body.sticking)
+        for body in scene.obstacles
+    ]
+    return np.concatenate([rows, *bodies]) if bodies else rows
+
+
+class Periodic(NamedTuple):
+    """The periodic axes of a box."""
+
+    low: tuple[float, float, float]
+    sides: tuple[float, float, float]
+    """m; 0 along an axis that is not periodic"""
+
+    @property
+    def any(self) -> bool:
+        """Whether one is."""
+        return max(self.sides) > 0.0
+
+
+def periodic_of(scene: TracersScene) -> Periodic:
+    """The periodic axes of the tank."""
+    tank = scene.tank
+    if tank is None or not tank.periodic or tank.high is None:
+        return Periodic((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    low = tank.low or (0.0,) * len(tank.high)
+    sides = [b - a if "xyz"[k] in tank.periodic else 0.0 for k, (a, b) in enumerate(zip(low, tank.high, strict=True))]
+    return Periodic((*low, 0.0)[:3], (*sides, 0.0)[:3])  # type: ignore[arg-type]  # three numbers
+
+
+def copies_of(scene: TracersScene) -> list[Array]:
+    """How far the copies of an obstacle are away (m), itself first: those in the boxes around a periodic one."""
+    sides = np.array(periodic_of(scene).sides[: scene.dimensions])
+    steps = [(0, 1, -1) if side > 0.0 else (0,) for side in sides]
+    return [np.array(way) * sides for way in itertools.product(*steps)]
+
+
+def shifted(surfaces: Surfaces, way: Array) -> Surfaces:
+    """The surfaces at another place."""
+    return walls.moved(walls.moving(surfaces, way.tolist()), 1.0)._replace(velocity=surfaces.velocity)
 
 
 class Coefficients(NamedTuple):
@@ -69,7 +135,8 @@ def coefficients_of(scene: TracersScene) -> Coefficients:
                 message = f"got {wall.wall}; the tank has {len(rows)} walls, numbered from 0"
                 raise SceneError([Fault(f"tank.walls[{index}].wall", message)])
             rows[wall.wall] = own_or(wall, usual)
-    parts = [rows, *(np.tile(own_or(body, usual), (len(body_of(body).kind), 1)) for body in scene.obstacles)]
+    copies = len(copies_of(scene))
+    parts = [rows, *(np.tile(own_or(body, usual), (len(body_of(body).kind) * copies, 1)) for body in scene.obstacles)]
     found = np.concatenate(parts)
     return Coefficients(found[:, 0], found[:, 1])
 
@@ -84,10 +151,18 @@ def own_or(given: WallSpec | ObstacleSpec, usual: tuple[float, float]) -> tuple[
 def inside_of(tank: TankSpec) -> Surfaces:
     """The walls of a tank."""
     if tank.high is not None:
-        return walls.box(tank.low or (0.0,) * len(tank.high), tank.high)
+        return across(walls.box(tank.low or (0.0,) * len(tank.high), tank.high), tank)
     if tank.radius is not None:
         return walls.disc([0.0] * tank.dimensions, tank.radius)
     return walls.polygon(tank.vertices) if len(tank.vertices[0]) == 2 else walls.polyhedron(tank.vertices)
+
+
+def across(sides: Surfaces, tank: TankSpec) -> Surfaces:
+    """The sides of a box without those across its periodic axes."""
+    d = sides.dimension
+    kept = [k for k in range(2 * d) if "xyz"[k % d] not in tank.periodic]
+    return sides._replace(kind=sides.kind[kept], place=sides.place[kept], size=sides.size[kept],
+                          velocity=sides.velocity[kept], face=sides.face[kept])  # fmt: skip
 
 
 def body_of(body: ObstacleSpec) -> Surfaces:
@@ -187,6 +262,8 @@ class Fluid(NamedTuple):
     shear_rate: float
     mean_free_path: float
     """m, of a gas; 0 of a liquid"""
+    varies: bool = False
+    """whether there is another flow, the `current` of the parameters"""
 
 
 class Bodies(NamedTuple):
@@ -225,17 +302,28 @@ class Parameters(NamedTuple):
     """the same without restitution: an overdamped particle that is pulled against a wall stays there"""
     mirroring: Sheet
     """the same with all of it: what diffuses is turned back whole"""
+    current: Any = ()
+    """a flow that varies, `flow_loops.Current`; an empty tuple without one"""
+    periodic: Periodic = Periodic((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    deposits: int = 0
+    """how many of the last openings are walls and obstacles that hold what touches them"""
 
 
-def parameters_of(scene: TracersScene) -> Parameters:
-    """Raises SceneError with what is wrong."""
+def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters:
+    """The parameters of a scene, with a flow by a function of the user or without. Raises SceneError with what is
+    wrong.
+    """
     _require_names(scene)
     surfaces, fluid = surfaces_of(scene), fluid_of(scene)
+    flow = varying_flow(scene, bounds(scene), own)
+    fluid = fluid._replace(varies=flow.current != ())
+    periodic = periodic_of(scene)
+    _require_periodic(flow, bounds(scene), periodic)
     settling = np.array([settling_speed(scene, fluid, (one.radius, one.density)) for one in scene.particles])
-    stream = Stream(np.array(fluid.flow), fluid.shear_rate, np.where(np.isfinite(settling), settling, 0.0))
+    stream = Stream(flow, np.where(np.isfinite(settling), settling, 0.0))
     inflow = inflow_of(scene, surfaces, stream)
     bodies = bodies_of(scene, fluid, inflow.species)
-    step = time_step_of(scene, surfaces, fluid, bodies)
+    step = time_step_of(scene, surfaces, fluid, bodies, flow.scales)
     late = np.where(bodies.friction > 0.0, bodies.mass / np.maximum(bodies.friction, 1e-300), math.inf) * LONGEST < step
     regime = scene.integration.integrator
     overdamped = (
@@ -259,7 +347,29 @@ def parameters_of(scene: TracersScene) -> Parameters:
         sheet(surfaces, *coefficients_of(scene)),
         sheet(surfaces, 0.0, 1.0),
         sheet(surfaces),
+        flow.current,
+        periodic,
+        int(sticking_of(scene).sum()),
     )
+
+
+ALIKE = 1e-6
+"""Of the largest speed: how much the velocities on two periodic sides may differ."""
+
+
+def _require_periodic(flow: LiquidFlow, box: tuple[tuple[float, ...], tuple[float, ...]], periodic: Periodic) -> None:
+    """Raise SceneError where the liquid does not flow alike on both sides of a periodic axis."""
+    low, high = (np.array(corner, float) for corner in box)
+    points = low + np.random.default_rng(0).uniform(size=(200, len(low))) * (high - low)
+    speed = np.abs(flow.velocity(points, 0.0)).max()
+    for axis in range(len(low)):
+        if periodic.sides[axis] > 0.0:
+            here, there = points.copy(), points.copy()
+            here[:, axis], there[:, axis] = low[axis], high[axis]
+            off = float(np.abs(flow.velocity(here, 0.0) - flow.velocity(there, 0.0)).max())
+            if off > ALIKE * speed:
+                message = f"got {'xyz'[axis]}; the velocities of the liquid on its two sides differ by {off:.3g} m/s"
+                raise SceneError([Fault("tank.periodic", f"{message}; expected the same")])
 
 
 def fluid_of(scene: TracersScene) -> Fluid:
@@ -347,7 +457,7 @@ def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float]
     return slow * law.settling_reynolds(reynolds) / reynolds
 
 
-def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies) -> float:
+def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies, scales: FlowScales) -> float:
     """The time step (s): as given, or limited by relaxation and walls. A frame is a whole number of steps."""
     asked = scene.integration.time_step
     if asked is not None:
@@ -357,7 +467,9 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             entered_count = f"got {asked:g} s; frame_every ({scene.frame_every:g} s) is not a multiple of it"
             raise SceneError([Fault("integration.time_step", f"{entered_count}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
-    longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
+    longest = min(
+        scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf, scales.longest_step()
+    )
     frames = scene.frames
     shortest = 0.0 if scene.integration.integrator == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
     for mass, friction, speed, gravity, radius in kinds_of(bodies):
@@ -367,6 +479,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             late = scene.integration.integrator == "overdamped" or inertial < shortest
             body = (friction, speed, mass * gravity, radius)
             longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
+            if fluid.thermal > 0.0:
+                longest = min(longest, scales.longest_diffusion(brownian_motion.diffusivity(fluid.thermal, friction)))
     steps = math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
     return scene.frame_every / ending_on_a_step(scene, steps)
 
@@ -433,6 +547,8 @@ class State(NamedTuple):
     """(1,) flights with more bounces than a step may have"""
     work: Array = np.zeros(1)
     """(1,) J of work from outside: see `energy_budget`"""
+    image: Integers = np.zeros((0, 2), np.int64)
+    """(N, d) how many periods each particle is away along each axis; (0, 2) without periodic axes"""
 
 
 class Workspace(NamedTuple):
@@ -452,6 +568,8 @@ class Workspace(NamedTuple):
     """(N, d) the part of the way that is chance"""
     external: Array
     """(N, d) m/s^2: the acceleration by laws of the user"""
+    flow: Array
+    """(N, d) m/s: the velocity of the liquid, in the middle of a step or its mean along the path"""
     radius: Array
     hits: Integers
     """(N,)"""
@@ -459,9 +577,10 @@ class Workspace(NamedTuple):
     """(N,)"""
 
 
-def make_state(position: Array, velocity: Array, surfaces: int) -> State:
+def make_state(position: Array, velocity: Array, surfaces: int, periodic: Periodic) -> State:
     """The state at time 0."""
-    count = len(position)
+    count, shape = len(position), position.shape
+    image = np.zeros(shape if periodic.any else (0, 2), np.int64)
     return State(
         np.ascontiguousarray(position),
         np.ascontiguousarray(velocity),
@@ -470,6 +589,7 @@ def make_state(position: Array, velocity: Array, surfaces: int) -> State:
         np.zeros(surfaces, np.int64),
         np.zeros(1, np.int64),
         np.zeros(1),
+        image,
     )
 
 
@@ -481,9 +601,9 @@ def entered_count(parameters: Parameters, state: State) -> int:
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """The workspace, which cannot overflow."""
     count, shape = len(state.position), state.position.shape
-    a, b, c, d, e, f, g = (np.zeros(shape) for _ in range(7))
+    a, b, c, d, e, f, g, k = (np.zeros(shape) for _ in range(8))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])
-    return Workspace(a, b, c, d, e, f, g, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
+    return Workspace(a, b, c, d, e, f, g, k, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 TOUCHING = 1e-6
@@ -531,15 +651,22 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
     if faults:
         raise SceneError(faults)
     velocity = np.concatenate([velocities(species, scene.dimensions) for species in scene.particles])
-    return make_state(np.concatenate(places), velocity.astype(np.float64), len(surfaces.kind))
+    made = make_state(np.concatenate(places), velocity.astype(np.float64), len(surfaces.kind), parameters.periodic)
+    for axis, side in enumerate(parameters.periodic.sides[: scene.dimensions]):
+        if side > 0.0:
+            away = np.floor((made.position[:, axis] - parameters.periodic.low[axis]) / side).astype(np.int64)
+            made.position[:, axis] -= side * away
+            made.image[:, axis] = away
+    return made
 
 
 def layout(scene: TracersScene, parameters: Parameters, state: State) -> Layout:
     """What a state with as many particles looks like: they enter through openings."""
     count = min(max(state.left.size, _at_first(scene)), len(parameters.bodies.radius))
     zeros = np.zeros((count, scene.dimensions))
-    blank = make_state(zeros, zeros, len(surfaces_of(scene).kind))
-    return Layout(blank, {"left": (-1, len(scene.openings) - 1)})
+    surfaces = surfaces_of(scene)
+    blank = make_state(zeros, zeros, len(surfaces.kind), parameters.periodic)
+    return Layout(blank, {"left": (-1, len(surfaces.hole) - 1)})
 
 
 def _at_first(scene: TracersScene) -> int:
@@ -590,10 +717,11 @@ def scattered(
 def corners(species: ParticleSpec, scene: TracersScene) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The box in which a species is thrown."""
     low, high = bounds(scene)
-    a = largest_radius(species)
+    a, open_sides = largest_radius(species), np.array(periodic_of(scene).sides[: scene.dimensions]) > 0.0
+    margin = np.where(open_sides, 0.0, a).tolist()
     return (
-        species.low or tuple(value + a for value in low),
-        species.high or tuple(value - a for value in high),
+        species.low or tuple(value + gap for value, gap in zip(low, margin, strict=True)),
+        species.high or tuple(value - gap for value, gap in zip(high, margin, strict=True)),
     )
 
 

@@ -17,7 +17,12 @@ from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source, first_broken, when
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
+from ecume.models.tracers import gridded_flows
 from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy
+from ecume.models.tracers.flow_loops import loops_for
+from ecume.models.tracers.flow_steps import advance
+from ecume.models.tracers.liquid_flow import LiquidFlow, OwnShape, varying_flow
+from ecume.models.tracers.named_flows import NAMED_FLOWS
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
     AIR,
@@ -28,6 +33,8 @@ from ecume.models.tracers.parameters import (
     State,
     Workspace,
     around,
+    body_of,
+    bounds,
     entered_count,
     fluid_of,
     layout,
@@ -36,9 +43,10 @@ from ecume.models.tracers.parameters import (
     workspace,
 )
 from ecume.models.tracers.parameters import TRACERS as ACCESS
-from ecume.models.tracers.time_stepping import UNBOUNDED, advance
-from ecume.scenes.tracers import TracersScene
+from ecume.models.tracers.time_stepping import UNBOUNDED
+from ecume.scenes.tracers import ObstacleSpec, TracersScene
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd import SIDES
 from ecume.units import Array, duration_text, size_text, with_prefix
 
 if TYPE_CHECKING:
@@ -52,6 +60,7 @@ ARRAY_UNITS = {
     "density": "kg/m^3",
     "species": "1",
     "left": "1",
+    "image": "1",
 }
 SECONDS_PER_STEP = 2e-5
 SECONDS_PER_PARTICLE = 5e-7
@@ -92,7 +101,11 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "species": bodies.species[:there].copy(),
         "left": state.left.copy(),
     }
-    holes = len(parameters.bouncing.hole)
+    if len(state.image):
+        arrays["image"] = state.image.copy()
+    every, holes = parameters.bouncing.hole, len(parameters.bouncing.hole) - parameters.deposits
+    held = {int(wall): holes + m for m, wall in enumerate(every[holes:])}
+    sides = {name: side for name, side in zip(SIDES, parameters.periodic.sides, strict=True) if side > 0.0}
     numbers = {
         "kinetic_energy": kinetic,
         "potential_energy": potential,
@@ -104,12 +117,14 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         **{f"hits_on_wall_{k}": float(count) for k, count in enumerate(state.hits)},
         **{f"left_through_opening_{m}": float((state.left == m).sum()) for m in range(holes)},
         **{f"came_through_opening_{m}": float((entered == m).sum()) for m in range(holes)},
+        **{f"deposited_on_wall_{k}": float((state.left == m).sum()) for k, m in held.items()},
         "flights_cut_short": float(state.tally[CAPPED]),
+        **sides,
     }
     if has_external_work(parameters):
         numbers[INJECTED] = float(state.work[0]) + overdamped_kinetic_energy(parameters, state)
     units = {name: "J" if name.endswith(("energy", INJECTED)) else "1" for name in numbers}
-    units |= {"mean_height": "m", "largest_speed": "m/s"}
+    units |= {"mean_height": "m", "largest_speed": "m/s", **dict.fromkeys(sides, "m")}
     return Frame(int(state.step[0]) * parameters.time_step, arrays, numbers, {**ARRAY_UNITS, **units})
 
 
@@ -145,6 +160,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
         ("gravity", *gravity_text((*(0.0,) * (scene.dimensions - 1), -fluid.gravity))),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
         *sizes_rows(parameters.bodies.radius),
+        *flow_rows(scene, parameters),
         *through_solids(scene, parameters),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
@@ -214,16 +230,79 @@ def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, st
     return [(f"{species.name}: Knudsen number", f"{path / species.radius:.3g}", remark)]
 
 
+CROSSING = 0.01
+"""Of the largest speed beside an obstacle: the normal velocity at its surface that is reported."""
+
+
+def flow_at(parameters: Parameters, places: Array) -> Array:
+    """(n, d) the velocity of the liquid at places, at time 0 (m/s)."""
+    fluid, current, d = parameters.fluid, parameters.current, parameters.dimensions
+    loops = None if current == () or isinstance(current.shape, OwnShape) else loops_for(current, d)
+    return LiquidFlow(np.array(fluid.flow), fluid.shear_rate, current, loops).velocity(places, 0.0)
+
+
+def flow_through(parameters: Parameters, body: ObstacleSpec) -> float:
+    """The largest velocity of the liquid normal to the surface of an obstacle (m/s)."""
+    places, normals = surface_points(body)
+    return float(np.abs((flow_at(parameters, places) * normals).sum(axis=1)).max())
+
+
+def surface_points(body: ObstacleSpec) -> tuple[Array, Array]:
+    """Points on an obstacle, and the normals there."""
+    low, high = (np.array(corner, float) for corner in around(body))
+    surfaces, middle = body_of(body), 0.5 * (low + high)
+    ways = np.random.default_rng(0).normal(size=(POINTS, len(low)))
+    ways /= np.sqrt((ways**2).sum(axis=1))[:, None]
+    if body.radius is not None:
+        return middle + body.radius * ways, ways
+    # Each way from the middle ends at the nearest plane that it meets.
+    inward = surfaces.place[:, : len(low)]
+    if body.vertices:
+        middle = np.mean(np.array(body.vertices, float), axis=0)
+    depth = middle @ inward.T + surfaces.size
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = np.where(ways @ inward.T < 0.0, depth / -(ways @ inward.T), np.inf)
+    face = far.argmin(axis=1)
+    return middle + far[np.arange(POINTS), face][:, None] * ways, -inward[face]
+
+
+POINTS = 400
+"""On an obstacle, at which the flow is examined."""
+
+
+def largest_flow(parameters: Parameters, low: Array, high: Array) -> float:
+    """The largest speed of the liquid around a box (m/s)."""
+    wide = 0.5 * (high - low)
+    places = np.random.default_rng(0).uniform(low - wide, high + wide, (POINTS, len(low)))
+    return float(np.sqrt((flow_at(parameters, places) ** 2).sum(axis=1)).max())
+
+
+def flow_rows(scene: TracersScene, parameters: Parameters) -> list[tuple[str, str, str]]:
+    """The flow that varies in place or time."""
+    if parameters.current == ():
+        return []
+    flow = varying_flow(scene, bounds(scene)) if not scene.user_laws else None
+    if flow is None or flow.current == ():
+        return []
+    scales, what = flow.scales, scene.flow.name or "from a file"
+    length = with_prefix(scales.length, "m", 3) if math.isfinite(scales.length) else "infinity"
+    rows = [("flow", with_prefix(scales.speed, "m/s", 3), f"{what}: largest speed; changes over {length}")]
+    if scene.flow.field is not None:
+        remark = "of the fluxes of the file is divergence, which the interpolation omits"
+        if scene.flow.field.interpolation == "linear":
+            rows.append(("divergence", "kept", "the interpolation is linear: particles may cluster"))
+        else:
+            rows.append(("divergence", f"{100.0 * flow.removed:.2g} %", remark))
+    return rows
+
+
 def through_solids(scene: TracersScene, parameters: Parameters) -> list[tuple[str, str, str]]:
     """The flow through obstacles, with its size: the liquid does not go around them."""
-    fluid, rows = parameters.fluid, []
+    rows = []
     for index, body in enumerate(scene.obstacles):
         low, high = (np.array(corner) for corner in around(body))
-        speed = max(
-            math.hypot(fluid.flow[0] + fluid.shear_rate * height, *fluid.flow[1:])
-            for height in (float(low[-1]), float(high[-1]))
-        )
-        if speed > 0.0:
+        speed, usual = flow_through(parameters, body), largest_flow(parameters, low, high)
+        if speed > CROSSING * usual:
             size, bodies = 0.5 * float((high - low).max()), parameters.bodies
             slowest = float((bodies.mass / np.where(bodies.friction > 0.0, bodies.friction, np.inf)).max())
             remark = "the flow does not go around obstacles: particles in their way are held against the front; Stokes "
@@ -250,11 +329,16 @@ def _missing(seen: NumberHistory) -> float:
     """The number of particles missing from the balance of those at the start, entered, left and present."""
     entered_count = _through("came", seen.now) - _through("came", seen.first)
     gone = _through("left", seen.now) - _through("left", seen.first)
-    return abs(seen.first["particles_inside"] + entered_count - gone - seen.now["particles_inside"])
+    held = _deposited(seen.now) - _deposited(seen.first)
+    return abs(seen.first["particles_inside"] + entered_count - gone - held - seen.now["particles_inside"])
 
 
 def _through(way: str, numbers: Numbers) -> float:
     return sum(value for name, value in numbers.items() if name.startswith(f"{way}_through_opening_"))
+
+
+def _deposited(numbers: Numbers) -> float:
+    return sum(value for name, value in numbers.items() if name.startswith("deposited_on_wall_"))
 
 
 # --- The laws behind a scene of tracers, whose docstrings cite the papers
@@ -272,7 +356,10 @@ def laws_of(scene: Any) -> list[Source]:
     )
     slip: list[Source] = [drag.cunningham_factor] if fluid_of(scene).mean_free_path > 0.0 else []
     walls: list[Source] = [brownian_motion.reflected_gain] if scene.hydrodynamics.brownian else []
-    return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip]
+    named = NAMED_FLOWS.get(scene.flow.name)
+    flow: list[Source] = [*named.papers] if named is not None else []
+    grids: list[Source] = [gridded_flows.face_velocity] if scene.flow.field is not None else []
+    return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip, *flow, *grids]
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:

@@ -45,10 +45,30 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
             parameters, state, scratch
         ):
             return DIVERGED
+        if len(state.image) > 0:
+            state.work[0] += wrap(parameters, state)
         state.step[0] += 1
         if inflow_due(parameters, state):
             return EXCHANGE
     return DONE
+
+
+@compiled
+def wrap(parameters: Parameters, state: State) -> float:
+    """Return particles to the periodic box and count the sides that they crossed; the work of the lifts (J)."""
+    low, sides, work, last = parameters.periodic.low, parameters.periodic.sides, 0.0, state.position.shape[1] - 1
+    for i in range(state.position.shape[0]):
+        if state.left[i] >= 0:
+            continue
+        for axis in range(last + 1):
+            if sides[axis] > 0.0:
+                away = math.floor((state.position[i, axis] - low[axis]) / sides[axis])
+                if away != 0.0:
+                    state.position[i, axis] -= away * sides[axis]
+                    state.image[i, axis] += int(away)
+                    if axis == last:
+                        work -= away * sides[axis] * parameters.bodies.mass[i] * parameters.bodies.apparent_gravity[i]
+    return work
 
 
 @compiled
@@ -119,16 +139,25 @@ def move_with(parameters: Parameters, state: State, scratch: Workspace, time: fl
 
 @compiled
 def inertial_step(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """One step of particles with inertia."""
+    """One step of particles with inertia in a uniform or sheared flow."""
+    fluid, last = parameters.fluid, state.position.shape[1] - 1
+    flow, h = fluid.flow, parameters.time_step
+    for i in range(len(scratch.status)):
+        if scratch.status[i] == 0:
+            for axis in range(last + 1):
+                scratch.flow[i, axis] = flow[axis]
+            scratch.flow[i, 0] += fluid.shear_rate * (state.position[i, last] + 0.5 * h * state.velocity[i, last])
+    return fly(parameters, state, scratch)
+
+
+@compiled
+def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
+    """One step of particles with inertia, in a liquid with the velocities `flow` of the workspace."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
-    flow = fluid.flow
-    numbers = (
-        h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal,
-        flow[0], flow[1], flow[2], fluid.shear_rate,
-    )  # fmt: skip
+    numbers = (h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal)
     plan_flights(
-        state.position, state.velocity, bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius,
-        scratch.status, scratch.acceleration, scratch.kick, scratch.noise, scratch.shift, scratch.external, numbers,
+        state.velocity, bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius, scratch.status, scratch.acceleration,
+        scratch.kick, scratch.noise, scratch.shift, scratch.external, scratch.flow, numbers,
     )  # fmt: skip
     copy(scratch.origin, state.position)
     copy(scratch.travel, state.velocity)
@@ -150,13 +179,13 @@ def overdamped_step(parameters: Parameters, state: State, scratch: Workspace) ->
     flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
     if fluid.thermal > 0.0:
         return diffusive_step(parameters, state, scratch, flow)
-    plan_drifts(state.position, bodies.settling, scratch.status, 0.5 * h, flow, scratch.travel)
+    plan_drifts(state.position, bodies.settling, scratch.status, 0.5 * h, flow, scratch.travel, scratch.flow)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.travel)
     well, budget = move_with(parameters, state, scratch, 0.5 * h, parameters.stopping), has_budget(parameters)
     if budget:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
-    plan_drifts(state.position, bodies.settling, scratch.status, 0.5 * h, flow, scratch.travel)
+    plan_drifts(state.position, bodies.settling, scratch.status, 0.5 * h, flow, scratch.travel, scratch.flow)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.travel)
     well = move_with(parameters, state, scratch, 0.5 * h, parameters.stopping) and well
     if budget:
@@ -181,7 +210,7 @@ def diffusive_step(
     """One step of particles without inertia, with thermal noise."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     key, last = (parameters.seed, state.step[0], fluid.thermal), state.position.shape[1] - 1
-    plan_drifts(state.position, bodies.settling, scratch.status, h, flow, scratch.travel)
+    plan_drifts(state.position, bodies.settling, scratch.status, h, flow, scratch.travel, scratch.flow)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.travel)
     plan_steps(bodies.friction, scratch.status, key, h, scratch.noise)
     for i in range(len(scratch.status)):
@@ -194,7 +223,7 @@ def diffusive_step(
     well = move_with(parameters, state, scratch, h, parameters.mirroring)
     state.work[0] += work_of_noise(parameters, state, scratch)
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
-    plan_drifts(state.position, bodies.settling, scratch.status, 0.0, flow, scratch.travel)
+    plan_drifts(state.position, bodies.settling, scratch.status, 0.0, flow, scratch.travel, scratch.flow)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.travel)
     store_drift_velocities(state, scratch)
     return well
@@ -225,6 +254,10 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             share = min(gap / (gap - after), 1.0) if after < 0.0 else 0.5
             foot = axpy(axpy(x, share, way), -radius if after < 0.0 else -0.5 * (gap + after) - radius, normal)
             if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
+                # The path may have touched the opening between its ends, which the particle then does not leave.
+                touched = uniforms(counter_of_pair(i, piece, int(state.step[0]), 0), parameters.seed)[0]
+                if after > 0.0 and touched < math.exp(-2.0 * gap * after / variance):
+                    way = axpy(way, -after - 1e-6 * radius, normal)
                 continue
             draw = uniforms(counter_of_pair(i, piece, int(state.step[0]), 0), parameters.seed)[0]
             end = brownian_motion.reflected_gain(after - gap, variance, -math.log(draw))
@@ -293,7 +326,6 @@ def midway_friction(
 
 @compiled
 def plan_flights(
-    position: Array,
     velocity: Array,
     mass: Array,
     weight: Array,
@@ -305,19 +337,19 @@ def plan_flights(
     noise: Array,
     shift: Array,
     external: Array,
-    numbers: tuple[float, int, int, DragChoice, float, float, float, float, float, float, float],
+    liquid: Array,
+    numbers: tuple[float, int, int, DragChoice, float, float, float],
 ) -> None:
     """The parabola of each particle with inertia: it ends where the exact motion ends.
 
-    numbers = (time step, step, seed, drag law, liquid's density, viscosity, thermal energy, flow x, y, z, shear rate).
+    liquid: its velocities (m/s); numbers = (time step, step, seed, drag law, density, viscosity, kT).
     """
-    h, step, seed, law, density, viscosity, thermal, flow_x, flow_y, flow_z, shear = numbers
-    last = position.shape[1] - 1
-    for i in range(position.shape[0]):
+    h, step, seed, law, density, viscosity, thermal = numbers
+    last = velocity.shape[1] - 1
+    for i in range(velocity.shape[0]):
         if status[i] != 0:
             continue
-        height = position[i, last] + 0.5 * h * velocity[i, last]
-        flow = (flow_x + shear * height, flow_y, flow_z)
+        flow = (liquid[i, 0], liquid[i, 1], liquid[i, 2] if last > 1 else 0.0)
         body = (radius[i], stokes[i], 2.0 * mass[i] / h, 0.5 * h * weight[i])
         friction = midway_friction(velocity, i, flow, body, (law, density, viscosity)) if stokes[i] > 0.0 else 0.0
         ratio = h * friction / mass[i]
@@ -381,15 +413,18 @@ def plan_drifts(
     time: float,
     flow: tuple[float, float, float, float],
     velocity: Array,
+    liquid: Array,
 ) -> None:
-    """The velocity of what has no inertia: with the liquid, and down at the terminal speed."""
+    """The velocity of what has no inertia: with the liquid, and down at the terminal speed; and that of the liquid."""
     last = position.shape[1] - 1
     for i in range(position.shape[0]):
         if status[i] == 0:
             height = position[i, last] - 0.5 * time * settling[i]
             for axis in range(last + 1):
-                velocity[i, axis] = flow[axis]
-            velocity[i, 0] += flow[3] * height
+                liquid[i, axis] = flow[axis]
+            liquid[i, 0] += flow[3] * height
+            for axis in range(last + 1):
+                velocity[i, axis] = liquid[i, axis]
             velocity[i, last] -= settling[i]
 
 

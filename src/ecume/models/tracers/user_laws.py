@@ -7,20 +7,27 @@ work of an acceleration a is m a.dx, without the part of the way that is thermal
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.errors import Fault, SceneError
+from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.actions import with_injected_work
+from ecume.models.costs import within_steps
 from ecume.models.model import DONE, Model
+from ecume.models.tracers import flow_steps
+from ecume.models.tracers.flow_loops import loops_of
+from ecume.models.tracers.liquid_flow import OwnFlow, own_velocity
 from ecume.models.tracers.parameters import TRACERS as ACCESS
-from ecume.models.tracers.parameters import Bodies, Parameters, State, Workspace
+from ecume.models.tracers.parameters import Bodies, Parameters, State, Workspace, parameters_of
 from ecume.models.user_laws import (
     EXTERNAL,
+    FLOW,
     BoundLaw,
+    called,
     compiled_for_laws,
     flags_of,
     require_acceleration,
@@ -66,8 +73,52 @@ def joined(own: Own, constants: Any) -> Tracer:
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """The tracers with external laws of the user. Raises BadInput for what is no such law."""
-    require_kinds("tracers", laws, [EXTERNAL])
+    """The tracers with laws of the user: external ones, and the flow of the liquid. Raises BadInput for what is no such
+    law.
+    """
+    require_kinds("tracers", laws, [EXTERNAL, FLOW])
+    currents = [law for law in laws if law.arguments == FLOW]
+    if len(currents) > 1:
+        names = " and ".join(law.name for law in currents)
+        raise BadInput(f"extra_laws: got the flows {names}, of three arguments; expected one")
+    model = with_flow(model, currents[0]) if currents else model
+    external = [law for law in laws if law.arguments == EXTERNAL]
+    return with_external_laws(model, external) if external else model
+
+
+def with_flow(model: Model, law: BoundLaw) -> Model:
+    """The tracers in a flow that is a function of the user, law(position, time, constants) -> velocity."""
+    made: dict[int, OwnFlow] = {}
+
+    def own(dimensions: int) -> OwnFlow:
+        if dimensions not in made:
+            loops = loops_of(own_velocity(law.function, dimensions), dimensions)
+            made[dimensions] = OwnFlow(loops, law.constants)
+        return made[dimensions]
+
+    def parameters_with_flow(scene: TracersScene) -> Parameters:
+        require_velocity(law, (1e-3,) * scene.dimensions)
+        return within_steps(scene, parameters_of(scene, own(scene.dimensions)))
+
+    def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+        return flow_steps.advance(parameters, state, scratch, steps, own(parameters.dimensions).loops)
+
+    return dataclasses.replace(model, parameters=parameters_with_flow, advance=advance)
+
+
+def require_velocity(law: BoundLaw, position: tuple[float, ...]) -> None:
+    """Test a flow at one position."""
+    found = called(law, position, 0.0, law.constants)
+    good = isinstance(found, tuple) and len(found) == len(position)
+    if not good or not all(isinstance(value, float) and math.isfinite(value) for value in found):
+        raise BadInput(
+            f"extra_laws: {law.name}: got {found!r}; expected a velocity in m/s, a tuple of {len(position)} numbers "
+            "with decimal points"
+        )
+
+
+def with_external_laws(model: Model, laws: Sequence[BoundLaw]) -> Model:
+    """The tracers with external laws."""
     total = sum_of_external_laws(laws, joined)
     loops: dict[int, Callable[..., None]] = {}
 
@@ -77,7 +128,7 @@ def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
         now = int(state.step[0]) * parameters.time_step
         loop(state.position, state.velocity, parameters.bodies, flags, (now, time), external)
 
-    def parameters_of(scene: TracersScene) -> Parameters:
+    def parameters_with_laws(scene: TracersScene) -> Parameters:
         parameters: Parameters = model.parameters(scene)
         for law in laws:
             require_acceleration(law, (1e-3,) * scene.dimensions, Tracer(1e-3, 2e3, 1e-5, 1e-5, law.constants))
@@ -97,7 +148,7 @@ def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
     def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         return with_injected_work(model.observe(parameters, state, scratch), ACCESS, state)
 
-    return dataclasses.replace(model, parameters=parameters_of, advance=advance, observe=observe)
+    return dataclasses.replace(model, parameters=parameters_with_laws, advance=advance, observe=observe)
 
 
 def _midpoint_loop(total: Callable[..., None], dimensions: int) -> Callable[..., None]:

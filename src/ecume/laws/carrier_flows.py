@@ -1,0 +1,142 @@
+"""Flows that carry particles, as exact solutions: in channels and tubes, vortices, gyres and waves.
+
+Velocities are those at one point: x along the flow, y across it, z upward. All are free of divergence.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from ecume.units import Angle, Length, Number, Rate, Speed, Unit
+
+Wavenumber = Annotated[float, Unit("1/m")]
+
+DUCT_TERMS = 40
+"""Terms of the series of a duct: the remainder is below 1e-6 of the mean speed at the sides, and far less inside."""
+
+
+def tube_speed(distance: Length, radius: Length, speed: Speed) -> Speed:
+    """Speed at a distance from the axis of a tube in steady laminar flow, 2 U (1 - r^2/R^2).
+
+    U: the mean `speed`; R: the radius of the tube. Beyond the wall it is that of the mirror image. [batchelor1967].
+
+    >>> tube_speed(0.0, 1.0, 0.5), tube_speed(1.0, 1.0, 0.5)
+    (1.0, 0.0)
+    """
+    r = distance if distance < radius else 2.0 * radius - distance
+    return 2.0 * speed * (1.0 - (r / radius) * (r / radius))
+
+
+def duct_speed(across: Length, upright: Length, width: Length, depth: Length, slope: Speed) -> Speed:
+    """Speed at (y, z) from the middle of a rectangular duct of the sides a and b in steady laminar flow.
+
+    G [1 - (2 z/b)^2 - sum over odd n of (32/(pi n)^3) (-1)^((n-1)/2) cosh(n pi y/b)/cosh(n pi a/(2 b)) cos(n pi z/b)].
+    y: `across`; z: `upright`; a: `width`; b: `depth`; G: `slope`, the speed in the middle of a wide duct, see
+    `duct_mean`. [batchelor1967].
+
+    >>> round(duct_speed(0.0, 0.0, 1.0, 1.0, 1.0), 5), abs(duct_speed(0.5, 0.1, 1.0, 1.0, 1.0)) < 1e-5
+    (0.58937, True)
+    """
+    y, total = abs(across), 1.0 - (2.0 * upright / depth) * (2.0 * upright / depth)
+    sign = 1.0
+    for k in range(DUCT_TERMS):
+        n = (2 * k + 1) * math.pi
+        # cosh over cosh, without overflow
+        ratio = math.exp(n * (y - 0.5 * width) / depth)
+        ratio *= (1.0 + math.exp(-2.0 * n * y / depth)) / (1.0 + math.exp(-n * width / depth))
+        total -= sign * 32.0 / (n * n * n) * ratio * math.cos(n * upright / depth)
+        sign = -sign
+        if ratio < 1e-16:
+            break
+    return slope * total
+
+
+def duct_mean(width: Length, depth: Length) -> Number:
+    """The mean speed in a rectangular duct over the `slope` of `duct_speed`: 2/3 in a wide one.
+
+    (2/3) [1 - (192 b/(pi^5 a)) sum over odd n of tanh(n pi a/(2 b))/n^5]; a: `width`, b: `depth`. [batchelor1967].
+
+    >>> round(duct_mean(1.0, 1.0), 6), round(duct_mean(1e6, 1.0), 4)
+    (0.281154, 0.6667)
+    """
+    total = 0.0
+    for k in range(DUCT_TERMS):
+        n = 2.0 * k + 1.0
+        total += math.tanh(0.5 * n * math.pi * width / depth) / n**5
+    return 2.0 / 3.0 * (1.0 - 192.0 * depth / (math.pi**5 * width) * total)
+
+
+def cellular_velocity(phase_x: Angle, phase_y: Angle, speed: Speed) -> tuple[Speed, Speed]:
+    """Velocity (along x, upward) in square cells that turn alternately, stream function (U/k) sin(kx) sin(kz).
+
+    U sin(kx) cos(kz) and -U cos(kx) sin(kz); phases: k x and k z; U: the largest speed. No liquid crosses the sides
+    of a cell, where kx or kz is a multiple of pi. [maxey1987; taylor1937].
+
+    >>> cellular_velocity(0.0, math.pi / 2, 2.0)
+    (0.0, -2.0)
+    """
+    along = speed * math.sin(phase_x) * math.cos(phase_y)
+    return along, -speed * math.cos(phase_x) * math.sin(phase_y)
+
+
+def double_gyre_velocity(x: Number, upright: Number, swing: Number, speed: Speed) -> tuple[Speed, Speed]:
+    """Velocity (along x, upward) of two gyres side by side whose border swings, in units of their height.
+
+    -U sin(pi f) cos(pi z) and U cos(pi f) sin(pi z) df/dx with f = s x^2 + (1 - 2 s) x, 0 < x < 2, 0 < z < 1; s: the
+    `swing`, e sin(w t); U: the `speed`, pi A. [shadden2005].
+
+    >>> double_gyre_velocity(0.5, 0.0, 0.0, 1.0), round(double_gyre_velocity(1.0, 0.5, 0.0, 1.0)[1], 12)
+    ((-1.0, 0.0), -1.0)
+    """
+    f = x * (swing * x + 1.0 - 2.0 * swing)
+    slope = 2.0 * swing * (x - 1.0) + 1.0
+    along = -speed * math.sin(math.pi * f) * math.cos(math.pi * upright)
+    return along, speed * math.cos(math.pi * f) * math.sin(math.pi * upright) * slope
+
+
+def wave_velocity(
+    phase_x: Angle, height: Length, wavenumber: Wavenumber, depth: Length, speed: Speed
+) -> tuple[Speed, Speed]:
+    """Velocity (along x, upward) under a small wave that travels along x, at a height above the bottom.
+
+    U cosh(k z)/cosh(k H) cos(p) and U sinh(k z)/cosh(k H) sin(p), with the phase p = k x - w t; H: `depth`; U: the
+    horizontal `speed` at the surface, which is highest where p = 0. A particle drifts along x by
+    U^2 k/(2 w) cosh(2 k z)/cosh(k H)^2, to second order in U. [lamb1932].
+
+    >>> wave_velocity(0.0, 2.0, 1.0, 2.0, 0.5)
+    (0.5, 0.0)
+    """
+    k, twice = wavenumber, -2.0 * wavenumber * height
+    # cosh over cosh, without overflow
+    scale = speed * math.exp(k * (height - depth)) / (1.0 + math.exp(-2.0 * k * depth))
+    return scale * (1.0 + math.exp(twice)) * math.cos(phase_x), scale * (1.0 - math.exp(twice)) * math.sin(phase_x)
+
+
+def abc_velocity(phase_x: Angle, phase_y: Angle, phase_along: Angle, speed: Speed) -> tuple[Speed, Speed, Speed]:
+    """Velocity (x, y, z) of Arnold, Beltrami and Childress's chaotic flow with A, B, C = sqrt(3), sqrt(2), 1 times U.
+
+    A sin(kz) + C cos(ky), B sin(kx) + A cos(kz), C sin(ky) + B cos(kx); phases: kx, ky and kz. Its vorticity is k times
+    the velocity, so that it is a steady solution of Euler's equations. [dombre1986].
+
+    >>> tuple(round(each, 6) for each in abc_velocity(0.0, 0.0, 0.0, 1.0))
+    (1.0, 1.732051, 1.414214)
+    """
+    a, b, c = math.sqrt(3.0) * speed, math.sqrt(2.0) * speed, speed
+    return (
+        a * math.sin(phase_along) + c * math.cos(phase_y),
+        b * math.sin(phase_x) + a * math.cos(phase_along),
+        c * math.sin(phase_y) + b * math.cos(phase_x),
+    )
+
+
+def time_factor(time: Annotated[float, Unit("s")], amplitude: Number, turning: Rate, decay: Rate) -> Number:
+    """What the velocities of a flow are multiplied by at a time, (1 + A sin(w t)) exp(-c t). [womersley1955].
+
+    A: `amplitude`; w: `turning`; c: `decay`. Instantaneous: the shape of the flow does not depend on the frequency,
+    which holds for channels narrower than sqrt(nu/w).
+
+    >>> time_factor(0.25, 0.5, 2.0 * math.pi, 0.0)
+    1.5
+    """
+    return (1.0 + amplitude * math.sin(turning * time)) * math.exp(-decay * time)

@@ -1,0 +1,199 @@
+"""Velocities of a liquid from files: NumPy, NetCDF and VTK grids, and recorded runs of tanks.
+
+Arrays may be in either order of their axes where dimensions have names (NetCDF); otherwise they are indexed [x, y, z],
+with the time first. Raises BadInput for what is no grid of equal steps.
+"""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine import interpolation
+from ecume.errors import BadInput, install
+from ecume.models.tracers.gridded_flows import Grid
+from ecume.scenes.tracers import FieldSpec
+from ecume.trajectories.reader import open_trajectory
+from ecume.units import Array
+
+EVEN = 1e-5
+"""How far nodes may be from equal steps, over a step: files hold them in single precision."""
+EXTRA = "flows"
+FINE = 50
+"""Cells along a tank, by default."""
+REACH = 2.0
+"""Of averages over the particles of a run, in spacings of the grid."""
+
+
+class Names(NamedTuple):
+    """The names of arrays in a file."""
+
+    coordinates: tuple[str, ...]
+    velocities: tuple[str, ...]
+    time: str
+
+
+def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
+    """The velocities of a file in SI units. Raises BadInput."""
+    path = Path(spec.file)
+    names = Names(
+        spec.coordinates or ("x", "y", "z")[:dimensions], spec.velocities or ("u", "v", "w")[:dimensions], spec.time
+    )
+    for key, given in (("coordinates", names.coordinates), ("velocities", names.velocities)):
+        if len(given) != dimensions:
+            raise BadInput(f"got {len(given)} names; expected {dimensions}", key)
+    if path.is_dir():
+        return _of_run(path, spec, dimensions)
+    if spec.spacing is not None:
+        raise BadInput("is of the grid of a run; a file has its own", "spacing")
+    readers = {".npz": _of_numpy, ".nc": _of_netcdf, ".nc4": _of_netcdf, ".vti": _of_vtk, ".vtr": _of_vtk,
+               ".vtk": _of_vtk}  # fmt: skip
+    if path.suffix.lower() not in readers:
+        raise BadInput(f"got {path.name!r}; expected {', '.join(readers)}, or the directory of a run", "file")
+    places, velocity, times = readers[path.suffix.lower()](path, names, spec.time_unit)
+    if velocity.shape[1:-1] != tuple(map(len, places)):
+        expected = "x".join(str(len(each)) for each in places)
+        got = "x".join(map(str, velocity.shape[1:-1]))
+        raise BadInput(f"{path.name}: its velocities are {got}; its coordinates make a grid of {expected}", "file")
+    if len(times) != len(velocity) or (len(times) > 1 and not (np.diff(times) > 0.0).all()):
+        raise BadInput(f"{path.name}: its {len(times)} times do not rise with its {len(velocity)} instants", "file")
+    places = [spec.length_unit * each for each in places]
+    return _grid(path.name, places, spec.velocity_unit * velocity, spec.time_unit * times)
+
+
+def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid:
+    """A grid, each axis in rising order. Raises BadInput for one of unequal steps, and for infinite velocities."""
+    low, step = [], []
+    for axis, place in enumerate(places):
+        if len(place) < 2:
+            raise BadInput(f"{name}: got {len(place)} node along axis {axis}; expected two or more", "file")
+        if place[0] > place[-1]:
+            place, velocity = place[::-1], np.flip(velocity, axis + 1)
+        width = float(place[-1] - place[0]) / (len(place) - 1)
+        off = np.abs(place - place[0] - width * np.arange(len(place))).max()
+        if not off <= EVEN * width * len(place):
+            raise BadInput(f"{name}: its nodes are uneven along axis {axis}; expected steps of {width:g} m", "file")
+        low.append(float(place[0]))
+        step.append(width)
+    if np.isinf(velocity).any():
+        raise BadInput(f"{name}: got an infinite velocity; expected numbers, or NaN on land", "file")
+    if np.isnan(velocity).all():
+        raise BadInput(f"{name}: all velocities are NaN, which is land", "file")
+    return Grid(tuple(low), tuple(step), times.astype(float), np.ascontiguousarray(velocity, dtype=float))
+
+
+def _of_numpy(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            _require(path, (*names.coordinates, *names.velocities), list(file))
+            places = [np.asarray(file[name], float) for name in names.coordinates]
+            velocity = np.stack([np.asarray(file[name], float) for name in names.velocities], axis=-1)
+            times = np.atleast_1d(np.asarray(file[names.time], float)) if names.time in file else np.zeros(1)
+    except (ValueError, OSError, zipfile.BadZipFile, EOFError, KeyError) as error:
+        if isinstance(error, BadInput):
+            raise
+        raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
+    return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], times
+
+
+def _require(path: Path, wanted: tuple[str, ...], there: list[str]) -> None:
+    missing = [name for name in wanted if name not in there]
+    if missing:
+        raise BadInput(f"{path.name}: has no {missing[0]!r}; it has {', '.join(sorted(map(str, there)))}", "file")
+
+
+def _of_netcdf(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+    try:
+        import xarray
+    except ImportError as error:
+        raise BadInput(f"{path.name}: NetCDF needs xarray: {install(EXTRA)}", "file") from error
+    try:
+        file = xarray.open_dataset(path)
+    except (ValueError, OSError) as error:
+        raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
+    with file:
+        _require(path, (*names.coordinates, *names.velocities), [str(name) for name in file.variables])
+        parts, steady = [], names.time not in file.variables
+        axes = [file[name].dims[0] for name in names.coordinates]
+        for name in names.velocities:
+            array = file[name]
+            order = [*(() if steady else file[names.time].dims[:1]), *axes]
+            spare = [dim for dim in array.dims if dim not in order]
+            if any(array.sizes[dim] > 1 for dim in spare):
+                raise BadInput(f"{path.name}: {name} has a further dimension {spare[0]}; select one level", "file")
+            array = array.squeeze(spare)
+            if not steady and order[0] not in array.dims:
+                array = array.expand_dims({order[0]: 1})
+            parts.append(array.transpose(*order).to_numpy().astype(float))
+        places = [file[name].to_numpy().astype(float) for name in names.coordinates]
+        times = np.zeros(1) if steady else np.atleast_1d(file[names.time].to_numpy())
+    if np.issubdtype(times.dtype, np.datetime64):
+        times = (times - times[0]) / np.timedelta64(1, "s") / unit
+    velocity = np.stack(parts, axis=-1)
+    return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], np.asarray(times, float)
+
+
+def _of_vtk(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+    try:
+        from vtkmodules.util import numpy_support
+        from vtkmodules.vtkIOLegacy import vtkDataSetReader
+        from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLRectilinearGridReader
+    except ImportError as error:
+        raise BadInput(f"{path.name}: VTK needs vtk: {install(EXTRA)}", "file") from error
+    kinds = {".vti": vtkXMLImageDataReader, ".vtr": vtkXMLRectilinearGridReader, ".vtk": vtkDataSetReader}
+    reader: Any = kinds[path.suffix.lower()]()
+    to_numpy: Any = numpy_support.vtk_to_numpy
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput()
+    counts = getattr(data, "GetDimensions", lambda: (0, 0, 0))()
+    if min(counts) < 1 or max(counts) < 2:
+        raise BadInput(f"{path.name}: got no structured or rectilinear grid", "file")
+    if hasattr(data, "GetXCoordinates"):
+        every = [to_numpy(each) for each in (data.GetXCoordinates(), data.GetYCoordinates(), data.GetZCoordinates())]
+    else:
+        spans = zip(data.GetOrigin(), data.GetSpacing(), counts, strict=True)
+        every = [origin + step * np.arange(count) for origin, step, count in spans]
+    points = data.GetPointData()
+    found = [points.GetArray(k) for k in range(points.GetNumberOfArrays())]
+    vectors = [each for each in found if each.GetNumberOfComponents() == 3]
+    named = [each for each in vectors if each.GetName() in names.velocities] or vectors
+    if not named:
+        raise BadInput(f"{path.name}: has no vectors at its points; expected the velocity", "file")
+    values = to_numpy(named[0]).reshape(*reversed(counts), 3).transpose(2, 1, 0, 3)
+    used = [axis for axis in range(3) if counts[axis] > 1]
+    if len(used) != len(names.coordinates):
+        raise BadInput(f"{path.name}: its grid has {len(used)} dimensions; the scene {len(names.coordinates)}", "file")
+    flat = values.reshape(*(counts[axis] for axis in used), 3)[..., used]
+    return [np.asarray(every[axis], float) for axis in used], np.asarray(flat, float)[None], np.zeros(1)
+
+
+def _of_run(path: Path, spec: FieldSpec, dimensions: int) -> Grid:
+    """The velocities of the particles of a tank, averaged onto a grid in each frame; at rest where no liquid is."""
+    run = open_trajectory(path)
+    if not len(run) or {"position", "velocity"} - set(run[0].arrays):
+        raise BadInput(f"{path.name}: has no frames with positions and velocities of a liquid", "file")
+    first = run[0].arrays["position"]
+    if first.shape[1] != dimensions:
+        raise BadInput(f"{path.name}: is a run in {first.shape[1]}D; the scene is in {dimensions}D", "file")
+    low, high = first.min(axis=0), first.max(axis=0)
+    for frame in run:
+        low, high = np.minimum(low, frame.arrays["position"].min(axis=0)), np.maximum(
+            high, frame.arrays["position"].max(axis=0))  # fmt: skip
+    spacing = spec.spacing or float((high - low).max()) / FINE
+    counts = [max(2, math.ceil(side / spacing) + 1) for side in high - low]
+    places = [start + spacing * np.arange(count) for start, count in zip(low, counts, strict=True)]
+    points = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, dimensions)
+    instants = [_averaged(frame.arrays, points, REACH * spacing).reshape(*counts, dimensions) for frame in run]
+    return _grid(path.name, places, np.stack(instants), np.asarray(run.times, float))
+
+
+def _averaged(arrays: Any, points: Array, reach: float) -> Array:
+    """The linear fit to the velocities around each point; 0 where no particle is near."""
+    pairs = interpolation.near(points, arrays["position"], reach)
+    weight = np.maximum(1.0 - (pairs.distance / reach) ** 2, 0.0) ** 2
+    return np.nan_to_num(interpolation.planes(pairs, weight, arrays["velocity"]))

@@ -1,0 +1,211 @@
+"""Loops over tracers in a flow that varies, one set for each flow: where the liquid takes them, and what it does.
+
+They are made for one velocity function and kept on disk, so that a scene compiles only the flow that it has.
+"""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit
+from ecume.engine.cells import Integers
+from ecume.engine.walls.sheets import axpy, load, store
+from ecume.laws import carrier_flows
+from ecume.models.tracers.gridded_flows import GRIDDED_VELOCITIES
+from ecume.models.tracers.named_flows import NAMED_FLOWS
+from ecume.models.user_laws import compiled_for_laws
+from ecume.units import Array
+
+admit(carrier_flows)
+
+Vector = tuple[float, float, float]
+Pulse = tuple[float, float, float]
+"""Amplitude, angular frequency and rate of decay of `carrier_flows.time_factor`."""
+
+
+class Current(NamedTuple):
+    """A flow that varies: a shape times a factor in time, and a uniform shear flow."""
+
+    shape: Any
+    pulse: Pulse
+    uniform: tuple[float, float, float, float]
+    """velocity (m/s) and shear rate (1/s)"""
+    spacing: float
+    """m: of the differences that give its gradients"""
+
+
+class Loops(NamedTuple):
+    """The compiled loops of a flow."""
+
+    velocities: Callable[..., None]
+    """velocities(position, time, current, found)"""
+    midways: Callable[..., None]
+    """midways(position, velocity, status, (time, step), current, flow): velocities of the liquid, half a step ahead"""
+    paths: Callable[..., None]
+    """paths(position, status, (time, step), current, drift, flow): the mean velocity of the liquid along each path"""
+    noisy_paths: Callable[..., None]
+    """noisy_paths(position, status, (time, step), current, drift, noise, flow): the same with random displacements"""
+    gradients: Callable[..., None]
+    """gradients(position, velocity, status, (time, step), current, found): gradients and accelerations"""
+
+
+def _velocity_functions() -> dict[type, Callable[..., Vector]]:
+    named = {typing.get_type_hints(row.shape)["return"]: row.velocity for row in NAMED_FLOWS.values()}
+    return {**named, **GRIDDED_VELOCITIES}  # type: ignore[dict-item]  # compiled functions are functions
+
+
+def loops_for(current: Current, dimensions: int) -> Loops:
+    """The loops of a flow, by the type of its shape."""
+    return loops_of(_velocity_functions()[type(current.shape)], dimensions)
+
+
+@cache
+def loops_of(velocity: Callable[..., Vector], dimensions: int) -> Loops:
+    """The loops of a flow with this velocity(shape, x, y, z, time), in two or three dimensions."""
+    at = _velocity_at(velocity, dimensions)
+    return Loops(_velocities(at), _midways(at), _paths(at), _noisy_paths(at), _gradients(at, dimensions))
+
+
+def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, float], Vector]:
+    """The velocity of the whole flow at a point with its coordinates in the order of positions."""
+    factor = carrier_flows.time_factor
+
+    @compiled_for_laws
+    def in_3d(current: Current, place: Vector, time: float) -> Vector:
+        found = velocity(current.shape, place[0], place[1], place[2], time)
+        scale = factor(time, current.pulse[0], current.pulse[1], current.pulse[2])
+        uniform = current.uniform
+        return (
+            scale * found[0] + uniform[0] + uniform[3] * place[2],
+            scale * found[1] + uniform[1],
+            scale * found[2] + uniform[2],
+        )
+
+    @compiled_for_laws
+    def in_2d(current: Current, place: Vector, time: float) -> Vector:
+        found = velocity(current.shape, place[0], 0.0, place[1], time)
+        scale = factor(time, current.pulse[0], current.pulse[1], current.pulse[2])
+        uniform = current.uniform
+        return scale * found[0] + uniform[0] + uniform[3] * place[1], scale * found[2] + uniform[1], 0.0
+
+    return in_2d if dimensions == 2 else in_3d
+
+
+def _velocities(at: Callable[..., Vector]) -> Callable[..., None]:
+    @compiled_for_laws
+    def velocities(position: Array, time: float, current: Current, found: Array) -> None:
+        for i in range(len(position)):
+            store(found, i, at(current, load(position, i), time))
+
+    return velocities
+
+
+def _midways(at: Callable[..., Vector]) -> Callable[..., None]:
+    @compiled_for_laws
+    def midways(
+        position: Array, velocity: Array, status: Integers, when: tuple[float, float], current: Current, flow: Array
+    ) -> None:
+        half = 0.5 * when[1]
+        for i in range(len(status)):
+            if status[i] == 0:
+                place = axpy(load(position, i), half, load(velocity, i))
+                store(flow, i, at(current, place, when[0] + half))
+
+    return midways
+
+
+def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
+    """Runge and Kutta's method of fourth order: the particle moves with the liquid and with `drift`."""
+
+    @compiled_for_laws
+    def paths(
+        position: Array, status: Integers, when: tuple[float, float], current: Current, drift: Array, flow: Array
+    ) -> None:
+        time, h = when
+        for i in range(len(status)):
+            if status[i] != 0:
+                continue
+            start, own = load(position, i), load(drift, i)
+            first = at(current, start, time)
+            place = axpy(axpy(start, 0.5 * h, first), 0.5 * h, own)
+            second = at(current, place, time + 0.5 * h)
+            place = axpy(axpy(start, 0.5 * h, second), 0.5 * h, own)
+            third = at(current, place, time + 0.5 * h)
+            place = axpy(axpy(start, h, third), h, own)
+            fourth = at(current, place, time + h)
+            mean = axpy(axpy(axpy(first, 2.0, second), 2.0, third), 1.0, fourth)
+            store(flow, i, (mean[0] / 6.0, mean[1] / 6.0, mean[2] / 6.0))
+
+    return paths
+
+
+def _noisy_paths(at: Callable[..., Vector]) -> Callable[..., None]:
+    """Heun's method for noise that does not depend on place: of weak order two."""
+
+    @compiled_for_laws
+    def noisy_paths(
+        position: Array,
+        status: Integers,
+        when: tuple[float, float],
+        current: Current,
+        drift: Array,
+        noise: Array,
+        flow: Array,
+    ) -> None:
+        time, h = when
+        for i in range(len(status)):
+            if status[i] != 0:
+                continue
+            start = load(position, i)
+            first = at(current, start, time)
+            place = axpy(axpy(axpy(start, h, first), h, load(drift, i)), h, load(noise, i))
+            second = at(current, place, time + h)
+            store(flow, i, (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]), 0.5 * (first[2] + second[2])))
+
+    return noisy_paths
+
+
+VORTICITY, CURVATURE, ACCELERATION = 0, 3, 6
+"""First columns of `gradients`: curl u, Laplacian of u, and Du/Dt with dt at a fixed place and along the liquid."""
+
+
+def _gradients(at: Callable[..., Vector], dimensions: int) -> Callable[..., None]:
+    """Vorticity, Laplacian and acceleration of the liquid, by central differences, half a step ahead."""
+    axes = dimensions
+
+    @compiled_for_laws
+    def gradients(
+        position: Array, velocity: Array, status: Integers, when: tuple[float, float], current: Current, found: Array
+    ) -> None:
+        time, d = when[0] + 0.5 * when[1], current.spacing
+        slope = np.zeros((3, 3))
+        for i in range(len(status)):
+            if status[i] != 0:
+                continue
+            place = axpy(load(position, i), 0.5 * when[1], load(velocity, i))
+            here = at(current, place, time)
+            for column in range(9):
+                found[i, column] = 0.0
+            for axis in range(axes):
+                shift = (d if axis == 0 else 0.0, d if axis == 1 else 0.0, d if axis == 2 else 0.0)
+                upper, lower = at(current, axpy(place, 1.0, shift), time), at(current, axpy(place, -1.0, shift), time)
+                for part in range(3):
+                    slope[part, axis] = (upper[part] - lower[part]) / (2.0 * d)
+                    found[i, 3 + part] += (upper[part] - 2.0 * here[part] + lower[part]) / (d * d)
+            late = 1e-3 * when[1]
+            after, before = at(current, place, time + late), at(current, place, time - late)
+            for part in range(3):
+                rate = (after[part] - before[part]) / (2.0 * late)
+                for axis in range(axes):
+                    rate += slope[part, axis] * here[axis]
+                found[i, 6 + part] = rate
+            found[i, 0] = slope[2, 1] - slope[1, 2]
+            found[i, 1] = slope[0, 2] - slope[2, 0]
+            found[i, 2] = slope[1, 0] - slope[0, 1]
+
+    return gradients

@@ -1,0 +1,119 @@
+"""Steps of tracers in a flow that varies in place or time.
+
+Particles without inertia and noise follow their path by Runge and Kutta's method of fourth order, those with noise by
+Heun's, of weak order two. Particles with inertia fly through the velocity that the liquid has in the middle of the
+step, of second order. Walls act as in `time_stepping`; between its ends a path is straight.
+"""
+
+from __future__ import annotations
+
+from ecume._jit import compiled
+from ecume.engine.cells import Integers
+from ecume.models.model import DIVERGED, DONE, EXCHANGE
+from ecume.models.tracers import time_stepping
+from ecume.models.tracers.energy_budget import work_of_drifts, work_of_noise
+from ecume.models.tracers.flow_loops import Loops, loops_for
+from ecume.models.tracers.parameters import Parameters, State, Workspace
+from ecume.models.tracers.time_stepping import (
+    add_drifts,
+    all_finite,
+    fill,
+    fly,
+    inflow_due,
+    move_with,
+    plan_steps,
+    reflect_noise,
+    select_regime,
+    store_drift_velocities,
+    wrap,
+)
+from ecume.units import Array
+
+
+def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int, loops: Loops | None = None) -> int:
+    """Integrate: see `ecume.models.model.Model.advance`. `loops`: those of a flow by a function of the user."""
+    if parameters.current == ():
+        return time_stepping.advance(parameters, state, scratch, steps)
+    loops = loops or loops_for(parameters.current, parameters.dimensions)
+    # Compiled steps need not know the flow, and so are compiled once for all flows.
+    plain, overdamped = parameters._replace(current=()), parameters.bodies.overdamped
+    for _ in range(steps):
+        if not all_finite(state.position, state.velocity):
+            return DIVERGED
+        when = (int(state.step[0]) * parameters.time_step, parameters.time_step)
+        if select_regime(scratch.status, state.left, overdamped, 0) > 0:
+            loops.midways(state.position, state.velocity, scratch.status, when, parameters.current, scratch.flow)
+            if not fly(plain, state, scratch):
+                return DIVERGED
+        if select_regime(scratch.status, state.left, overdamped, 1) > 0:
+            step = _noisy_step if parameters.fluid.thermal > 0.0 else _smooth_step
+            if not step(plain, state, scratch, (loops, parameters.current, when)):
+                return DIVERGED
+        if len(state.image) > 0:
+            state.work[0] += wrap(plain, state)
+        state.step[0] += 1
+        if inflow_due(plain, state):
+            return EXCHANGE
+    return DONE
+
+
+Flowing = tuple[Loops, object, tuple[float, float]]
+"""The loops of a flow, the flow, and time and time step."""
+
+
+def _smooth_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
+    """One step of particles without inertia and noise."""
+    (loops, current, when), bodies = flowing, plain.bodies
+    plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
+    add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.kick)
+    loops.paths(state.position, scratch.status, when, current, scratch.kick, scratch.flow)
+    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
+    well = move_with(plain, state, scratch, when[1], plain.stopping)
+    state.work[0] += work_of_drifts(plain, state, scratch, when[1])
+    return _finished(plain, state, scratch, flowing) and well
+
+
+def _noisy_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
+    """One step of particles without inertia, with thermal noise."""
+    (loops, current, when), bodies = flowing, plain.bodies
+    key = (plain.seed, int(state.step[0]), plain.fluid.thermal)
+    plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
+    add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.kick)
+    plan_steps(bodies.friction, scratch.status, key, when[1], scratch.noise)
+    loops.noisy_paths(state.position, scratch.status, when, current, scratch.kick, scratch.noise, scratch.flow)
+    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
+    add_up(scratch.status, scratch.travel, scratch.noise, scratch.travel)
+    reflect_noise(plain, state, scratch)
+    well = move_with(plain, state, scratch, when[1], plain.mirroring)
+    state.work[0] += work_of_noise(plain, state, scratch)
+    return _finished(plain, state, scratch, flowing) and well
+
+
+def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
+    """Set the velocities of particles without inertia: where a frame is due those at its time, else the mean ones."""
+    (loops, current, when), bodies = flowing, plain.bodies
+    select_regime(scratch.status, state.left, bodies.overdamped, 1)
+    if (int(state.step[0]) + 1) % plain.steps_per_frame == 0:
+        loops.velocities(state.position, when[0] + when[1], current, scratch.flow)
+    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
+    store_drift_velocities(state, scratch)
+    return True
+
+
+@compiled
+def plan_own_drifts(settling: Array, status: Integers, drift: Array) -> None:
+    """The velocity relative to the liquid: settling."""
+    fill(drift, 0.0)
+    last = drift.shape[1] - 1
+    for i in range(len(status)):
+        if status[i] == 0:
+            drift[i, last] = -settling[i]
+
+
+@compiled
+def add_up(status: Integers, first: Array, second: Array, total: Array) -> None:
+    """The sum of two velocities of each particle."""
+    for i in range(len(status)):
+        if status[i] == 0:
+            for axis in range(total.shape[1]):
+                total[i, axis] = first[i, axis] + second[i, axis]

@@ -1,0 +1,400 @@
+"""Flows on grids: their interpolation, without divergence or linear, and what makes it from velocities at nodes.
+
+In 2D the flow without divergence is the curl of a stream function, bicubic in each cell (Hermite): its slopes at the
+nodes are the velocities there, its values fit the fluxes through the edges of cells by least squares. The velocity is
+continuous, its divergence is zero up to rounding, its error of third order in the spacing, and no liquid crosses edges
+between nodes on land. In 3D fluxes through the faces of cells are made free of divergence by least squares, and each
+component varies linearly along its own axis in a cell [pollock1988]: free of divergence, too, but of first order.
+
+Between two instants velocities change linearly; before the first and after the last they are constant, as are those
+beyond the grid.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume._jit import compiled_inside
+from ecume.units import Array
+
+Point = tuple[float, float, float]
+Flags = NDArray[np.bool_]
+
+
+class Grid(NamedTuple):
+    """Velocities at the nodes of a grid of equal steps, at some instants; NaN on land."""
+
+    low: tuple[float, ...]
+    step: tuple[float, ...]
+    """of each axis, m"""
+    times: Array
+    """(T,) s; one if the flow is steady"""
+    velocity: Array
+    """(T, n_x, ..., d) m/s"""
+
+    def high(self) -> tuple[float, ...]:
+        """The last node."""
+        counts = self.velocity.shape[1:-1]
+        return tuple(a + h * (n - 1) for a, h, n in zip(self.low, self.step, counts, strict=True))
+
+
+class StreamField(NamedTuple):
+    """A flow in 2D as a stream function."""
+
+    low: tuple[float, float]
+    step: tuple[float, float]
+    times: Array
+    nodes: Array
+    """(T, n_x, n_z, 4): the stream function, its slopes along x and z, and the mixed one, per cell"""
+
+
+class FaceField(NamedTuple):
+    """A flow in 3D as velocities normal to the faces of cells."""
+
+    low: Point
+    step: Point
+    times: Array
+    along: Array
+    """(T, n_x, n_y - 1, n_z - 1) m/s"""
+    across: Array
+    """(T, n_x - 1, n_y, n_z - 1) m/s"""
+    upward: Array
+    """(T, n_x - 1, n_y - 1, n_z) m/s"""
+
+
+class LinearField(NamedTuple):
+    """Velocities at nodes, linear in each cell; in 2D with one layer across."""
+
+    low: Point
+    step: Point
+    times: Array
+    nodes: Array
+    """(T, n_x, n_y, n_z, 3) m/s"""
+
+
+# --- Places in grids
+
+
+@compiled_inside
+def cell_of(place: float, low: float, step: float, count: int) -> tuple[int, float]:
+    """The cell of a coordinate among `count` nodes, and where it is in it, from 0 to 1; the edge beyond the grid."""
+    if count < 2:
+        return 0, 0.0
+    along = min(max((place - low) / step, 0.0), count - 1.0)
+    cell = min(int(along), count - 2)
+    return cell, along - cell
+
+
+@compiled_inside
+def moment_of(times: Array, time: float) -> tuple[int, float]:
+    """The last instant before a time, and how much of the next one to take."""
+    if len(times) < 2 or time <= times[0]:
+        return 0, 0.0
+    k = min(int(np.searchsorted(times, time)) - 1, len(times) - 2)
+    return k, min((time - times[k]) / (times[k + 1] - times[k]), 1.0)
+
+
+# --- Velocities, for compiled code: see `named_flows`
+
+
+@compiled_inside
+def stream_velocity_in(nodes: Array, k: int, cell: tuple[int, int], place: Point) -> tuple[float, float]:
+    """The velocity in a cell from the bicubic stream function there, over spacings; place = (s, t, 0) in the cell."""
+    i, j = cell
+    s, t = place[0], place[1]
+    # Cubic Hermite polynomials of value and slope at both ends, and their derivatives.
+    a0, a1, b0, b1 = 1.0 + s * s * (2.0 * s - 3.0), s * s * (3.0 - 2.0 * s), s * (1.0 - s) ** 2, s * s * (s - 1.0)
+    c0, c1, d0, d1 = 1.0 + t * t * (2.0 * t - 3.0), t * t * (3.0 - 2.0 * t), t * (1.0 - t) ** 2, t * t * (t - 1.0)
+    da, db0, db1 = 6.0 * s * (1.0 - s), (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
+    dc, dd0, dd1 = 6.0 * t * (1.0 - t), (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)
+    along, upward = 0.0, 0.0
+    for m in range(2):
+        a, b = (a0, b0) if m == 0 else (a1, b1)
+        slope_a, slope_b = (-da, db0) if m == 0 else (da, db1)
+        for n in range(2):
+            c, d = (c0, d0) if n == 0 else (c1, d1)
+            slope_c, slope_d = (-dc, dd0) if n == 0 else (dc, dd1)
+            value, x, z, mixed = (
+                nodes[k, i + m, j + n, 0],
+                nodes[k, i + m, j + n, 1],
+                nodes[k, i + m, j + n, 2],
+                nodes[k, i + m, j + n, 3],
+            )
+            along += slope_c * (a * value + b * x) + slope_d * (a * z + b * mixed)
+            upward -= slope_a * (c * value + d * z) + slope_b * (c * x + d * mixed)
+    return along, upward
+
+
+@compiled_inside
+def stream_velocity(shape: StreamField, x: float, y: float, z: float, time: float) -> Point:
+    """The velocity: the curl of the stream function."""
+    nodes, low, step = shape.nodes, shape.low, shape.step
+    i, s = cell_of(x, low[0], step[0], nodes.shape[1])
+    j, t = cell_of(z, low[1], step[1], nodes.shape[2])
+    k, late = moment_of(shape.times, time)
+    u, w = stream_velocity_in(nodes, k, (i, j), (s, t, 0.0))
+    if late > 0.0:
+        next_u, next_w = stream_velocity_in(nodes, k + 1, (i, j), (s, t, 0.0))
+        u, w = u + late * (next_u - u), w + late * (next_w - w)
+    return u / step[1], 0.0, w / step[0]
+
+
+@compiled_inside
+def between(values: Array, k: int, late: float, place: tuple[int, int, int]) -> float:
+    """A value at an instant between two."""
+    i, j, m = place
+    found: float = values[k, i, j, m]
+    if late > 0.0:
+        found += late * (values[k + 1, i, j, m] - found)
+    return found
+
+
+@compiled_inside
+def face_velocity(shape: FaceField, x: float, y: float, z: float, time: float) -> Point:
+    """The velocity: each component is linear along its axis. [pollock1988]."""
+    low, step, along, across, upward = shape.low, shape.step, shape.along, shape.across, shape.upward
+    i, r = cell_of(x, low[0], step[0], along.shape[1])
+    j, s = cell_of(y, low[1], step[1], across.shape[2])
+    m, t = cell_of(z, low[2], step[2], upward.shape[3])
+    k, late = moment_of(shape.times, time)
+    return (
+        (1.0 - r) * between(along, k, late, (i, j, m)) + r * between(along, k, late, (i + 1, j, m)),
+        (1.0 - s) * between(across, k, late, (i, j, m)) + s * between(across, k, late, (i, j + 1, m)),
+        (1.0 - t) * between(upward, k, late, (i, j, m)) + t * between(upward, k, late, (i, j, m + 1)),
+    )
+
+
+@compiled_inside
+def linear_velocity(shape: LinearField, x: float, y: float, z: float, time: float) -> Point:
+    """The velocity: linear in each cell along each axis."""
+    low, step, nodes = shape.low, shape.step, shape.nodes
+    i, r = cell_of(x, low[0], step[0], nodes.shape[1])
+    j, s = cell_of(y, low[1], step[1], nodes.shape[2])
+    m, t = cell_of(z, low[2], step[2], nodes.shape[3])
+    k, late = moment_of(shape.times, time)
+    u, v, w = 0.0, 0.0, 0.0
+    for later in range(2 if late > 0.0 else 1):
+        share = late if later else 1.0 - late
+        for a in range(2):
+            for b in range(2 if nodes.shape[2] > 1 else 1):
+                for c in range(2):
+                    weight = share * (r if a else 1.0 - r) * (s if b else 1.0 - s) * (t if c else 1.0 - t)
+                    u += weight * nodes[k + later, i + a, j + b, m + c, 0]
+                    v += weight * nodes[k + later, i + a, j + b, m + c, 1]
+                    w += weight * nodes[k + later, i + a, j + b, m + c, 2]
+    return u, v, w
+
+
+# --- From velocities at nodes
+
+
+class Fitted(NamedTuple):
+    """A field for compiled code, and what it leaves of the velocities of a file."""
+
+    shape: Any
+    removed: float
+    """the part of the fluxes that is divergence and was removed: root of mean squares, over that of the fluxes"""
+
+
+def fitted(grid: Grid, interpolation: str) -> Fitted:
+    """The field of a grid, interpolated without divergence or linearly."""
+    if interpolation == "linear":
+        return Fitted(_linear_field(grid), 0.0)
+    return _stream_field(grid) if len(grid.low) == 2 else _face_field(grid)
+
+
+def _linear_field(grid: Grid) -> LinearField:
+    velocity = np.nan_to_num(grid.velocity)  # on land the liquid is at rest
+    if len(grid.low) == 3:
+        return LinearField(_three(grid.low), _three(grid.step), grid.times, np.ascontiguousarray(velocity))
+    nodes = np.zeros((*velocity.shape[:2], 1, velocity.shape[2], 3))
+    nodes[:, :, 0, :, 0], nodes[:, :, 0, :, 2] = velocity[..., 0], velocity[..., 1]
+    low, step = grid.low, grid.step
+    return LinearField((low[0], 0.0, low[1]), (step[0], 1.0, step[1]), grid.times, nodes)
+
+
+def _three(values: tuple[float, ...]) -> Point:
+    x, y, z = values
+    return x, y, z
+
+
+def _stream_field(grid: Grid) -> Fitted:
+    """The bicubic stream function of each instant."""
+    made, errors = [], []
+    for velocity in grid.velocity:
+        nodes, error = _stream_nodes(velocity, grid.step)
+        made.append(nodes)
+        errors.append(error)
+    low, step = (grid.low[0], grid.low[1]), (grid.step[0], grid.step[1])
+    return Fitted(StreamField(low, step, grid.times, np.array(made)), max(errors))
+
+
+def _stream_nodes(velocity: Array, step: tuple[float, ...]) -> tuple[Array, float]:
+    land: Flags = np.asarray(np.isnan(velocity).any(axis=-1))
+    u, w = (np.where(land, 0.0, velocity[..., axis]) for axis in (0, 1))
+    # Fluxes through edges along z and along x, in the order in which the stream function rises.
+    up, along = step[1] * _line_integrals(u, land, 1), -step[0] * _line_integrals(w, land, 0)
+    value = _potential_of(along, up, land)
+    misfit = np.concatenate([(np.diff(value, axis=0) - along).ravel(), (np.diff(value, axis=1) - up).ravel()])
+    flux = np.concatenate([along.ravel(), up.ravel()])
+    mixed = 0.5 * (_slope(u, 0) * step[1] - _slope(w, 1) * step[0])
+    near_land = _grown(land)
+    nodes = np.stack([value, -w * step[0], u * step[1], np.where(near_land, 0.0, mixed)], axis=-1)
+    return np.ascontiguousarray(nodes), float(np.sqrt(np.mean(misfit**2) / max(np.mean(flux**2), 1e-300)))
+
+
+def _line_integrals(values: Array, land: Flags, axis: int) -> Array:
+    """Means between neighboring nodes along an axis, of fourth order where four nodes in a row are in the liquid."""
+    f, dry = np.moveaxis(values, axis, 0), np.moveaxis(land, axis, 0)
+    mean = 0.5 * (f[1:] + f[:-1])
+    if len(f) >= 4:
+        wet = ~(dry[:-3] | dry[1:-2] | dry[2:-1] | dry[3:])
+        better = (13.0 * (f[1:-2] + f[2:-1]) - f[:-3] - f[3:]) / 24.0
+        mean[1:-1] = np.where(wet, better, mean[1:-1])
+        # At the ends the parabola through three nodes.
+        for end, a, b, c in ((0, f[0], f[1], f[2]), (-1, f[-1], f[-2], f[-3])):
+            wet_end = ~np.moveaxis(land, axis, 0)[[0, 1, 2] if end == 0 else [-1, -2, -3]].any(axis=0)
+            mean[end] = np.where(wet_end, (5.0 * a + 8.0 * b - c) / 12.0, mean[end])
+    return np.moveaxis(mean, 0, axis)
+
+
+def _slope(values: Array, axis: int) -> Array:
+    """The change of values per cell, by central differences."""
+    slope: Array = np.gradient(values, axis=axis, edge_order=2 if values.shape[axis] > 2 else 1)
+    return slope
+
+
+def _grown(land: Flags) -> Flags:
+    """Land, and the nodes beside it."""
+    found = land.copy()
+    found[1:] |= land[:-1]
+    found[:-1] |= land[1:]
+    found[:, 1:] |= land[:, :-1]
+    found[:, :-1] |= land[:, 1:]
+    return found
+
+
+def _potential_of(along: Array, up: Array, land: Flags) -> Array:
+    """The function whose differences fit those given along both axes by least squares; constant on each piece of land.
+
+    Without land the normal equations are Poisson's in a box, solved by cosine transforms; otherwise a sparse solver.
+    """
+    shape = land.shape
+    source = np.zeros(shape)
+    source[1:] += along
+    source[:-1] -= along
+    source[:, 1:] += up
+    source[:, :-1] -= up
+    if not land.any():
+        from scipy.fft import dctn, idctn
+
+        modes = [2.0 - 2.0 * np.cos(np.pi * np.arange(n) / n) for n in shape]
+        factor = modes[0][:, None] + modes[1][None, :]
+        factor[0, 0] = 1.0
+        spectrum = dctn(source, norm="ortho") / factor
+        spectrum[0, 0] = 0.0
+        return np.asarray(idctn(spectrum, norm="ortho"))
+    from scipy import ndimage, sparse
+    from scipy.sparse.linalg import spsolve
+
+    pieces, _ = ndimage.label(land)
+    number = np.arange(land.size).reshape(shape)
+    for piece in range(1, int(pieces.max()) + 1):
+        number[pieces == piece] = number[pieces == piece].min()
+    _, number = np.unique(number, return_inverse=True)
+    number = number.reshape(shape)
+    ends = np.concatenate([
+        np.stack([number[:-1].ravel(), number[1:].ravel()]),
+        np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()]),
+    ], axis=1)  # fmt: skip
+    count = int(number.max()) + 1
+    one = np.ones(ends.shape[1])
+    edges = np.arange(ends.shape[1])
+    differences = sparse.csr_array(
+        (np.concatenate([-one, one]), (np.tile(edges, 2), ends.ravel())), (len(edges), count)
+    )
+    laplacian = (differences.T @ differences).tolil()
+    right = np.bincount(number.ravel(), source.ravel(), count)
+    laplacian[0, :] = 0.0
+    laplacian[0, 0], right[0] = 1.0, 0.0
+    return np.asarray(spsolve(laplacian.tocsc(), right))[number]
+
+
+def _face_field(grid: Grid) -> Fitted:
+    """The fluxes through faces of each instant, without divergence."""
+    made, errors = [], []
+    for velocity in grid.velocity:
+        faces, error = _faces(velocity, grid.step)
+        made.append(faces)
+        errors.append(error)
+    along, across, upward = (np.ascontiguousarray(np.array([faces[axis] for faces in made])) for axis in range(3))
+    return Fitted(FaceField(_three(grid.low), _three(grid.step), grid.times, along, across, upward), max(errors))
+
+
+def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float]:
+    land: Flags = np.asarray(np.isnan(velocity).any(axis=-1))
+    still = np.where(land[..., None], 0.0, velocity)
+    area = [step[1] * step[2], step[0] * step[2], step[0] * step[1]]
+    fluxes, shut = list[Array](), list[Flags]()
+    for axis in range(3):
+        flux, dry = area[axis] * still[..., axis], land.copy()
+        for other in range(3):
+            if other != axis:
+                near, far = _halves(flux, other)
+                flux = 0.5 * (near + far)
+                near_dry, far_dry = _halves(dry, other)
+                dry = near_dry & far_dry
+        fluxes.append(flux)
+        shut.append(dry)
+    before = math.sqrt(np.mean(np.concatenate([flux.ravel() for flux in fluxes]) ** 2))
+    changed = _without_divergence(fluxes, shut)
+    removed = np.concatenate([(new - old).ravel() for new, old in zip(changed, fluxes, strict=True)])
+    error = math.sqrt(np.mean(removed**2)) / max(before, 1e-300)
+    return [flux / area[axis] for axis, flux in enumerate(changed)], error
+
+
+def _halves(values: Any, axis: int) -> tuple[Any, Any]:
+    """All but the last and all but the first along an axis."""
+    count = values.shape[axis]
+    return np.take(values, range(count - 1), axis), np.take(values, range(1, count), axis)
+
+
+def _without_divergence(fluxes: list[Array], shut: list[Flags]) -> list[Array]:
+    """Fluxes through faces with the smallest change that leaves no divergence in any cell; none through shut faces."""
+    from scipy import sparse
+    from scipy.sparse.linalg import cg
+
+    shape = tuple(fluxes[0].shape[axis] - (axis == 0) for axis in range(3))
+    number = np.arange(math.prod(shape)).reshape(shape)
+    sizes = [flux.size for flux in fluxes]
+    starts = [0, sizes[0], sizes[0] + sizes[1]]
+    rows, columns, signs = [], [], []
+    for axis in range(3):
+        faces = starts[axis] + np.arange(sizes[axis]).reshape(fluxes[axis].shape)
+        lower, upper = _halves(faces, axis)
+        for side, sign in ((lower, -1.0), (upper, 1.0)):
+            rows.append(number.ravel())
+            columns.append(side.ravel())
+            signs.append(np.full(number.size, sign))
+    rate = sparse.csr_array(
+        (np.concatenate(signs), (np.concatenate(rows), np.concatenate(columns))), (number.size, sum(sizes))
+    )
+    open_faces = 1.0 - np.concatenate([each.ravel() for each in shut])
+    flux = open_faces * np.concatenate([each.ravel() for each in fluxes])
+    balance = rate @ sparse.diags_array(open_faces) @ rate.T + 1e-14 * sparse.eye_array(number.size)
+    pressure, _ = cg(balance, rate @ flux, rtol=1e-12, atol=0.0, maxiter=20 * max(shape) + 2000)
+    flux = flux - open_faces * (rate.T @ pressure)
+    return [
+        flux[start : start + size].reshape(like.shape) for start, size, like in zip(starts, sizes, fluxes, strict=True)
+    ]
+
+
+GRIDDED_VELOCITIES = {
+    StreamField: stream_velocity,
+    FaceField: face_velocity,
+    LinearField: linear_velocity,
+}

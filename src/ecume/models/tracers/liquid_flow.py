@@ -1,0 +1,238 @@
+"""The flow of the liquid in a scene: which it is, its velocity anywhere, and the scales on which it varies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.tracers import field_files, gridded_flows
+from ecume.models.tracers.flow_loops import Current, Loops, loops_for
+from ecume.models.tracers.named_flows import NAMED_FLOWS, Request
+from ecume.scenes.faults import suggestion
+from ecume.scenes.tracers import FlowSpec, TracersScene
+from ecume.units import Array
+
+Corners = tuple[tuple[float, ...], tuple[float, ...]]
+
+SAMPLES = 1000
+"""Points at which a flow is examined."""
+INSTANTS = 8
+"""Times at which it is."""
+ACCURATE = 0.1
+"""Of the shortest time in which the velocity along a path changes: the longest step of Runge and Kutta's method."""
+NARROW = 0.1
+"""Of the length over which the velocity changes: the longest random displacement of a step."""
+DIFFERENCE = 1e-4
+"""Step of differences, over the size of the box."""
+
+
+class FlowScales(NamedTuple):
+    """On what scales the velocity of the liquid varies, from samples in the box around the tank."""
+
+    speed: float
+    """m/s, the largest"""
+    rate: float
+    """1/s, the largest gradient, or rate of change in time"""
+    length: float
+    """m, over which the velocity changes by itself; infinite in a uniform flow"""
+
+    def longest_step(self) -> float:
+        """The longest time step along curved paths (s)."""
+        return ACCURATE / self.rate if self.rate > 0.0 else math.inf
+
+    def longest_diffusion(self, diffusivity: float) -> float:
+        """The longest time step of particles that diffuse (s)."""
+        return 0.5 * (NARROW * self.length) ** 2 / diffusivity
+
+
+UNIFORM = FlowScales(0.0, 0.0, math.inf)
+
+
+class LiquidFlow(NamedTuple):
+    """The whole flow of a scene."""
+
+    uniform: Array
+    """(3,) m/s"""
+    shear_rate: float
+    current: Any = ()
+    loops: Loops | None = None
+    scales: FlowScales = UNIFORM
+    removed: float = 0.0
+    """of the fluxes in a file: divergence that the interpolation omits"""
+
+    def velocity(self, places: Array, time: float) -> Array:
+        """(n, d) m/s at places."""
+        found = np.tile(self.uniform[: places.shape[1]], (len(places), 1))
+        found[:, 0] += self.shear_rate * places[:, -1]
+        if self.loops is not None:
+            self.loops.velocities(np.ascontiguousarray(places), time, self.current, found)
+        return found
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is the same at all times."""
+        if self.current == ():
+            return True
+        shape = self.current.shape
+        turning = getattr(shape, "turning", 0.0) or len(getattr(shape, "times", (0,))) > 1
+        return not turning and self.current.pulse == (0.0, 0.0, 0.0) and not isinstance(shape, OwnShape)
+
+
+class OwnShape(NamedTuple):
+    """The constants of a flow that is a function of the user."""
+
+    constants: tuple[float, ...]
+
+
+class OwnFlow(NamedTuple):
+    """A flow that is a function of the user."""
+
+    loops: Loops
+    constants: tuple[float, ...]
+
+
+def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) -> LiquidFlow:
+    """The flow of a scene; `box`: the corners of its tank. Raises SceneError."""
+    flow, d = scene.flow, scene.dimensions
+    given, removed = (*(flow.velocity or ()), 0.0, 0.0, 0.0), 0.0
+    uniform = (given[0], given[1], given[2])
+    plain = LiquidFlow(np.array(uniform), flow.shear_rate)
+    shapes = [name for name, given in (("name", flow.name), ("field", flow.field), ("user_laws", own)) if given]
+    if len(shapes) > 1:
+        raise SceneError([Fault(f"flow.{shapes[0]}", f"got it beside {shapes[1]}; expected one flow")])
+    if not shapes:
+        _require_unused(flow, frozenset(), "a uniform flow")
+        return plain
+    shape: Any
+    if own is not None:
+        shape = OwnShape(own.constants)
+        _require_unused(flow, frozenset({"pulse"}), "a flow by a function")
+    elif flow.field is not None:
+        _require_unused(flow, frozenset({"pulse"}), "a field")
+        shape, removed = _shape_of_field(scene)
+    else:
+        shape = _named_shape(scene, box)
+    pulse = flow.pulse
+    turning = 2.0 * math.pi / pulse.period if pulse is not None and pulse.period else 0.0
+    factor = (0.0, 0.0, 0.0) if pulse is None else (float(pulse.amplitude), turning, float(pulse.decay_rate))
+    size = max(b - a for a, b in zip(*box, strict=True))
+    steps = getattr(shape, "step", None)
+    spacing = 0.1 * min(steps) if steps else DIFFERENCE * size
+    current = Current(shape, factor, (*uniform, flow.shear_rate), spacing)
+    loops = own.loops if own is not None else loops_for(current, d)
+    made = LiquidFlow(plain.uniform, flow.shear_rate, current, loops, UNIFORM, removed)
+    return made._replace(scales=_scales(made, box, scene.duration, spacing))
+
+
+def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:
+    assert scene.flow.field is not None  # noqa: S101  # the caller looked
+    try:
+        grid = field_files.grid_of(scene.flow.field, scene.dimensions)
+    except BadInput as error:
+        key = error.args[1] if len(error.args) > 1 else "file"
+        raise SceneError([Fault(f"flow.field.{key}", str(error.args[0]))]) from error
+    fit = gridded_flows.fitted(grid, scene.flow.field.interpolation)
+    return fit.shape, fit.removed
+
+
+def _named_shape(scene: TracersScene, box: Corners) -> Any:
+    flow, d = scene.flow, scene.dimensions
+    if flow.name not in NAMED_FLOWS:
+        raise SceneError([Fault("flow.name", f"got {flow.name!r}; {suggestion(flow.name, NAMED_FLOWS)}")])
+    row = NAMED_FLOWS[flow.name]
+    if d not in row.dimensions:
+        raise SceneError([Fault("flow.name", f"got {flow.name!r} in {d}D; expected a scene in {row.dimensions[0]}D")])
+    _require_unused(flow, row.keys | {"pulse"}, f"the flow {flow.name}")
+    if row.needs_box and scene.tank is None and (flow.low is None or flow.high is None):
+        raise SceneError([Fault("flow.high", f"is missing; the flow {flow.name} needs a tank, or low and high")])
+    low, high = flow.low or box[0], flow.high or box[1]
+    if any(b <= a for a, b in zip(low, high, strict=True)):
+        raise SceneError([Fault("flow.high", "expected a corner above low in each direction")])
+    middle = flow.center or tuple(0.5 * (a + b) for a, b in zip(low, high, strict=True))
+    request = Request(flow, (_deep(low), _deep(high)), _deep(middle), d, scene.gravity)
+    try:
+        return row.shape(request)
+    except BadInput as error:
+        raise SceneError([Fault(f"flow.{error.args[1]}", str(error.args[0]))]) from error
+
+
+def _deep(point: Sequence[float]) -> tuple[float, float, float]:
+    """A point with x, y and z; in 2D y is 0."""
+    return (point[0], 0.0, point[1]) if len(point) == 2 else (point[0], point[1], point[2])
+
+
+SHAPE_KEYS = ("speed", "rate", "wavelength", "period", "swing", "radius", "center", "low", "high", "pulse")
+
+
+def _require_unused(flow: FlowSpec, used: frozenset[str], what: str) -> None:
+    """Raise SceneError for keys that a flow does not take."""
+    spare = [key for key in SHAPE_KEYS if key not in used and getattr(flow, key) is not None]
+    if spare:
+        raise SceneError([Fault(f"flow.{key}", f"is not used by {what}; remove it") for key in spare])
+
+
+def _scales(flow: LiquidFlow, box: Corners, duration: float, spacing: float) -> FlowScales:
+    """Speed, gradient and length of a flow in a box, from samples."""
+    low, high = (np.array(corner, float) for corner in box)
+    points = low + _even_points(SAMPLES, len(low)) * (high - low)
+    speed, rate, change = 0.0, 0.0, 0.0
+    instants = [0.0] if flow.steady else [duration * k / INSTANTS for k in range(INSTANTS)]
+    for time in instants:
+        here = flow.velocity(points, time)
+        if not np.isfinite(here).all():
+            i = int(np.flatnonzero(~np.isfinite(here).all(axis=1))[0])
+            where = ", ".join(f"{value:g}" for value in points[i])
+            raise SceneError([Fault("flow", f"got no finite velocity at ({where}) m and {time:g} s")])
+        speed = max(speed, float(np.sqrt((here**2).sum(axis=1)).max()))
+        for axis in range(len(low)):
+            moved = points.copy()
+            moved[:, axis] += spacing
+            slope = np.sqrt(((flow.velocity(moved, time) - here) ** 2).sum(axis=1)) / spacing
+            rate = max(rate, float(slope.max()))
+        change = max(change, _rate_in_time(flow))
+    length = speed / rate if rate > 0.0 else math.inf
+    return FlowScales(speed, max(rate, change), length)
+
+
+def _rate_in_time(flow: LiquidFlow) -> float:
+    """1/s, from the periods of a flow and the instants of a file."""
+    current = flow.current
+    rates: list[float] = [getattr(current.shape, "turning", 0.0), current.pulse[1], current.pulse[2]]
+    times = getattr(current.shape, "times", np.zeros(1))
+    if len(times) > 1:
+        rates.append(0.5 / float(np.diff(times).min()))
+    return max(rates)
+
+
+def _even_points(count: int, dimensions: int) -> Array:
+    """(n, d) points spread evenly in the unit box: Halton's sequence."""
+    found = np.zeros((count, dimensions))
+    for axis, base in enumerate((2, 3, 5)[:dimensions]):
+        rest, scale = np.arange(1, count + 1), 1.0 / base
+        while rest.any():
+            found[:, axis] += scale * (rest % base)
+            rest, scale = rest // base, scale / base
+    return found
+
+
+def own_velocity(law: Callable[..., Any], dimensions: int) -> Callable[..., Any]:
+    """The velocity function of a law of the user, law(position, time, constants), for `flow_loops`."""
+    from ecume.models.user_laws import compiled_for_laws
+
+    function = compiled_for_laws(law)
+
+    @compiled_for_laws
+    def in_2d(shape: OwnShape, x: float, y: float, z: float, time: float) -> tuple[float, float, float]:
+        found = function((x, z), time, shape.constants)
+        return found[0], 0.0, found[1]
+
+    @compiled_for_laws
+    def in_3d(shape: OwnShape, x: float, y: float, z: float, time: float) -> tuple[float, float, float]:
+        found = function((x, y, z), time, shape.constants)
+        return found[0], found[1], found[2]
+
+    return in_2d if dimensions == 2 else in_3d

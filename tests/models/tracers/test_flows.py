@@ -1,0 +1,364 @@
+"""Tracers in flows that vary: exact solutions, grids, functions of the user, periodic sides and deposits."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ecume.analysis.series import tracks
+from ecume.errors import SceneError
+from ecume.laws import carrier_flows
+from ecume.models import MODELS
+from ecume.models.tracers import gridded_flows
+from ecume.models.tracers.gridded_flows import Grid
+from ecume.models.tracers.liquid_flow import varying_flow
+from ecume.models.tracers.named_flows import NAMED_FLOWS
+from ecume.models.tracers.parameters import bounds
+from ecume.scenes.load import from_plain, load_scene
+from ecume.simulation import simulate
+
+NAMED = {
+    "channel": {"speed": 0.3}, "couette": {"speed": 0.3}, "tube": {"speed": 0.3}, "duct": {"speed": 0.3},
+    "stagnation": {"rate": 0.4}, "rotation": {"rate": 0.5}, "cellular": {"speed": 0.3, "wavelength": 1.0},
+    "double-gyre": {"speed": 0.3, "swing": 0.25, "period": 3.0}, "wave": {"speed": 0.1, "wavelength": 1.0},
+    "abc": {"speed": 0.2, "wavelength": 1.0},
+}  # fmt: skip
+
+
+def scene_of(flow, dimensions=2, **changes):
+    """Fluid particles in a box of liquid."""
+    high = [2.0, 1.0] if dimensions == 2 else [2.0, 1.0, 1.0]
+    plain = {
+        "model": "tracers", "duration": 0.4, "frame_every": 0.2, "gravity": 9.81, "tank": {"high": high},
+        "particles": [{"radius": 1e-6, "density": 1000.0, "count": 4}], "flow": flow,
+        "integration": {"integrator": "overdamped"},
+    }  # fmt: skip
+    return from_plain({**plain, **changes})
+
+
+def named(name, dimensions, **changes):
+    return scene_of({"name": name, **NAMED[name]}, dimensions, **changes)
+
+
+EVERY = [(name, d) for name, row in NAMED_FLOWS.items() for d in row.dimensions]
+
+
+@pytest.mark.parametrize(("name", "dimensions"), EVERY)
+def test_a_named_flow_has_no_divergence_and_crosses_no_wall(name, dimensions):
+    scene = named(name, dimensions)
+    flow = varying_flow(scene, bounds(scene))
+    low, high = (np.array(corner) for corner in bounds(scene))
+    points = np.random.default_rng(1).uniform(low + 0.05, high - 0.05, (40, dimensions))
+    divergence, size = np.zeros(40), 0.0
+    for axis in range(dimensions):
+        way = np.eye(dimensions)[axis] * 1e-5
+        slope = (flow.velocity(points + way, 0.2) - flow.velocity(points - way, 0.2)) / 2e-5
+        divergence += slope[:, axis]
+        size = max(size, float(np.abs(slope).max()))
+    assert size > 0.01
+    assert np.abs(divergence).max() < 1e-8 * size
+    for axis in range(dimensions):
+        if "xyz"[axis if axis < dimensions - 1 else 2] in NAMED_FLOWS[name].walls:
+            for side in (low[axis], high[axis]):
+                wall = points.copy()
+                wall[:, axis] = side
+                assert np.abs(flow.velocity(wall, 0.2)[:, axis]).max() < 1e-12
+
+
+def test_the_mean_speeds_of_tubes_and_ducts_are_those_of_the_key():
+    x = (np.arange(200) + 0.5) / 200
+    r = 0.5 * np.sqrt(x)
+    assert np.mean([carrier_flows.tube_speed(a, 0.5, 0.3) for a in r]) == pytest.approx(0.3, rel=1e-4)
+    slope = 0.3 / carrier_flows.duct_mean(2.0, 1.0)
+    duct = [carrier_flows.duct_speed(a, b, 2.0, 1.0, slope) for a in 2 * x[::5] - 1 for b in x[::5] - 0.5]
+    assert np.mean(duct) == pytest.approx(0.3, rel=1e-2)
+
+
+def reference(scene, start, time):
+    """The path of a particle of the liquid, by an integrator of order 8."""
+    from scipy.integrate import solve_ivp
+
+    flow = varying_flow(scene, bounds(scene))
+    found = solve_ivp(lambda t, x: flow.velocity(x[None], t)[0], (0.0, time), start, "DOP853", rtol=1e-12, atol=1e-14)
+    return found.y[:, -1]
+
+
+@pytest.mark.parametrize(("name", "dimensions"), [("double-gyre", 2), ("cellular", 2), ("abc", 3), ("wave", 2)])
+def test_paths_are_of_fourth_order(name, dimensions):
+    errors = []
+    for steps in (4, 8):
+        start = [0.7, 0.4] if dimensions == 2 else [0.7, 0.4, 0.5]
+        scene = named(
+            name, dimensions, gravity=9.81, integration={"integrator": "overdamped", "time_step": 0.4 / steps},
+            frame_every=0.4, particles=[{"radius": 1e-6, "density": 1000.0, "positions": [start]}],
+        )  # fmt: skip
+        *_, last = simulate(scene)
+        errors.append(np.abs(last.arrays["position"][0] - reference(scene, start, 0.4)).max())
+    assert errors[0] < 1e-3
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
+
+
+def test_flights_in_a_vortex_are_of_second_order():
+    found = []
+    for steps in (20, 40, 80):
+        scene = scene_of(
+            {"name": "rotation", "rate": 5.0}, gravity=0.0, duration=0.4, frame_every=0.4,
+            integration={"integrator": "inertial", "time_step": 0.4 / steps},
+            particles=[{"radius": 5e-4, "density": 2000.0, "positions": [[1.2, 0.6]]}],
+        )  # fmt: skip
+        *_, last = simulate(scene)
+        found.append(last.arrays["position"][0])
+    ratio = np.abs(found[0] - found[1]).max() / np.abs(found[1] - found[2]).max()
+    assert math.log2(ratio) == pytest.approx(2.0, abs=0.4)
+
+
+def test_a_pulse_multiplies_the_velocity():
+    scene = scene_of({"name": "channel", "speed": 0.3, "pulse": {"amplitude": 2.0, "period": 1.0, "decay_rate": 0.5}})
+    flow = varying_flow(scene, bounds(scene))
+    place = np.array([[0.5, 0.5]])
+    factor = (1.0 + 2.0) * math.exp(-0.125)
+    assert flow.velocity(place, 0.25)[0, 0] == pytest.approx(0.45 * factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("flow", "words"),
+    [
+        ({"name": "chanel", "speed": 1.0}, r"flow\.name: got 'chanel'; did you mean channel"),
+        ({"name": "channel"}, r"flow\.speed: is missing; the flow channel needs it"),
+        ({"name": "tube", "speed": 1.0}, r"flow\.name: got 'tube' in 2D; expected a scene in 3D"),
+        ({"name": "channel", "speed": 1.0, "swing": 0.1}, r"flow\.swing: is not used by the flow channel"),
+        ({"speed": 1.0}, r"flow\.speed: is not used by a uniform flow"),
+        ({"name": "channel", "speed": 1.0, "pulse": {"amplitude": 1.0}}, r"flow\.pulse\.period: is missing"),
+    ],
+)
+def test_a_flow_that_cannot_be_is_refused_with_its_key(flow, words):
+    with pytest.raises(SceneError, match=words):
+        MODELS["tracers"].parameters(scene_of(flow))
+
+
+# --- Grids
+
+
+def nodes(n, formula):
+    """A grid of a flow in a box of 2 by 1."""
+    x, z = np.linspace(0.0, 2.0, 2 * n + 1), np.linspace(0.0, 1.0, n + 1)
+    u, w = formula(*np.meshgrid(x, z, indexing="ij"))
+    return Grid((0.0, 0.0), (x[1], z[1]), np.zeros(1), np.stack([u, w], axis=-1)[None])
+
+
+def gyre(x, z):
+    pi = math.pi
+    return -np.sin(pi * x) * np.cos(pi * z), np.cos(pi * x) * np.sin(pi * z)
+
+
+def test_a_stream_function_on_a_grid_is_of_third_order_and_has_no_divergence():
+    points, errors = np.random.default_rng(2).uniform((0.0, 0.0), (2.0, 1.0), (100, 2)), []
+    for n in (8, 16):
+        fit = gridded_flows.fitted(nodes(n, gyre), "divergence-free")
+        assert fit.removed < 1e-3
+        found = np.array([gridded_flows.stream_velocity(fit.shape, x, 0.0, z, 0.0) for x, z in points])
+        errors.append(np.abs(found[:, [0, 2]] - np.array(gyre(*points.T)).T).max())
+    assert math.log2(errors[0] / errors[1]) > 2.7
+    shape, d = fit.shape, 1e-6
+    for x, z in points[:20]:
+        cell = 2.0 / 32
+        x, z = (math.floor(x / cell) + 0.5) * cell, (math.floor(z / cell) + 0.5) * cell
+        along = [gridded_flows.stream_velocity(shape, x + s, 0.0, z, 0.0)[0] for s in (d, -d)]
+        up = [gridded_flows.stream_velocity(shape, x, 0.0, z + s, 0.0)[2] for s in (d, -d)]
+        assert abs(along[0] - along[1] + up[0] - up[1]) / (2 * d) < 1e-8
+
+
+def test_no_liquid_flows_through_the_edges_of_land():
+    grid = nodes(10, gyre)
+    grid.velocity[0, 5:9, 3:6] = np.nan
+    shape = gridded_flows.fitted(grid, "divergence-free").shape
+    for share in np.linspace(0.0, 1.0, 11):
+        z, x = 0.3 + 0.2 * share, 0.5 + 0.3 * share
+        assert abs(gridded_flows.stream_velocity(shape, 0.5, 0.0, z, 0.0)[0]) < 1e-15
+        assert abs(gridded_flows.stream_velocity(shape, x, 0.0, 0.3, 0.0)[2]) < 1e-15
+
+
+def test_fluxes_in_3d_have_no_divergence_even_beside_land():
+    dice = np.random.default_rng(3)
+    velocity = dice.normal(size=(1, 6, 5, 4, 3))
+    velocity[0, 2:4, 1:3, 1:3] = np.nan
+    fit = gridded_flows.fitted(Grid((0.0,) * 3, (0.1, 0.2, 0.3), np.zeros(1), velocity), "divergence-free")
+    shape = fit.shape
+    rates = [np.diff(part[0], axis=axis) / step for axis, (part, step) in
+             enumerate(zip((shape.along, shape.across, shape.upward), shape.step, strict=True))]  # fmt: skip
+    assert np.abs(sum(rates)).max() < 1e-9
+    assert shape.along[0, 2, 1, 1] == 0.0
+    assert 0.1 < fit.removed < 1.0
+
+
+def saved(folder, name="gyre.npz", instants=1):
+    grid = nodes(12, gyre)
+    x, z = np.linspace(0.0, 2.0, 25), np.linspace(0.0, 1.0, 13)
+    scale = np.arange(1.0, instants + 1.0)[:, None, None]
+    arrays = {"x": 100.0 * x, "y": 100.0 * z, "u": scale * grid.velocity[..., 0], "v": scale * grid.velocity[..., 1]}
+    np.savez(folder / name, t=np.arange(float(instants)), **arrays)
+
+
+TEXT = """
+model = "tracers"
+duration = "1 s"
+frame_every = "0.5 s"
+[tank]
+high = ["2 m", "1 m"]
+[flow.field]
+file = "{file}"
+length_unit = "1 cm"
+[[particles]]
+radius = "1 um"
+density = 1000.0
+positions = [["0.7 m", "0.4 m"]]
+"""
+
+
+def test_a_flow_from_a_file_carries_particles_as_the_formula_does(tmp_path):
+    saved(tmp_path)
+    (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
+    scene = load_scene(tmp_path / "scene.toml")
+    *_, last = simulate(scene)
+    formula = scene_of({"name": "double-gyre", "speed": 1.0}, duration=1.0)
+    expected = reference(formula, [0.7, 0.4], 1.0)
+    assert last.arrays["position"][0] == pytest.approx(expected, abs=5e-4)
+    shown = next(row for row in MODELS["tracers"].summary(scene) if row[0] == "divergence")
+    assert 0.0 < float(shown[1].removesuffix(" %")) < 0.002
+
+
+def test_velocities_change_linearly_between_instants(tmp_path):
+    saved(tmp_path, instants=2)
+    (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
+    scene = load_scene(tmp_path / "scene.toml")
+    flow, place = varying_flow(scene, bounds(scene)), np.array([[0.3, 0.2]])
+    assert flow.velocity(place, 0.25) == pytest.approx(1.25 * flow.velocity(place, 0.0), rel=1e-12)
+    assert flow.velocity(place, 9.0) == pytest.approx(2.0 * flow.velocity(place, 0.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda a: a.pop("v"), "has no 'v'; it has"),
+        (lambda a: a.update(x=a["x"] ** 2), "uneven along axis 0"),
+        (lambda a: a.update(u=a["u"][:, :5]), "its velocities|dimension|shape"),
+        (lambda a: a.update(u=a["u"] + np.inf), "infinite velocity"),
+    ],
+)
+def test_a_file_that_is_no_grid_is_refused(tmp_path, change, words):
+    saved(tmp_path)
+    arrays = dict(np.load(tmp_path / "gyre.npz"))
+    change(arrays)
+    with np.errstate(invalid="ignore"):
+        np.savez(tmp_path / "gyre.npz", **arrays)
+    (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
+    with pytest.raises(SceneError, match=words):
+        MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+
+
+def test_netcdf_and_vtk_give_the_grid_of_numpy(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    vtk = pytest.importorskip("vtk")
+    from vtk.util.numpy_support import numpy_to_vtk
+
+    saved(tmp_path)
+    arrays = dict(np.load(tmp_path / "gyre.npz"))
+    data = {name: (("y", "x"), arrays[name][0].T) for name in "uv"}
+    xarray.Dataset(data, {"x": arrays["x"], "y": arrays["y"]}).to_netcdf(tmp_path / "gyre.nc", engine="h5netcdf")
+    image = vtk.vtkImageData()
+    image.SetDimensions(25, 13, 1)
+    image.SetSpacing(100.0 / 12, 100.0 / 12, 1.0)
+    vectors = np.stack([arrays["u"][0].T, arrays["v"][0].T, np.zeros((13, 25))], axis=-1).reshape(-1, 3)
+    values = numpy_to_vtk(np.ascontiguousarray(vectors))
+    values.SetName("velocity")
+    image.GetPointData().AddArray(values)
+    writer = vtk.vtkXMLImageDataWriter()
+    writer.SetFileName(str(tmp_path / "gyre.vti"))
+    writer.SetInputData(image)
+    writer.Write()
+    ends = []
+    for name in ("gyre.npz", "gyre.nc", "gyre.vti"):
+        (tmp_path / "scene.toml").write_text(TEXT.format(file=name))
+        *_, last = simulate(load_scene(tmp_path / "scene.toml"))
+        ends.append(last.arrays["position"][0])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-12)
+    assert ends[2] == pytest.approx(ends[0], abs=1e-12)
+
+
+# --- Functions of the user
+
+
+def swirl(position, time, constants):
+    """A flow that grows in time."""
+    return -constants[0] * (position[1] - 0.5) * time, constants[0] * (position[0] - 1.0) * time
+
+
+def test_a_function_of_place_and_time_is_a_flow():
+    particles = [{"radius": 1e-6, "density": 1000.0, "positions": [[1.3, 0.5]]}]
+    scene = scene_of({}, duration=1.0, particles=particles, user_laws=[{"law": "swirl", "constants": [2.0]}])
+    *_, last = simulate(scene, extra_laws=[swirl])
+    angle = 2.0 * 1.0**2 / 2.0
+    expected = [1.0 + 0.3 * math.cos(angle), 0.5 + 0.3 * math.sin(angle)]
+    assert last.arrays["position"][0] == pytest.approx(expected, abs=2e-4)
+
+
+# --- Periodic sides and deposits
+
+
+def test_periodic_sides_count_images_and_paths_do_not_jump():
+    scene = scene_of(
+        {"velocity": [1.5, 0.0]}, tank={"high": [2.0, 1.0], "periodic": ["x"]}, duration=4.0, frame_every=1.0,
+        particles=[{"radius": 1e-6, "density": 1000.0, "positions": [[1.9, 0.5]]}],
+    )  # fmt: skip
+    frames = list(simulate(scene))
+    assert frames[-1].arrays["image"][0].tolist() == [3, 0]
+    assert tracks(frames)[-1, 0] == pytest.approx([1.9 + 6.0, 0.5], rel=1e-12)
+    assert all(0.0 <= frame.arrays["position"][0, 0] < 2.0 for frame in frames)
+
+
+def test_an_obstacle_beside_a_periodic_side_is_met_from_the_other():
+    scene = scene_of(
+        {}, tank={"high": [2.0, 1.0], "periodic": ["x"]}, gravity=0.0, hydrodynamics={"drag": "none"}, duration=1.0,
+        frame_every=1.0, integration={"time_step": 0.25}, obstacles=[{"low": [0.1, 0.2], "high": [0.2, 0.8]}],
+        particles=[{"radius": 0.01, "density": 1000.0, "positions": [[1.9, 0.5]], "velocity": [1.0, 0.0]}],
+    )  # fmt: skip
+    *_, last = simulate(scene)
+    # It flies 0.19 m to the front at x = 2.1, and the rest of 1 m back.
+    assert last.arrays["position"][0, 0] == pytest.approx(2.09 - 0.81, abs=1e-9)
+
+
+def test_a_flow_that_differs_on_periodic_sides_is_refused():
+    scene = scene_of({"name": "rotation", "rate": 1.0}, tank={"high": [2.0, 1.0], "periodic": ["x"]})
+    with pytest.raises(SceneError, match=r"tank\.periodic: got x; the velocities of the liquid .* differ by 2 m/s"):
+        MODELS["tracers"].parameters(scene)
+
+
+def test_sticking_walls_hold_what_touches_them_and_count_it():
+    scene = scene_of(
+        {}, tank={"high": [2.0, 1.0], "walls": [{"wall": 1, "sticking": True}]}, duration=2.0, frame_every=1.0,
+        particles=[{"radius": 1e-4, "density": 8000.0, "positions": [[0.5, 0.01], [0.7, 0.9]], }],
+    )  # fmt: skip
+    frames = list(simulate(scene))
+    last = frames[-1]
+    assert last.numbers["deposited_on_wall_1"] == 1.0
+    assert last.numbers["particles_inside"] == 1.0
+    assert last.arrays["position"][0] == pytest.approx([0.5, 1e-4], abs=1e-9)
+    assert MODELS["tracers"].invariants(scene, None)
+
+
+@pytest.mark.compiled
+def test_diffusing_particles_are_absorbed_as_often_as_the_exact_solution_says():
+    """Between two absorbing plates a uniform suspension decays as sum of 8/(n pi)^2 exp(-n^2 pi^2 D t/h^2), n odd."""
+    radius, width = 1e-7, 1e-5
+    scene = scene_of(
+        {}, tank={"high": [1e-4, width + 2 * radius], "periodic": ["x"], "sticking": True}, gravity=0.0, duration=8.0,
+        frame_every=8.0, particles=[{"radius": radius, "density": 1000.0, "count": 20000}],
+        hydrodynamics={"brownian": True, "drag": "stokes"}, integration={"integrator": "overdamped", "time_step": 0.8},
+    )  # fmt: skip
+    *_, last = simulate(scene)
+    spread = 1.380649e-23 * 293.15 / (6 * math.pi * 1e-3 * radius)
+    n = np.arange(1, 100, 2) * math.pi
+    expected = float((8.0 / n**2 * np.exp(-(n**2) * spread * 8.0 / width**2)).sum())
+    share = last.numbers["particles_inside"] / 20000
+    assert share == pytest.approx(expected, abs=4.0 * math.sqrt(expected * (1 - expected) / 20000) + 0.004)
