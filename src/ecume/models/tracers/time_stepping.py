@@ -156,8 +156,8 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     numbers = (h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal)
     plan_flights(
-        state.velocity, bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius, scratch.status, scratch.acceleration,
-        scratch.kick, scratch.noise, scratch.shift, scratch.external, scratch.flow, numbers,
+        state.velocity, bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius, scratch.status,
+        scratch.acceleration, scratch.kick, scratch.noise, scratch.shift, scratch.external, scratch.flow, numbers,
     )  # fmt: skip
     copy(scratch.origin, state.position)
     copy(scratch.travel, state.velocity)
