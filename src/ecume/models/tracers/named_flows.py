@@ -68,7 +68,7 @@ class Stagnation(NamedTuple):
 
 
 class Rotation(NamedTuple):
-    """Rotation as a solid: in 2D in the plane, in 3D about the vertical."""
+    """Rotation as a solid: in 2D counterclockwise, in 3D about the vertical."""
 
     center: Point
     flat: float
