@@ -17,16 +17,18 @@ Integers = NDArray[np.int64]
 
 
 class Box(NamedTuple):
-    """A periodic box from the origin on; copies above and below are moved along x, after Lees and Edwards."""
+    """A periodic box with one corner at the origin; copies above and below are displaced along x, after Lees and
+    Edwards.
+    """
 
     sides: Array
-    """(d,) m; zero along an axis on which nothing comes again, as across walls"""
+    """(d,) m; zero along axes that are not periodic, as across walls"""
     strain: Number = 0.0
-    """by how many of its heights a copy above is moved along x"""
+    """the displacement along x of the copy above, over the height of the box"""
 
     @property
     def closed(self) -> bool:
-        """Whether it is periodic along each axis."""
+        """Flags of the periodic axes."""
         return bool((self.sides > 0.0).all())
 
     @property
@@ -38,7 +40,7 @@ class Box(NamedTuple):
 
     @property
     def tilt(self) -> Array:
-        """(d, d) m: its columns are the ways from one copy to the next."""
+        """The lattice vectors as columns (d, d), in m."""
         matrix = np.diag(self.sides)
         matrix[0, 1] = self.strain * self.sides[1]
         return matrix
@@ -50,11 +52,11 @@ class Copies(NamedTuple):
     position: Array
     """(M, d), the particles themselves first"""
     owner: Integers
-    """(M,) whose copy each is"""
+    """(M,) the particle of which each is a copy"""
 
 
 def box_of(frame: Frame) -> Box | None:
-    """The box of a frame, periodic along the axes whose sides the frame contains; None without sides."""
+    """The box of a frame, periodic along the axes with sides in the frame; None without sides."""
     sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: frame.arrays["position"].shape[1]]])
     if not sides.any():
         return None
@@ -65,7 +67,7 @@ def box_of(frame: Frame) -> Box | None:
 
 
 def nearest(between: Array, box: Box | None) -> Array:
-    """The shortest of the ways between particles and all copies of others; (n, d) in m.
+    """The shortest vectors (n, d), in m, between particles and all copies of others.
 
     >>> nearest(np.array([[0.2, 0.9]]), Box(np.ones(2), strain=0.25)).round(12)
     array([[-0.05, -0.1 ]])
@@ -80,7 +82,7 @@ def nearest(between: Array, box: Box | None) -> Array:
 
 
 def _in_sides(along: Array, sides: Array) -> Array:
-    """A length over the side of the box; zero along an axis without a side."""
+    """A length over the side of the box; zero along an axis without a period."""
     return np.asarray(np.divide(along, sides, out=np.zeros_like(along), where=sides > 0.0))
 
 
@@ -102,7 +104,7 @@ def copies(position: Array, box: Box | None, margin: Length) -> Copies:
 
 
 def wrapped(position: Array, box: Box) -> Array:
-    """Each particle's copy in the box itself."""
+    """The copy of each particle inside the box."""
     rows = np.floor(_in_sides(position[:, 1], box.sides[1]))
     home = position.copy()
     home[:, 0] -= box.strain * box.sides[1] * rows
@@ -111,7 +113,7 @@ def wrapped(position: Array, box: Box) -> Array:
 
 
 def _beside(move: Integers, box: Box) -> Integers:
-    """The same row of copies, counted from the one that lies beside the box now."""
+    """The same row of copies, counted from the copy that is now next to the box."""
     straight = move.copy()
     if box.strain != 0.0:
         straight[0] -= round(box.strain * box.sides[1] * move[1] / box.sides[0])

@@ -20,7 +20,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array, Lengths, Number
 
 TOLERANCE = 1e-3
-"""Two floats touch when the gap between them is below this part of the smaller one's radius."""
+"""The gap over the smaller radius below which two floats touch."""
 
 Integers = NDArray[np.int64]
 
@@ -53,7 +53,7 @@ def touching_pairs(
     """
     lengths = np.zeros(position.shape[1]) if period is None else np.maximum(np.asarray(period, dtype=float), 0.0)
     wrapped = np.where(lengths > 0, np.mod(position, np.where(lengths > 0, lengths, 1.0)), position)
-    # The tree wants 0 <= x < L, and the modulus of a tiny negative number rounds up to L.
+    # The tree requires 0 <= x < L, but the modulus of a tiny negative number is rounded up to L.
     wrapped = np.where((lengths > 0) & (wrapped >= lengths), 0.0, wrapped)
     if len(position) < 2:
         return np.empty((0, 2), dtype=np.int64)
@@ -94,7 +94,7 @@ def components(pairs: Integers, count: int) -> Clusters:
 
 
 def mean_raft(clusters: Clusters) -> float:
-    """The mean number of floats in the cluster of a float, sum n^2/sum n: large rafts count by their floats."""
+    """The mean number of floats in the cluster of a float, sum n^2/sum n, in which large rafts have larger weights."""
     return float(np.sum(clusters.sizes**2) / max(int(clusters.sizes.sum()), 1))
 
 
@@ -117,7 +117,7 @@ Neighbors = tuple[frozenset[int], ...]
 
 
 class Topology(NamedTuple):
-    """A graph of contacts up to the numbers of its floats."""
+    """The graph of contacts of a cluster, regardless of the order of its floats."""
 
     label: str
     """floats, contacts and the adjacency of the canonical numbering in hexadecimal, such as `3-3-7` for a triangle"""
@@ -211,7 +211,7 @@ def arrangement(frame: Frame, *, tolerance: float = TOLERANCE) -> str:
 
 
 def frequencies(frames: Iterable[Frame], floats: int, *, tolerance: float = TOLERANCE) -> dict[Topology, int]:
-    """How often each topology of clusters of so many floats appears in the frames, most frequent first."""
+    """How often each topology of clusters with this number of floats appears in the frames, most frequent first."""
     found = Counter(
         each for frame in frames for each in topologies(frame, tolerance=tolerance) if each.floats == floats
     )
@@ -247,7 +247,7 @@ def rigidity_matrix(position: Array, pairs: Integers) -> Array:
 
 
 class Transitions(NamedTuple):
-    """How often a sequence changed from each state to each other one."""
+    """The numbers of changes from each state to each other one in a sequence."""
 
     states: tuple[str, ...]
     """most frequent first"""

@@ -37,7 +37,7 @@ KERNEL = "wendland-c2"
 
 
 def points_along(start: Sequence[float], end: Sequence[float], count: int) -> Array:
-    """Points from one to the other, evenly: shape (count, d), in m.
+    """Points (count, d) at equal distances from one end to the other, in m.
 
     >>> points_along((0.0, 0.0), (1.0, 0.0), 3).tolist()
     [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]]
@@ -51,18 +51,20 @@ def filled(frame: Frame, points: Array, reach: Length) -> Array:
 
 
 def values_at(frame: Frame, name: str, points: Array, reach: Length) -> Array:
-    """An array of the frame at points, shape (points, ...); not a number where there is no liquid.
+    """An array of the frame, interpolated at points, of shape (points, ...); NaN outside of the
+    liquid.
 
-    Shepard's mean, sum_j V_j f_j W_j / sum_j V_j W_j: between the neighbors' least and largest, and at a surface or a
-    wall the value some way into the liquid.
+    Shepard's mean, sum_j V_j f_j W_j / sum_j V_j W_j. It is between the least and the largest value of the neighbors;
+    at a surface or a wall it is the value at some depth in the liquid.
     """
     return means(*_near(frame, points, reach), _array_of(frame, name))
 
 
 def linear_values_at(frame: Frame, name: str, points: Array, reach: Length) -> Array:
-    """The same, from the plane that fits the neighbors best: exact for what grows linearly, up to walls and surfaces.
+    """An array of the frame at points, by linear fits to the neighbors: exact for linear fields, up to walls and
+    surfaces.
 
-    Where too few neighbors are there to say which way it grows, the mean of `values_at`.
+    With too few neighbors for a gradient, the mean of `values_at`.
     """
     return planes(*_near(frame, points, reach), _array_of(frame, name))
 
@@ -79,10 +81,11 @@ def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
 
 
 def water_level(frame: Frame, places: Array, reach: Length) -> Array:
-    """Depth of the water above each place of the floor (m): the liquid there is, over the area it stands on.
+    """The depth of the water above each place of the floor (m): the volume of liquid over the area
+    of the floor.
 
-    Places are (n,) along x in 2D, (n, 2) along x and z in 3D (y points up). Air bubbles do not count as water.
-    Nearer to a wall than `reach`, water is missed that the wall cuts off.
+    Places are (n,) along x in 2D, (n, 2) along x and z in 3D (y points up). Air bubbles do not count as water. Nearer
+    to a wall than `reach`, water is missed that the wall cuts off.
     """
     position = frame.arrays["position"]
     level = np.delete(position, 1, axis=1)
@@ -122,7 +125,7 @@ MOST_POINTS = 10_000_000
 
 
 class Grid(NamedTuple):
-    """The nodes of a regular grid, one array of coordinates an axis (m)."""
+    """The nodes of a regular grid, as one array of coordinates per axis (m)."""
 
     axes: tuple[Array, ...]
 
@@ -133,7 +136,7 @@ class Grid(NamedTuple):
 
     @property
     def points(self) -> Array:
-        """The nodes, (n, d), with the last axis running fastest."""
+        """The nodes (n, d); the last axis varies fastest."""
         return np.stack([axis.ravel() for axis in np.meshgrid(*self.axes, indexing="ij")], axis=1)
 
 
@@ -152,15 +155,15 @@ def grid_over(low: Sequence[float], high: Sequence[float], spacing: Length) -> G
 
 
 def on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
-    """An array of the frame at the grid's nodes, shape (*grid.shape, ...): Shepard's mean of the particles within
-    `reach`, not a number where there is no liquid.
+    """An array of the frame at the grid's nodes, of shape (*grid.shape, ...): Shepard's mean of the particles within
+    `reach`, NaN outside of the liquid.
     """
     values = values_at(frame, name, grid.points, reach)
     return values.reshape(*grid.shape, *values.shape[1:])
 
 
 def linear_on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
-    """The same, exact for what grows linearly, up to walls and surfaces."""
+    """An array of the frame at the grid's nodes, by linear fits: exact for linear fields, up to walls and surfaces."""
     values = linear_values_at(frame, name, grid.points, reach)
     return values.reshape(*grid.shape, *values.shape[1:])
 
@@ -178,13 +181,13 @@ class Profile(NamedTuple):
     points: Array
     """(n, d)"""
     values: Array
-    """(n, ...), not a number where there is no liquid"""
+    """(n, ...), NaN outside of the liquid"""
 
 
 def profile_along(
     frame: Frame, name: str, ends: tuple[Sequence[float], Sequence[float]], count: int, reach: Length
 ) -> Profile:
-    """An array of the frame at points from one end of a line to the other; exact for what grows linearly."""
+    """An array of the frame at points from one end of a line to the other, by linear fits."""
     points = points_along(*ends, count)
     return Profile(np.linalg.norm(points - points[0], axis=1), points, linear_values_at(frame, name, points, reach))
 
@@ -201,7 +204,7 @@ ENERGIES = ("J", "J/m")
 def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
     """Each kind of energy over time (J; J/m in 2D), and the energy lost since the first frame.
 
-    Keys: `time` (s), every energy of the frames, `lost`, and `dissipated`: that, and what work was injected.
+    Keys: `time` (s), every energy of the frames, `lost`, and `dissipated`: the lost energy plus the injected work.
     """
     kept = list(frames)
     names = [name for name, unit in kept[0].units.items() if unit in ENERGIES]
@@ -211,12 +214,12 @@ def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
 
 
 TOGETHER = 1.6
-"""Particles closer than this many spacings belong to one liquid."""
+"""The largest distance, in spacings, of connected particles of a liquid."""
 
 
 def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf) -> float:
-    """The largest x that the liquid has reached (m), its edge and not its last particle's center; drops that have come
-    off do not count. `below` is the height under which to look.
+    """The largest x of the liquid (m), measured at its edge; separate drops do not count. Only the part below the
+    height `below` is included.
     """
     position = frame.arrays["position"]
     near = largest_piece(position, spacing) & (position[:, 1] < below)
@@ -226,7 +229,7 @@ def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf) -> 
 
 
 def largest_piece(position: Array, spacing: Length) -> Flags:
-    """(N,) which particles belong to the largest connected piece of liquid."""
+    """Flags (N,) of the particles of the largest connected piece of liquid."""
     pairs = cKDTree(position).query_pairs(TOGETHER * spacing, output_type="ndarray")
     count = len(position)
     graph = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
@@ -236,7 +239,8 @@ def largest_piece(position: Array, spacing: Length) -> Flags:
 
 
 def level_by_column(frame: Frame, edges: Array) -> Array:
-    """The depth of the liquid in each column, were it at rest (m): its volume over the column's ground.
+    """The depth of the liquid in each column if it were at rest (m): its volume over the area of
+    the column.
 
     `edges` are those of the columns along x, one more than columns, in 2D.
     """
@@ -249,7 +253,7 @@ def level_by_column(frame: Frame, edges: Array) -> Array:
 
 
 def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
-    """The height that the liquid reaches in each column (m), spray included; NaN in empty columns."""
+    """The highest point of the liquid in each column (m), including spray; NaN in empty columns."""
     position = frame.arrays["position"]
     column = np.digitize(position[:, 0], edges) - 1
     tops = np.full(len(edges) - 1, -np.inf)
@@ -260,13 +264,13 @@ def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
 
 HALF = 0.5
 REACH = 4.0
-"""In spacings: how far a particle fills its surroundings."""
+"""The range of a particle's kernel, in spacings."""
 FINE = 0.5
-"""Of the grid, in spacings."""
+"""The spacing of the grid, in spacings of particles."""
 
 
 class Walls(NamedTuple):
-    """The corners of a tank (m); infinite where a side is open. At a wall a liquid does not end."""
+    """The corners of a tank (m); infinite at open sides. The liquid has no surface at a wall."""
 
     low: Array
     high: Array

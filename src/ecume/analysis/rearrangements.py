@@ -28,9 +28,9 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array, Length
 
 MARGIN = 5.0
-"""Of the mean spacing: copies so far around a box leave no trace of where they end."""
+"""The width of the layer of copies around a box, in mean spacings; with more, results do not change."""
 TOP = (0.0, 0.0, 10.0)
-"""A point above all, so that the hull is a body even where all places are on one circle."""
+"""A point above all others, so that the hull has a volume even if all points are on one circle."""
 
 
 class Neighbors(NamedTuple):
@@ -39,7 +39,7 @@ class Neighbors(NamedTuple):
     pairs: Integers
     """(E, 2), i < j"""
     border: Array
-    """(E,) m: how long the border is that two regions share; infinite at an open edge"""
+    """(E,) m: the length of the common border of two regions; infinite at an open edge"""
 
 
 def neighbors_of(frame: Frame, box: Box | None = None) -> Neighbors:
@@ -69,13 +69,13 @@ def radical_neighbors(position: Array, radius: Array, box: Box | None = None) ->
 
 
 def _spacing(position: Array, box: Box) -> float:
-    """The mean distance between particles; along an open axis, in the length that they take up."""
+    """The mean distance between particles; along an open axis, the extent of all particles is used."""
     sides = np.where(box.sides > 0.0, box.sides, np.ptp(position, axis=0)) if len(position) else box.sides
     return float(np.sqrt(np.prod(sides) / max(len(position), 1)))
 
 
 def _edges(place: Array, radius: Array) -> tuple[Integers, Array]:
-    """Edges between places, each twice, and the lengths of the borders across them."""
+    """The edges of the triangulation, each twice, and the lengths of the borders across them."""
     lifted = np.vstack([np.column_stack([place, (place**2).sum(axis=1) - radius**2]), TOP])
     try:
         hull = ConvexHull(lifted)
@@ -95,7 +95,7 @@ def _edges(place: Array, radius: Array) -> tuple[Integers, Array]:
 
 
 def _once(pairs: Integers, border: Array) -> Neighbors:
-    """Each pair once, with its longest border; no particle is a neighbor of its copy."""
+    """Each pair once, with its longest border; pairs of a particle with its own copy are omitted."""
     apart = pairs[:, 0] != pairs[:, 1]
     pairs, border = pairs[apart], border[apart]
     order = np.lexsort((-border, pairs[:, 1], pairs[:, 0]))
@@ -106,27 +106,29 @@ def _once(pairs: Integers, border: Array) -> Neighbors:
 
 
 FIRM = 0.1
-"""Of the mean distance of neighbors: a longer border counts. In a honeycomb all are 0.58 long, at a swap zero."""
+"""The length of a border, over the mean distance of neighbors, above which it counts. In a honeycomb all borders have
+the length 0.58, at a swap one has the length zero.
+"""
 
 Pair = tuple[int, int]
 Around = dict[int, set[int]]
 
 
 class Swap(NamedTuple):
-    """A T1 event, and the four particles in it."""
+    """A T1 event with its four particles."""
 
     time: float
-    """s: when the border of the old pair has shrunk to nothing (contacts: half-way between loss and gain)"""
+    """s: when the border of the old pair has length zero (contacts: the mean of loss and gain)"""
     lost: Pair
-    """the pair that parts"""
+    """the pair that separates"""
     gained: Pair
-    """the pair that meets"""
+    """the pair that becomes neighbors"""
     loss: float
-    """s: when the old pair last had a firm border (contacts: when it parted)"""
+    """s: when the old pair had a firm border for the last time (contacts: when it separated)"""
     gain: float
-    """s: when the new pair first has one (contacts: when it met)"""
+    """s: when the new pair has a firm border for the first time (contacts: when it touched)"""
     place: tuple[float, ...]
-    """m: the middle of the new pair, then"""
+    """m: the middle of the new pair at that time"""
 
     @property
     def duration(self) -> float:
@@ -135,11 +137,13 @@ class Swap(NamedTuple):
 
 
 class Swaps(NamedTuple):
-    """The T1 events of some frames, in the order of gains, and how many changes of neighbors were no such event."""
+    """The T1 events of some frames in the order of gains, and the number of other changes of neighbors."""
 
     events: tuple[Swap, ...]
     unpaired: int
-    """Pairs that met or parted without another pair to go with: at open edges, or several swaps between two frames."""
+    """The number of pairs gained or lost without a matching pair: at open edges, or with several swaps between two
+    frames.
+    """
 
     @property
     def times(self) -> Array:
@@ -163,7 +167,7 @@ class Swaps(NamedTuple):
 
 
 class _Seen(NamedTuple):
-    """The last that was seen of a pair as neighbors: when, how long its border was, and when it was last firm."""
+    """The last state of a pair as neighbors: the time, the length of the border, and when it was last firm."""
 
     time: float
     border: float
@@ -212,7 +216,7 @@ def _found(frame: Frame, firm: float, box: Box | None) -> _Found:
 
 
 def _swapped(place: _Place, found: _Found, linked: dict[Pair, _Seen]) -> tuple[dict[Pair, Pair], int]:
-    """Which old pair each new one took the place of; pairs that are gone otherwise are forgotten, and counted."""
+    """The old pair that each new pair replaces; other lost pairs are removed, and counted."""
     fresh = {pair for pair, (_, sure) in found.items() if sure and pair not in linked}
     absent = {pair for pair in linked if pair not in found}
     if not fresh and not absent:
@@ -255,7 +259,9 @@ def around_of(pairs: Iterable[Pair]) -> Around:
 
 
 def matched(place: _Place, fresh: Iterable[Pair], absent: Iterable[Pair], known: Iterable[Pair]) -> dict[Pair, Pair]:
-    """Which pair each new one took the place of: one whose two were both neighbors of both that meet; the nearest."""
+    """The old pair that each new pair replaces: both particles of the old pair were neighbors of both of the new one;
+    the nearest if there are several.
+    """
     around, left = around_of(known), set(absent)
     candidates = []
     for new in fresh:
@@ -291,7 +297,7 @@ def _place_of(frame: Frame, box: Box | None) -> _Place:
 
 
 class _Contacts(NamedTuple):
-    """The present contacts, and the pairs that parted or met without another pair to match yet, with times."""
+    """The present contacts, and the gained and lost pairs that are not matched yet, with times."""
 
     linked: set[Pair]
     parted: dict[Pair, float]
@@ -306,12 +312,13 @@ class _Gaps(NamedTuple):
     far: float
 
     def of(self, pair: Pair) -> float:
-        """M; of those further away only the least it may be."""
+        """The gap (m); for distant pairs only a lower bound."""
         return self.gap.get(pair, self.far)
 
 
 def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: Box | None = None) -> Swaps:
-    """The T1 events by contacts: from the moment in which two part to that in which the two between them meet.
+    """The T1 events by contacts: from the separation of one pair to the contact of the two
+    particles between them.
 
     Two meet when their gap falls below `touch` and part when it rises above `apart` (m): what lies between leaves
     contacts as they are, so that they do not flicker. The gap is that of undeformed surfaces. Moments are interpolated
@@ -352,7 +359,7 @@ def _meet(contacts: _Contacts, span: tuple[_Gaps, _Gaps], touch: float) -> None:
 
 
 def _crossing(span: tuple[_Gaps, _Gaps], pair: Pair, level: float) -> float:
-    """The time at which a gap passed a level."""
+    """The time at which a gap crosses a level."""
     start, end = (gaps.of(pair) - level for gaps in span)
     part = start / (start - end) if start != end else 1.0
     return span[0].time + min(max(part, 0.0), 1.0) * (span[1].time - span[0].time)
@@ -368,20 +375,21 @@ class LocalDeformation(NamedTuple):
     """The deformation of the neighborhood of each particle between two frames."""
 
     gradient: Array
-    """(N, d, d): the even deformation F that maps old ways to neighbors onto new ones best; d x_k / d X_m"""
+    """(N, d, d): the uniform deformation F that best maps old vectors to neighbors onto new ones; d x_k / d X_m"""
     rest: Array
-    """(N,) m^2: what it leaves, the mean square over neighbors; D^2_min"""
+    """(N,) m^2: the mean square residual over neighbors; D^2_min"""
     neighbors: Integers
-    """(N,) how many there were; below d the fit means nothing, and both others are not numbers"""
+    """(N,) the number of neighbors; below d the fit is undefined, and both others are NaN"""
 
 
 def local_deformation(
     before: Frame, after: Frame, reach: Length, boxes: tuple[Box, Box] | None = None
 ) -> LocalDeformation:
-    """The best local deformation and what it leaves, D^2_min, for neighbors within `reach` of each particle's center.
+    """The best local deformation and its residual D^2_min, for neighbors within `reach` of each
+    particle's center.
 
-    D^2_min is divided by the number of neighbors, unlike in [falk1998]. Ways to neighbors are the shortest,
-    before and after: the reach should be well below half a box, and particles must be the same ones in both frames.
+    D^2_min is divided by the number of neighbors, unlike in [falk1998]. Vectors to neighbors are the shortest, before
+    and after: the reach should be well below half a box, and particles must be the same ones in both frames.
     """
     start, end = _boxes(before, after, boxes)
     position = before.arrays["position"]
@@ -423,13 +431,13 @@ def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] |
     position = before.arrays["position"]
     even = position @ (end.tilt @ np.linalg.inv(start.tilt)).T
     moved = nearest(after.arrays["position"] - even, end)
-    # A mean that depends on which copies were taken would shift with them: twice, around what most have in common.
+    # A mean depends on the choice of copies; it is therefore computed twice, the second time relative to the median.
     moved = nearest(moved - np.median(moved, axis=0), end)
     return np.asarray(moved - moved.mean(axis=0))
 
 
 def nonaffine_velocity(before: Frame, after: Frame, boxes: tuple[Box, Box] | None = None) -> Array:
-    """The same over the time between the two frames, (N, d) m/s."""
+    """The non-affine displacement over the time between the two frames, (N, d) m/s."""
     if not after.time > before.time:
         raise BadInput(f"a velocity takes time: the frames are at {before.time:g} s and {after.time:g} s")
     return nonaffine_displacement(before, after, boxes) / (after.time - before.time)

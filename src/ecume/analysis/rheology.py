@@ -17,10 +17,11 @@ from ecume.units import Array, Number, Pressure, Rate, Time, Viscosity
 
 AXES = "xyz"
 FEWEST = 10
-"""Instants in a period: with fewer, harmonics are taken for one another."""
+"""The smallest number of frames in a period; with fewer, harmonics cannot be distinguished."""
 PARTS = ("squeeze", "sliding", "remote")
-"""What the stress is made of: films squeezed, films sheared, and what acts across them. The surfaces' elastic
-deflections carry the sum of the three, being in series with them."""
+"""The parts of the stress: squeezed films, sheared films, and long-range forces. The elastic deflections of surfaces
+transmit the sum of the three, being in series with them.
+"""
 
 
 def stress_tensor(frame: Frame, part: str = "total") -> Array:
@@ -53,12 +54,13 @@ class SteadyState(NamedTuple):
     mean: Mean
     """of the values from there on"""
     settled: bool
-    """whether the transient ends within the first third, and both halves of the steady part have the same mean, within
-    three standard errors"""
+    """whether the transient ends within the first third, and both halves of the steady part have the same mean within
+    three standard errors
+    """
 
 
 SURE = 3.0
-"""Standard errors by which the means of two halves may differ."""
+"""The largest difference of the means of two halves, in standard errors."""
 
 
 def steady_state(values: Array) -> SteadyState:
@@ -82,7 +84,7 @@ def steady_state(values: Array) -> SteadyState:
 
 
 def steady_part(frames: Sequence[Frame]) -> tuple[Sequence[Frame], bool]:
-    """The frames from where shear stress and normal stress are stationary, and whether they have become so."""
+    """The frames from which on shear stress and normal stress are stationary, and whether they are."""
     found = [steady_state(values) for values in series(frames, number("shear_stress"), number("normal_stress"))]
     return frames[max(one.first for one in found) :], all(one.settled for one in found)
 
@@ -110,8 +112,8 @@ def mean_stress(frames: Sequence[Frame], part: str = "total") -> MeanStress:
 
 
 def over_seeds(means: Sequence[Mean]) -> Mean:
-    """The mean of runs that differ in their seed. Its standard error is that of their scatter, or that of their own
-    errors where this is larger: the scatter of two or three runs can be small at random.
+    """The mean of runs with different seeds. Its standard error follows from their scatter, or from their own
+    errors if these are larger: the scatter of two or three runs can be small at random.
 
     >>> over_seeds([Mean(1.0, 0.1), Mean(3.0, 0.1)]), over_seeds([Mean(2.0, 0.5), Mean(2.0, 0.5)]).error > 0.35
     (Mean(value=2.0, error=1.0), True)
@@ -132,7 +134,7 @@ def shear_rates(frames: Sequence[Frame]) -> Array:
 
 
 class FlowPoint(NamedTuple):
-    """A steady flow, each with its standard error."""
+    """The means of a steady flow, each with its standard error."""
 
     rate: Mean
     """1/s"""
@@ -156,7 +158,8 @@ class FlowPoint(NamedTuple):
 
 
 def viscous_number(viscosity: Viscosity, rate: Rate, normal_stress: Pressure) -> Number:
-    """J = eta |rate| / P: how long a film takes to be squeezed, times how fast the flow is. [boyer2011].
+    """The viscous number J = eta |rate| / P: the time in which a film is squeezed over that of the flow.
+    [boyer2011].
 
     In a layer the normal stress is a force over a length, and J a length: that of P over a radius has none.
 
@@ -167,7 +170,7 @@ def viscous_number(viscosity: Viscosity, rate: Rate, normal_stress: Pressure) ->
 
 
 def flow_point(frames: Sequence[Frame], viscosity: Viscosity, thickness: float = 1.0) -> FlowPoint:
-    """The means over frames of a steady flow, evenly spaced in time; cut off how it began before.
+    """The means over frames of a steady flow, evenly spaced in time and without the transient.
 
     `thickness` makes a stress of a layer's force over length, and J a number: twice the mean radius is usual.
     """
@@ -211,9 +214,9 @@ class CurveFit(NamedTuple):
 
 
 EXPONENTS = np.geomspace(0.05, 4.0, 80)
-"""Among which a fit begins to look for the best one."""
+"""The exponents among which a fit starts to search."""
 FEWEST_POINTS = 4
-"""Of a fit: three parameters, and one more for the errors."""
+"""The smallest number of points of a fit: three parameters, and one more for the errors."""
 
 
 def power_fit(argument: Array, values: Sequence[Mean]) -> CurveFit:
@@ -259,7 +262,9 @@ class Divergence(NamedTuple):
 
 
 FURTHEST = np.geomspace(1e-3, 1.0, 80)
-"""By how much of the largest fraction the divergence may lie above it."""
+"""The ratios of the distance of the divergence above the largest fraction to that fraction, among
+which a fit searches.
+"""
 
 
 def viscosity_divergence(fractions: Array, viscosities: Sequence[Mean]) -> Divergence:
@@ -287,12 +292,12 @@ class _Fit(NamedTuple):
     misfit: float
 
     def mean(self, place: int) -> Mean:
-        """One of them with its error."""
+        """One of the parameters with its error."""
         return Mean(float(self.best[place]), math.sqrt(max(float(self.covariance[place, place]), 0.0)))
 
 
 def _separable(column: Callable[[float], Array], values: Sequence[Mean], candidates: Array) -> _Fit:
-    """Least squares of offset + factor column(p): for each p the other two follow from a linear fit."""
+    """The least squares fit of offset + factor column(p): for each p, the other two follow from a linear fit."""
     y, error = np.array([one.value for one in values]), np.array([one.error for one in values])
     if len(y) < FEWEST_POINTS:
         raise BadInput(f"a fit of three parameters takes {FEWEST_POINTS} points or more; got {len(y)}")

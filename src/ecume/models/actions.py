@@ -66,7 +66,7 @@ class Action:
         return {"steps": self.steps} if self.steps is not None else {"time": float(self.time or 0.0)}
 
     def count(self, steps: int, clock: float, time_step: float) -> int:
-        """The number of times that it was due after these steps, at this time in units of `time_step`; never at 0."""
+        """How many times it was due up to this step and time, in units of `time_step`; never at time 0."""
         if self.steps is not None:
             return steps // self.steps
         return math.floor((clock + ROUNDING) * time_step / float(self.time or math.inf))
@@ -164,7 +164,7 @@ class View:
         return f"<View at t = {self.time:.6g} s, step {self.step}: {', '.join(self.frame.arrays)}>"
 
     def changes(self) -> dict[str, NDArray[Any]]:
-        """The arrays that were written to, and differ."""
+        """The arrays that an action has changed."""
         before = self.frame.arrays if self._arrays else {}
         return {
             name: array

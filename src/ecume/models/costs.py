@@ -1,4 +1,4 @@
-"""The cost of a run: what no machine could do, and the cost of frames in time and on the disk."""
+"""The cost of a run: limits that no machine can exceed, and the cost of frames in time and disk space."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Parameters = TypeVar("Parameters")
 
 
 def within_steps(scene: Common, parameters: Parameters) -> Parameters:
-    """The same parameters, if a run with their time step comes to an end. Raises SceneError."""
+    """The same parameters, unless a run would need too many time steps. Raises SceneError."""
     step: float = parameters.time_step  # type: ignore[attr-defined]  # every model's have one
     if scene.duration / step > MOST_STEPS:
         message = f"is {scene.duration / step:.3g} steps of {step:.3g} s, more than {MOST_STEPS:.0e}; make it shorter"
@@ -43,7 +43,7 @@ def require_memory(path: str, what: str, needed: float, way_out: str = "use fewe
 
 
 PROBES = 4
-"""Frames that are written, besides a first one that opens the file."""
+"""The number of frames written as a probe, after a first one that opens the file."""
 OBSERVING, PER_PARTICLE = 2e-4, 1.1e-6
 """Seconds to make a frame out of a state, and for each of its particles: 0.2 ms for two floats, 3.7 ms for 3,200
 particles of a liquid.
@@ -55,15 +55,15 @@ CHECKPOINTS, ARCHIVE = 2, 8e3
 CELL = 19.0
 """Bytes of a number in `samples.csv`."""
 NOTHING_WRITTEN = 5e-3
-"""Seconds of a frame where nothing can be written."""
+"""The time of a frame (s) if no file can be written."""
 MANY = 60.0
-"""Seconds of a run from which on it is worth a remark that frames take most of it."""
+"""The duration of a run (s) above which frames that take most of it are remarked on."""
 LARGE = 1e10
-"""Bytes of a run that are worth a remark."""
+"""The size of a run (bytes) that is remarked on."""
 
 
 class Content(NamedTuple):
-    """What a frame of a model holds."""
+    """The amount of data in a frame of a model."""
 
     particles: int
     arrays: Mapping[str, int]
@@ -117,7 +117,7 @@ class FrameCost(NamedTuple):
         return [frames, *samples, ("disk", size, f"roughly, of {of}{large}")]
 
     def remark(self, stepping: float) -> str:
-        """What to do where the run takes too long, or frames take longer than time steps do; otherwise empty."""
+        """The remedy if the run takes too long, or frames take longer than time steps; otherwise empty."""
         if stepping + self.seconds > LONGEST_RUN:
             return f"; `ecume run` refuses more than {duration_text(LONGEST_RUN)} without --max-days"
         if self.sampling.seconds > max(stepping, self.writing, MANY):
@@ -154,7 +154,7 @@ def sample_cost(scene: Common, content: Content, steps: float) -> SampleCost:
 
 
 def probed(content: Content, *, single: bool = False) -> tuple[float, float]:
-    """Seconds and bytes of a frame, from a few that are written and removed again."""
+    """The time (s) and the size (bytes) of a frame, from a few that are written and removed again."""
     random = np.random.default_rng(0)
     probes = [
         Frame(
@@ -177,7 +177,7 @@ def probed(content: Content, *, single: bool = False) -> tuple[float, float]:
                 recorder.write(probe, 0)
             seconds = (time.perf_counter() - began) / PROBES
             return seconds, (_size(Path(folder)) - before) / PROBES
-    except (OSError, StorageError):  # a full disk, or one that cannot be written: the arrays' own size
+    except (OSError, StorageError):  # a full or read-only disk: use the size of the arrays
         return NOTHING_WRITTEN, (4.0 if single else 8.0) * content.particles * sum(content.arrays.values())
 
 

@@ -14,15 +14,15 @@ Numbers = Mapping[str, float]
 
 ENERGY = "energy"
 INJECTED = "injected_work"
-"""The number of a frame with the injected work (J), in models that have an energy budget."""
+"""The name of the number with the injected work (J), in models with an energy budget."""
 DISSIPATED = "dissipated_work"
-"""And the dissipated energy (J), in models that compute it."""
+"""The name of the number with the dissipated energy (J), in models that compute it."""
 OWN = "energy_less_work"
-"""What is judged: the total energy less that work."""
+"""The name of the number that is checked: the total energy less the injected work."""
 
 
 class NumberHistory(NamedTuple):
-    """The numbers of a run's frames so far, `step` among them."""
+    """The numbers of the first and the present frame of a run, and the extremes so far, including `step`."""
 
     first: Numbers
     now: Numbers
@@ -31,11 +31,11 @@ class NumberHistory(NamedTuple):
 
 
 class Invariant(NamedTuple):
-    """One thing that must hold."""
+    """A quantity that must stay within a limit, computed from numbers of frames."""
 
     name: str
     says: str
-    """what is compared with the limit"""
+    """a description of the compared quantity"""
     limit: float
     value: Callable[[NumberHistory], float]
 
@@ -69,7 +69,7 @@ def with_own(numbers: dict[str, float]) -> dict[str, float]:
 
 
 def kept(name: str, keys: Sequence[str], scale: Callable[[NumberHistory], float], limit: float) -> Invariant:
-    """Numbers that stay what they were at the start, up to a part of a scale."""
+    """The invariant of numbers that keep their initial values within a part of a scale."""
 
     def change(seen: NumberHistory) -> float:
         return part_of(math.hypot(*(seen.now[key] - seen.first[key] for key in keys)), scale(seen))
@@ -78,7 +78,7 @@ def kept(name: str, keys: Sequence[str], scale: Callable[[NumberHistory], float]
 
 
 def at_most(name: str, says: str, key: str, limit: float, over: float = 1.0) -> Invariant:
-    """A number that stays below a limit."""
+    """The invariant of a number that stays below a limit."""
     return Invariant(name, says, limit, lambda seen: seen.now[key] / over)
 
 
@@ -94,5 +94,5 @@ def part_of(value: float, whole: float) -> float:
 
 
 def nothing(scene: Any, parameters: Any) -> list[Invariant]:
-    """Of a model that says nothing."""
+    """No invariants."""
     return []

@@ -1,4 +1,4 @@
-"""From a scene's liquid to that of the laws; compiles nothing, so that pictures and checks may ask, too."""
+"""The liquid of the laws from the liquid of a scene, without compilation, for checks and pictures, too."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def named_liquid(given: Any) -> LiquidProperties | None:
 
 
 def material_of(given: Any) -> Material:
-    """The properties of `[liquid]`: what it gives, otherwise what its name means."""
+    """The properties of `[liquid]`: specified values, otherwise those of the named liquid."""
     named = named_liquid(given)
     values = [
         getattr(named, key, 0.0) if getattr(given, key, None) is None else getattr(given, key)

@@ -1,4 +1,4 @@
-"""Runs: a scene that is simulated into a directory, and survives whatever happens to the process.
+"""Runs: simulations of scenes into directories, which can be resumed after any interruption.
 
 ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")

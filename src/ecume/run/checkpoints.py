@@ -1,4 +1,5 @@
-"""States on disk, enough to go on bit for bit, in archives of arrays that are checked before they are read.
+"""Checkpoints: states on disk, sufficient to resume a run bit for bit, in archives of arrays that are checked before
+they are read.
 
 Archives of arrays (`.npz`) that may come from anyone: each size is compared with the file before it is allocated.
 `numpy.savez` stores arrays as they are. An archive that is compressed, or whose arrays are larger than the file, was
@@ -41,20 +42,20 @@ from ecume.trajectories.gsd import checksum
 from ecume.trajectories.records import replacing, storing
 
 KINDS = "fiubc"
-"""Of arrays: numbers, and nothing else."""
+"""The kinds of arrays in archives: numbers only."""
 MARK = b"ecume crc32 "
 COMMENT = len(MARK) + 8
 END = struct.Struct("<4s4H2LH")
-"""The last record of an archive without a comment."""
+"""The layout of the last record of an archive without a comment."""
 TOO_DEEP = (RecursionError, MemoryError, tokenize.TokenError)
 DAMAGED = (*TOO_DEEP, zipfile.BadZipFile, NotImplementedError, EOFError, struct.error, SyntaxError, KeyError)
-"""What the readers of archives and of headers raise, apart from ValueError."""
+"""The exceptions of readers of damaged archives and headers, apart from ValueError."""
 AT_ONCE = 2**22
-"""Bytes that are read at once."""
+"""The number of bytes read at once."""
 
 
 def arrays_of(file: IO[bytes] | io.RawIOBase, path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of an open archive. Raises ValueError where it is damaged, or not one that `numpy.savez` wrote."""
+    """The arrays of an open archive. Raises ValueError if it is damaged, or was not written by `numpy.savez`."""
     size = _size(file)
     require_memory(size, path)
     try:
@@ -70,7 +71,7 @@ def arrays_of(file: IO[bytes] | io.RawIOBase, path: Path) -> dict[str, NDArray[A
 
 
 def _array(content: bytes) -> NDArray[Any]:
-    """The array of a member. Raises ValueError where its header does not fit its size."""
+    """The array of a member. Raises ValueError if its header does not fit its size."""
     stream = io.BytesIO(content)
     version = np.lib.format.read_magic(stream)
     readers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
@@ -92,7 +93,7 @@ def _is_numeric(kind: np.dtype[Any]) -> bool:
 
 
 class _Lent(io.RawIOBase):
-    """An open file for a reader that closes what it is given."""
+    """An open file that its reader cannot close."""
 
     def __init__(self, file: Any) -> None:
         self._file = file
@@ -129,7 +130,7 @@ def seal(file: Any) -> None:
 
 
 def require_sealed(file: Any) -> None:
-    """Raise ValueError where the checksum of an archive does not fit it. One of an earlier version has none."""
+    """Raise ValueError if the checksum of an archive does not fit it. Archives of earlier versions have no checksum."""
     size = _size(file)
     file.seek(max(0, size - END.size))
     if (last := file.read(END.size))[:4] == b"PK\x05\x06" and last[-2:] == b"\0\0":
@@ -142,7 +143,7 @@ def require_sealed(file: Any) -> None:
 
 
 def _crc(file: Any, size: int) -> int:
-    """The CRC-32 of the first bytes of a file, which is left behind them."""
+    """The CRC-32 of the first bytes of a file; the file is then positioned behind them."""
     file.seek(0)
     crc, left = 0, size
     while left > 0 and (part := file.read(min(left, AT_ONCE))):
@@ -153,13 +154,13 @@ def _crc(file: Any, size: int) -> int:
 
 
 KEPT = 2
-"""How many checkpoints stay: if the newest is damaged, there is another."""
+"""The number of checkpoints that are kept: if the newest is damaged, the other one is used."""
 FIELD, SAMPLES = "state.", "samples."
 RUN, STEP = "run", "step"
 
 
 class Checkpoint(NamedTuple):
-    """A state, how many frames there were before it, and how many time steps."""
+    """A state, the number of frames before it, and the number of time steps."""
 
     state: Any
     frames: int
@@ -188,7 +189,7 @@ def save(home: RunDirectory, checkpoint: Checkpoint) -> Path:
 
 
 def sound_arrays(home: RunDirectory, path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of a checkpoint. Raises ValueError where a byte is not as it was written."""
+    """The arrays of a checkpoint. Raises ValueError if any byte was changed."""
     with opened(path, "r", home.path) as file:
         require_sealed(file)
         file.seek(0)
@@ -202,8 +203,8 @@ def require_sound(home: RunDirectory, path: Path) -> None:
 
 
 def _own_arrays(home: RunDirectory, path: Path) -> tuple[dict[str, NDArray[Any]], Kept]:
-    """The arrays of a checkpoint but for those of the sampling, and these. Raises ValueError where it is damaged, or is
-    that of another run or step.
+    """The arrays of the state and those of the sampling in a checkpoint. Raises ValueError if it is damaged, or belongs
+    to another run or step.
     """
     arrays = sound_arrays(home, path)
     if int(arrays.pop("crc32")[0]) != checksum(arrays):
@@ -224,14 +225,15 @@ def set_aside(home: RunDirectory, path: Path) -> None:
 
 
 def newest_first(home: RunDirectory) -> list[Path]:
-    """The checkpoints of a run."""
+    """The checkpoints of a run, the newest first."""
     return sorted((path for path in home.checkpoints.glob("*.npz") if path.stem.isdecimal()), reverse=True)
 
 
 def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, str], None]) -> Checkpoint | None:
-    """The newest good checkpoint for which all frames before it are on disk; others are set aside, and noted.
+    """The newest undamaged checkpoint before which all frames are on disk; others are set aside,
+    and noted.
 
-    `kind` is the model's State; `frames` is how many frames are on disk.
+    `kind` is the model's State; `frames` is the number of frames on disk.
     """
     for path in newest_first(home):
         checkpoint, fault = _examined(home, path, kind)
@@ -247,10 +249,10 @@ def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, st
 
 
 def _examined(home: RunDirectory, path: Path, kind: type) -> tuple[Checkpoint | None, str]:
-    """The checkpoint of a file, or what is wrong with it."""
+    """The checkpoint of a file, or a description of its fault."""
     try:
         return _loaded(home, path, kind)._replace(step=int(path.stem)), ""
-    except Exception as error:  # a damaged archive raises nearly anything; whatever it is, the file is not used
+    except Exception as error:  # a damaged archive may raise any exception; in each case the file is not used
         return None, f"{type(error).__name__}: {error}"
 
 
@@ -293,35 +295,35 @@ def _unknown_then(kind: type) -> dict[str, NDArray[Any]]:
 
 
 STEPS = "steps_per_frame"
-"""The one whole number that follows from rounded ones: it belongs to the time step."""
+"""The only integer that may differ: it follows from the time step."""
 
 Stored = dict[str, NDArray[Any]]
 
 
 class Restored(NamedTuple):
-    """Parameters with the constants of a run, and what is worth recording about it."""
+    """Parameters with the constants of a run, and a remark for its log."""
 
     parameters: Any
     remark: str
     kept: bool
-    """Whether they are the run's own constants, and not derived again."""
+    """Whether these are the stored constants of the run, and not derived again."""
 
 
 def save_constants(home: RunDirectory, parameters: Any) -> str:
-    """Write the constants of a run; their digest."""
+    """Write the constants of a run; return their digest."""
     with replacing(home.constants, home.path) as file:
         np.savez(file, allow_pickle=False, **_numbers(parameters))
     return digest(home)
 
 
 def digest(home: RunDirectory) -> str:
-    """The SHA-256 of the file."""
+    """The SHA-256 of the file of constants."""
     with storing(home.constants), opened(home.constants, "r", home.path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def is_sound(home: RunDirectory) -> bool:
-    """Whether the file is as it was written. A run of a former version has none, and that is sound, too."""
+    """Whether the file of constants is unchanged; true for runs of former versions, which have no such file."""
     expected = manifest_of(home).get("constants_sha256")
     if expected is None:
         return True
@@ -338,8 +340,8 @@ def require_sound_constants(home: RunDirectory) -> None:
 
 
 def restored(home: RunDirectory, parameters: Any) -> Restored:
-    """The parameters of a run that is resumed, given those derived from its scene just now. Raises StorageError where
-    the file is damaged.
+    """The parameters of a resumed run with the stored constants, given those derived from its scene. Raises
+    StorageError if the file is damaged.
     """
     if manifest_of(home).get("constants_sha256") is None:
         return Restored(parameters, "derived again, since none are stored with the run", False)
@@ -373,13 +375,13 @@ def _parts(tree: tuple[Any, ...]) -> Iterator[tuple[str, Any]]:
 
 
 def _numbers(parameters: Any) -> Stored:
-    """The numbers among the parameters. Names, choices and nothing at all are not: they follow from the scene."""
+    """The numbers among the parameters, by their paths. Names and choices follow from the scene."""
     kinds = (np.ndarray, np.generic, bool, int, float, complex)
     return {path: np.asarray(leaf) for path, leaf in _leaves(parameters, "") if isinstance(leaf, kinds)}
 
 
 def _misfit(stored: Mapping[str, NDArray[Any]], derived: Mapping[str, NDArray[Any]]) -> str:
-    """Why stored constants are not those of this scene in this version, or an empty string."""
+    """The reason why stored constants do not fit this scene in this version; empty if they do."""
     for path in sorted({*stored, *derived}):
         if path not in stored or path not in derived:
             return f"{path} is {'not stored' if path not in stored else 'no constant of this version'}"
@@ -393,13 +395,13 @@ def _misfit(stored: Mapping[str, NDArray[Any]], derived: Mapping[str, NDArray[An
 
 
 FARTHEST, ROUNDING = 0.5, 1e-3
-"""How far a constant may be from the one derived here, relative to its value and to the largest of its array. Other
-processors change last digits, and fits of them up to 3e-5; what differs more was never derived from this scene.
+"""The largest difference between a stored and a derived constant, relative to its value and to the largest of its
+array. Other processors change last digits, and fits of them up to 3e-5; larger differences mean another scene.
 """
 
 
 def _is_near(stored: NDArray[Any], derived: NDArray[Any]) -> bool:
-    """Whether constants may be those of another processor: finite where these are, and about as large."""
+    """Whether constants may be those of another processor: finite in the same places, and of similar size."""
     finite = np.isfinite(derived)
     if not np.array_equal(np.isfinite(stored), finite) or not np.array_equal(stored[~finite], derived[~finite], True):
         return False

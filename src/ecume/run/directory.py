@@ -1,4 +1,4 @@
-"""The directory of a run: what stands where, and whose it is."""
+"""The directory of a run: the paths of its files, and whether it belongs to ecume."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ecume.trajectories import reader
 from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, storing, write_record
 
 MOST_NAMED = 5
-"""Runs that a message lists if the user named no run."""
+"""The number of runs that a message lists if the user named none."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class RunDirectory:
 
     @property
     def scene(self) -> Path:
-        """The scene file as the user wrote it, byte for byte."""
+        """The scene file of the user, byte for byte."""
         return self.path / "scene.toml"
 
     @property
@@ -60,7 +60,7 @@ class RunDirectory:
 
     @property
     def scalars(self) -> Path:
-        """The numbers of each frame, a line a frame."""
+        """The numbers of each frame, one line per frame."""
         return self.path / "scalars.jsonl"
 
     @property
@@ -70,7 +70,7 @@ class RunDirectory:
 
     @property
     def sums(self) -> Path:
-        """The checksums of the samples: after each frame, that of the table up to there."""
+        """The checksums of the samples: for each frame, that of the table up to there."""
         return self.path / reader.SUMS
 
     @property
@@ -90,7 +90,7 @@ class RunDirectory:
 
     @property
     def watch(self) -> Path:
-        """The invariants of the run, and whether they have held so far."""
+        """The invariants of the run, and whether they hold so far."""
         return self.path / "watch.json"
 
     @property
@@ -125,7 +125,7 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
 
 
 def _way_out(home: RunDirectory) -> str:
-    """A hint at what a user who looked for a run here may have meant."""
+    """A hint for a user who expected a run here."""
     if not home.path.is_dir():
         scene = home.path.suffix == ".toml" and home.path.is_file()
         return (
@@ -142,7 +142,7 @@ def _way_out(home: RunDirectory) -> str:
 
 
 def is_run_directory(home: RunDirectory) -> bool:
-    """Whether `ecume run` made this directory: it has a manifest, or nothing but what comes before one, with a lock."""
+    """Whether `ecume run` made this directory: it has a manifest, or only files that precede one, including a lock."""
     if home.manifest.is_file():
         with storing(home.manifest):
             return b'"ecume"' in content_of(home.manifest, MOST_BYTES, home.path)
@@ -151,7 +151,9 @@ def is_run_directory(home: RunDirectory) -> bool:
 
 
 def _is_locked_once(home: RunDirectory) -> bool:
-    """Whether the lock there is ecume's: a process of ecume wrote its number into it, or died before it could."""
+    """Whether the lock in a directory is ecume's: it contains the number of a process, or is empty because the process
+    ended before.
+    """
     try:
         return content_of(home.lock, MOST_BYTES, home.path)[:6] in (b"", b'{"pid"')
     except PermissionError:  # Windows, while it is held
@@ -161,7 +163,7 @@ def _is_locked_once(home: RunDirectory) -> bool:
 
 
 def refuse_existing(home: RunDirectory, *, force: bool) -> None:
-    """Raise RunExists where a new run would stand in the way of anything that is there."""
+    """Raise RunExists if anything exists where a new run would be written."""
     path = home.path
     if not path.exists() or _is_vacant(home):
         return
@@ -181,7 +183,7 @@ def _is_vacant(home: RunDirectory) -> bool:
 
 
 def clear(home: RunDirectory) -> None:
-    """Remove a run from its directory, and nothing else that may lie there."""
+    """Remove the files of a run from its directory, and no others."""
     for part in [path.with_name(f"{path.name}.part") for path in home.parts()] + home.parts():
         with storing(part):
             if part.is_dir() and not part.is_symlink():
@@ -191,7 +193,7 @@ def clear(home: RunDirectory) -> None:
 
 
 def sweep(home: RunDirectory) -> None:
-    """Remove what a killed process left half written."""
+    """Remove incomplete files of a killed process."""
     for folder in (home.checkpoints, home.trajectory):
         for part in folder.glob("*.part"):
             with storing(part):
@@ -212,21 +214,23 @@ def has_checksums(home: RunDirectory) -> bool:
 
 
 def identity_of(home: RunDirectory) -> str:
-    """The identity of the run, which its files bear; empty for runs of earlier versions, and where it is not known."""
+    """The identity of the run, which is part of the checksums of its files; empty for runs of earlier versions, and if
+    it is unknown.
+    """
     try:
         return str(manifest_of(home).get("run", ""))
-    except StorageError:  # damaged, which is named where it is read, or not written yet
+    except StorageError:  # damaged, which is reported where it is read, or not written yet
         return ""
 
 
 def owner_of(home: RunDirectory, path: Path) -> str:
-    """The owner of the checksums in a file, see `sealed`."""
+    """The owner of the checksums in a file: see `sealed`."""
     run = identity_of(home)
     return f"{run} {path.name}" if run else ""
 
 
 def read(home: RunDirectory, path: Path, check: Check) -> dict[str, Any]:
-    """One of the records of a run. Raises StorageError where it is damaged, or no record of this kind."""
+    """The content of a record of a run. Raises StorageError if it is damaged, or not of this kind."""
     return record_at(path, check, home.path, checked=has_checksums(home), owner=owner_of(home, path))
 
 

@@ -1,4 +1,6 @@
-"""Runs from trajectories of other programs: positions and velocities are read, all other quantities are computed."""
+"""Runs imported from trajectories of other programs: positions and velocities are read, all other quantities are
+computed.
+"""
 
 from __future__ import annotations
 
@@ -35,9 +37,9 @@ MODELS_OF_PARTICLES = {
     "sph": "the pressure of a tank follows from densities, which such files do not contain in our definition",
     "soft": "the forces of soft spheres follow from the history of their deflections, which such files do not contain",
 }
-"""The reason for which the frames of a model do not follow from positions and velocities, if there is one."""
+"""For each model, the reason why its frames do not follow from positions and velocities; empty if they do."""
 SAME = 1e-9
-"""The distance of a particle of the file from a particle of the scene that it is, over the extent of all."""
+"""The largest distance of a particle of the file from its counterpart in the scene, over the extent of all."""
 
 
 def import_run(
@@ -48,7 +50,8 @@ def import_run(
     force: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> RunResult:
-    """Make a run of the file that `[start_from]` of a scene names: its frames, `frame_every` apart.
+    """Make a run of the file that `[start_from]` of a scene names, with frames at intervals of
+    `frame_every`.
 
     All frames are read into a run beside it, which takes the place of `directory` when it is complete: a run that is
     there stays as it is until then. Raises RunExists where something is in the way, SceneError for a scene that cannot
@@ -152,7 +155,9 @@ def _read(name: str, series: Series, frame: int) -> Particles:
 
 
 def _matched(state: Any, position: Array, sides: Array, name: str) -> NDArray[np.int64]:
-    """The number in the file of each particle of the state, which is where the file says, or at a periodic image."""
+    """The index in the file of each particle of the state: the particle at the same position or at a periodic image of
+    it.
+    """
     dimensions = state.position.shape[1]
     periods = periods_of(sides[:dimensions].tolist())
     home = into_box(position[:, :dimensions], periods)

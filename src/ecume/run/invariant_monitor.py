@@ -19,7 +19,7 @@ WORKS = "injected", "dissipated"
 
 
 class Verdict(NamedTuple):
-    """The state of an invariant: the worst value so far, and its time."""
+    """The state of an invariant: its largest value so far, and the time."""
 
     name: str
     says: str
@@ -29,12 +29,12 @@ class Verdict(NamedTuple):
 
     @property
     def held(self) -> bool:
-        """Whether the worst is within the limit; what is no number never is."""
+        """Whether the largest value is within the limit; false for NaN."""
         return self.worst <= self.limit
 
 
 class Watch:
-    """The open judgement of a run. It begins with the frames that are there already, and so forgets nothing."""
+    """The monitor of a run's invariants. It starts with the frames on disk, so that a resumed run includes them."""
 
     def __init__(self, home: RunDirectory, invariants: Sequence[Invariant], policy: str) -> None:
         self._home, self._invariants, self._policy = home, list(invariants), policy
@@ -48,7 +48,9 @@ class Watch:
     def take(
         self, time: float, numbers: Mapping[str, float], step: int, units: Mapping[str, str] | None = None
     ) -> list[Verdict]:
-        """Judge a frame; what it is the first to break. Raises Diverged where that is to stop the run."""
+        """Check a frame; return the invariants that it is the first to violate. Raises Diverged if
+        the run is to stop.
+        """
         self._unit = (units or {}).get("total_energy", self._unit)
         before = {one.name for one in self.verdicts() if not one.held}
         self._take(time, {**numbers, "step": float(step)})
@@ -76,7 +78,7 @@ class Watch:
         return [Verdict(one.name, one.says, one.limit, *self._worst[one.name]) for one in self._invariants]
 
     def keep(self) -> None:
-        """Write how all stand, and the energy's budget, beside the run."""
+        """Write the state of all invariants, and the energy budget, into the run directory."""
         report: dict[str, Any] = {"until": self._time, "policy": self._policy}
         report["invariants"] = [
             {**one._asdict(), "worst": _number(one.worst), "held": one.held} for one in self.verdicts()
@@ -88,8 +90,8 @@ class Watch:
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
-    """Where the energy went (J; in 2D tanks J/m). What was injected, or there before, and is not there any more was
-    dissipated, unless the energy budget includes that, too.
+    """The energy budget (J; in 2D tanks J/m). Injected and initial energy that is no longer present was dissipated,
+    unless the energy budget includes that, too.
 
     If a driven system has no energy budget, injected less dissipated is known, and neither alone.
     """
@@ -102,7 +104,7 @@ def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | N
 
 
 def sentence(one: Verdict) -> str:
-    """`energy: its rise ... is 0.2, more than 0.001, at t = 3 s`."""
+    """The text `energy: its rise ... is 0.2, more than 0.001, at t = 3 s`."""
     return f"{one.name}: {one.says}, is {one.worst:.3g}, more than {one.limit:g}, at t = {one.time:.6g} s"
 
 
@@ -124,7 +126,7 @@ def summary_line(home: RunDirectory) -> str:
 
 
 def _work(energy: Mapping[str, float | None], unit: str) -> str:
-    """`; injected 3e-06 J, dissipated 2e-06 J`, of what is known."""
+    """The text `; injected 3e-06 J, dissipated 2e-06 J`, as far as these are known."""
     known = [f"{name} {energy[name]:.3g} {unit}" for name in WORKS if energy.get(name) is not None]
     return f"; {', '.join(known)}" if known else ""
 

@@ -1,4 +1,6 @@
-"""One writer a run directory, and requests that it stops: it finishes its current steps and writes a checkpoint."""
+"""Locks and signals of a run: one writer per directory; on request it completes its current steps, writes a checkpoint
+and ends.
+"""
 
 from __future__ import annotations
 
@@ -22,13 +24,14 @@ from ecume.run.directory import RunDirectory, clear, has_checksums, refuse_exist
 from ecume.trajectories.records import OWNER, clean, line_of, sealed_line, storing
 
 WIDTH = 512
-"""Bytes of the lock: more than any process needs to say who it is."""
+"""The size of the lock in bytes: more than the identification of any process needs."""
 MOST_BYTES = 2**16
 
 
 @contextlib.contextmanager
 def held(home: RunDirectory, *, quietly: bool = False) -> Iterator[None]:
-    """Hold a run directory; RunExists when another process does. The system lets go of it however the process ends.
+    """Hold the lock of a run directory; raise RunExists if another process does. The operating system releases it
+    however the process ends.
 
     `quietly` does not write the name of this process into the lock.
     """
@@ -47,7 +50,7 @@ def _take(home: RunDirectory, file: FileIO, *, quietly: bool) -> None:
     if quietly:
         return
     with storing(home.lock):
-        # Over the former owner in one go: never half a name.
+        # Overwrite the former owner in one write, so that no partial name can be read.
         file.write(sealed_line(_self()).encode().ljust(WIDTH))
 
 
@@ -60,8 +63,8 @@ def owner(home: RunDirectory) -> dict[str, Any] | None:
 
 
 def read_owner(home: RunDirectory) -> dict[str, Any] | None:
-    """The same; None where no process has written its name yet. Raises ValueError where the file is damaged, and
-    OSError where it cannot be read.
+    """The process that locked the directory last; None before a process has written its name. Raises ValueError if the
+    file is damaged, and OSError if it cannot be read.
     """
     content = content_of(home.lock, MOST_BYTES, home.path)
     if not content:
@@ -74,7 +77,7 @@ def read_owner(home: RunDirectory) -> dict[str, Any] | None:
 
 
 def require_free(home: RunDirectory) -> None:
-    """Raise RunExists while a process writes the run; nothing is written."""
+    """Raise RunExists while a process writes the run; write nothing."""
     if not home.lock.exists():
         return
     with storing(home.lock), opened(home.lock, "r", home.path) as file:
@@ -85,7 +88,9 @@ def require_free(home: RunDirectory) -> None:
 
 
 def put_in_place(complete: RunDirectory, home: RunDirectory, *, force: bool) -> None:
-    """Move a complete run from beside into its directory, in place of a former run with `force`; its manifest last."""
+    """Move a complete run from a neighboring directory into its own, replacing a former run with `force`; its manifest
+    last.
+    """
     with storing(home.path):
         home.path.mkdir(parents=True, exist_ok=True)
     with held(home):
@@ -98,7 +103,8 @@ def put_in_place(complete: RunDirectory, home: RunDirectory, *, force: bool) -> 
 
 
 def stop(home: RunDirectory) -> bool:
-    """Ask the process that writes the run to leave a checkpoint and end; False where no process does.
+    """Request the process that writes the run to write a checkpoint and end; return False without
+    such a process.
 
     The lock may name any process. Only one that has the lock open while it is held gets a signal.
     """
@@ -114,7 +120,8 @@ def stop(home: RunDirectory) -> bool:
 
 
 def is_held(home: RunDirectory) -> bool:
-    """Whether a process holds the lock of the run; one on another machine that locked it last is believed to.
+    """Whether a process holds the lock of the run. If a process on another machine locked it last,
+    this is assumed.
 
     The lock itself decides: a process may have the number of one that ended, and clocks may be set.
     """
@@ -131,7 +138,7 @@ def is_held(home: RunDirectory) -> bool:
 
 
 def _has_open(process: dict[str, Any], home: RunDirectory) -> bool:
-    """Whether a process of this machine runs and has the lock open, as far as the system says."""
+    """Whether a process of this machine runs and has the lock open, as far as the operating system reports it."""
     try:
         found = psutil.Process(process["pid"])
         if os.name == "nt":  # where open files are not listed reliably
@@ -154,7 +161,9 @@ def _named(process: dict[str, Any] | None) -> str:
 
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1", "SIGBREAK") if hasattr(signal, name))
-"""Ctrl-C, the batch system's farewell, its warning beforehand, and Windows' own; not every system has each."""
+"""The signals that request a stop: Ctrl-C, termination and the advance warning of batch systems, and those of Windows;
+not every system has all of them.
+"""
 
 Handler = Callable[[int, FrameType | None], object] | signal.Handlers
 PATIENT = tuple(number for number in SIGNALS if number.name in ("SIGTERM", "SIGUSR1"))
@@ -164,7 +173,7 @@ Ctrl-C while laws are compiled has nothing to lose.
 
 
 def ask_to_stop(process: int) -> None:
-    """Ask the process of a run, which may be this one, to leave a checkpoint and end."""
+    """Request the process of a run, which may be this one, to write a checkpoint and end."""
     os.kill(process, signal.SIGTERM)
 
 
@@ -191,7 +200,9 @@ class StopRequest:
 
 @contextlib.contextmanager
 def handled(handler: Handler, signals: Sequence[signal.Signals] = SIGNALS) -> Iterator[None]:
-    """Handle signals inside this block, and as before after it. Only the main thread can: elsewhere nothing changes."""
+    """Handle signals inside this block, and restore the handlers after it. Only the main thread can; other threads
+    change nothing.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -208,7 +219,7 @@ def handled(handler: Handler, signals: Sequence[signal.Signals] = SIGNALS) -> It
 def stop_requests(
     signals: Sequence[signal.Signals] = SIGNALS, request: StopRequest | None = None
 ) -> Iterator[StopRequest]:
-    """Collect requests to stop inside this block, or from before it. Only the main thread receives signals."""
+    """Collect requests to stop inside this block, also earlier ones. Only the main thread receives signals."""
     request = StopRequest() if request is None else request
     with handled(request.take, signals):
         yield request

@@ -35,14 +35,15 @@ if TYPE_CHECKING:
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
 FORMAT = 3
-"""Of a run: since format 2, records and lines of numbers have checksums, since 3 the identity of the run is in them,
-and samples have checksums, too."""
+"""The format of runs: since format 2, records and lines of numbers have checksums; since 3 these include the identity
+of the run, and samples have checksums, too.
+"""
 SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")
 """Environment variables that make libraries compute as on another processor."""
 
 
 def now() -> str:
-    """The wall clock, in the world's time."""
+    """The present time in UTC."""
     return datetime.datetime.now(datetime.UTC).isoformat(timespec="milliseconds")
 
 
@@ -83,7 +84,7 @@ def changed(former: Mapping[str, Any]) -> list[str]:
 
 
 def open_session(home: RunDirectory, threads: int, step: int, frames: int) -> None:
-    """Record that a process starts to work on the run, which has so many frames on disk."""
+    """Record that a process starts to work on the run, with this number of frames on disk."""
     manifest = manifest_of(home)
     session = {
         "pid": os.getpid(),
@@ -121,7 +122,7 @@ def record(home: RunDirectory, **facts: Any) -> None:
 
 
 def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -> None:
-    """Note how the work ended."""
+    """Record how the work ended."""
     manifest = manifest_of(home)
     ending = {"ended": now(), "to_step": step, "seconds": round(seconds, 3), "outcome": outcome}
     manifest["sessions"][-1] |= ending
@@ -130,7 +131,7 @@ def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -
 
 def digests(home: RunDirectory) -> dict[str, str]:
     """The SHA-256 of each file that will not change any more."""
-    from concurrent.futures import ThreadPoolExecutor  # takes time to import, and `ecume info` needs none of it
+    from concurrent.futures import ThreadPoolExecutor  # slow to import, and not needed by `ecume info`
 
     folders = (home.trajectory, home.checkpoints)
     files = [
@@ -163,7 +164,8 @@ def _version(program: str) -> str | None:
 
 
 def _processor() -> str:
-    """The processor's name, family and model; Linux keeps them where the platform module does not look.
+    """The name, family and model of the processor, on Linux from files that the platform module
+    ignores.
 
     Virtual machines call processors of several generations by one name, so the name alone is not enough.
     """
@@ -255,7 +257,7 @@ def metadata(home: RunDirectory, attribution: Attribution = UNKNOWN) -> Entity:
 
 
 def crate_files(home: RunDirectory) -> list[Path]:
-    """The files of a run that are part of a crate: all but locks, states and what is being written."""
+    """The files of a run that are part of a crate: all but locks, states and incomplete files."""
     hidden = {home.lock, home.status, home.crate}
     found = [path for path in home.path.rglob("*") if path.is_file() and not path.is_symlink()]
     kept = [path for path in found if path not in hidden and home.checkpoints not in path.parents]
@@ -303,7 +305,7 @@ def _file(home: RunDirectory, path: Path) -> Entity:
 
 
 def _action(home: RunDirectory, files: Sequence[Entity]) -> Entity:
-    """The computation: by which program, of which scene, when, and how it ended."""
+    """The description of the computation: program, scene, times, and outcome."""
     sessions = manifest_of(home).get("sessions", [])
     state = "Completed" if home.done.exists() else "Failed" if home.failed.exists() else "Active"
     inputs = ("scene.toml", "resolved.json")

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from ecume.simulation import Moment
 
 SETTLED = 1.0
-"""Seconds of integration after which its speed gives the time left."""
+"""Seconds of integration after which its speed is used to predict the remaining time."""
 STATUS_EVERY = 1.0
 """Seconds of wall time between two replacements of `status.json`, at least."""
 
@@ -56,14 +56,14 @@ class Progress(NamedTuple):
 
     step: int
     steps: int | None
-    """None while the total is unknown: time steps that adapt are counted as they are taken."""
+    """None while the total is unknown, for adaptive time steps."""
     time: float
     duration: float
     frames: int
     speed: float
     steps_per_second: float
     remaining: float | None
-    """Seconds of wall time; None while nothing is known."""
+    """Predicted seconds of wall time; None while unknown."""
 
     @property
     def begun(self) -> bool:
@@ -72,12 +72,12 @@ class Progress(NamedTuple):
 
     @property
     def place(self) -> str:
-        """`at step 25 of 100`, or `at t = 0.5 s (step 25)` where the total is unknown."""
+        """The text `at step 25 of 100`, or `at t = 0.5 s (step 25)` if the total is unknown."""
         return f"at step {self.step} of {self.steps}" if self.steps else f"at t = {self.time:.6g} s (step {self.step})"
 
 
 class Pace:
-    """The speed of the integration since the first steps of this process, without the time spent compiling."""
+    """The speed of the integration since the first steps of this process, without compilation."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
@@ -87,7 +87,7 @@ class Pace:
         """Seconds of wall time in time steps, without the first, for which code is read or compiled."""
 
     def progress(self, moment: Moment, frames: int) -> Progress:
-        """The progress at this moment."""
+        """The progress at this time."""
         clock = time.monotonic()
         self._heard += 1
         if self._heard <= 2:
@@ -109,14 +109,14 @@ class Pace:
 
 
 class StatusFile:
-    """`status.json`: replaced as a whole, at most once a second, whatever its state but the last."""
+    """The file `status.json`, replaced as a whole, at most once a second except for the last state."""
 
     def __init__(self, home: RunDirectory) -> None:
         self._home, self._written = home, -STATUS_EVERY
         self.last_checkpoint: int | None = None
 
     def write(self, state: str, progress: Progress, *, last: bool = False) -> None:
-        """Write how far the run is."""
+        """Write the progress of the run."""
         clock = time.monotonic()
         if not last and clock - self._written < STATUS_EVERY:
             return
@@ -138,24 +138,24 @@ def note(home: RunDirectory, event: str, **details: Any) -> None:
 
 
 def _cleaned(value: Any) -> Any:
-    """Details of an event may quote what was read from a damaged file: text without anything that could act."""
+    """The details of an event, which may quote a damaged file, without characters that could have an effect."""
     if isinstance(value, list | tuple):
         return [_cleaned(each) for each in value]
     return clean(value) if isinstance(value, str) else value
 
 
 POSITION = "position"
-"""The array that all frames have."""
+"""The name of the array that all frames have."""
 
 
 class Selection(NamedTuple):
-    """The arrays that are written: all, or those of these names."""
+    """The arrays that are recorded: all, or those with these names."""
 
     names: frozenset[str] | None = None
     single: bool = False
 
     def of(self, frame: Frame) -> Frame:
-        """The frame as it will be read from the disk."""
+        """The frame as it will be read from disk."""
         arrays, units = frame.arrays, frame.units
         if self.names is not None:
             omitted = [name for name in arrays if name not in self.names]
@@ -182,7 +182,7 @@ def _rounded(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def names_quantities(scene: Common) -> bool:
-    """Whether a scene names quantities that can only be checked in a frame."""
+    """Whether a scene names quantities that can be checked only in a frame."""
     asked = scene.output
     return bool(asked.quantities or (asked.samples and not scene.numbers.issuperset(asked.samples.numbers)))
 
@@ -213,11 +213,11 @@ def _unknown(path: str, names: Sequence[str], known: Iterable[str]) -> Iterator[
 
 
 LONGEST = 2**20
-"""Bytes of a line."""
+"""The largest number of bytes of a line."""
 
 
 def scalars_line(step: int, frame: Frame, owner: str = "") -> str:
-    """One line; what is no finite number is null."""
+    """The line of a frame; numbers that are not finite are null."""
     return sealed_line({"step": step, "time": frame.time, **_finite(frame.numbers)}, owner)
 
 
@@ -245,7 +245,7 @@ def split(home: RunDirectory, path: Path) -> Iterator[bytes]:
 
 
 def good_lines(home: RunDirectory, most: int) -> tuple[int, int]:
-    """How many of the first lines are as they were written, at most so many, and how many bytes they have."""
+    """The number of undamaged lines at the beginning, at most `most`, and their size in bytes."""
     count = size = 0
     owner = owner_of(home, home.scalars)
     try:
@@ -260,8 +260,8 @@ def good_lines(home: RunDirectory, most: int) -> tuple[int, int]:
 
 
 def continued(home: RunDirectory, former: Trajectory, frames: int) -> FileIO:
-    """The table, open for appending, with a line for each of so many frames. Where lines are missing or damaged, all
-    are taken from the trajectory.
+    """The table, open for appending, with one line for each of this number of frames. If lines are missing or damaged,
+    all are written again from the trajectory.
     """
     with storing(home.scalars):
         count, size = good_lines(home, frames)
@@ -293,7 +293,7 @@ class Block:
     """
 
     def __init__(self, width: int, kept: Kept = NOTHING) -> None:
-        """An empty block, or one that a checkpoint holds."""
+        """An empty block, or the block of a checkpoint."""
         self.count = int(kept["count"][0]) if kept else 0
         self.time = float(kept["block_time"][0]) if kept else 0.0
         empty = np.zeros(width)
@@ -313,7 +313,7 @@ class Block:
         self.largest = values if first else np.maximum(self.largest, values)
 
     def cells(self) -> list[float]:
-        """The mean time, the number of samples, and of each number the mean, minimum, maximum and standard error."""
+        """The mean time, the number of samples, and the mean, minimum, maximum and standard error of each number."""
         with np.errstate(invalid="ignore"):
             variance = self.squares / (self.count - 1) if self.count > 1 else np.full(len(self.mean), math.nan)
             error = np.sqrt(variance / self.count)
@@ -331,7 +331,7 @@ class SampleFile:
     """The open table of samples of a run."""
 
     def __init__(self, path: Path, asked: SamplesSpec, kept: Kept = NOTHING, run: str = "") -> None:
-        """Continue the table at a checkpoint, or begin it; `run` is the identity of the run."""
+        """Continue the table from a checkpoint, or start it; `run` is the identity of the run."""
         self._path, self._asked = path, asked
         self._crc = int(kept["crc"][0]) if "crc" in kept else sum_of(b"", run)
         self.last = int(kept["last"][0]) if kept else BEFORE
@@ -381,7 +381,7 @@ class SampleFile:
                 left = left[written:]
 
     def show(self) -> None:
-        """Write complete rows, and their checksum, with which readers see them."""
+        """Write complete rows and their checksum, which makes them visible to readers."""
         self.flush()
         if self._sums is not None:
             self._sums.add(self._size, self._crc)
@@ -402,7 +402,7 @@ class SampleFile:
         return position | (self._block.kept() if self._names else {})
 
     def close(self) -> None:
-        """Close the files; rows after the last checkpoint are computed again by a resumed run."""
+        """Close the files; a resumed run computes rows after the last checkpoint again."""
         self._file.close()
         if self._sums is not None:
             self._sums.close()
@@ -412,7 +412,7 @@ class SumFile:
     """The open file with the checksums of a table of samples: a line after each frame that has new rows."""
 
     def __init__(self, path: Path, size: int, run: str) -> None:
-        """Continue it where the table has so many bytes."""
+        """Continue the file for a table of this size."""
         self._path, self._owner, self._last = path, f"{run} {path.name}", 0
         with storing(path):
             self._file = opened(path, "a+", path.parent)
@@ -427,14 +427,14 @@ class SumFile:
             self._file.seek(place)
 
     def add(self, size: int, crc: int) -> None:
-        """Note the checksum of so many bytes."""
+        """Add the checksum of this number of bytes."""
         if size > self._last:
             with storing(self._path):
                 append(self._file, sealed_line({"bytes": size, "crc": crc}, self._owner).encode())
             self._last = size
 
     def settle(self) -> None:
-        """Write it to the disk."""
+        """Write all lines to the disk."""
         with storing(self._path):
             os.fsync(self._file.fileno())
 
@@ -444,12 +444,12 @@ class SumFile:
 
 
 SINGLE, BLOCK = ("last", "bytes", "crc", "count"), ("mean", "squares", "least", "largest")
-"""Whole numbers of the position of a sampling, and the numbers of an average that is not complete."""
+"""The integers of the position of a sampling, and the numbers of an incomplete average."""
 LARGEST_COUNT = 2.0**53
 
 
 def misfit(kept: Kept) -> str:
-    """Why arrays are not the position of a sampling; empty where they are one."""
+    """The reason why arrays are not the position of a sampling; empty if they are."""
     names = {*SINGLE[:3], "count", "block_time", *BLOCK} if "count" in kept else set(SINGLE[:3])
     if kept.keys() | {"crc"} != names:
         return "its samples have other parts than a run writes"
@@ -466,7 +466,7 @@ def misfit(kept: Kept) -> str:
 
 
 def missing_rows(home: RunDirectory, kept: Kept) -> str:
-    """The fault of a checkpoint whose samples are not on the disk, or are damaged; empty where all are there."""
+    """The fault of a checkpoint whose samples are missing on disk or damaged; empty otherwise."""
     if not kept:
         return ""
     if fault := misfit(kept):
@@ -499,7 +499,8 @@ EVERYTHING = Selection()
 
 
 class Recording:
-    """The open trajectory and the open table of numbers of a run; `frames` of them are behind us.
+    """The open trajectory and the open table of numbers of a run; `frames` is the number of frames
+    recorded so far.
 
     `strict` refuses frames that differ from those on disk, whatever the reason. Without `repeats` frames that are
     computed again have other bits, and replace those on disk.
@@ -533,7 +534,7 @@ class Recording:
 
     @property
     def on_disk(self) -> int:
-        """How many frames the trajectory holds: more than `frames` if a killed run had continued after its last
+        """The number of frames in the trajectory: more than `frames` if a killed run had continued after its last
         checkpoint.
         """
         return self._recorder.frames
@@ -550,7 +551,7 @@ class Recording:
         self.frames += 1
 
     def settle(self) -> None:
-        """See everything on the disk, before a checkpoint counts on it."""
+        """Wait until everything is on disk, before a checkpoint refers to it."""
         with storing(self._home.scalars):
             os.fsync(self._scalars.fileno())
 
@@ -576,7 +577,7 @@ class Recording:
             self._replace(frame, found)
 
     def _replace(self, frame: Frame, found: Difference) -> None:
-        """Drop the frames on disk from this one on. Raises StorageError where they should have been the same."""
+        """Remove the frames on disk from this one on. Raises StorageError if they should have been equal."""
         changes = changed(circumstances_of_frame(self._home, self.frames))
         which = f"{self._home.path}: frame {self.frames} (t = {frame.time:g} s)"
         where = f"{which}, computed again, differs from the one on disk"
@@ -589,7 +590,8 @@ class Recording:
             raise StorageError(
                 f"{where} in {found} ({'; '.join(changes)}): resume it where it was begun, or without --strict"
             )
-        # Recorded before the frames go: a process that is killed in between leaves frames that are replaced next time.
+        # Recorded before the frames are removed: frames left by a process that is killed in between are replaced next
+        # time.
         replacement = {"frame": self.frames, "time": frame.time, "difference": str(found), "changed": changes}
         record(self._home, replaced=replacement)
         note(self._home, "frames replaced", **replacement)
@@ -597,14 +599,14 @@ class Recording:
         warnings.warn(f"{where} in {found} ({'; '.join(changes)}); it and later ones are replaced", stacklevel=1)
 
     def _cut(self) -> None:
-        """Drop the frames on disk from this one on: the present session writes them."""
+        """Remove the frames on disk from this one on: the present session writes them again."""
         self._former.close()
         self._recorder.cut(self.frames)
         record(self._home, first_frame=self.frames)
 
 
 class Difference(NamedTuple):
-    """The difference between two frames: the first quantity that is not the same, and the number of others."""
+    """The difference between two frames: the first quantity that differs, and the number of others."""
 
     quantity: str
     size: float
@@ -615,7 +617,7 @@ class Difference(NamedTuple):
     others: int
 
     def __str__(self) -> str:
-        """`position by 1.1e-17 m (1.3e-16 of its largest value) and 3 more quantities`."""
+        """The text `position by 1.1e-17 m (1.3e-16 of its largest value) and 3 more quantities`."""
         unit = f" {self.unit}" if self.unit not in ("", "1") else ""
         size = f" by {self.size:.1e}{unit} ({self.relative:.1e} of its largest value)" if self.size < math.inf else ""
         others = f" and {self.others} more {'quantities' if self.others > 1 else 'quantity'}" if self.others else ""
@@ -642,7 +644,7 @@ def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
 
 
 def _distance(one: NDArray[Any], other: NDArray[Any]) -> tuple[float, float]:
-    """The largest difference of two arrays, and that over their largest value."""
+    """The largest difference of two arrays, and its ratio to their largest value."""
     if (one.shape, one.dtype) != (other.shape, other.dtype) or one.dtype.kind not in "fc":
         return math.inf, math.inf
     if not np.array_equal(np.isfinite(one), np.isfinite(other)):

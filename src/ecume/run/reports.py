@@ -39,11 +39,11 @@ class RunSummary(NamedTuple):
     size: int
     """bytes on disk"""
     why: str
-    """What is wrong with it, and how to continue; or nothing."""
+    """The fault and how to continue, or an empty text."""
 
 
 def list_runs(folder: str | os.PathLike[str] = ".") -> list[RunSummary]:
-    """All runs in a folder and the folders in it, those of sweeps too, by their paths. Links are not followed."""
+    """All runs in a folder and its subfolders, including those of sweeps, by their paths. Links are not followed."""
     if not Path(folder).is_dir():
         raise BadInput(f"{folder}: got no folder; expected one that contains runs")
     return [_summary(path) for path in _runs_below(Path(folder))]
@@ -69,7 +69,7 @@ def _summary(path: Path) -> RunSummary:
 
 
 def _title(path: Path) -> str:
-    """The title in a run's scene; nothing where the scene cannot be read."""
+    """The title of a run's scene; empty if the scene cannot be read."""
     try:
         return str(scene_at(path, manifest_at(path)).get("title", ""))
     except StorageError:
@@ -80,30 +80,30 @@ T = TypeVar("T")
 
 
 class Info(NamedTuple):
-    """A run as it stands: `state` is running, killed, stopped, interrupted, failed or done."""
+    """The state of a run: `state` is running, killed, stopped, interrupted, failed or done."""
 
     directory: Path
     state: str
     why: str
-    """What went wrong, and what cures it; or nothing."""
+    """The fault and the remedy, or an empty text."""
     step: int
-    """Time steps taken."""
+    """The number of completed time steps."""
     steps: int | None
-    """Time steps of the whole run; None while that is unknown."""
+    """The number of time steps of the whole run; None while it is unknown."""
     time: float
-    """Simulated so far, s."""
+    """The simulated time so far (s)."""
     duration: float
     frames: int
-    """On disk."""
+    """The number of frames on disk."""
     checkpoint: int | None
     """The step of the newest checkpoint."""
     size: int
-    """Bytes on disk."""
+    """The size on disk (bytes)."""
     remaining: float | None
-    """Seconds of wall time until it is done, while it runs."""
+    """The predicted remaining wall time (s) of a running run."""
     manifest: dict[str, Any]
     watch: str = ""
-    """Whether what must hold has held, in a line."""
+    """A line on the invariants of the run."""
 
     def _repr_html_(self) -> str | None:
         """The notebook view: the player of `ecume view`, in at most 4 MB."""
@@ -136,7 +136,7 @@ def info(directory: str | os.PathLike[str]) -> Info:
 
 
 def repair(directory: str | os.PathLike[str]) -> Repaired:
-    """Make what is left of a damaged run readable: whole frames stay, each damaged one is named; files beside them are
+    """Make the remains of a damaged run readable: whole frames are kept, each damaged one is named; other files are
     made again or set aside.
     """
     home = existing(directory)
@@ -145,7 +145,7 @@ def repair(directory: str | os.PathLike[str]) -> Repaired:
 
 
 def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, str]:
-    """A part of the run's own records, or a default and the reason where that part is damaged."""
+    """A part of the run's records; if that part is damaged, a default and the reason."""
     try:
         return what(), ""
     except StorageError as error:
@@ -185,7 +185,7 @@ def _frames(home: RunDirectory) -> tuple[int, str]:
 
 
 def _size(home: RunDirectory) -> int:
-    """The size of all files; those that a process removes meanwhile have none."""
+    """The size of all files; files removed meanwhile count as empty."""
     size = 0
     for path in home.path.rglob("*"):
         with contextlib.suppress(FileNotFoundError):
@@ -200,11 +200,11 @@ def _newest_step(home: RunDirectory) -> int | None:
 
 
 SAME_TIME = 1e-9
-"""Frames belong together whose times differ by less than this fraction of the longer run."""
+"""The difference of times, over the duration of the longer run, below which frames are compared."""
 
 
 class Change(NamedTuple):
-    """A value that two runs do not share; None where a run does not have it."""
+    """A value that differs between two runs; None if a run does not have it."""
 
     name: str
     first: object
@@ -225,14 +225,14 @@ class QuantityDifference(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """What distinguishes two runs."""
+    """All differences of two runs."""
 
     scene: list[Change]
     programs: list[Change]
     """versions and processor"""
     frames: tuple[int, int]
     common: int
-    """how many frames have the same time in both"""
+    """the number of frames with the same time in both"""
     quantities: list[QuantityDifference]
 
     @property
@@ -270,7 +270,7 @@ def _differing(first: object, second: object, path: str = "") -> Iterator[Change
         if first != second:
             yield Change(path, first, second)
         return
-    # A table beside no table: each of its values stands beside nothing.
+    # A table without a counterpart: each of its values has no counterpart.
     for name in dict.fromkeys((*(one or {}), *(other or {}))):
         here = f"{path}[{name}]" if isinstance(name, int) else f"{path}.{name}" if path else str(name)
         yield from _differing((one or {}).get(name), (other or {}).get(name), here)
@@ -292,7 +292,7 @@ def _changes(first: Mapping[str, object], second: Mapping[str, object]) -> list[
 
 
 def _same_times(first: NDArray[np.float64], second: NDArray[np.float64]) -> list[tuple[int, int]]:
-    """The numbers of frames that have the same time."""
+    """Pairs of indices of frames with the same time."""
     if not len(first) or not len(second):
         return []
     limit = SAME_TIME * max(first[-1], second[-1])

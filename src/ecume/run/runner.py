@@ -1,4 +1,4 @@
-"""A run from its beginning, or from where it was left, to its end."""
+"""Starting and resuming runs."""
 
 from __future__ import annotations
 
@@ -61,10 +61,11 @@ if TYPE_CHECKING:
 
 
 CHANGED_BY_ACTIONS = ("momentum",)
-"""Invariants that do not hold where actions change velocities: their work is in the energy budget, their impulse is in
-none."""
+"""Invariants that actions may violate by changing velocities: their work is in the energy budget, but their impulse is
+not.
+"""
 OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
-"""How a run is said to have ended that is not done; whatever else happened interrupted it."""
+"""The recorded outcome of a run by the exception that ended it; any other exception interrupted it."""
 
 
 class RunResult(NamedTuple):
@@ -73,13 +74,13 @@ class RunResult(NamedTuple):
     directory: Path
     frames: int
     steps: int
-    """Time steps taken."""
+    """The number of time steps."""
     time: float
-    """Simulated, s."""
+    """The simulated time (s)."""
     seconds: float
-    """Of wall time, in this session; 0 for a run that was done before."""
+    """The wall time (s) of this session; 0 for a run that was complete before."""
     integrating: float | None = None
-    """Of these, spent in time steps; the rest is setup, compilation and the first step."""
+    """The part of it spent in time steps; the rest is setup, compilation and the first step."""
 
     def _repr_html_(self) -> str | None:
         """The notebook view: the player of `ecume view`, in at most 4 MB."""
@@ -88,35 +89,39 @@ class RunResult(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """Options of running that change no bit of the result."""
+    """Options of a run that change no bit of the result."""
 
     threads: int | None = None
-    """Default: the number of cores."""
+    """The number of threads; default: the number of cores."""
     progress: Callable[[Progress], None] | None = None
     """Receives the progress of the run several times per second."""
     checkpoint_every: float = 60.0
-    """Seconds of wall time."""
+    """Wall time (s) between checkpoints."""
     source: bytes | None = None
-    """The scene's file, byte for byte, to be kept beside what became of it."""
+    """The scene file, byte for byte, which is copied into the run."""
     engine: Engine | None = None
-    """Integrates in place of the scene's model: see `ecume.lammps.engine`."""
+    """The engine that integrates instead of the scene's model: see `ecume.lammps.engine`."""
     on_violation: str | None = None
-    """The response to an invariant that is broken, see `invariant_monitor.POLICIES`; by default that with which the run
-    began, or else that of its scene."""
+    """The response to a violated invariant, see `invariant_monitor.POLICIES`; default: that of the interrupted run, or
+    that of the scene.
+    """
     on_frame: Callable[[str, Frame, int], None] | None = None
-    """Is called with the name of the model, each frame that is computed, and its number of time steps."""
+    """A function that gets the name of the model, each computed frame, and its number of time steps."""
     numbers: Sequence[str] = ()
-    """Numbers of frames that `on_frame` needs: unknown ones are refused before the run begins or continues."""
+    """Numbers of frames that `on_frame` needs: unknown ones are refused before the run starts or continues."""
     imported: str = ""
     """The name of the file whose frames the run contains, instead of computed ones: see `ecume.run.imports`."""
     longest: float = LONGEST_RUN
-    """Seconds of wall time: a run that is expected to take longer, by the speed of its first steps, is refused."""
+    """The longest accepted wall time (s): a run that is expected to take longer, by the speed of its first steps, is
+    refused.
+    """
     strict: bool = False
-    """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
-    processor or with other versions; otherwise such frames are replaced, with a warning."""
+    """Whether resuming fails if a frame that is computed again differs in any bit from the one on disk, also on another
+    processor or with other versions; otherwise such frames are replaced, with a warning.
+    """
 
     def __post_init__(self) -> None:
-        """Refuse what is no policy."""
+        """Raise BadInput for an unknown policy."""
         if self.on_violation not in (None, *POLICIES):
             raise BadInput(f"on_violation: got {self.on_violation!r}; expected one of {', '.join(POLICIES)}")
 
@@ -164,13 +169,14 @@ def resume(
     actions: Sequence[Action] = (),
     options: RunOptions = USUAL,
 ) -> RunResult:
-    """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
+    """Continue a run that was stopped, killed, or ran out of disk space; for a completed run return
+    its result.
 
     On the same kind of processor and with the same versions the result is the same, bit for bit, as without the stop.
     Elsewhere the last digits may differ; frames that were already written after the last checkpoint are then replaced,
-    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's laws
-    or actions needs the same `extra_laws` and `actions` again: their text and the numbers they use are compared with
-    those it was begun with.
+    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's laws or
+    actions needs the same `extra_laws` and `actions` again: their text and the numbers they use are compared with those
+    it was begun with.
     """
     from ecume.scenes.load import from_plain
 
@@ -200,8 +206,8 @@ def resume(
 
 
 def _completed(home: RunDirectory) -> RunResult | None:
-    """The result of a run that was completed and is not damaged. A damaged one is resumed: what is damaged is computed
-    again from what is not.
+    """The result of a complete and undamaged run, otherwise None. A damaged run is resumed, and its damaged parts are
+    computed again.
     """
     if not home.done.exists():
         return None
@@ -226,7 +232,7 @@ def _moments(
     options: RunOptions,
     constants: Callable[[Any], Any] | None,
 ) -> Iterator[Moment]:
-    from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
+    from ecume._jit import use_threads  # imported here, since `ecume info` does not need Numba
     from ecume.simulation import moments
 
     watch.attach()
@@ -244,7 +250,7 @@ def _moments(
 
 
 def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
-    """The parameters of a resumed run: those derived from the scene, with the constants that the run was begun with."""
+    """The parameters of a resumed run: those derived from the scene, with the stored constants of the run."""
     restored = checkpoints.restored(home, derived)
     if restored.remark:
         note(home, "constants", remark=restored.remark)
@@ -262,7 +268,7 @@ def _model(scene: Scene, engine: Engine | None = None) -> Model:
 
 
 def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, options: RunOptions) -> None:
-    """Write what a run has before it begins; the manifest is last, and makes it one."""
+    """Write the files of a new run; the manifest is the last one, and completes it."""
     from ecume.scenes.load import to_plain
     from ecume.scenes.writing import to_toml
 
@@ -293,8 +299,8 @@ def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
 
 
 def _frames_on_disk(home: RunDirectory) -> int:
-    """The number of frames before the first that is missing or damaged, each of which was read; a trajectory that
-    cannot be opened is repaired first.
+    """The number of frames before the first missing or damaged one, all of which were read; a trajectory that cannot be
+    opened is repaired first.
     """
     try:
         return good_frames(home.trajectory)
@@ -305,7 +311,7 @@ def _frames_on_disk(home: RunDirectory) -> int:
 
 
 def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:
-    """Integrate to the end, and record how it ended, whichever way."""
+    """Integrate to the end, and record the outcome."""
     try:
         with stop_requests(request=request), contextlib.closing(session):
             session.follow(moments, request)
@@ -343,12 +349,12 @@ class _Session:
 
     @property
     def directory(self) -> Path:
-        """Whose run it is."""
+        """The path of the run."""
         return self._home.path
 
     @property
     def seconds(self) -> float:
-        """The wall time that this process has worked on it."""
+        """The wall time of this process for the run."""
         return time.monotonic() - self._began
 
     @property
@@ -373,14 +379,14 @@ class _Session:
                 raise Stopped(f"stopped by {request.name} {self.at.place}; to continue: ecume resume {self._home.path}")
 
     def succeed(self) -> None:
-        """The run is done."""
+        """Mark the run as complete."""
         self._record_outcome("done")
         report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
         write(self._home, self._home.done, report)
         self._status.write("done", self.at, last=True)
 
     def fail(self, error: BaseException) -> None:
-        """The run is not done; what failed for good says so in a file."""
+        """Record the failure; if it is permanent, in a file."""
         outcome = next((report for kind, report in OUTCOMES.items() if isinstance(error, kind)), "interrupted")
         self._status.write(outcome, self.at, last=True)
         self._record_outcome(outcome, f"{type(error).__name__}: {error}")
@@ -432,7 +438,7 @@ class _Session:
             self._refuse_to_wait(self.at.remaining)
 
     def _refuse_to_wait(self, remaining: float) -> None:
-        """Raise BadInput: the run would not end in the time that its user allows."""
+        """Raise BadInput if the run would take longer than the user allows."""
         steps = f"{self.at.steps} steps" if self.at.steps else "its steps"
         raise BadInput(
             f"{self._home.path}: {steps} would take about {remaining / 86400.0:.3g} days by the speed of the first, "
@@ -441,7 +447,7 @@ class _Session:
         )
 
     def _sample(self, samples: SampleFile, moment: Moment) -> None:
-        """Include a sample that is due; rows are visible to readers at each frame."""
+        """Add a sample that is due; rows become visible to readers at each frame."""
         if moment.sample is not None:
             samples.take(moment.sample, moment.taken, moment.step)
         if moment.ended:
@@ -457,7 +463,7 @@ class _Session:
         return self._samples.kept()
 
     def _save(self, moment: Moment, before: int) -> None:
-        """A checkpoint of this moment, before which there were so many frames."""
+        """Write a checkpoint of this state, with the number of frames before it."""
         self._recording.settle()
         self._watch.keep()
         path = checkpoints.save(self._home, Checkpoint(moment.state, before, moment.taken, self._sampled()))
@@ -465,7 +471,7 @@ class _Session:
         note(self._home, "checkpoint", name=path.name)
 
     def _judge(self, frame: Frame, step: int) -> None:
-        """Check the invariants, and warn of those that are broken for the first time, or stop the run."""
+        """Check the invariants; warn of those violated for the first time, or stop the run."""
         try:
             for verdict in self._watch.take(frame.time, frame.numbers, step, frame.units):
                 note(self._home, "broken", what=sentence(verdict))
@@ -478,5 +484,5 @@ class _Session:
 
     def _record_outcome(self, outcome: str, why: str = "") -> None:
         note(self._home, outcome, step=self.at.step, why=why)
-        if self._opened:  # else the last session in the manifest is that of another process
+        if self._opened:  # otherwise the last session in the manifest belongs to another process
             manifest.close_session(self._home, outcome, self.at.step, self.seconds)

@@ -28,7 +28,9 @@ from ecume.trajectories.records import clean
 
 Law = Callable[..., float]
 ARGUMENTS = (2, 4)
-"""of a pair law (distance, parameters), and of an external law (position, velocity, time, parameters)"""
+"""the numbers of arguments of a pair law (distance, parameters), and of an external law (position, velocity, time,
+parameters)
+"""
 
 
 class UserCode(NamedTuple):
@@ -51,7 +53,8 @@ KINDS = {"extra_laws": "laws", "actions": "actions"}
 
 
 def laws_from(words: Sequence[str]) -> list[Law]:
-    """The laws in a user's files: `FILE.py` gives its public functions of two or four arguments, `FILE.py:NAME` one.
+    """The laws in a user's files: all public functions of two or four arguments for `FILE.py`, one function for
+    `FILE.py:NAME`.
 
     Raises BadInput where a file cannot be read or run, or has no such function.
     """
@@ -68,7 +71,9 @@ def laws_from(words: Sequence[str]) -> list[Law]:
 
 
 def actions_from(words: Sequence[str]) -> list[Action]:
-    """The actions in a user's files: `FILE.py` gives all of them, `FILE.py:NAME` that one. Raises BadInput likewise."""
+    """The actions in a user's files: all of them for `FILE.py`, one for `FILE.py:NAME`. Raises BadInput as `laws_from`
+    does.
+    """
 
     def is_action(module: ModuleType, found: object) -> bool:
         return isinstance(found, Action)
@@ -96,14 +101,14 @@ KINDS_OF = {"--laws": "function", "--actions": "action"}
 
 
 class TextLoader(SourceFileLoader):
-    """Loads a file from its text, and leaves no bytecode beside it.
+    """A loader that compiles a file from its text, and writes no bytecode.
 
     Python trusts bytecode if size and time of the text, in whole seconds, are those of its compilation. An edit may
     change neither, and then a former law would run.
     """
 
     def path_stats(self, path: str) -> NoReturn:
-        """No size and no time: bytecode is neither read nor written."""
+        """Raise OSError, so that bytecode is neither read nor written."""
         raise OSError(path)
 
 
@@ -127,7 +132,7 @@ def _executed(option: str, path: Path) -> ModuleType:
 
 
 def entries(functions: Sequence[Any]) -> list[dict[str, Any]]:
-    """The names and digests of functions, and the names of what they use that no digest covers."""
+    """The names and digests of functions, and the names of the objects they use that no digest covers."""
     return [_entry(one) for one in functions]
 
 
@@ -149,12 +154,14 @@ def _plain_function(one: Any) -> Any:
 PLAIN = (int, float, complex, str, bytes, bool, type(None), np.generic)
 """Values whose `repr` is their content."""
 Contents = Iterator[tuple[str, str]]
-"""Paths of what a function uses (a name in a module), each with its content, or with nothing if that is not known."""
+"""Yields the paths of objects that a function uses (names in a module), each with its content, or empty if that is
+unknown.
+"""
 
 
 def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) -> Contents:
-    """What a function uses besides what `_texts` finds, which `known` says of the numbers and functions there: arrays,
-    lists, tables, and what it takes from modules.
+    """The objects that a function uses besides the numbers and functions of `_texts` (in `known`): arrays, lists,
+    tables, and attributes of modules.
     """
     if id(function) in seen:
         return
@@ -214,7 +221,7 @@ def _content(value: Any, path: str, names: Sequence[str], seen: set[int]) -> Con
 
 
 def _parts(value: Any, path: str, names: Sequence[str], seen: set[int]) -> Contents:
-    """The content of what consists of other values."""
+    """The contents of an object that consists of other values."""
     if isinstance(value, (list, tuple)):
         parts = [(str(place), each) for place, each in enumerate(value)]
     elif isinstance(value, dict):
@@ -257,7 +264,7 @@ def named(function: object) -> str:
 
 
 def require_same(home: RunDirectory, code: UserCode) -> None:
-    """Raise BadInput unless this is the code that the run was begun with, in its order."""
+    """Raise BadInput unless this is the code with which the run was started, in the same order."""
     manifest, given = manifest_of(home), code.entries()
     former = {key: manifest.get(key, []) for key in given}
     if any(former[key] and not given[key] for key in given):
@@ -278,14 +285,14 @@ def require_same(home: RunDirectory, code: UserCode) -> None:
 
 
 def warn_of_uncovered(given: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
-    """Warn of what functions use that has no digest: a change of it is not noticed when the run is resumed."""
+    """Warn of objects without a digest that functions use: their changes are not noticed when the run is resumed."""
     for one in (one for each in given.values() for one in each if "uncovered" in one):
         names = ", ".join(one["uncovered"])
         warnings.warn(f"{one['name']} uses {names}, whose changes are not noticed when a run is resumed", stacklevel=2)
 
 
 def _command(home: RunDirectory, names: Mapping[str, Sequence[str]]) -> str:
-    """The message to someone who resumes a run without its code."""
+    """The message to a user who resumes a run without its code."""
     kinds = " and ".join(f"{KINDS[key]} {', '.join(each)}" for key, each in names.items() if each)
     options = [f"{OPTIONS[key]} FILE.py:{name}" for key, each in names.items() for name in each]
     python = ", ".join(f"{key}=[{', '.join(each)}]" for key, each in names.items() if each)

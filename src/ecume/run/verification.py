@@ -1,4 +1,5 @@
-"""Verification of a run: each byte of its files is what was written, or the fault is named; and recovery.
+"""Verification of a run, which compares each byte of its files with checksums or names the fault;
+and recovery.
 
 A completed run is compared with the digests in `DONE.json`. Of any other run, records, lines, checkpoints and frames
 are compared with their own checksums. `deep` computes all frames again and compares bits.
@@ -54,7 +55,9 @@ if TYPE_CHECKING:
 
 
 def mended(home: RunDirectory) -> Repaired:
-    """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
+    """The result of a repair: whole frames are kept, each damaged one is named; other damaged files are made again or
+    set aside.
+    """
     beside = [*_resolved(home), *_scene_file(home), *_constants_file(home), *_repeated_files(home)]
     beside += set_foreign_aside(home.trajectory, identity_of(home))
     frames = repair_trajectory(home.trajectory)
@@ -108,7 +111,7 @@ def _constants_file(home: RunDirectory) -> Iterator[str]:
 
 
 def _from_the_scene(home: RunDirectory) -> bytes:
-    """The resolved scene as the scene's file gives it today; empty where that cannot be read."""
+    """The resolved scene derived from the scene file; empty if that cannot be read."""
     from ecume.scenes.load import load_scene, to_plain
 
     try:
@@ -133,11 +136,11 @@ class Verification(NamedTuple):
 
     directory: Path
     frames: int
-    """On disk."""
+    """The number of frames on disk."""
     size: int
-    """Bytes read, at least once."""
+    """The number of bytes that were read."""
     recomputed: int | None
-    """Frames that were computed again, with `deep`."""
+    """The number of frames computed again, with `deep`."""
     faults: tuple[str, ...]
     remarks: tuple[str, ...]
 
@@ -210,7 +213,7 @@ def require_computed(home: RunDirectory) -> None:
 
 
 def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:
-    """The files of frames that are what a completed run wrote, and the files that are not."""
+    """The files of frames that equal those of the completed run, and the files that do not."""
     record = next((path for path in (home.done, home.failed) if path.exists()), None)
     if record is None:
         return frozenset(), []
@@ -230,7 +233,7 @@ def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:
 
 
 def _beside(home: RunDirectory) -> list[str]:
-    """What is wrong with the files beside the frames."""
+    """The faults of the files beside the frames."""
     checks: list[Callable[[], object]] = [
         lambda: resolved_at(home.path, manifest_of(home)),
         lambda: checkpoints.require_sound_constants(home),
@@ -285,7 +288,7 @@ def _samples(home: RunDirectory) -> None:
 
 
 def unchecked(home: RunDirectory) -> int:
-    """The bytes of samples after the last row with a checksum; 0 where they are damaged, which is a fault."""
+    """The number of bytes of samples after the last row with a checksum; 0 if they are damaged, which is a fault."""
     try:
         return home.samples.stat().st_size - len(rows_of(home.samples, identity_of(home)))
     except StorageError:
@@ -328,7 +331,7 @@ def _checkpoint(home: RunDirectory, path: Path) -> None:
 
 
 def _numbers(home: RunDirectory, good: int, frames: int) -> list[str]:
-    """What is wrong with the table of numbers: its own checksums, and the numbers of frames that are good."""
+    """The faults of the table of numbers: its own checksums, and differences from the numbers of undamaged frames."""
     try:
         rows = list(lines_of(home))
     except StorageError as error:
@@ -349,7 +352,7 @@ def _numbers(home: RunDirectory, good: int, frames: int) -> list[str]:
 
 
 def _remarks(home: RunDirectory) -> Iterator[str]:
-    """What is not checked."""
+    """Remarks on parts of the run that are not checked."""
     if not has_checksums(home):
         yield f"{home.path}: written by an earlier version, whose records and lines of numbers have no checksums"
     if not identity_of(home):
@@ -363,7 +366,7 @@ def _remarks(home: RunDirectory) -> Iterator[str]:
 def _recomputed(
     home: RunDirectory, code: UserCode, progress: Callable[[int, int], None] | None
 ) -> tuple[int, list[str]]:
-    """How many frames were computed again, and the first that differs."""
+    """The number of frames computed again, and the first that differs."""
     from ecume.models import MODELS
     from ecume.scenes.load import from_plain
     from ecume.simulation import moments

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from ecume.scenes.load import Scene
 
 FEWEST = 20
-"""Instants below which nothing counts as an outlier."""
+"""The number of values below which none counts as an outlier."""
 PART = 0.02
-"""The part of all instants, and at least two, that may be outliers at either end."""
+"""The largest fraction of values, and at least two, that may be outliers at either end."""
 FENCE = 1.0
 """How far beyond the range of all other values an outlier is, in parts of that range."""
 ROOM = 0.06
-"""Beyond the limits, in parts of the range."""
+"""The margin beyond the limits, over the range."""
 
 
 def limits_without_spikes(curves: Array | list[Array]) -> tuple[float, float]:
@@ -87,15 +87,15 @@ def _peaks(values: Array, edge: float) -> list[int]:
 
 
 def _mark(axes: Axes, at: tuple[float, float], text: str, *, up: bool) -> None:
-    """A triangle that points out of the axes, and a value beside it."""
+    """Draw a triangle that points out of the axes, and a value beside it."""
     axes.plot(*at, marker="^" if up else "v", color=INK, markersize=5, clip_on=False, zorder=5)
     axes.annotate(text, at, (6, 0), textcoords="offset points", va="center", fontsize=8, color=INK)
 
 
 MOST_INSTANTS = 400
-"""A curve or a path of more frames than this looks no different, and takes longer to read and to draw."""
+"""The number of frames in a curve or a path; more look the same, and take longer."""
 LEAST = 1e-15
-"""The part of its largest value below which the kinetic energy is not drawn."""
+"""The kinetic energy, over its largest value, below which it is not drawn."""
 
 Frames = Sequence[Frame]
 
@@ -124,7 +124,7 @@ def energies(frames: Frames, scene: Scene) -> Figure:
 
 
 def energy_unit(frame: Frame) -> str:
-    """J; of a 2D tank J/m."""
+    """The unit of energies: J; J/m for a 2D tank."""
     return frame.units.get("total_energy", "J")
 
 
@@ -136,7 +136,7 @@ def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Kinetic energy")
-        # A bowl at rest loses invisible decades for ever.
+        # The energy of a bowl at rest decays by further decades that do not matter.
         seen = np.where(kinetic > LEAST * kinetic.max(), kinetic, np.nan)
         axes.plot(times(shown), scale.factor * seen, color=PALETTE[1])
         axes.set_xlim(span(times(shown)))
@@ -167,7 +167,7 @@ def displacement(frames: Frames, scene: Scene) -> Figure:
     """The mean square displacement over time, beside ballistic and diffusive motion;
     of particles that enter and leave while they are inside.
     """
-    # Every so many frames, so that all lags are exact.
+    # Frames at equal intervals, so that all lags are exact.
     kept = range(0, len(frames), max(1, len(frames) // MOST_INSTANTS))
     if len(kept) < 3:
         raise BadInput("displacements need three frames or more")
@@ -208,14 +208,14 @@ def clusters(frames: Frames, scene: Scene) -> Figure:
 
 
 def steps(axes: Axes, instants: Array, counts: Sequence[float], label: str, color: str) -> None:
-    """Counts over time, from zero, on whole numbers."""
+    """Draw counts over time as step lines, from zero, with integer ticks."""
     axes.plot(instants, counts, color=color, label=label, drawstyle="steps-post")
     axes.set_ylim(bottom=0)
     axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
 
 
 def thinned(frames: Frames) -> list[Frame]:
-    """Frames from the first to the last, evenly, not too many."""
+    """Frames from the first to the last at equal distances, at most `MOST_INSTANTS`."""
     return [frames[index] for index in instants(frames)]
 
 
@@ -226,7 +226,7 @@ def instants(frames: Frames) -> list[int]:
 
 
 def evolution(frames: Frames) -> list[Frame]:
-    """The same of a run with at least two frames. Raises BadInput for one with a single frame."""
+    """Thinned frames of a run. Raises BadInput for a run with a single frame."""
     if len(frames) < 2:
         raise BadInput(f"{ONE_FRAME} at {frames[0].time:g} s; a figure over time needs two frames or more")
     return thinned(frames)
@@ -264,7 +264,7 @@ def over_time(drawn: Figure, scene: Scene, what: str) -> Axes:
 
 
 MOST_PANELS = 8
-"""Numbers that one figure shows; of more, the main ones of the model."""
+"""The largest number of panels in a figure; if there are more numbers, the main ones of the model are shown."""
 
 
 def samples_of(frames: Frames) -> Samples | None:
@@ -295,7 +295,7 @@ def samples(frames: Frames, scene: Scene) -> Figure:
 
 
 CLASSES = 30
-"""Of sizes, at most, and one."""
+"""The largest number of size classes, an odd number."""
 
 
 def sizes(frames: Frames, scene: Scene) -> Figure:
@@ -337,7 +337,7 @@ def _title(found: Samples) -> str:
 
 
 def _curve(axes: Axes, found: Samples, name: str) -> None:
-    """One number with its range, in the unit that fits it."""
+    """Draw one number with its range, in a suitable unit."""
     low, high, mean = found.minimum(name), found.maximum(name), found.mean(name)
     sizes = np.abs(np.concatenate([low, high]))
     unit = found.units[name]
@@ -351,7 +351,7 @@ def _curve(axes: Axes, found: Samples, name: str) -> None:
 
 
 MOST_COLORED = 8
-"""Objects beyond so many are drawn, and have no line in the legend."""
+"""The number of objects with an entry in the legend."""
 
 
 def fit_figure(found: Fit) -> Figure:

@@ -64,7 +64,7 @@ FIGURE_NAMES = {
 """By model, what `ecume plot --what` takes."""
 
 NUMBER = "number:"
-"""Before the name of a number of frames: the figure of that number over time."""
+"""The prefix of the figure of a number over time, followed by the name of the number."""
 
 
 def require_figure(model: str, name: str) -> None:

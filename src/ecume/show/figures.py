@@ -30,7 +30,7 @@ FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "tracers": {**TRACER_FIGURES, "sizes": sizes, "samples": samples},
     "soft": {**SOFT_FIGURES, "sizes": sizes, "samples": samples},
 }
-"""By model, then by the name that `ecume plot --what` takes."""
+"""Figures by model and by the name for `ecume plot --what`."""
 
 
 def require_same_names(figures: Mapping[str, Iterable[str]], names: Mapping[str, Iterable[str]]) -> None:
@@ -65,7 +65,7 @@ def plot(
 
 
 def drawn_of(directory: str | os.PathLike[str], what: str) -> Figure:
-    """A figure of a run, as Matplotlib has it."""
+    """A figure of a run as a Matplotlib figure."""
     with open_trajectory(directory) as trajectory:
         scene = trajectory.scene
         known = figures_of(scene)
@@ -79,18 +79,18 @@ def drawn_of(directory: str | os.PathLike[str], what: str) -> Figure:
 
 
 def figures_of(scene: Scene) -> Mapping[str, Callable[[Frames, Any], Figure]]:
-    """The figures there are of runs of this scene."""
+    """The figures available for runs of this scene."""
     return FIGURES.get(scene.model, COMMON_FIGURES)
 
 
 def described(directory: str | os.PathLike[str]) -> dict[str, str]:
-    """The figures there are of this run, with what each shows."""
+    """The figures available for this run, each with its description."""
     with open_trajectory(directory) as trajectory:
         known = figures_of(trajectory.scene)
     return {name: " ".join((draw.__doc__ or "").strip().split("\n\n")[0].split()) for name, draw in known.items()}
 
 
 def figures_of_run(directory: str | os.PathLike[str]) -> list[str]:
-    """The names of the figures there are of this run."""
+    """The names of the figures available for this run."""
     with open_trajectory(directory) as trajectory:
         return list(figures_of(trajectory.scene))

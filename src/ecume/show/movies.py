@@ -52,7 +52,7 @@ CODECS = {
 }
 """Video codecs by kind of file, best first; the last one is part of every ffmpeg, or of nearly every one."""
 PICTURES = ".png"
-"""Numbered pictures in place of a movie."""
+"""The suffix of numbered pictures instead of a movie."""
 
 
 def writable(out: Path) -> Path:
@@ -64,7 +64,8 @@ def writable(out: Path) -> Path:
 
 
 def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
-    """Write the pictures, each (height, width, 3 or 4), as a movie; the file that was written, or the first of many.
+    """Write the pictures, each (height, width, 3 or 4), as a movie; return the file, or the first
+    of many.
 
     It appears under its name when it is whole. Raises StorageError where it cannot be written.
     """
@@ -83,7 +84,7 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     except OSError as error:
         raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
     finally:
-        with contextlib.suppress(OSError):  # what could not be made need not be removed
+        with contextlib.suppress(OSError):  # a folder that could not be made need not be removed
             partial.unlink()
     return out
 
@@ -108,7 +109,7 @@ def _still(picture: Pixels, out: Path, number: int) -> Path:
 def _video(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
     program, kind = ffmpeg() or "ffmpeg", out.suffix.lower()
     first = next(pictures)
-    # The codecs want even sides; a picture loses at most one row and one column.
+    # The codecs require even sides; a picture loses at most one row and one column.
     height, width = first.shape[0] // 2 * 2, first.shape[1] // 2 * 2
     form = "rgba" if first.shape[2] == 4 else "rgb24"
     given = ("-f", "rawvideo", "-pix_fmt", form, "-s", f"{width}x{height}", "-r", str(fps), "-i", "-")
@@ -123,7 +124,7 @@ def _video(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
 
 
 def _feed(process: subprocess.Popen[bytes], pictures: Iterator[Pixels]) -> str:
-    """Send the pictures; what ffmpeg said, its last line."""
+    """Send the pictures to ffmpeg; return its last line of output."""
     entrance = cast(IO[bytes], process.stdin)
     try:
         for picture in pictures:
@@ -138,7 +139,7 @@ def _feed(process: subprocess.Popen[bytes], pictures: Iterator[Pixels]) -> str:
 
 
 def _codec(program: str, kind: str) -> str:
-    """The best codec for this kind of file that this ffmpeg has."""
+    """The best available codec for this kind of file."""
     listed = subprocess.run([program, "-hide_banner", "-encoders"], capture_output=True, text=True, check=False)  # noqa: S603 - as above
     return next((codec for codec in CODECS[kind] if f" {codec} " in listed.stdout), list(CODECS[kind])[-1])
 
@@ -167,12 +168,13 @@ def _gif(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
 
 
 def _palette(first: Any) -> Any:
-    """The colors of the first picture, and a coarse cube of all others for what comes later."""
+    """The colors of the first picture, plus a coarse cube of all colors for later pictures."""
     from PIL import Image
 
     shades = (0, 85, 170, 255)
     cube = [shade for color in itertools.product(shades, repeat=3) for shade in color]
-    # The usual median cut spends all on large areas; a color bar shows what is yet to come, and would lose its ends.
+    # The usual median cut uses all colors for large areas; the ends of the color bar, which later pictures need, would
+    # be lost.
     own = first.quantize(256 - len(cube) // 3, method=Image.Quantize.MAXCOVERAGE, dither=0).getpalette()
     made = Image.new("P", (1, 1))
     made.putpalette(own + cube)
@@ -193,10 +195,11 @@ FILMS: dict[str, Callable[..., Picture]] = {
     "sph": liquid_picture,
     "tracers": tracers_picture,
 }
-"""By model: what makes a picture of (scene, some frames of the run, size), and of what else may be asked of it.
-Models that have no row show their particles."""
+"""For each model, the function that makes a picture of (scene, some frames of the run, size) and further options.
+Models without a row show their particles.
+"""
 ASKED = {"color": ("sph",), "particles": ("sph",), "eye": ("sph", "soft", "tracers")}
-"""Of which models pictures can be colored in several ways, by name, and seen from anywhere."""
+"""For each option of pictures, the models that support it: colorings, and the viewpoint."""
 REFUSED = {
     "color": "take no color; leave color {} out",
     "particles": "show particles anyway; particles is for tanks of liquid",
@@ -205,9 +208,9 @@ REFUSED = {
 
 FPS = 30
 SMALL = Size(640, 480, trim=True)
-"""Of a GIF, which stores nearly every pixel."""
+"""The default size of a GIF, which stores nearly every pixel."""
 SAMPLES = 25
-"""How many frames of a run decide what there is to be seen, and the range of the colors."""
+"""The number of frames that determine the shown region and the range of the colors."""
 
 Reporter = Callable[[int, int], None]
 """Receives the number of finished pictures and their total."""
@@ -220,17 +223,17 @@ class MovieOptions:
     fps: int = FPS
     """Frames per second."""
     every: int = 1
-    """2 for each second frame, and so on."""
+    """Interval of the shown frames: 2 for every second frame."""
     size: tuple[int, int] | None = None
-    """Pixels; by default 960 x 720, and 640 x 480 for a GIF, whose every pixel costs."""
+    """Size in pixels; default: 960 x 720, for a GIF 640 x 480."""
     start: float = 0.0
-    """Of the scene's time, s."""
+    """Start in the scene's time (s)."""
     end: float = math.inf
-    """Of the scene's time, s."""
+    """End in the scene's time (s)."""
     color: str | None = None
-    """What colors mean, such as `pressure` or `speed`; by default what is usual for the model."""
+    """The quantity that colors show, such as `pressure` or `speed`; default: that of the model."""
     aim: Aim = WIDE
-    """What is looked at, and how closely."""
+    """The shown region and its magnification."""
     eye: Eye | None = None
     """The viewpoint in 3D; by default that of the model."""
     particles: bool = False
@@ -350,10 +353,10 @@ def _rounding(time: float) -> float:
 
 
 AHEAD = 3
-"""Pictures of each process that may wait to be taken: more would fill the memory."""
+"""The number of pictures of each process that may wait; more would fill the memory."""
 
 desk: dict[str, Any] = {}
-"""What a process draws with."""
+"""The drawing objects of a worker process."""
 
 
 def drawn_by_many(directory: Path, options: MovieOptions, target: Path, workers: int) -> Iterator[Pixels]:
@@ -381,7 +384,7 @@ def _set_up(directory: Path, options: MovieOptions, target: Path) -> None:
 
 
 def _draw(number: int) -> Any:
-    """The picture of that number; None after the last one."""
+    """The picture with this number; None after the last one."""
     if number >= len(desk["shown"]):
         return None
     return np.ascontiguousarray(desk["picture"].pixels(desk["shown"][number])[..., :3])

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from ecume.fitting import Fit
 
 THICK = 1.2
-"""Pixels, of the line around an object, half of it on either side."""
+"""The width of the line around an object, in pixels, half of it on either side."""
 LOOP = 400
-"""Points of a circle that is drawn."""
+"""The number of points of a drawn circle."""
 
 
 class Scale(NamedTuple):
@@ -52,13 +52,13 @@ def overlay(path: str | os.PathLike[str], found: Fit, scale: Scale, out: Path) -
 
 
 def _radii(found: Fit) -> NDArray[np.float64]:
-    """(N,) m, of the particles of the scene."""
+    """The radii (N,) in m of the particles of the scene."""
     kinds: Any = getattr(found.scene, "particles", ())
     return np.concatenate([np.full(max(kind.count, 1), float(kind.radius)) for kind in kinds])
 
 
 def _places(found: Fit, time: float, scale: Scale) -> NDArray[np.float64]:
-    """(N, 2) pixels of the simulated objects, from the lower left corner."""
+    """The positions (N, 2) of the simulated objects in pixels from the lower left corner."""
     paths = found.simulated.reshape(len(found.tracks.times), -1)
     now = np.array([np.interp(time, found.tracks.times, path) for path in paths.T]).reshape(-1, 2)
     return np.asarray(now / scale.pixel + np.array(scale.origin))

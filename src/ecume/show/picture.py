@@ -1,7 +1,7 @@
-"""The parts that pictures of every model share: camera, size, view, scale bar, legend, fast drawing.
+"""Parts of pictures that all models share: camera, size, view, scale bar, legend, fast drawing.
 
-Very many particles: discs painted into pixels, as no collection of patches could do as fast. In 3D they are balls,
-lit from the viewer's side; nearer ones hide farther ones.
+Very many particles are painted as discs into pixels, since collections of Matplotlib patches are too slow. In 3D they
+are balls, lit from the viewer's side; nearer ones hide farther ones.
 
 What never changes is drawn once; a movie then draws only the rest of each frame.
 """
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 
 
 FARTHEST = 0.45
-"""How bright the farthest ball is, the nearest being 1."""
+"""The brightness of the farthest ball over that of the nearest."""
 MANY = 1500
-"""So many circles are painted sooner than drawn one by one."""
+"""The number of circles above which painting pixels is faster than Matplotlib."""
 POINT = 1.0 / 72.0
-"""In inches."""
+"""The length of a point in inches."""
 
 
 class Splat(Artist):
@@ -66,17 +66,17 @@ class Splat(Artist):
             self.shades = self.shades * (FARTHEST + (1.0 - FARTHEST) * near)[:, None]
 
     def set_offsets(self, places: Array) -> None:
-        """Move them."""
+        """Set the positions."""
         self.places = places
 
     def _pixel(self, corner: Array) -> Array:
-        """A corner in pixels of the figure; infinite where it is."""
+        """The pixel coordinates of a corner of the figure; infinite if the corner is."""
         axes: Any = self.axes
         shown: Array = axes.transData.transform(np.where(np.isfinite(corner), corner, 0.0))
         return np.where(np.isfinite(corner), shown, corner)
 
     def draw(self, renderer: Any) -> None:
-        """Paint them, and lay that over what is there."""
+        """Paint the discs over the existing picture."""
         from ecume.engine.rendering import Dots, Look, splat
 
         axes: Any = self.axes
@@ -111,7 +111,7 @@ def cut(pixels: NDArray[np.uint8], corners: Sequence[Array]) -> None:
 
 
 def splat_in(axes: Axes, splat: Splat, zorder: float) -> Splat:
-    """Put it into axes."""
+    """Add the discs to axes."""
     splat.set_zorder(zorder)
     axes.add_artist(splat)
     return splat
@@ -119,7 +119,7 @@ def splat_in(axes: Axes, splat: Splat, zorder: float) -> Splat:
 
 DPI = 100
 LONGEST_TITLE = 50
-"""In characters."""
+"""The largest number of characters of a title."""
 LETTER, CLOCK = 9.0, 90.0
 """The width of a letter of the title and of the time beside it, in pixels of a picture of the usual size."""
 
@@ -140,7 +140,7 @@ class Picture:
     """what follows the time: the speed of a movie over real time"""
 
     def show(self, frame: Frame) -> None:
-        """Put a frame into the picture."""
+        """Draw a frame."""
         raise NotImplementedError
 
     def pixels(self, frame: Frame) -> Pixels:
@@ -149,7 +149,7 @@ class Picture:
         return self.layers.pixels()
 
     def place(self, frame: Frame, one: int) -> Array:
-        """The position at which a particle is seen (m)."""
+        """The position in the picture of a particle (m)."""
         return frame.arrays["position"][one, :2]
 
 
@@ -206,7 +206,7 @@ class Layers:
 
     def __init__(self, figure: Figure, moving: Sequence[Artist]) -> None:
         self._figure, self._moving = figure, moving
-        self._canvas: Any = FigureCanvasAgg(figure)  # Matplotlib leaves its canvases without types
+        self._canvas: Any = FigureCanvasAgg(figure)  # Matplotlib's canvases have no type annotations
         self._still: Any = None
 
     def forget(self) -> None:
@@ -316,7 +316,7 @@ def _round_length(most: float) -> float:
 
 
 def labels(axes: Axes, title: str, kinds: Sequence[Species]) -> None:
-    """The title, and the species where there are several."""
+    """Draw the title, and the legend of species if there are several."""
     figure: Any = axes.figure
     room = axes.get_position().width * DPI * float(figure.get_size_inches()[0]) - CLOCK
     short = (
@@ -337,9 +337,9 @@ def species_dots(kinds: Sequence[Species]) -> list[Line2D]:
 
 
 UPRIGHT = np.eye(3)
-"""The directions right, up and towards the eye of an eye straight before it, where y points up."""
+"""The directions right, up and towards the observer for a horizontal view with y up."""
 STANDING = np.array([(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)])
-"""The same where z points up."""
+"""The same directions with z up."""
 
 
 class Eye(NamedTuple):
@@ -375,7 +375,7 @@ def edges_of(low: Array, high: Array) -> list[Array]:
 
 
 def wires_of(low: Any, high: Any, camera: Array) -> Wires:
-    """The edges of a box that are behind its contents, and the others."""
+    """The edges of a box behind its contents, and those in front."""
     low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
     farthest, found = np.where(camera[2] > 0.0, low, high), Wires([], [])
     for edge in edges_of(low, high):
@@ -388,13 +388,13 @@ class Aim(NamedTuple):
     """The part of the world that a picture shows."""
 
     zoom: float = 1.0
-    """How many times larger all is seen."""
+    """The magnification."""
     follow: int | None = None
-    """The particle that stays in the middle; by default the middle of the world does."""
+    """The particle at the center; default: the center of the scene."""
 
 
 WIDE = Aim()
-"""All that there is."""
+"""The view of everything."""
 
 
 class Aimed(Picture):
@@ -414,14 +414,14 @@ class Aimed(Picture):
         self._look(self.view)
 
     def show(self, frame: Frame) -> None:
-        """Put a frame into the picture."""
+        """Draw a frame."""
         if self.aim.follow is not None:
             x, y = self.place(frame, self.aim.follow)
             self._look(view_around(float(x), float(y), self.view.width, self.view.height))
         self.picture.show(frame)
 
     def place(self, frame: Frame, one: int) -> Any:
-        """The position at which a particle is seen (m)."""
+        """The position in the picture of a particle (m)."""
         count = len(frame.arrays["position"])
         if not 0 <= one < count:
             raise BadInput(f"no particle {one} at {frame.time:g} s; expected 0 to {count - 1}")
@@ -433,12 +433,12 @@ class Aimed(Picture):
 
 
 def aimed(picture: Picture, aim: Aim) -> Picture:
-    """The picture itself where there is nothing to aim at."""
+    """The picture with an aim; the picture itself without one."""
     return picture if aim == WIDE else Aimed(picture, aim)
 
 
 def _measure(bars: list[Any], right: list[Any]) -> None:
-    """Let a scale bar say what another one says, which then goes."""
+    """Replace a scale bar by another one with the right length."""
     (bar, text), (new_bar, new_text) = bars, right
     bar.set_xdata(new_bar.get_xdata())
     text.set_text(new_text.get_text())

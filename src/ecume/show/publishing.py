@@ -1,4 +1,5 @@
-"""Figures for a paper: of a given width, without a title, several runs and an experiment in one, and their numbers.
+"""Figures for papers: with a given width, without a title, several runs and an experiment in one figure, and the data
+as a table.
 
 Works on the curves of any finished Matplotlib figure, so that figures need not know of it.
 """
@@ -33,7 +34,7 @@ INCH = 0.0254
 DASHES = ("-", "--", ":", "-.")
 MARKS = ("o", "s", "^", "D", "v")
 LABEL = re.compile(r"\s*(.*?)\s*(?:[(\[]\s*([^()\[\]]+?)\s*[)\]])?\s*")
-"""The label of an axis or the head of a column: a name, and its unit in brackets."""
+"""The pattern of the label of an axis or the heading of a column: a name, and its unit in brackets."""
 MOST_BYTES = 64 * 2**20
 
 
@@ -67,12 +68,12 @@ class Curve(NamedTuple):
 
 
 def points_of(line: Line2D) -> Array:
-    """(N, 2) the points of a curve."""
+    """The points (N, 2) of a curve."""
     return np.asarray(line.get_xydata(), dtype=np.float64)
 
 
 def curves_of(axes: Axes) -> list[Curve]:
-    """The curves in the coordinates of the axes; lines across the whole of them do not count."""
+    """The curves in the coordinates of the axes, without lines across the whole axes."""
     named = {each[0]: str(each.get_label()) for each in axes.containers if isinstance(each, ErrorbarContainer)}
     lines = [line for line in axes.lines if line.get_transform() == axes.transData and len(points_of(line))]
     names = [named.get(line, str(line.get_label())) for line in lines]
@@ -122,7 +123,7 @@ def together(figures: Sequence[tuple[str, Figure]]) -> Figure:
 
 
 def _add(axes: Axes, other: Axes, name: str, number: int, *, single: bool) -> None:
-    """The curves of another run's panel."""
+    """Add the curves of another run's panel."""
     scales = [_ratio(getattr(other, get)(), getattr(axes, get)(), name) for get in ("get_xlabel", "get_ylabel")]
     own = {curve.line.get_color() for curve in curves_of(axes)}
     fresh = next((color for color in PALETTE if color not in own), PALETTE[number % len(PALETTE)])
@@ -141,7 +142,7 @@ def _named(curve: str, run: str) -> str:
 
 
 def _ratio(label: str, other: str, name: str) -> float:
-    """What numbers on an axis are multiplied with to be on another one. Raises BadInput where that is no unit's."""
+    """The factor between the units of two axes. Raises BadInput if their labels have no common unit."""
     units = [(match[2] or "").replace("µ", "u") if (match := LABEL.fullmatch(text)) else "" for text in (label, other)]
     if units[0] == units[1] or not all(units):
         return 1.0
@@ -152,7 +153,7 @@ def _ratio(label: str, other: str, name: str) -> float:
 
 
 def _rescaled(axes: Axes) -> None:
-    """Limits around all curves, and a legend."""
+    """Set limits around all curves, and draw a legend."""
     points = np.concatenate([points_of(curve.line) for curve in curves_of(axes)])
     for axis, values, get, limits in (
         ("x", points[:, 0], axes.get_xlim, axes.set_xlim),
@@ -177,7 +178,9 @@ class Measured(NamedTuple):
 
 
 def read_measured(path: str | os.PathLike[str]) -> Measured:
-    """The table of an experiment: a line of heads such as `time [s], pressure [kPa]`, then numbers. Raises BadInput."""
+    """The table of an experiment: a line of headings such as `time [s], pressure [kPa]`, then
+    numbers. Raises BadInput.
+    """
     file = Path(path)
     try:
         text = text_of(file, MOST_BYTES)
@@ -226,7 +229,7 @@ def with_measured(drawn: Figure, measured: Measured) -> Figure:
 
 
 def _panels(drawn: Figure, across: str, up: str) -> Iterator[tuple[Axes, float, float]]:
-    """Panels whose axes have these units, with the factors of the columns."""
+    """Yield the panels whose axes have these units, with the factors of the columns."""
     for axes in drawn.axes:
         if not curves_of(axes):
             continue

@@ -26,9 +26,9 @@ HOST = "127.0.0.1"
 HTML = "text/html; charset=utf-8"
 JSON = "application/json"
 SILENCE = 30.0
-"""Seconds after which a connection that sends nothing, or takes nothing, is closed."""
+"""Seconds after which a connection without traffic is closed."""
 MOST = 100_000
-"""Bytes that a page may send at once."""
+"""The largest number of bytes that a page may send at once."""
 
 Query = Mapping[str, list[str]]
 
@@ -51,7 +51,7 @@ class Site(Protocol):
         ...
 
     def get(self, path: str, query: Query) -> Answer | None:
-        """A page, at `/`, or data; None for what there is not."""
+        """A page, at `/`, or data; None for unknown paths."""
         ...
 
     def post(self, path: str, body: bytes) -> Answer | None:
@@ -71,7 +71,7 @@ class _Requests(BaseHTTPRequestHandler):
         return cast(Site, self.server.site)  # type: ignore[attr-defined]
 
     def do_GET(self) -> None:
-        """Pages have the token in their address, requests for data in a header."""
+        """Answer a request for a page, which has the token in its address, or for data, with the token in a header."""
         if (asked := self._asked()) is None:
             return
         query = parse_qs(asked.query)
@@ -85,7 +85,7 @@ class _Requests(BaseHTTPRequestHandler):
             self.send_error(503, "the run cannot be read", html.escape(str(error)))
 
     def do_POST(self) -> None:
-        """Only with the token in a header."""
+        """Answer a request with the token in a header."""
         if (asked := self._asked()) is None:
             return
         length = self.headers.get("Content-Length", "0")
@@ -104,7 +104,7 @@ class _Requests(BaseHTTPRequestHandler):
             return None
 
     def _trusted(self, token: str) -> bool:
-        """Whether it comes from the page that we gave out: by its address, its origin, and the token."""
+        """Whether a request comes from a page of this server: by its address, its origin, and the token."""
         host, port = cast("tuple[str, int]", self.server.server_address)
         ours = f"{host}:{port}"
         origin = self.headers.get("Origin", f"http://{ours}")
@@ -132,7 +132,7 @@ class _Requests(BaseHTTPRequestHandler):
             self.wfile.write(answer.content)
 
     def log_message(self, *_: Any) -> None:
-        """Say nothing: the terminal belongs to the run."""
+        """Ignore log messages, since the terminal belongs to the run."""
 
 
 class _Server(ThreadingHTTPServer):
@@ -168,10 +168,10 @@ def redirect_file(address: str) -> Iterator[str]:
 
 @contextlib.contextmanager
 def served(site: Site) -> Iterator[str]:
-    """Serve while the block lasts; the page's address."""
+    """Run the server while the block lasts; yield the address of the page."""
     server = _Server((HOST, 0), _Requests)
     server.site = site  # type: ignore[attr-defined]
-    # How long the end of the server may take.
+    # Time limit of the shutdown of the server.
     threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
     try:
         yield f"http://{HOST}:{server.server_address[1]}/?token={site.token}"

@@ -1,4 +1,4 @@
-"""Trajectories in the formats of others.
+"""Export of trajectories to formats of other programs.
 
     export("runs/bowl", "csv", "bowl.csv")
 
@@ -46,14 +46,14 @@ CELLS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
 def write_vtk(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """Points with all arrays, and the numbers as field data; positions with three components."""
-    import h5py  # heavy, and needed here alone
+    """Write points with all arrays, and the numbers as field data; positions have three components."""
+    import h5py  # slow to import, and needed only here
 
     sink = _Patient(file)
     try:
         with h5py.File(sink, "w", libver=("earliest", "v110")) as document:
             _write(trajectory, document)
-    except Exception:  # HDF5 raises nearly anything when what it wrote did not stay: then the refusal is what happened
+    except Exception:  # any error of HDF5 after a failed write; `refusal` is reported
         if sink.refusal is None:
             raise
     if sink.refusal is not None:
@@ -76,7 +76,9 @@ def _write(trajectory: ExportedFrames, document: h5py.File) -> None:
 
 
 def _write_points(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Group) -> NDArray[np.int64]:
-    """The points of all frames and their arrays, each in one long table; how many points each frame has."""
+    """Write the points of all frames and their arrays, each as one long table; return the number of points of each
+    frame.
+    """
     data, starts = root.create_group("PointData"), steps.create_group("PointDataOffsets")
     names = list(trajectory[0].arrays)
     tables = {name: _Table(root if name == "position" else data, name) for name in names}
@@ -93,7 +95,7 @@ def _write_points(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Grou
 
 
 def _write_cells(root: h5py.Group, steps: h5py.Group, counts: NDArray[np.int64]) -> None:
-    """A vertex a point: the list of them is written once, and each frame begins to read it at its beginning."""
+    """Write one vertex per point: a list that is written once and read from its beginning for each frame."""
     for kind in CELLS:
         cells = root.create_group(kind)
         most = int(counts.max()) if kind == "Vertices" else 0
@@ -112,7 +114,7 @@ def _write_numbers(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Gro
 
 
 class _Table:
-    """A dataset that frames are added to, and where each began."""
+    """A dataset to which frames are added, and the offset of each."""
 
     def __init__(self, group: h5py.Group, name: str) -> None:
         self._group, self._name, self._last = group, name, np.zeros(0)
@@ -139,25 +141,27 @@ class _Table:
 
 
 class _Patient(io.RawIOBase):
-    """A file that never refuses, so that HDF5 comes to its end; `refusal` is what the system said first."""
+    """A file that accepts all operations, so that HDF5 completes; `refusal` is the first error of
+    the operating system.
+    """
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
         self.refusal: OSError | None = None
 
     def write(self, data: Any) -> int:
-        """Write, or pretend to."""
+        """Write, or ignore the data after an error."""
         self._tried(lambda: self._file.write(data), 0)
         return len(data)
 
     def readinto(self, buffer: Any) -> int:
-        """Read back; zeros where nothing stayed."""
+        """Read back; zeros for data that could not be written."""
         found = self._tried(lambda: self._file.read(len(buffer)), b"")
         buffer[:] = found.ljust(len(buffer), b"\0")
         return len(buffer)
 
     def seek(self, place: int, whence: int = 0) -> int:
-        """Go there."""
+        """Set the position."""
         return self._tried(lambda: self._file.seek(place, whence), place)
 
     def tell(self) -> int:
@@ -165,7 +169,7 @@ class _Patient(io.RawIOBase):
         return self._tried(self._file.tell, 0)
 
     def truncate(self, size: int | None = None) -> int:
-        """Set the length, or pretend to."""
+        """Set the length, or ignore it after an error."""
         return self._tried(lambda: self._file.truncate(size), size or 0)
 
     def _tried(self, action: Callable[[], Answer], otherwise: Answer) -> Answer:
@@ -181,12 +185,12 @@ HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="Litt
 
 
 def write_pvd(trajectory: ExportedFrames, path: Path) -> None:
-    """The list at `path`, the frames in the folder beside it that is called as it is, but for the ending."""
+    """Write the list of frames to `path`, and the frames into the folder beside it with the same name."""
     write_series(path, ".vtp", trajectory.times.tolist(), map(vtp_of, trajectory))
 
 
 def write_series(path: Path, ending: str, times: Sequence[float], files: Iterable[str]) -> None:
-    """A list of files at `path`, and they themselves in a folder beside it."""
+    """Write a list of files to `path`, and the files into the folder beside it."""
     folder = path.with_suffix("") if path.suffix else path.with_name(f"{path.name}-frames")
     names = [f"{number:04d}{ending}" for number in range(len(times))]
     with _replacing_folder(folder, ending) as part:
@@ -198,7 +202,7 @@ def write_series(path: Path, ending: str, times: Sequence[float], files: Iterabl
 
 
 def vtp_of(frame: Frame) -> str:
-    """One frame: a vertex a particle with all arrays, and the numbers as field data."""
+    """The text of a frame: one vertex per particle with all arrays, and the numbers as field data."""
     position = frame.arrays["position"]
     rest = {name: array for name, array in frame.arrays.items() if name != "position"}
     numbers = "".join(data_array(name, np.array([value])) for name, value in frame.numbers.items())
@@ -244,7 +248,9 @@ def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
 
 @contextlib.contextmanager
 def _replacing_folder(folder: Path, ending: str) -> Iterator[Path]:
-    """A new content of a folder, as `replacing` of a file. What was made here before goes, and nothing else."""
+    """A folder that replaces an earlier one when it is complete, as `replacing` does for files. Only folders of frames
+    are removed.
+    """
     part = folder.with_name(f"{folder.name}.part")
     try:
         with storing(folder):
@@ -260,7 +266,7 @@ def _replacing_folder(folder: Path, ending: str) -> Iterator[Path]:
 
 
 def _clear(folder: Path, ending: str) -> None:
-    """Remove a folder of frames. Raises StorageError, before anything goes, for one that holds anything else."""
+    """Remove a folder of frames. Raises StorageError, before anything is removed, for a folder with other content."""
     if not folder.exists():
         return
     strange = [path.name for path in folder.iterdir() if path.suffix != ending] if folder.is_dir() else [folder.name]
@@ -271,12 +277,12 @@ def _clear(folder: Path, ending: str) -> None:
 
 AXES = "xyz"
 SYMBOLS = ("H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar")
-"""Extended XYZ names each particle by a chemical element, and readers know their colors, and no other names: one
-element a species."""
+"""Chemical elements, one per species: extended XYZ names each particle by an element, for which readers know colors."""
 
 
 def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[str]) -> Path:
-    """Write the trajectory of a run as `csv`, `xyz`, `vtk`, `pvd` or `npz`; the path of the new file comes back.
+    """Write the trajectory of a run as `csv`, `xyz`, `vtk`, `pvd` or `npz`; return the path of the
+    new file.
 
     csv is one long table, a row a particle and frame, the unit in each heading; xyz is extended XYZ, for OVITO and ASE;
     vtk is VTKHDF, which ParaView opens as a series in time, pvd the same for its older versions, with a folder of
@@ -301,7 +307,7 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
 
 
 def write_csv(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """One long table: frame, time, particle, then each component of each array, with its unit."""
+    """Write one long table: frame, time, particle, then each component of each array with its unit."""
     names, units = list(trajectory[0].arrays), trajectory[0].units
     text = _Text(file)
     write_rows(text, [["frame", "time [s]", "particle", *_headings(trajectory[0], names, units)]])
@@ -312,7 +318,7 @@ def write_csv(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 
 def write_numbers(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """A table of what is known of each frame as a whole: frame, time, then each of its numbers, with its unit."""
+    """Write a table with one row per frame: frame, time, then each of its numbers with its unit."""
     first = trajectory[0]
     heads = [f"{name} [{first.units[name]}]" if first.units.get(name, "1") != "1" else name for name in first.numbers]
     write_rows(text := _Text(file), [["frame", "time [s]", *heads]])
@@ -339,7 +345,9 @@ def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 
 def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """NumPy's own: `time`, every array with the frames as its first axis, every number as a curve, `units` as JSON."""
+    """Write NumPy's format: `time`, every array with the frames as its first axis, every number as a curve, `units` as
+    JSON.
+    """
     first = trajectory[0]
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         _put(archive, "units", np.array(json.dumps({"time": "s", **first.units})))
@@ -351,7 +359,7 @@ def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 
 def write_samples(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """The table of numbers sampled between frames, without a row that is being written."""
+    """Write the table of numbers sampled between frames, without a row that is being written."""
     file.write(trajectory.samples.content)
 
 
@@ -366,7 +374,7 @@ EXPORTS: dict[str, Callable[[ExportedFrames, BinaryIO], None]] = {
 
 
 def _headings(frame: Frame, names: Sequence[str], units: Any) -> Iterator[str]:
-    """`x [m]`, `vx [m/s]`, `radius [m]`: the headings that a table of floats is read with, too."""
+    """Yield `x [m]`, `vx [m/s]`, `radius [m]`: the headings of tables of floats in scenes."""
     short = {"position": "", "velocity": "v"}
     for name in names:
         unit = f" [{units[name]}]" if units.get(name, "1") != "1" else ""
@@ -410,7 +418,7 @@ def _xyz_periodic(frame: Frame) -> str:
 
 
 def _xyz_box(frame: Frame) -> str:
-    """The lattice vectors of a periodic box, nothing without one. Along other axes the box holds all particles."""
+    """The lattice vectors of a periodic box, empty without one. Along other axes the box contains all particles."""
     sides = _xyz_sides(frame)
     if not any(sides):
         return ""
@@ -453,7 +461,7 @@ def _put(archive: zipfile.ZipFile, name: str, array: NDArray[Any]) -> None:
 
 
 class _Text:
-    """Text into a binary file: what stands between them in the library would close the file."""
+    """A text layer over a binary file; that of the standard library would close the file."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._file = file

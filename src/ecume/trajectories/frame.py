@@ -12,7 +12,7 @@ from ecume.errors import BadInput
 
 
 class RecordedArrays(dict[str, NDArray[Any]]):
-    """The arrays of a frame that was recorded without some of them; reading one of these raises BadInput."""
+    """The arrays of a frame that was recorded without some arrays; access to an omitted array raises BadInput."""
 
     def __init__(self, arrays: Mapping[str, NDArray[Any]], omitted: Iterable[str]) -> None:
         super().__init__(arrays)
@@ -61,7 +61,7 @@ class Frame(NamedTuple):
 
 
 SHOWN = 5
-"""Names in a `repr`."""
+"""The number of names in a `repr`."""
 
 
 def _few(names: list[str]) -> str:

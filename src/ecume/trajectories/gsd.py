@@ -64,9 +64,9 @@ TYPES = {
 }
 CODES = {kind: code for code, kind in TYPES.items()}
 NAME_UNIT = 64
-"""The room of the list of names is counted in these."""
+"""The size in bytes in units of which the list of names grows."""
 CHECKSUM = "ecume/crc32"
-"""The chunk that makes a frame whole."""
+"""The name of the chunk that completes a frame."""
 
 UNKNOWN = Path("a file of frames")
 
@@ -99,7 +99,7 @@ def read_index(file: FileIO, path: Path) -> Index:
 
 
 def _steady_header(file: FileIO, path: Path) -> Any:
-    """A run may be replacing the header: read until two readings agree."""
+    """The header; it is read until two readings agree, since a run may be replacing it."""
     before, now = b"", _bytes(file, 0, FILE_HEADER.itemsize)
     while now != before:
         before, now = now, _bytes(file, 0, FILE_HEADER.itemsize)
@@ -118,7 +118,7 @@ def _names(file: FileIO, header: Any) -> tuple[tuple[str, ...], int]:
 
 
 def _walked(file: FileIO, names: tuple[str, ...], names_end: int, location: int, room: int) -> Index:
-    """The index at this place, without entries that cannot be true and without frames that never became whole."""
+    """The index at this place, without impossible entries and without incomplete frames."""
     raw = _bytes(file, location, room * ENTRY.itemsize)
     entries = np.frombuffer(raw[: len(raw) // ENTRY.itemsize * ENTRY.itemsize], ENTRY)
     entries = entries[_credible(entries, len(names), _size(file))]
@@ -129,7 +129,7 @@ def _walked(file: FileIO, names: tuple[str, ...], names_end: int, location: int,
 
 
 def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]:
-    """The entries that may be true: of a known name and type, inside the file."""
+    """Flags of the entries that are possible: of a known name and type, inside the file."""
     most = np.uint64(size)
     cells = np.minimum(entries["rows"], most) * np.minimum(entries["columns"].astype("u8"), most)
     ends = entries["location"].astype("u8") + np.minimum(cells, most) * _SIZES[entries["type"]].astype("u8")
@@ -139,7 +139,7 @@ def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]
 
 
 def sizes(entries: NDArray[Any]) -> NDArray[np.int64]:
-    """The bytes of the data of each of these entries, all of which are credible."""
+    """The sizes in bytes of the data of each of these entries, all of which are credible."""
     cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
     found: NDArray[np.int64] = cells * _SIZES[entries["type"]]
     return found
@@ -151,8 +151,8 @@ def size_of(entries: NDArray[Any]) -> int:
 
 
 def overlap(entries: NDArray[Any]) -> bool:
-    """Whether some of these entries refer to the same bytes: no writer does that, and a small file could fill the
-    memory.
+    """Whether some of these entries refer to the same bytes. No writer produces that, and a small file could exhaust
+    the memory.
     """
     order = np.argsort(entries["location"], kind="stable")
     starts, ends = entries["location"][order], (entries["location"] + sizes(entries))[order]
@@ -160,13 +160,13 @@ def overlap(entries: NDArray[Any]) -> bool:
 
 
 MOST_BLOCKS = 64
-"""Of an index, each of which is twice as large as the one before."""
+"""The largest number of blocks of an index, each twice as large as the previous one."""
 FIRST_LOOK = 64
-"""Entries that are looked at first to find the end of a block."""
+"""The number of entries that are read first to find the end of a block."""
 
 
 def _older(file: FileIO, names: tuple[str, ...], names_end: int, none: Index) -> Index:
-    """The best of the earlier blocks of the index, that growing left behind: all begin with the same entry."""
+    """The best of the earlier blocks of the index that remained when it grew: all begin with the same entry."""
     size = _size(file)
     first = _bytes(file, FILE_HEADER.itemsize, ENTRY.itemsize)
     if not any(first):
@@ -182,7 +182,7 @@ def _older(file: FileIO, names: tuple[str, ...], names_end: int, none: Index) ->
 
 
 def _run_of_entries(whole: bytes, start: int, names: int) -> int:
-    """The number of entries here in a row: an older block ends where its entries end, and what follows is data."""
+    """The number of consecutive entries here: an older block ends where its entries end, and data follows."""
     most, found, look = (len(whole) - start) // ENTRY.itemsize, 0, FIRST_LOOK
     while found < most:
         count = min(look, most - found)
@@ -199,7 +199,7 @@ def _size(file: FileIO) -> int:
 
 
 def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
-    """The bytes of the file there; fewer at the end of the file, whatever a damaged header requests."""
+    """The bytes of the file at a position; fewer at the end of the file, whatever a damaged header requests."""
     size = _size(file)
     if start >= size:
         return b""
@@ -208,7 +208,7 @@ def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
 
 
 def read_whole_index(file: FileIO, path: Path) -> Index:
-    """The index of an open file that any program has written and closed: its frames have no checksum."""
+    """The index of a complete file of any program, whose frames have no checksum."""
     header = _steady_header(file, path)
     names, names_end = _names(file, header)
     location, room = int(header["index_location"]), int(header["index_room"])
@@ -224,13 +224,13 @@ def read_whole_index(file: FileIO, path: Path) -> Index:
 HEADER = "ecume/header"
 FORMAT = 1
 MOST_FRAMES = 2**40
-"""Of a trajectory."""
+"""The largest number of frames of a trajectory."""
 WIDEST, DEEPEST = 1000, 4
-"""Components of an array, and axes of them."""
+"""The largest numbers of components of an array, and of its axes."""
 NAME, LABEL = re.compile(r"[A-Za-z0-9_]{1,200}"), re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{0,200}")
-"""Names of arrays and of numbers, as scenes may name them; units, and names of species."""
+"""Patterns of valid names of arrays and numbers, of units, and of names of species."""
 Chunks = dict[str, NDArray[Any]]
-"""What stands in a file under each name: two-dimensional arrays."""
+"""The two-dimensional arrays of a file by name."""
 
 
 class Header(NamedTuple):
@@ -241,9 +241,9 @@ class Header(NamedTuple):
     numbers: tuple[str, ...]
     units: Mapping[str, str]
     species: tuple[str, ...] = ()
-    """What the species are called, in the order of their numbers, as far as they have names."""
+    """The names of the species in the order of their numbers, as far as they have names."""
     omitted: tuple[str, ...] = ()
-    """Arrays that the scene omits."""
+    """The names of the arrays that the scene omits."""
     run: str = ""
     """The identity of the run, see `records.identity`; every frame's checksum covers it."""
 
@@ -313,8 +313,8 @@ def _require_possible(header: Header) -> None:
 
 
 def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = ()) -> Chunks:
-    """All chunks of a frame; its checksum is the last, so that whatever is cut short lacks it. `colors` are those of
-    the species, `#rrggbb`.
+    """All chunks of a frame; its checksum is the last, so that an incomplete frame lacks it. `colors` are those of the
+    species, `#rrggbb`.
     """
     chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
     chunks |= _shown(frame, header.species) | _colored(frame, colors)
@@ -328,7 +328,7 @@ def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = (
 
 
 def frame_of(chunks: Chunks, header: Header) -> Frame:
-    """The frame of its chunks; it owns its arrays."""
+    """The frame with these chunks; it owns its arrays."""
     arrays: Mapping[str, NDArray[Any]] = {
         name: _stored(chunks, name, math.prod(shape))
         .reshape(-1, *shape)
@@ -355,7 +355,7 @@ def number_names(header: Header) -> list[str]:
 
 
 def checksum(chunks: Mapping[str, NDArray[Any]]) -> int:
-    """The CRC-32 over named arrays, but for the checksum itself: names, kinds, shapes and bytes."""
+    """The CRC-32 of named arrays without the checksum itself: names, kinds, shapes and bytes."""
     crc = 0
     for name in sorted(chunks.keys() - {CHECKSUM}):
         chunk = chunks[name]
@@ -365,7 +365,7 @@ def checksum(chunks: Mapping[str, NDArray[Any]]) -> int:
 
 
 def numbers_checksum(chunks: Chunks, header: Header) -> int:
-    """The CRC-32 over the numbers alone, so that their curves are read without the particles."""
+    """The CRC-32 of the numbers alone, so that their curves can be read without the particles."""
     return zlib.crc32(b"".join(chunks[name].tobytes() for name in number_names(header)))
 
 
@@ -395,7 +395,7 @@ def _is_periodic(frame: Frame) -> bool:
 
 
 def _types(frame: Frame, named: Sequence[str]) -> Chunks:
-    """The species of each particle, and their names: those given, and `species 3` for what has none."""
+    """The species of each particle, and their names: the specified ones, and `species 3` for others."""
     if "species" not in frame.arrays or not len(frame.arrays["species"]):
         return {}
     species = frame.arrays["species"]
@@ -409,7 +409,7 @@ def _types(frame: Frame, named: Sequence[str]) -> Chunks:
 
 
 def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
-    """The color of each particle, under the name by which OVITO knows it; what never changes is written once."""
+    """The color of each particle under OVITO's name; colors that never change are written once."""
     if not colors or "species" not in frame.arrays:
         return {}
     bytes_of = np.array([list(bytes.fromhex(color.removeprefix("#"))) for color in colors], np.float32)
@@ -417,8 +417,9 @@ def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
 
 
 def _boxed(frame: Frame) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
-    """HOOMD's box, and the positions in it. A periodic box is exact: its middle is the origin, and all particles are
-    inside. Along other axes the box holds all particles, and its sides are powers of two, so that they seldom change.
+    """HOOMD's box, and the positions in it. A periodic box is exact: its center is the origin, and all particles are
+    inside. Along other axes the box contains all particles, and its sides are powers of two, so that they rarely
+    change.
     """
     position = frame.arrays["position"]
     sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: position.shape[1]]])
@@ -465,7 +466,7 @@ def _hoomd_images(frame: Frame) -> NDArray[np.int32]:
 
 
 def _in_space(vectors: NDArray[Any]) -> NDArray[np.float32]:
-    """Three components, the missing ones zero."""
+    """Vectors with three components, the missing ones zero."""
     space = np.zeros((len(vectors), 3), np.float32)
     space[:, : vectors.shape[1]] = vectors
     return space
@@ -476,5 +477,5 @@ def _column(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _table(array: NDArray[Any]) -> NDArray[Any]:
-    """A row a particle, whatever other axes the array has."""
+    """The array as a table with one row per particle."""
     return np.ascontiguousarray(array).reshape(len(array), math.prod(array.shape[1:]))

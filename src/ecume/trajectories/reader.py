@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 FILE, SUMS = "samples.csv", "samples-checksums.jsonl"
 LARGEST = 2**34
-"""Bytes of a table."""
+"""The largest size of a table in bytes."""
 STATISTICS = ("", "_min", "_max", "_error")
 """The columns of a number in a table of blocks: mean, minimum, maximum, standard error of the mean."""
 LEAD = ("step", "time [s]", "samples")
@@ -77,7 +77,7 @@ def read_heading(line: str) -> tuple[list[str], dict[str, str], bool]:
 
 
 def sum_of(content: bytes, run: str) -> int:
-    """The checksum of the beginning of a table of samples, which covers the identity of the run, too."""
+    """The checksum of the beginning of a table of samples, including the identity of the run."""
     return zlib.crc32(content, zlib.crc32(run.encode()))
 
 
@@ -118,10 +118,10 @@ def _last_sum(path: Path, run: str) -> dict[str, Any] | None:
 
 
 class Samples:
-    """The table of a run's samples, read when it is made."""
+    """The table of a run's samples."""
 
     def __init__(self, path: Path, run: str = "") -> None:
-        """Raises BadInput where the run has no samples, and StorageError where the table is damaged."""
+        """Read the table. Raises BadInput if the run has no samples, and StorageError if the table is damaged."""
         self.path = path
         if not path.is_file():
             raise BadInput(f"{path.parent}: the run has no samples; its scene has no table [output.samples]")
@@ -163,7 +163,7 @@ class Samples:
         return self._column(name, 0)
 
     def minimum(self, name: str) -> NDArray[np.float64]:
-        """The least value in each row."""
+        """The smallest value in each row."""
         return self._column(name, 1 if self.blocks else 0)
 
     def maximum(self, name: str) -> NDArray[np.float64]:
@@ -256,7 +256,7 @@ class Trajectory(Sequence[Frame]):
         self.refresh()
 
     def refresh(self) -> int:
-        """See what a run has written meanwhile; how many frames there are now."""
+        """Look for new frames of a running run; return the number of frames."""
         if self._segments:
             self._segments[-1].refresh()
         for path in segment_files(self.folder)[len(self._segments) :]:
@@ -321,7 +321,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def samples(self) -> Samples:
-        """The numbers sampled between frames, as they are on the disk now. Raises BadInput for a run without any."""
+        """The numbers sampled between frames that are on disk at present. Raises BadInput for a run without samples."""
         return Samples(self.directory / FILE, self._run or "")
 
     def __len__(self) -> int:
@@ -357,7 +357,7 @@ class Trajectory(Sequence[Frame]):
         return library("polars").DataFrame(self._table(particles))
 
     def pandas(self, *, particles: bool = False) -> PandasFrame:
-        """The same as a DataFrame of Pandas."""
+        """The numbers of all frames as a DataFrame of Pandas: see `polars`."""
         return library("pandas").DataFrame(self._table(particles))
 
     def _table(self, particles: bool) -> dict[str, NDArray[Any]]:
@@ -388,7 +388,7 @@ class Trajectory(Sequence[Frame]):
 
     def __del__(self) -> None:
         """Close the files that are still open."""
-        with contextlib.suppress(AttributeError):  # where the construction failed half-way
+        with contextlib.suppress(AttributeError):  # if the construction failed
             self.close()
 
     def _located(self, index: int) -> tuple[Segment, int]:
@@ -401,7 +401,7 @@ class Trajectory(Sequence[Frame]):
         return segment, local
 
     def _column(self, name: str) -> NDArray[Any]:
-        """One number of all frames; NaN where a segment has none of this name."""
+        """One number of all frames; NaN in segments without a number of this name."""
         columns = [np.zeros(0)]
         for segment in self._segments:
             numbers = segment.numbers()
@@ -414,7 +414,7 @@ class Trajectory(Sequence[Frame]):
 
 
 class _Some(Sequence[Frame]):
-    """Some frames of a trajectory."""
+    """A selection of frames of a trajectory."""
 
     def __init__(self, trajectory: Trajectory, which: range) -> None:
         self._trajectory, self._which = trajectory, which

@@ -32,12 +32,12 @@ ABANDONED = 600.0
 machine may write it.
 """
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
-"""What a system says when there is no room: the disk, the largest allowed file, the user's quota."""
+"""The error codes for a lack of space: of the disk, the largest allowed file, the user's quota."""
 
 
 @contextlib.contextmanager
 def storing(path: Path) -> Iterator[None]:
-    """Whatever the system refuses while this file is written or read becomes a StorageError of one line."""
+    """Convert any error of the operating system while this file is written or read into a StorageError of one line."""
     try:
         yield
     except OSError as error:
@@ -53,8 +53,8 @@ def _explanation(error: OSError, path: Path) -> str:
 
 
 def replaceable(path: Path) -> Path:
-    """The plain file that `path` means, links followed. Raises StorageError for a device or a pipe: to put a file in
-    the place of `/dev/stdout` would break the machine.
+    """The plain file to which `path` refers, with links followed. Raises StorageError for a device or a pipe: replacing
+    `/dev/stdout` by a file would damage the system.
     """
     there = Path(os.path.realpath(path))
     if there.exists() and not there.is_file() and not there.is_dir():
@@ -79,13 +79,14 @@ def remove_abandoned(path: Path) -> None:
 
 @contextlib.contextmanager
 def replacing(path: Path, root: Path | None = None, *, settled: bool = True) -> Iterator[BufferedRandom]:
-    """A new content of a file: it takes the place of the old one in one instant, and only if the block ends well.
+    """A context for the new content of a file, which replaces the old one atomically if the block
+    succeeds.
 
     Below `root`, a run directory, no link is followed. `settled` waits until the content is on the disk.
     """
     named = path
     with storing(named), place_of(path if root else replaceable(path), root) as place:
-        # A run has one writer; of a file of the user's there may be several.
+        # A run has one writer; a file of the user may have several.
         part = place.beside(f"{place.name}.part" if root else partial_of(place.path).name)
         if root is None:
             remove_abandoned(place.path)
@@ -106,31 +107,31 @@ def replacing(path: Path, root: Path | None = None, *, settled: bool = True) -> 
 
 
 def write_whole(path: Path, content: bytes | str, root: Path | None = None, *, settled: bool = True) -> None:
-    """Put this content into the file, or leave the old one; `root` and `settled` as in `replacing`."""
+    """Replace the content of a file, or keep the old one after a failure; `root` and `settled` as in `replacing`."""
     with replacing(path, root, settled=settled) as file:
         file.write(content.encode() if isinstance(content, str) else content)
 
 
 def settle(folder: Path) -> None:
-    """Let the names in a folder survive a loss of power."""
+    """Write the entries of a folder to disk, so that they survive a power failure."""
     with place_of(folder / "any") as place:
         place.settle()
 
 
 CRC = "crc32"
 MOST_BYTES = 16 * 2**20
-"""Of a record."""
+"""The largest size of a record."""
 MOST_SCENE_BYTES = 2**31
 """Of a resolved scene, which may contain tables and meshes."""
 READ = 32
-"""Bytes of memory for each byte of JSON, at most: numbers of one digit, lists in lists."""
+"""The largest ratio of memory to bytes of JSON: for single-digit numbers and nested lists."""
 MOST_CHARACTERS = 10_000
-"""Of a text in a record."""
+"""The largest length of a text in a record."""
 WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f$`\"\\]*")
-"""Text that may be copied into another file: no command in it can take effect, wherever it stands."""
+"""A pattern of text that may be copied into another file, since it contains no characters that start commands."""
 
 Check = Callable[[object, str], None]
-"""From a value and its path in the file; raises ValueError unless the value is of this kind."""
+"""A function of a value and its path in the file that raises ValueError unless the value is of one kind."""
 
 
 def _check(expected: str, holds: Callable[[Any], bool]) -> Check:
@@ -174,7 +175,7 @@ switch = _check("true or false", lambda value: isinstance(value, bool))
 
 
 def optional(check: Check) -> Check:
-    """The same, or null."""
+    """The check of a value of this kind, or null."""
 
     def either(value: object, path: str) -> None:
         if value is not None:
@@ -184,7 +185,7 @@ def optional(check: Check) -> Check:
 
 
 def listed(check: Check) -> Check:
-    """A list of them."""
+    """The check of a list of values of this kind."""
 
     def each(value: object, path: str) -> None:
         if not isinstance(value, list):
@@ -196,7 +197,7 @@ def listed(check: Check) -> Check:
 
 
 def named(check: Check) -> Check:
-    """A table of them, by any names."""
+    """The check of a table of values of this kind, with any names."""
 
     def each(value: object, path: str) -> None:
         if not isinstance(value, dict):
@@ -209,7 +210,7 @@ def named(check: Check) -> Check:
 
 
 def table(required: Mapping[str, Check], others: Mapping[str, Check] | None = None, rest: Check = anything) -> Check:
-    """A table with these keys, those of `others` if they are there, and `rest` for any further key."""
+    """The check of a table with these keys, those of `others` if present, and `rest` for any further key."""
     known = {**required, **(others or {})}
 
     def check(value: object, path: str) -> None:
@@ -268,9 +269,9 @@ DONE = table({"step": whole, "time": number, "frames": whole}, {"sha256": named(
 FAILED = table({}, {"message": text, "sha256": named(digest)})
 OWNER = table({"pid": process, "host": text, "began": number}, rest=text)
 SUM = table({"bytes": whole, "crc": whole})
-"""Of `samples-checksums.jsonl`: the checksum of so many bytes of the table of samples."""
+"""The check of a line of `samples-checksums.jsonl`: the size and the checksum of the table of samples."""
 LINE = table({"step": whole, "time": number}, rest=optional(number))
-"""Of `scalars.jsonl`."""
+"""The check of a line of `scalars.jsonl`."""
 
 
 def as_json(plain: Any) -> str:
@@ -279,7 +280,7 @@ def as_json(plain: Any) -> str:
 
 
 def plain_of(content: bytes) -> object:
-    """The data that a JSON text describes. Raises ValueError, also for what Python's reader raises otherwise."""
+    """The data of a JSON text. Raises ValueError for any error of Python's reader."""
     try:
         return json.loads(content)
     except RecursionError:
@@ -309,14 +310,14 @@ def _table_of(content: bytes, path: Path) -> dict[str, Any]:
 
 
 def sealed(plain: Mapping[str, Any], owner: str = "") -> str:
-    """The text of a record: its data, then their checksum, which covers the `owner` too: the run and the name of the
-    file that the record belongs to. In another run, or under another name, the checksum does not fit.
+    """The text of a record: its data and their checksum, which includes the `owner`: the run and the name of the
+    record's file. In another run, or under another name, the checksum does not fit.
     """
     return as_json({**plain, CRC: _crc(as_json(plain), owner)})
 
 
 def sealed_line(plain: Mapping[str, Any], owner: str = "") -> str:
-    """The same as one line."""
+    """A sealed record as one line."""
     return json.dumps({**plain, CRC: _crc(json.dumps(plain), owner)}) + "\n"
 
 
@@ -380,7 +381,7 @@ def unsealed(
 
 
 def clean(content: object) -> str:
-    """Text as it may stand in a record: everything that `words` refuses becomes a question mark.
+    """The text with each character that `words` refuses replaced by a question mark.
 
     >>> clean('a $(b) "c"')
     'a ?(b) ?c?'

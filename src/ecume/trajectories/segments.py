@@ -1,4 +1,4 @@
-"""The files of a trajectory: read frame by frame, and grown by whole frames as a recorder writes them.
+"""The files of a trajectory: reading frames, and appending whole frames.
 
 Verification of a trajectory: each byte is what was written, or is reported; and repair, which keeps whole frames.
 
@@ -30,13 +30,13 @@ from ecume.trajectories.gsd import CHECKSUM, CODES, ENTRY, FILE_HEADER, NAME_UNI
 from ecume.trajectories.records import replacing, storing
 
 FIRST_ROOM = 512
-"""Entries in the first block of an index."""
+"""The number of entries in the first block of an index."""
 NAMES_LOCATION = gsd.FILE_HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
 """The place of the list of names."""
 
 
 class Segment:
-    """An open file of a trajectory, for reading; `frames` of them are whole."""
+    """An open file of a trajectory, for reading; `frames` is the number of its whole frames."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -53,7 +53,7 @@ class Segment:
             raise
 
     def refresh(self) -> None:
-        """See what a run has written meanwhile."""
+        """Look for new frames of a running run."""
         self.index = gsd.read_index(self._file, self.path)
         self.frames = self.index.frames
         self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
@@ -71,8 +71,8 @@ class Segment:
         return chunks
 
     def unproven(self) -> Iterator[int]:
-        """The frames whose checksums do not fit their bytes, as `chunks` finds them, without an array for each chunk:
-        the bytes are read piece by piece.
+        """Yield the frames whose checksums do not fit, reading the bytes piece by piece without an array for each
+        chunk.
         """
         first: dict[int, tuple[bytes, int, int]] = {}
         entries = self.index.entries
@@ -119,7 +119,9 @@ class Segment:
         return raw.view([(name, "<u8" if row == 0 else "<f8") for row, name in enumerate(names)])[:, 0]
 
     def _places(self, name: str) -> NDArray[np.int64]:
-        """The place of the number of this name in each frame; a frame without its own has that of the first."""
+        """The position of the number of this name in each frame; constant numbers are stored in the
+        first frame only.
+        """
         if name not in self.index.names:
             raise StorageError(self.damage(0))
         entries = self.index.entries[self.index.entries["name"] == self.index.names.index(name)]
@@ -163,12 +165,12 @@ class Segment:
 NUMBER = 8
 """Bytes of a number, and of the checksums of a frame."""
 NEAR = 256
-"""Bytes between two numbers that are read at once."""
+"""The distance in bytes of two numbers up to which they are read together."""
 
 
 def _gathered(file: FileIO, places: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """The eight bytes at each of these places, zeros beyond the end of the file. They are copied from the file, since a
-    mapped file that another process makes shorter ends this one.
+    """The eight bytes at each of these positions, zeros beyond the end of the file. They are copied, since a mapped
+    file that another process truncates would end this process.
     """
     once, inverse = np.unique(places, return_inverse=True)
     begins = np.append(True, np.diff(once) > NEAR)
@@ -191,7 +193,7 @@ def _fits(
     numbers: Sequence[int],
     seal: int,
 ) -> bool:
-    """Whether the checksums of a frame fit its chunks: of each its description, and where it begins and ends."""
+    """Whether the checksums of a frame fit its chunks, given the description, start and end of each."""
     crc = 0
     for name in order:
         if name in found:
@@ -215,7 +217,7 @@ class GrowingSegment:
     """
 
     def __init__(self, path: Path, frames: int) -> None:
-        """Go on after that many frames; whatever follows them is cut away."""
+        """Continue after this number of frames; any further data is removed."""
         with contextlib.closing(Segment(path)) as segment:
             self.path, self._first, self.header = path, segment.first, segment.header
             index = segment.index
@@ -246,7 +248,7 @@ class GrowingSegment:
         self._file.close()
 
     def _grow(self) -> None:
-        """A roomier block of entries at the end of the file; the header knows of it only when it is on the disk."""
+        """Allocate a larger block of entries at the end of the file; the header refers to it when it is on disk."""
         room = 2 * max(self._room, FIRST_ROOM)
         self._file.seek(self._location)
         block = self._file.read(self._used * ENTRY.itemsize).ljust(room * ENTRY.itemsize, b"\0")
@@ -256,7 +258,7 @@ class GrowingSegment:
         self.size += len(block)
 
     def _mend(self, entries: NDArray[Any], names_end: int) -> None:
-        """Bring the file to just the frames that are kept, whatever a death or a damage left behind them."""
+        """Reduce the file to the frames that are kept, after an interruption or damage."""
         block = entries.tobytes().ljust(self._room * ENTRY.itemsize, b"\0")
         self._used = len(entries)
         self.size = max(names_end, self._location + len(block), _data_end(entries))
@@ -269,13 +271,13 @@ class GrowingSegment:
             os.fsync(self._file.fileno())
 
     def _put(self, data: bytes, place: int) -> None:
-        """Write all of it here, and see everything on the disk."""
+        """Write all data at a position, and wait until it is on disk."""
         self._write(data, place)
         with storing(self.path):
             os.fsync(self._file.fileno())
 
     def _write(self, data: bytes, place: int) -> None:
-        """Write all of it here; what a refused attempt took of the disk is given back."""
+        """Write all data at a position; after an error, release the allocated space."""
         with storing(self.path):
             try:
                 self._file.seek(place)
@@ -289,7 +291,7 @@ class GrowingSegment:
 
 
 def create(path: Path, chunks: Chunks) -> None:
-    """A new file with its first frame: it comes into being whole."""
+    """Create a file with its first frame, complete or not at all."""
     names = tuple(chunks)
     names_after = listed(names)
     entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
@@ -316,7 +318,7 @@ def header_of(location: int, room: int, names: Sequence[str]) -> bytes:
 
 
 def cut(path: Path, frames: int) -> None:
-    """Leave only the first frames of a file; without any, no file."""
+    """Keep only the first frames of a file; remove a file without frames."""
     if frames:
         GrowingSegment(path, frames).close()
         return
@@ -332,7 +334,7 @@ def root_of(path: Path) -> Path:
 
 
 def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tuple[NDArray[Any], bytes]:
-    """The entries of a frame in the order of its names, and its data, that will stand at `start`."""
+    """The entries of a frame in the order of its names, and its data, for the position `start`."""
     numbers = {name: number for number, name in enumerate(names)}
     entries = np.zeros(len(chunks), ENTRY)
     for entry, name in zip(entries, sorted(chunks, key=numbers.__getitem__), strict=True):
@@ -353,7 +355,7 @@ def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
 
 
 LARGEST = 512 * 2**20
-"""Bytes after which a new segment is begun."""
+"""The size in bytes after which a new segment is started."""
 
 
 def segment_files(folder: Path) -> list[Path]:
@@ -362,7 +364,8 @@ def segment_files(folder: Path) -> list[Path]:
 
 
 class Recorder:
-    """An open trajectory that frames are added to: a folder with `0000.gsd`, `0001.gsd` and so on.
+    """An open trajectory to which frames are appended: a folder with `0000.gsd`, `0001.gsd` and so
+    on.
 
     A folder that holds frames is continued. When `write` returns, the frame is on the disk, whole.
     """
@@ -394,7 +397,7 @@ class Recorder:
         self.frames += 1
 
     def cut(self, frames: int) -> None:
-        """Forget all but the first frames."""
+        """Remove all but the first frames."""
         self.close()
         for path in reversed(segment_files(self.folder)):
             with contextlib.closing(Segment(path)) as segment:
@@ -418,7 +421,7 @@ class Recorder:
         self.close()
 
     def _attach(self) -> None:
-        """Go on with the last segment, cut back to its whole frames."""
+        """Continue the last segment, reduced to its whole frames."""
         files = segment_files(self.folder)
         self._number, self.frames = int(files[-1].stem) + 1 if files else 0, 0
         if files:
@@ -428,7 +431,7 @@ class Recorder:
             self.frames = self._segment.header.first + held
 
     def _appended(self, segment: GrowingSegment, frame: Frame, step: int) -> bool:
-        """Whether this segment has room for the frame, and now has it."""
+        """Append the frame to this segment; return False if it has no room."""
         header = self._header(frame, segment.header.first)
         chunks = gsd.chunks_of(frame, step, header, self._colors)
         if not segment.takes(chunks) or segment.size + sum(chunk.nbytes for chunk in chunks.values()) > self._largest:
@@ -440,7 +443,7 @@ class Recorder:
         return gsd.header_of(frame, first, self._species, single=self._single)._replace(run=self._run)
 
     def _begin(self, frame: Frame, step: int) -> None:
-        """A new segment, that begins with this frame."""
+        """Start a new segment with this frame."""
         self.close()
         path = self.folder / f"{self._number:04d}.gsd"
         create(path, gsd.chunks_of(frame, step, self._header(frame, self.frames), self._colors))
@@ -464,7 +467,7 @@ def require_own(segment: Segment, run: str) -> None:
 
 
 def set_foreign_aside(folder: Path, run: str) -> list[str]:
-    """Set aside the segments of other runs; what was done."""
+    """Set aside the segments of other runs; return what was done."""
     found = []
     for path in segment_files(folder):
         with contextlib.suppress(StorageError), contextlib.closing(Segment(path)) as segment:
@@ -528,7 +531,7 @@ def damages(segment: Segment) -> Iterator[tuple[int, str]]:
 
 
 def misplaced(segment: Segment) -> tuple[list[str], list[str]]:
-    """What is wrong with the bytes of a segment that belong to no frame, and remarks on what follows the frames."""
+    """The faults of bytes of a segment that belong to no frame, and remarks on data after the frames."""
     index, path = segment.index, segment.path
     faults, remarks = [], []
     expected = header_of(index.location, index.room, index.names)
@@ -553,7 +556,7 @@ def misplaced(segment: Segment) -> tuple[list[str], list[str]]:
 
 
 def _gaps(segment: Segment, names: int) -> tuple[int, list[tuple[int, int]]]:
-    """The end of the data of a segment, and the stretches before it that are neither index, names nor chunks."""
+    """The end of the data of a segment, and the ranges before it that are neither index, names nor chunks."""
     index = segment.index
     starts = index.entries["location"].astype(np.int64)
     sizes = gsd.sizes(index.entries)
@@ -582,7 +585,8 @@ class Repaired(NamedTuple):
 
 
 def repair(folder: Path) -> Repaired:
-    """Make the segments of a folder readable again: whole frames stay, what was half written goes.
+    """Make the segments of a folder readable again: whole frames are kept, incomplete ones are
+    removed.
 
     Each damaged frame is named. A file without any whole frame is set aside, under a name that ends in `.damaged`.
     """

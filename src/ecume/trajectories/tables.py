@@ -23,7 +23,7 @@ QUANTITY = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?( [\w/^*.°%]+)?|[+
 
 
 class Written(Protocol):
-    """What text is written to."""
+    """A file to which text is written."""
 
     def write(self, text: str, /) -> object:
         """Take this text."""
@@ -50,7 +50,7 @@ def cell(value: object) -> object:
 
 
 def library(name: str) -> Any:
-    """A library that ecume itself does not need. Raises BadInput where it is not installed."""
+    """An optional library. Raises BadInput if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError as error:

@@ -49,15 +49,15 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 LINE = 0.8
-"""Length of the line that shows how a float is turned, over its diameter."""
+"""The length of the line that shows the angle of a float, over its diameter."""
 BARB = 0.22
-"""How far an arrowhead reaches back and to the sides, over the length of the arrow."""
+"""The length and half width of an arrowhead, over the length of the arrow."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
 BESIDE = 0.03
-"""How far around a periodic cell its images are shown, over its longer side."""
+"""The width of the shown region around a periodic cell, over its longer side."""
 PALE = 0.4
-"""How opaque images are."""
+"""The opacity of images."""
 CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for wave in (np.cos, np.sin)], axis=1)
 """A disc as a polygon."""
 BELOW = 0.07
@@ -65,8 +65,8 @@ BELOW = 0.07
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
-    """The whole dish; the cell and some of its images; or on an endless surface all that the floats of these frames
-    ever reach.
+    """The shown region: the whole dish; the cell and some of its images; on an endless surface, the region that the
+    floats of these frames reach.
     """
     if scene.cell is not None:
         width, height = scene.sides
@@ -118,7 +118,7 @@ class Bowl(Picture):
             self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
             axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
-            # The floats stand above the rim: half of its line would hide where they touch it.
+            # Floats are drawn above the rim, half of whose line would hide their contacts with it.
             border = [*_dish(axes, scene.dish, self.height), *_cell(axes, scene)]
             moving: list[Artist] = [self.height, *border, self.images, self.floats, self.rises]
             self.bars = scale_bar(axes, self.view)
@@ -131,7 +131,7 @@ class Bowl(Picture):
         self.show(sample[0])
 
     def show(self, frame: Frame) -> None:
-        """Put a frame into the picture."""
+        """Draw a frame."""
         self.height.set_data(self._painted(surface(frame, self.sheet)))
         if self.shapes is None:
             self.floats.set_offsets(frame.arrays["position"])
@@ -155,7 +155,7 @@ class Bowl(Picture):
 
 
 def rises(frame: Frame) -> Array:
-    """A line across each float that turns, (N, 2, 2), to where its rim is high; none where none does."""
+    """A line across each float that turns, (N, 2, 2), to the highest point of its rim; empty if no rim is undulated."""
     arrays = frame.arrays
     if "angle" not in arrays:
         return np.zeros((0, 2, 2))
@@ -189,7 +189,7 @@ def height_colors(largest: float, typical: float, liquid: str | None = None) -> 
 
 
 def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
-    """The dish's rim; nothing of the liquid is shown outside it."""
+    """Draw the rim of the dish, and hide the liquid outside it."""
     if dish is None:
         return []
     rim = axes.add_patch(dish_outline(dish))
@@ -213,12 +213,12 @@ def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
 
 
 def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale, tall: float) -> None:
-    """What the colors mean, as far as they occur; `tall` is in parts of the picture's height."""
+    """Draw the color bar of heights, for the range that occurs; `tall` is its height over that of the picture."""
     box, figure = axes.get_position(), cast(Figure, axes.get_figure(root=True))
     width = DPI * figure.get_size_inches()[0]
     place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, tall * box.height))
     bar = figure.colorbar(colors, cax=place)
-    if shown[0] < shown[1]:  # a surface that nothing bends by its weight has one color
+    if shown[0] < shown[1]:  # a surface without menisci has one color
         place.set_ylim(*shown)
     bar.set_ticks(height_ticks(colors.norm, shown) if shown[0] < shown[1] else [0.0])
     place.yaxis.set_major_formatter("{x:g}")

@@ -73,11 +73,11 @@ from ecume.units import Array
 MOST_PAIRS = 12
 BINS = 120
 MOST_FOR_NO_FIT = 3
-"""Sizes of rafts up to which no fractal dimension is fitted."""
+"""The largest raft size without a fit of the fractal dimension."""
 CONTACT = 1e-4
 """How far below the distance of contact a bin begins, over that distance."""
 SHELLS = 12.0
-"""How far the pair distribution is drawn, in mean radii."""
+"""The range of the pair distribution, in mean radii."""
 
 
 def order(frames: Frames, scene: Any) -> Figure:
@@ -196,7 +196,7 @@ def distances(frames: Frames, scene: Any) -> Figure:
 
 
 MET = 0.03
-"""Of the sum of radii: a smaller gap is marked as contact; between two frames floats may meet and bounce."""
+"""The gap over the sum of radii below which a contact is marked; between two frames floats may touch and bounce."""
 
 
 def two_body_gap(frames: Frames, scene: Any) -> Array | None:
@@ -388,7 +388,7 @@ def transition_figure(frames: Frames, scene: Any) -> Figure:
 
 
 def _read(frames: Frames) -> list[Frame]:
-    """All frames, or `MOST_FRAMES` consecutive ones at the end."""
+    """All frames, or the last `MOST_FRAMES` ones."""
     start = max(len(frames) - MOST_FRAMES, 0)
     return [frames[index] for index in range(start, len(frames))]
 
@@ -436,11 +436,11 @@ CLUSTER_FIGURES = {"raft-sizes": raft_sizes, "topologies": topology_figure, "tra
 
 
 FURTHEST = 6.0
-"""How far the force law is drawn, in capillary lengths."""
+"""The range of the force law, in capillary lengths."""
 
 
 def paths(frames: Frames, scene: Any) -> Figure:
-    """The path of every float, from an open circle to where it is last, which is drawn to scale."""
+    """The path of every float, from an open circle to its last position, which is drawn to scale."""
     shown = thinned(frames)
     view, kinds = view_of(scene, shown), species(scene)
     scale = scale_for(view.width / 2, "m")
@@ -507,7 +507,7 @@ def bowl(frames: Frames, scene: Any) -> Figure:
 
 
 def _discs(axes: Axes, centers: Array, radius: Array, colors: Sequence[str]) -> None:
-    """Circles to scale."""
+    """Draw circles to scale."""
     look: dict[str, Any] = {"facecolors": colors, "edgecolors": INK, "linewidths": 0.6}
     look |= {"offsets": centers, "offset_transform": axes.transData}
     axes.add_collection(EllipseCollection(2 * radius, 2 * radius, 0 * radius, units="xy", **look))

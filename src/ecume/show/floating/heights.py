@@ -30,7 +30,7 @@ from ecume.trajectories.records import replacing, storing
 from ecume.units import Array
 
 REACH = 20.0
-"""In capillary lengths: what a meniscus ends with there, 6e-10, bends no grid."""
+"""The range of menisci, in capillary lengths; the remaining height is 6e-10."""
 CELLS = 200
 KINDS = (".npz", ".npy", ".pvd")
 
@@ -70,7 +70,7 @@ def _sides(view: View) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _menisci_on_grid(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
-    """What the floats add (m), shape (y, x)."""
+    """The heights (m) of the floats' menisci, shape (y, x)."""
     multipoles = multipoles_in(scene)
     if multipoles is not None:
         return solved_heights(multipoles, frame, x, y)
@@ -89,7 +89,7 @@ def _menisci_on_grid(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
 
 
 def export_heights(directory: str | os.PathLike[str], out: str | os.PathLike[str], *, cells: int = CELLS) -> Path:
-    """Write the surface in every frame of a run; the path of the new file comes back.
+    """Write the surface in every frame of a run; return the path of the new file.
 
     `.npz` holds the arrays time, x, y and height (frame, y, x); `.npy` the heights alone; `.pvd` is a list of VTK
     images beside it, which ParaView opens as a series in time.
@@ -127,7 +127,7 @@ def _write_arrays(trajectory: Trajectory, fields: Iterator[HeightField], path: P
 
 
 def image_of(field: HeightField) -> str:
-    """One field as a VTK image, a point for each place."""
+    """A height field as a VTK image, with one point per node."""
     x, y = field.x.tolist(), field.y.tolist()
     step = x[1] - x[0] if len(x) > 1 else 1.0
     extent = f"0 {len(x) - 1} 0 {len(y) - 1} 0 0"

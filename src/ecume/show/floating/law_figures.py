@@ -42,7 +42,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 FURTHEST = 4.0
-"""How far forces are drawn, in capillary lengths beyond touching."""
+"""The range of forces, in capillary lengths beyond contact."""
 PLACES = 40
 ORDER = 16
 MOST_PAIRS = 6
@@ -104,7 +104,7 @@ def pair_forces(scene: Any) -> list[Forces]:
 
 
 def _names(scene: Any, number: Any, count: int) -> list[str]:
-    """What each kind is called: its species; rows of one species may be of several kinds."""
+    """The name of each kind: its species, with a number if rows of one species have several kinds."""
     species = [name for given in scene.particles for name in [given.name] * given.count]
     species += [row.species_name for row in scene.rows]
     return [species[int(np.flatnonzero(number == kind)[0])] for kind in range(count)]
@@ -154,20 +154,22 @@ COLORS |= dict(zip(_FURTHER, itertools.cycle((PALETTE[3], INK, MUTED)), strict=F
 
 RADIUS, DENSITY, CONTACT_ANGLE = 1e-3, 2000.0, math.pi / 2
 DISTANCE = 5e-3
-"""Of the centers at the start, m: twice the capillary length, 1.5 diameters of free water between the spheres."""
+"""The initial distance of the centers (m): twice the capillary length, 1.5 diameters of free water
+between the spheres.
+"""
 LESS_THAN_CIRCULAR = 0.9
-"""The speed at the start, over that of a circular orbit: the spheres come nearer, and do not touch."""
+"""The initial speed over that of a circular orbit: the spheres approach without contact."""
 
 STEPS = (160, 320, 640, 1280, 2560, 5120)
-"""Steps an orbit, for the errors after a quarter of one."""
+"""The numbers of steps per orbit, for the errors after a quarter of an orbit."""
 REFERENCE_STEPS = 20480
 LONG_STEPS, ORBITS, LOOKS = 320, 60, 16
-"""Steps an orbit, orbits, and frames an orbit, for the energy."""
+"""The numbers of steps per orbit, of orbits, and of frames per orbit, for the energy."""
 QUARTER = LOOKS // 4
 
 
 ROUNDING = 1e-14
-"""Errors below this (m) are no longer the scheme's."""
+"""The error (m) below which rounding dominates."""
 
 
 class Orbit(NamedTuple):
@@ -196,7 +198,7 @@ def integrator_comparison(out: str | os.PathLike[str]) -> Path:
 
 
 def comparison() -> Comparison:
-    """Let each integrator go through part of an orbit in ever smaller steps, and through many in steps of one size."""
+    """Integrate part of an orbit with decreasing time steps, and many orbits with one time step, by each integrator."""
     orbit = _orbit()
     (*_, exact) = _travel("rk4", orbit, REFERENCE_STEPS, QUARTER)
     errors = {name: np.array([_error(name, orbit, steps, exact) for steps in STEPS]) for name in INTEGRATORS}
@@ -248,7 +250,7 @@ def _drifts(axes: Axes, found: Comparison) -> None:
 
 
 def _travel(integrator: str, orbit: Orbit, steps: int, looks: int) -> list[Frame]:
-    """The frames of a journey with that many steps an orbit; sixteen looks are an orbit."""
+    """The frames of a simulation with this number of steps per orbit; sixteen frames are an orbit."""
     step = orbit.period / steps
     scene = _scene(orbit.speed, IntegrationSpec(integrator=integrator, time_step=step))
     every = steps // LOOKS * step
@@ -260,7 +262,7 @@ def _travel(integrator: str, orbit: Orbit, steps: int, looks: int) -> list[Frame
 
 
 def _error(integrator: str, orbit: Orbit, steps: int, exact: Frame) -> float:
-    """How far the first sphere is from where it should be after a quarter of an orbit (m)."""
+    """The distance of the first sphere from its exact position after a quarter of an orbit (m)."""
     (*_, last) = _travel(integrator, orbit, steps, QUARTER)
     return float(np.linalg.norm(last.arrays["position"][0] - exact.arrays["position"][0]))
 
@@ -285,13 +287,13 @@ def _scene(speed: float, integration: IntegrationSpec) -> FloatingScene:
         ),
         integration=integration,
         hydrodynamics=HydrodynamicsSpec(drag="none"),
-        # The force must not end within the orbit's reach: a jump there would spoil every order.
+        # The cutoff must be beyond the orbit: a jump of the force would reduce the order of each integrator.
         interaction=InteractionSpec(accuracy=1e-9),
     )
 
 
 def _orbit() -> Orbit:
-    """Each sphere goes round the middle of both, held by their attraction: m v^2 / (l/2) = -F."""
+    """A circular orbit of both spheres around their center under their attraction: m v^2 / (l/2) = -F."""
     liquid = liquid_of(_scene(speed=0.0, integration=IntegrationSpec()))
     charge = capillary_charge(Sphere(RADIUS, DENSITY, CONTACT_ANGLE), liquid, "nonlinear")
     strength = pair_strength(liquid.surface_tension, charge, charge)

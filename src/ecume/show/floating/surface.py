@@ -36,13 +36,13 @@ class Shapes(NamedTuple):
     charge: Array
     """(P,) m"""
     owner: Array
-    """(P,) whose charge it is"""
+    """(P,) the float of each charge"""
     rise: float
     """the highest that a contact line rises or dips (m)"""
 
 
 def shapes_of(scene: Any) -> Shapes | None:
-    """The shapes of a scene's floats; none where all are round."""
+    """The shapes of a scene's floats; None if all are round."""
     if not scene.shaped:
         return None
     from ecume.models.floating.setup.kinds import distinct_kinds
@@ -61,27 +61,27 @@ def shapes_of(scene: Any) -> Shapes | None:
 
 
 def turned(points: Array, angle: Array) -> Array:
-    """Points of a float's own frame as it is turned: one angle for all, or one for each."""
+    """Points of a float's own frame, rotated: one angle for all, or one for each."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]], axis=1)
 
 
 def outlines_in(frame: Frame, shapes: Shapes) -> list[Array]:
-    """Where the outlines are."""
+    """The outlines of the floats in a frame."""
     arrays = frame.arrays
     each = zip(shapes.outlines, arrays["angle"], arrays["position"], strict=True)
     return [turned(outline, angle) + place for outline, angle, place in each]
 
 
 def charges_in(frame: Frame, shapes: Shapes) -> Array:
-    """(P, 2) where the charges are."""
+    """The positions (P, 2) of the charges in a frame."""
     angle, position = frame.arrays["angle"][shapes.owner], frame.arrays["position"][shapes.owner]
     places: Array = turned(shapes.place, angle) + position
     return places
 
 
 def polygons(axes: Axes, frame: Frame, shapes: Shapes, kinds: Sequence[Species]) -> PolyCollection:
-    """The floats of a frame, to scale."""
+    """Draw the floats of a frame to scale."""
     found = PolyCollection(
         outlines_in(frame, shapes),
         facecolors=[kinds[kind].color for kind in frame.arrays["species"]],
@@ -94,14 +94,14 @@ def polygons(axes: Axes, frame: Frame, shapes: Shapes, kinds: Sequence[Species])
 
 
 CUTOFF = 7.0
-"""In capillary lengths; there a float's meniscus is below a thousandth of what it is one capillary length away."""
+"""The range of a meniscus in capillary lengths, where it is below a thousandth of its value at one capillary length."""
 FADES = 0.7
-"""Where menisci begin to fade out, over their reach."""
+"""The distance at which menisci begin to fade out, over their range."""
 SAMPLES, MOST_SAMPLES = 32, 20_000
-"""Of the waves in a wavelength, and in all."""
+"""The number of nodes of the waves per wavelength, and the largest total number."""
 NODES = 8000
 INSIDE = 0.1
-"""How near to a charge inside a contact line its meniscus is drawn, over the float's radius."""
+"""The smallest distance from a charge inside a contact line for its meniscus, over the float's radius."""
 SOLVED_CELLS = 100
 """At most along a side where each cell sums all multipoles: some 20 ms a frame of 13 discs."""
 
@@ -157,7 +157,7 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
 
 
 def has_menisci(scene: Any) -> bool:
-    """Whether the floats of a scene feel menisci: the pair law is one of them, or a method computes them."""
+    """Whether the floats of a scene interact by menisci: by the pair law or by a method."""
     row = PAIR_LAWS.get(scene.interaction.law)
     return scene.interaction.method == "multipole" or row is None or row.menisci or row.has_force
 
@@ -178,7 +178,7 @@ def wave_pattern(scene: Any, view: View) -> WavePattern | None:
     found = ripples(scene.waves.frequency, liquid.density, liquid.surface_tension, liquid.viscosity, scene.gravity)
     far = np.hypot(view.width, view.height)
     distance = np.linspace(0.0, far, int(min(SAMPLES * far / found.wavelength, MOST_SAMPLES)) + 2)
-    # At its source a point would press infinitely deep: nearer than this its wave is not that of a float.
+    # The wave of a point source diverges at the source: at shorter distances it is not that of a float.
     distance[0] = 0.5 * distance[1]
     height = -surface_per_force(distance, found)
     return WavePattern(part.owner, part.place, part.press[:, 0] + 1j * part.press[:, 1], distance, height)
@@ -198,7 +198,7 @@ def wave_heights(frame: Frame, on: Sheet) -> Array:
 
 
 def multipoles_in(scene: Any) -> Any:
-    """The model's parameters, if its floats go by multipoles."""
+    """The model's parameters, if its floats interact by multipoles; otherwise None."""
     if scene.interaction.method != "multipole":
         return None
     from ecume.models import MODELS
@@ -210,11 +210,13 @@ def multipoles_in(scene: Any) -> Any:
 
 
 def _menisci(closest: float, reach: float, length: float) -> Heights:
-    """The far field of a charge of one, which is what holds rafts together; looked up, 60 of them a frame are cheap."""
-    # The law is evaluated where K0 is well met by straight lines, which is many times fewer points.
+    """The far field of a unit charge, which determines the attraction, from a table, since a frame needs about 60 of
+    them.
+    """
+    # The law is evaluated at the nodes of a table with linear interpolation, which needs far fewer evaluations.
     exact = np.geomspace(closest, reach, NODES // 16)
     heights = np.array([-bessel_k0(distance / length) for distance in exact])
-    # Faded out, so that no meniscus ends in a visible circle.
+    # Faded out, so that the end of a meniscus is not visible as a circle.
     share = np.clip((exact / reach - FADES) / (1.0 - FADES), 0.0, 1.0)
     heights *= 1.0 - share**2 * (3.0 - 2.0 * share)
     return np.array([*np.interp(np.linspace(closest, reach, NODES), exact, heights), 0.0], np.float32)
@@ -260,7 +262,9 @@ def with_images(frame: Frame, margin: float) -> Frame:
 
 
 def _solved_surface(frame: Frame, on: Sheet) -> Heights:
-    """The solver's surface; beyond a round wall as at it, for its answer holds only inside."""
+    """The surface from multipoles; beyond a round wall it has the value at the wall, since the solution is valid only
+    inside.
+    """
     return np.asarray(on.still + solved_heights(on.multipoles, frame, on.x, on.y), np.float32)
 
 
@@ -285,6 +289,6 @@ def typical_meniscus(frame: Frame, on: Sheet) -> float:
 
 
 def near(nodes: Array, center: float, reach: float) -> slice:
-    """Which nodes lie within `reach` of `center`."""
+    """The range of nodes within `reach` of `center`."""
     first, last = np.searchsorted(nodes, (center - reach, center + reach))
     return slice(int(first), int(last))

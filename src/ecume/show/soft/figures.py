@@ -44,9 +44,9 @@ if TYPE_CHECKING:
     from ecume.scenes.soft import SoftScene
 
 ALIKE = 0.01
-"""Volume fractions that differ by less are one."""
+"""The difference of volume fractions below which they count as equal."""
 LEAST = 8
-"""Frames of a part of the protocol from which a steady state is detected."""
+"""The smallest number of frames of a part of the protocol for the detection of a steady state."""
 
 
 class SteadyFlow(NamedTuple):
@@ -106,7 +106,7 @@ class Look(NamedTuple):
 
 
 def _points(axes: Axes, x: Sequence[Mean], y: Sequence[Mean], look: Look) -> None:
-    """Means with the errors of both."""
+    """Draw means with the errors of both axes."""
     axes.errorbar(
         [abs(one.value) for one in x], [look.scale * one.value for one in y], [look.scale * one.error for one in y],
         [one.error for one in x], fmt="o", markersize=4, capsize=2, color=look.color, label=look.label,
@@ -123,7 +123,7 @@ def _rate_axis(axes: Axes, values: Sequence[float]) -> None:
 
 
 def _mark_unsettled(axes: Axes, flows: Sequence[SteadyFlow], x: Sequence[float], y: Sequence[float]) -> None:
-    """Rings around the points whose stress was not stationary."""
+    """Draw rings around the points with non-stationary stress."""
     loose = [n for n, flow in enumerate(flows) if not flow.settled]
     if loose:
         x, y = [x[n] for n in loose], [y[n] for n in loose]
@@ -154,13 +154,13 @@ def steady_states(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def sheared(frames: Frames) -> Array:
-    """The strain so far, back and forth."""
+    """The accumulated strain, back and forth."""
     (strain,) = series(frames, number("strain"))
     return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(strain)))])
 
 
 def place_of(now: Array, frame: Frame) -> int:
-    """The place of a frame among the times of all."""
+    """The index of a frame among the times of all."""
     return int(np.argmin(np.abs(now - frame.time)))
 
 
@@ -291,7 +291,7 @@ def creep_curves(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def _creep_of(strains: Axes, rates: Axes, part: Sequence[Frame], color: str) -> None:
-    """One step of stress."""
+    """Draw one step of stress."""
     time, crept = creep(part, part[0].time)
     label = f"{part[-1].numbers['shear_stress']:.3g} {part[-1].units['shear_stress']}"
     try:
@@ -367,9 +367,9 @@ FLOW_FIGURES = {
 
 
 MOST_CURVES = 12
-"""Contacts that are drawn one by one; of more, the spread."""
+"""The largest number of contacts drawn as single curves; for more, percentiles are drawn."""
 SPREAD = (5, 25, 50, 75, 95)
-"""Per cent."""
+"""The drawn percentiles."""
 
 Key = tuple[int, int]
 
@@ -408,7 +408,7 @@ def _of_contacts(frames: Frames, scene: SoftScene, name: str, unit: str, title: 
 
 
 def _contacts(frame: Frame, name: str) -> dict[Key, float]:
-    """Each contact's value, by the numbers of its spheres."""
+    """The value of each contact, by the numbers of its spheres."""
     first, slot = np.nonzero(frame.arrays["neighbor"] >= 0)
     second = frame.arrays["neighbor"][first, slot]
     return dict(zip(zip(first.tolist(), second.tolist(), strict=True), frame.arrays[name][first, slot], strict=True))

@@ -1,4 +1,4 @@
-"""Figures of what is measured in a sheared packing: gaps, coordination, stress, T1 events, non-affine motion."""
+"""Figures of measured quantities of a sheared packing: gaps, coordination, stress, T1 events, non-affine motion."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 INSTANTS = 4
-"""Of the gaps' distribution."""
+"""The number of times at which the distribution of gaps is drawn."""
 NEAR = 3.0
-"""Radii of the largest sphere within which neighbors say how a neighborhood was deformed."""
+"""The radius of the neighborhoods for local deformations, in radii of the largest sphere."""
 APART = 0.02
-"""Of strain: frames between which non-affine motion is shown are at least so far apart, if there are such."""
+"""The smallest difference of strain between frames for non-affine motion, if possible."""
 
 
 def gap_histogram(frames: Frames, scene: SoftScene) -> Figure:
@@ -73,7 +73,7 @@ def coordination(frames: Frames, scene: SoftScene) -> Figure:
 
 
 PARTS = {"squeeze": "squeezed films", "sliding": "sliding films", "remote": "long-range forces"}
-"""The parts of the stress, by the middle of the names of their numbers."""
+"""The parts of the stress by the names of their numbers."""
 
 
 def viscosity(frames: Frames, scene: SoftScene) -> Figure:
@@ -93,7 +93,7 @@ def viscosity(frames: Frames, scene: SoftScene) -> Figure:
             above.plot(times(shown), scale.factor * share, color=color, linewidth=1.2, label=PARTS[name])
         above.set(ylabel=f"shear stress ({scale.unit})", title=titled("Shear stress and viscosity", scene))
         legend_outside(above)
-        # Rates pass through zero where shear turns round: what is beyond all others there is not the liquid's.
+        # The rate passes through zero where shear reverses, and the apparent viscosity diverges there.
         finite = np.abs(thick[np.isfinite(thick)])
         thickness = scale_for(float(np.median(finite)) if len(finite) else 0.0, shown[0].units["viscosity"])
         below.plot(times(shown), thickness.factor * thick, color=PALETTE[1])
@@ -160,7 +160,7 @@ def _outlines(axes: Axes, frame: Frame) -> Scale:
     margin = float(radius.max())
     around = copies(position, box, margin)
     sides = np.zeros(2) if box is None else box.sides
-    # Half a line of the outermost circles lies outside of the spheres.
+    # Half the line width of the outermost circles is outside of the spheres.
     room = 1.04 * margin
     low, high = np.where(sides > 0.0, [np.zeros(2), sides], [position.min(axis=0) - room, position.max(axis=0) + room])
     scale = scale_for(float(np.abs([low, high]).max()), "m")
@@ -182,7 +182,9 @@ def _outlines(axes: Axes, frame: Frame) -> Scale:
 
 
 def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
-    """Motion beyond the box's own deformation up to the last frame, and what local deformations leave of it."""
+    """The motion relative to the affine deformation of the box up to the last frame, and the residuals of local
+    deformations.
+    """
     require_box(scene, "even deformation")
     before, after = _strain_apart(frames)
     moved = nonaffine_displacement(before, after)
@@ -208,7 +210,7 @@ def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def _strain_apart(frames: Frames) -> tuple[Frame, Frame]:
-    """The last frame, and the latest that was strained differently enough, or the one before."""
+    """The last frame, and the latest one with a sufficiently different strain, or the one before."""
     if len(frames) < 2:
         raise BadInput("motion takes two frames or more")
     (strain,) = series(frames, number("strain"))
@@ -217,7 +219,7 @@ def _strain_apart(frames: Frames) -> tuple[Frame, Frame]:
 
 
 def require_box(scene: SoftScene, what: str) -> None:
-    """A box between walls has no strain and no stress: frames contain neither."""
+    """Raise BadInput for a box between walls, whose frames contain neither strain nor stress."""
     if scene.cell is None or scene.walls:
         raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")
 

@@ -52,22 +52,24 @@ if TYPE_CHECKING:
 
 
 SIDE = 170.0
-"""Room right of the spheres, in pixels of a picture of the usual size."""
+"""The margin right of the spheres, in pixels of a picture of the usual size."""
 PULL, PUSH = "#b2182b", "#2166ac"
 WIDEST = 7.0
-"""Of the line of the largest force, in points."""
+"""The width of the line of the largest force, in points."""
 FILM, WIDE = 0.28, 0.5
-"""Half of a film's line, and the gap from which on none is drawn, in radii of the smaller sphere."""
+"""Half of the length of a film's line, and the largest drawn gap, in radii of the smaller sphere."""
 FARTHEST = 1.5
-"""How far the centers of a contact may be apart, over the sum of radii and gap: farther ones meet elsewhere."""
+"""The largest drawn distance of the centers of a contact, over the sum of radii and gap; farther contacts are between
+other copies.
+"""
 WALL_AXES = {"left": "x", "right": "x", "bottom": "y", "top": "y"}
 GAP_COLORS = "viridis"
 MARK = (0.3, 0.85)
-"""Of the radius: from where to where the mark goes that shows a sphere's spin."""
+"""The start and the end of the mark that shows a sphere's rotation, in radii."""
 BESIDE = 1.6
 """How far around a box its copies are shown, in radii of the largest sphere."""
 PALE = 0.4
-"""How opaque copies are."""
+"""The opacity of copies."""
 CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for wave in (np.cos, np.sin)], axis=1)
 """A disc as a polygon."""
 
@@ -101,7 +103,7 @@ def links_of(frame: Frame) -> Links:
 
 
 def links_around(frame: Frame) -> Links:
-    """The same, again for each copy of the box that is shown."""
+    """The contacts in a frame, repeated for each shown copy of the box."""
     links, box = links_of(frame), flat_box(frame)
     if box is None:
         return links
@@ -113,7 +115,7 @@ def links_around(frame: Frame) -> Links:
 
 
 def flat_box(frame: Frame) -> Box | None:
-    """The periodic box as it is seen along the third axis."""
+    """The periodic box seen along the third axis."""
     box = box_of(frame)
     return None if box is None else box._replace(sides=box.sides[:2])
 
@@ -123,7 +125,7 @@ def _beside(frame: Frame) -> float:
 
 
 def view_of(frames: Sequence[Frame]) -> View:
-    """The periodic box and some of what is beside it; along axes without, all that the spheres of these frames ever
+    """The shown region: the periodic box and a margin; along other axes, the region that the spheres of these frames
     reach.
     """
     low, high = (end[:2] for end in reached(frames))
@@ -138,7 +140,7 @@ def view_of(frames: Sequence[Frame]) -> View:
 
 
 def reached(frames: Sequence[Frame]) -> tuple[Array, Array]:
-    """The lowest and the highest places, (d,) m, that spheres of these frames reach."""
+    """The lowest and the highest positions, (d,) m, that spheres of these frames reach."""
     edges = [(frame.arrays["position"], frame.arrays["radius"][:, None]) for frame in frames]
     low = np.min([(place - radius).min(axis=0) for place, radius in edges], axis=0)
     return low, np.max([(place + radius).max(axis=0) for place, radius in edges], axis=0)
@@ -179,7 +181,7 @@ class Packing(Picture):
         self.show(sample[0])
 
     def show(self, frame: Frame) -> None:
-        """Put a frame into the picture."""
+        """Draw a frame."""
         links = links_around(frame)
         self._show_box(frame)
         self.spheres.set_offsets(frame.arrays["position"][:, :2])
@@ -196,7 +198,7 @@ class Packing(Picture):
         self.time.set_text(f"{frame.time:.4g} s{self.pace}")
 
     def _show_box(self, frame: Frame) -> None:
-        """Outline and copies of a periodic box."""
+        """Draw the outline and the copies of a periodic box."""
         box = flat_box(frame)
         self.outline.set_visible(box is not None and box.closed)
         if box is None:
@@ -224,7 +226,7 @@ def marks_of(frame: Frame) -> NDArray[np.float64]:
 
 
 def _wall_line(axes: Axes, side: str) -> Line2D:
-    """A wall, as it is seen from its side."""
+    """The line of a wall, seen from its side."""
     draw = axes.axvline if WALL_AXES[side] == "x" else axes.axhline
     return draw(0.0, color=INK, linewidth=3.0, zorder=5)
 
@@ -246,7 +248,7 @@ def _gap_scale(links: Sequence[Links]) -> LogNorm:
 
 
 def _gap_bar(axes: Axes, films: LineCollection) -> None:
-    """What the films' colors mean."""
+    """Draw the color bar of the gaps."""
     figure: Any = axes.get_figure(root=True)
     box, width = axes.get_position(), DPI * figure.get_size_inches()[0]
     place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.06 * box.height, 16 / width, 0.42 * box.height))
@@ -259,7 +261,7 @@ def _gap_bar(axes: Axes, films: LineCollection) -> None:
 
 
 def _force_legend(axes: Axes, largest: float) -> None:
-    """How wide the largest force is, and which color pulls."""
+    """Draw the legend of forces: the width of the largest, and the colors of tension and compression."""
     scale = scale_for(largest, "N")
     widest = f"{largest * scale.factor:.3g} {scale.unit}"
     handles = [
@@ -278,7 +280,7 @@ def _force_legend(axes: Axes, largest: float) -> None:
 
 
 MANY = 60
-"""More spheres than this in 3D hide one another's films: they are drawn as balls."""
+"""The number of spheres in 3D above which they are drawn as balls, since they would hide the films."""
 
 
 def soft_picture(
@@ -294,7 +296,7 @@ def soft_picture(
 
 
 def setting_in_space(scene: SoftScene, sample: Sequence[Frame], eye: Eye) -> Setting:
-    """The edges of a periodic box, which may change its size, around balls."""
+    """The edges of a periodic box, whose size may change, around balls."""
     camera, boxes = eye.camera(), [box for frame in sample if (box := box_of(frame)) is not None and box.closed]
     if not boxes:
         return Setting(scene.title, None, kinds=species(scene), camera=camera)

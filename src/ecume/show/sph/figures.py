@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
 REACH = 4.0
-"""In spacings: how far a point of a profile looks."""
+"""The range of the kernel in profiles, in spacings."""
 POINTS = 61
 INSTANTS = 5
 AXES = "xyz"
@@ -101,7 +101,7 @@ def dynamic_pressure(frames: Frames, scene: SphScene) -> Figure:
 
 
 def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
-    """The particles' heights, and the pull downwards."""
+    """The heights of the particles, and the magnitude of gravity."""
     pull = np.array(scene.gravity)
     if not pull[1] < 0.0 or np.delete(pull, 1).any():
         raise BadInput("gravity does not point down along y; the hydrostatic pressure is not defined")
@@ -211,7 +211,7 @@ def _along(frame: Frame, scene: SphScene, axis: int) -> Profile:
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     ends = np.tile(0.5 * (low + high), (2, 1))
     if axis == 0:
-        # Half way up the liquid, not the tank: there may be air.
+        # At half the height of the liquid, since the tank may contain air.
         ends[:, 1] = np.median(frame.arrays["position"][:, 1])
     ends[:, axis] = low[axis], high[axis]
     return velocity_profile(frame, (ends[0], ends[1]), POINTS, REACH * scene.spacing)
@@ -241,14 +241,14 @@ def surface(frames: Frames, scene: SphScene) -> Figure:
 
 
 def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: str) -> None:
-    """Lines of one color, named once."""
+    """Draw lines of one color with one entry in the legend."""
     for index, line in enumerate(lines):
         axes.plot(*(scale.factor * line).T, color=color, label=label if index == 0 else None)
 
 
 def gauges(frames: Frames, scene: SphScene) -> Figure:
-    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each. They are the
-    samples between frames where the run has any of them.
+    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each; from the samples
+    between frames if the run has them.
     """
     shown = evolution(frames)
     panels = {kind: [name for name in shown[0].numbers if name in _readings(scene, kind)] for kind in GAUGE_UNITS}
@@ -294,7 +294,7 @@ def _readings(scene: SphScene, kind: str) -> set[str]:
 
 
 def _instants(frames: Frames, count: int) -> list[Frame]:
-    """Frames from the first to the last, evenly."""
+    """Frames from the first to the last at equal distances."""
     return [frames[int(index)] for index in np.unique(np.linspace(0, len(frames) - 1, count).round())]
 
 

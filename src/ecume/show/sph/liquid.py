@@ -1,11 +1,11 @@
-"""The liquid as a continuous region: the sum of smooth kernels around its particles, and how Matplotlib draws it in 2D.
+"""The liquid as a continuous region: the sum of smooth kernels around its particles on a grid, and how Matplotlib draws
+it in 2D.
 
-The liquid as a continuous region: the sum of smooth kernels around its particles, on a grid, in 2D and 3D. Each
-particle is spread over a Gaussian of standard deviation `SMOOTHING` spacings. The sum of volume times kernel is 1
-inside the liquid, 0 outside, and 1/2 at its edge: a lattice with a flat edge ends half a spacing beyond its last row.
-At walls the sum is mirrored, at periodic sides continued, and beside solids divided by the part that is not solid, so
-that the liquid ends at them without a gap. A particle far from all others is a disc (a ball) of the particle's
-volume.
+Each particle is spread over a Gaussian of standard deviation `SMOOTHING` spacings, in 2D and 3D. The sum of volume
+times kernel is 1 inside the liquid, 0 outside, and 1/2 at its edge: a lattice with a flat edge ends half a spacing
+beyond its last row. At walls the sum is mirrored, at periodic sides continued, and beside solids divided by the part
+that is not solid, so that the liquid ends at them without a gap. A particle far from all others is a disc (a ball) of
+the particle's volume.
 """
 
 from __future__ import annotations
@@ -40,17 +40,19 @@ if TYPE_CHECKING:
 SMOOTHING = wall_forces.SPREAD
 """Of the kernel: its standard deviation in spacings, that by which gauges tell liquid from air."""
 SUPPORT = 4.0
-"""Of the kernel, in standard deviations."""
+"""The range of the kernel, in standard deviations."""
 SLOPE = 1.0 / (SMOOTHING * math.sqrt(2.0 * math.pi))
-"""Of the sum at a flat edge, per spacing."""
+"""The slope of the sum at a flat edge, per spacing."""
 LONELY, TOGETHER = 0.36, 0.50
-"""The sum at a particle below which it is drawn as a disc of its full size, and above which not at all."""
+"""The sum at a particle below which it is drawn as a disc of its full size, and above which it is
+not drawn as a disc.
+"""
 BURIED = 0.95
-"""The solid part of a place beyond which it counts as solid."""
+"""The solid fraction of a cell above which it counts as solid."""
 
 Counts = NDArray[np.int64]
 Inside = Callable[[Array], NDArray[np.bool_]]
-"""Which of points (N, d) are inside a solid."""
+"""A function that flags the points (N, d) inside a solid."""
 
 
 class Grid(NamedTuple):
@@ -164,7 +166,7 @@ def beside_solids(filled: Array, grid: Grid, widths: Array, solid: Inside) -> Ar
 
 
 def read(field: Array, position: Array, grid: Grid) -> Array:
-    """A field at points, linear between the centers of the cells."""
+    """The values of a field at points, linear between the centers of the cells."""
     place = ((position - grid.low) / grid.cell - 0.5).T
     found = np.zeros(len(position))
     map_coordinates(field, place, output=found, order=1, mode="grid-wrap" if all(grid.periodic) else "nearest")
@@ -172,7 +174,9 @@ def read(field: Array, position: Array, grid: Grid) -> Array:
 
 
 def lonely_part(filled: Array) -> Array:
-    """How much of its disc a particle keeps whose surroundings are filled to this part: 1 alone, 0 inside a liquid."""
+    """The size of a particle's disc over its full size, for this filling of its surroundings: 1 alone, 0 inside a
+    liquid.
+    """
     part: Array = np.clip((TOGETHER - filled) / (TOGETHER - LONELY), 0.0, 1.0)
     return part
 
@@ -197,9 +201,9 @@ def add_discs(level: Array, grid: Grid, liquid: Liquid, part: Array, spacing: fl
 
 
 CELL = 4.0
-"""Of the grid, in pixels, as long as it is finer than half a spacing."""
+"""The size of a cell in pixels, if that is finer than half a spacing."""
 FINEST, COARSEST = 10.0, 2.0
-"""Cells per spacing."""
+"""The largest and the smallest number of cells per spacing."""
 MOST_CELLS = 400_000
 OPEN = ("open",)
 
@@ -263,7 +267,7 @@ def outside_of(solid: Inside, line: Array) -> list[Array]:
 
 
 def liquid_in(frame: Frame, spacing: float, values: Array) -> Liquid:
-    """The particles of a frame with values of (N, k), each with its volume."""
+    """The particles of a frame with values (N, k) and volumes."""
     position = frame.arrays["position"]
     if {"mass", "density"} <= frame.arrays.keys():
         return Liquid(position, frame.arrays["mass"] / frame.arrays["density"], values)
@@ -289,7 +293,7 @@ def room_of(
 
 
 def walls_at(scene: SphScene, frame: Frame) -> tuple[Array, Array]:
-    """The corners of the tank where its sides are in a frame."""
+    """The corners of the tank at the positions of its sides in a frame."""
     low, high = (np.array(corner, dtype=float) for corner in (scene.tank.low, scene.tank.high))
     for number, side in enumerate(SIDES[: 2 * len(low)]):
         (low, high)[number % 2][number // 2] += frame.numbers.get(f"{side}_position", 0.0)
@@ -297,7 +301,7 @@ def walls_at(scene: SphScene, frame: Frame) -> tuple[Array, Array]:
 
 
 def solids_in(scene: SphScene, frame: Frame) -> Inside | None:
-    """Which points are inside obstacles and bodies of this frame; None without any."""
+    """A function that flags the points inside obstacles and bodies of this frame; None without any."""
     shapes: list[Shape] = [outline(solid, scene.tank) for solid in scene.obstacles]
     for number, body in enumerate(scene.bodies):
         shapes += [line[:-1] if body.radius is not None else line for line in body_lines(body, number, frame, None)]
@@ -305,7 +309,7 @@ def solids_in(scene: SphScene, frame: Frame) -> Inside | None:
 
 
 def inside_any(shapes: Sequence[Shape], points: Array) -> Flags:
-    """(N,) which points (N, 2) are inside one of the shapes."""
+    """Flags (N,) of the points (N, 2) inside one of the shapes."""
     found = np.zeros(len(points), bool)
     for shape in shapes:
         if isinstance(shape, Round):
@@ -327,11 +331,11 @@ class Water:
 
     @property
     def artists(self) -> list[Artist]:
-        """From the lowest up."""
+        """The artists, from the lowest up."""
         return [self.image, self.line]
 
     def put(self, frame: Frame, values: Array, colors: Callable[[Array], Array]) -> None:
-        """Show a frame; `colors` makes (..., 4) colors of means (..., k) of the values (N, k)."""
+        """Draw a frame; `colors` makes (..., 4) colors of means (..., k) of the values (N, k)."""
         view: Any = (self.axes.get_xlim(), self.axes.get_ylim())
         surface = surface_of(self.scene, frame, values, self._fine(), tuple(np.array(view).T))
         grid, shown = surface.grid, np.asarray(colors(surface.region.values), float)
@@ -343,6 +347,6 @@ class Water:
         self.line.set_segments(surface.lines())
 
     def _fine(self) -> float:
-        """Cells per spacing, for the pixels that the axes have."""
+        """The number of cells per spacing for the pixels of the axes."""
         (left, _), (right, _) = self.axes.transData.transform([(0.0, 0.0), (self.scene.spacing, 0.0)])
         return min(max(float(right - left) / CELL, COARSEST), FINEST)

@@ -38,10 +38,10 @@ if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
 FULL = 0.5
-"""The radius with which particles are drawn, in spacings: neighbors on a lattice touch."""
+"""The radius of drawn particles, in spacings: neighbors on a lattice touch."""
 AIR = "white"
 BRIGHT = (PALETTE[0], PALETTE[3], INK)
-"""Of passive tracers."""
+"""The colors of passive tracers."""
 
 
 def speed(frame: Frame) -> Array:
@@ -51,7 +51,7 @@ def speed(frame: Frame) -> Array:
 
 
 def array(name: str) -> Callable[[Frame], Array]:
-    """An array of the frame as it is."""
+    """A function that returns an array of the frame unchanged."""
     return lambda frame: frame.arrays[name]
 
 
@@ -144,7 +144,7 @@ class WaterTank(Tank):
 
 
 def shades_of(setting: Setting, frame: Frame, kept: Flags) -> Array:
-    """(M, 4) the colors of passive tracers."""
+    """The colors (M, 4) of passive tracers."""
     if not kept.any():
         return np.zeros((0, 4))
     own = np.array(to_rgba_array([kind.color for kind in setting.kinds]))
@@ -153,7 +153,7 @@ def shades_of(setting: Setting, frame: Frame, kept: Flags) -> Array:
 
 
 def passive_in(setting: Setting, frame: Frame) -> Flags:
-    """(N,) which particles are passive tracers."""
+    """Flags (N,) of the particles that are passive tracers."""
     if not stand_apart(setting):
         return np.zeros(len(frame.arrays["position"]), bool)
     return np.asarray(frame.arrays["species"] >= setting.apart)

@@ -1,4 +1,4 @@
-"""Solids in a tank as they are drawn: obstacles, rigid bodies, and moving sides of the tank."""
+"""Drawing of solids in a tank: obstacles, rigid bodies, and moving sides of the tank."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 THICK = 0.4
-"""Of a side that moves, in spacings."""
+"""The thickness of a moving side, in spacings."""
 FINE = 0.25
 """Width of the cells of solids, in spacings."""
 
 
 def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame], list[Array]] | None:
-    """The outlines of bodies and moving sides in a frame; None where nothing moves."""
+    """A function that returns the outlines of bodies and moving sides in a frame; None if all are at rest."""
     driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
     if not scene.bodies and not driven:
         return None
@@ -38,19 +38,19 @@ def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame],
 
 
 def mover_colors(scene: SphScene, usual: str, flat: bool) -> list[str]:
-    """The colors of these lines in their order: each body's own, where it has one."""
+    """The colors of these lines in their order; bodies may have their own."""
     bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
     driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
     return bodies + [usual] * (len(driven) * flat)
 
 
 def lines_of(body: Any, flat: bool) -> int:
-    """The number of lines that a body is drawn with: a box in 3D has twelve edges."""
+    """The number of lines of a drawn body: a box in 3D has twelve edges."""
     return 1 if flat or is_ball(body) else len(edges(shape_of(body)))
 
 
 def is_ball(solid: Any) -> bool:
-    """Whether it is a disc or a sphere."""
+    """Whether a solid is a disc or a sphere."""
     return solid.radius is not None and getattr(solid, "axis", None) is None
 
 
@@ -85,7 +85,7 @@ def solid_cells(scene: SphScene, frame: Frame, tank: tuple[Array, Array]) -> tup
 
 
 def placed(number: int, frame: Frame, dimension: int) -> tuple[Array, Array]:
-    """Where the middle of a body is in a frame, and its rotation since the start."""
+    """The center of a body in a frame, and its rotation since the start."""
     name, read = f"body{number}", frame.numbers
     middle = np.array([read[f"{name}_{axis}"] for axis in "xyz"[:dimension]])
     if dimension == 2:
@@ -94,19 +94,19 @@ def placed(number: int, frame: Frame, dimension: int) -> tuple[Array, Array]:
 
 
 def ball_outline(middle: Array, radius: float, camera: Array) -> Array:
-    """A ball as it is seen: round from everywhere."""
+    """The outline of a ball, a circle from every viewpoint."""
     outline: Array = seen(middle[None], camera) + radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
     return outline
 
 
 def shape_of(body: Any) -> shapes.Shape:
-    """About its middle."""
+    """The shape of a body relative to its center."""
     shape = drawn_shape(body)
     return shape.carried(-shape.middle())
 
 
 def drawn_shape(solid: Any) -> shapes.Shape:
-    """A solid where the scene has it."""
+    """The shape of a solid at its position in the scene."""
     if is_ball(solid):
         return Ball(np.array(solid.center), solid.radius)
     if solid.vertices and len(solid.vertices[0]) == 2:
@@ -141,7 +141,7 @@ def edges(shape: shapes.Shape) -> list[Array]:
 
 
 SHARP = np.cos(np.radians(20.0))
-"""The cosine of the angle between two faces from which on the edge between them is drawn."""
+"""The cosine of the angle between two faces above which the edge between them is drawn."""
 MOST_EDGES = 400
 
 
@@ -192,7 +192,7 @@ def rectangle(low: Any, high: Any) -> Array:
 
 
 def outline(solid: Any, tank: Any) -> Shape:
-    """A solid of a scene in 2D as it is drawn. A hollow one is the tank, with a seam to the hole and back."""
+    """The drawn outline of a solid of a scene in 2D. A hollow one is the tank, with a seam to the hole and back."""
     if solid.radius is not None:
         whole: Shape = Round(solid.center[0], solid.center[1], solid.radius)
     else:

@@ -1,4 +1,4 @@
-"""A liquid in 3D as water: its surface seen along parallel rays, shaded, translucent, with the solids in it."""
+"""A liquid in 3D rendered as water: its surface along parallel rays, shaded and translucent, with the solids in it."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
 FINE = 2.0
-"""Cells per spacing."""
+"""The number of cells per spacing."""
 MOST_CELLS = 4_000_000
 MOST_RAYS = 160_000
-"""Rays per picture; the pixels between are interpolated."""
+"""The largest number of rays per picture; the pixels between are interpolated."""
 SUN = (-0.35, 0.80, 0.49)
-"""Where light comes from, in the directions right, up, and toward the eye."""
+"""The direction of the light, as components right, up, and toward the observer."""
 SKY = np.array([0.93, 0.97, 1.0])
-"""What water reflects."""
+"""The color that water reflects."""
 FRESNEL = 0.02
 """The part of light that water reflects at normal incidence; Schlick's approximation gives it at other angles."""
 CLEAR = 0.35
-"""How far light goes in the liquid until 1/e of it is left, in parts of the tank's smallest side."""
+"""The distance in the liquid after which 1/e of the light is left, over the tank's smallest side."""
 CLEAREST = 0.85
-"""The part of light that passes the thinnest liquid: the edges of water are seen as well."""
+"""The fraction of light that passes the thinnest liquid, so that the edges of water are visible."""
 SHINE = 60.0
 """The exponent of the highlight."""
 
@@ -56,7 +56,7 @@ class Solid(NamedTuple):
 
 
 def solids_of(scene: SphScene, frame: Frame) -> list[Solid]:
-    """Obstacles where they stand, bodies where the frame has them."""
+    """Obstacles, and bodies at their positions in the frame."""
     drawn = [(drawn_shape(one), color_of(one)) for one in scene.obstacles if not one.hollow]
     found = [Solid(shape.carried(-shape.middle()), shape.middle(), np.eye(3), color) for shape, color in drawn]
     for number, body in enumerate(scene.bodies):
@@ -81,7 +81,7 @@ def solid_level(solids: list[Solid], grid: Grid) -> tuple[Array, Counts]:
 
 
 def _depth(solid: Solid, points: Array, margin: float) -> Array:
-    """(N,) how deep points are in a solid; of those outside of the box around it, how far outside of that."""
+    """The depth (N,) of points in a solid; for points outside of its bounding box, minus their distance from that."""
     own = (points - solid.middle) @ solid.turn
     low, high = solid.shape.bounds()
     depth: Array = -np.maximum(low - own, own - high).max(axis=1)
@@ -120,7 +120,7 @@ def scenery_of(scene: SphScene, frame: Frame, values: Array) -> Scenery:
 
 
 def seen_along(scenery: Scenery, camera: Array, view: View, shape: tuple[int, int]) -> Array:
-    """What the rays of a picture of (rows, columns) meet, (rows, columns, MET)."""
+    """The records of the rays of a picture, (rows, columns, MET)."""
     grid = scenery.grid
     block = Block(
         np.ascontiguousarray(scenery.region.level, np.float32), np.ascontiguousarray(scenery.solid, np.float32),
@@ -135,7 +135,7 @@ def seen_along(scenery: Scenery, camera: Array, view: View, shape: tuple[int, in
 
 
 def nearest_of(grid: Grid, camera: Array) -> float:
-    """How far toward the eye the block reaches (m)."""
+    """The coordinate of the nearest point of the block toward the observer (m)."""
     farthest: Array = np.where(camera[2] > 0.0, grid.high, grid.low)
     return float(farthest @ camera[2]) + float(grid.cell.max())
 
@@ -164,12 +164,12 @@ def painted(
 
 
 def clear_of(grid: Grid) -> float:
-    """How far light goes in the liquid (m)."""
+    """The distance (m) in the liquid after which 1/e of the light is left."""
     return CLEAR * float((grid.high - grid.low).min())
 
 
 def lit(met: Array, camera: Array, behind: Array, body: Array, clear: float, *, opaque: bool) -> Array:
-    """The colors of a liquid's surface: what is behind it, absorbed on the way, with reflections and a highlight."""
+    """The colors of a liquid's surface: the background, absorbed along the path, with reflections and a highlight."""
     normal = met[:, 3:6] @ camera.T
     facing = np.clip(normal[:, 2:3], 0.0, 1.0)
     sun = np.array(SUN) / np.linalg.norm(SUN)
@@ -228,7 +228,7 @@ class WaterImage:
         axes.set(xlim=ends[0], ylim=ends[1])
 
     def put(self, frame: Frame, values: Array, colors: Callable[[Array], Array] | None) -> None:
-        """Show a frame; without colors the liquid is translucent."""
+        """Draw a frame; without colors the liquid is translucent."""
         scenery = scenery_of(self.scene, frame, values)
         met = seen_along(scenery, self.camera, self.view, self._shape())
         self.image.set_data(painted(scenery, met, self.camera, self.view, colors, self.color))

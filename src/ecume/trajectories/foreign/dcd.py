@@ -26,7 +26,7 @@ UPRIGHT = (0.0, 90.0)
 
 
 class Layout(NamedTuple):
-    """Where the frames of a file are."""
+    """The positions of the frames in a file."""
 
     start: int
     particles: int
@@ -59,7 +59,7 @@ def frames(path: Path) -> int:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[tuple[BufferedReader, Layout]]:
-    """The file with its layout. Raises ValueError."""
+    """Open a file and read its layout. Raises ValueError."""
     try:
         with path.open("rb") as file:
             yield file, layout_of(file, path.stat().st_size)
@@ -68,7 +68,7 @@ def _opened(path: Path) -> Iterator[tuple[BufferedReader, Layout]]:
 
 
 def layout_of(file: BufferedReader, size: int) -> Layout:
-    """The layout of a file of so many bytes. Raises ValueError."""
+    """The layout of a file of this size. Raises ValueError."""
     head = file.read(2 * MARK + HEADER)
     if len(head) < 2 * MARK + HEADER or struct.unpack("<i4s", head[:8]) != (HEADER, b"CORD"):
         raise ValueError("is no DCD file with little-endian numbers")

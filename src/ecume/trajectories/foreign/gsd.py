@@ -17,7 +17,7 @@ from ecume.trajectories.gsd import TYPES, Index, read_whole_index
 Chunk = NDArray[np.generic]
 MOST_TYPES = 1000
 MOST_NUMBERS = 4 * MOST_PARTICLES
-"""In a chunk."""
+"""The largest number of values in a chunk."""
 
 
 def read(path: Path, index: int = -1) -> Particles:
@@ -34,7 +34,7 @@ def frames(path: Path) -> int:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[tuple[FileIO, Index]]:
-    """The file with its index. Raises ValueError."""
+    """Open a file and read its index. Raises ValueError."""
     try:
         with path.open("rb", buffering=0) as file:
             yield file, read_whole_index(file, path)
@@ -77,7 +77,7 @@ def _particles(file: FileIO, index: Index, frame: int) -> Particles:
 def _of_particles(
     file: FileIO, index: Index, frame: int, name: str, count: int, width: int, home: str = "particles"
 ) -> NDArray[np.float64] | None:
-    """The numbers of a frame's particles; None where the file has none of as many particles."""
+    """The values of a frame's particles; None if the file has no array for this number of particles."""
     found = _chunk(file, index, frame, f"{home}/{name}")
     if found is None or found.size != count * width:
         return None

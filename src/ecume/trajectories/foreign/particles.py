@@ -32,7 +32,7 @@ class Particles(NamedTuple):
     tilt: float = 0.0
     """The largest of the tilts of the box; 0 for a rectangular one."""
     image: NDArray[np.int64] | None = None
-    """(N, 3) by how many sides of the box each particle has gone further than its position says; zero for unwrapped
+    """(N, 3) the number of sides of the box by which each particle is beyond its stored position; zero for unwrapped
     positions
     """
 
@@ -46,7 +46,7 @@ class FileFault(ValueError):
 
 
 def number(word: str, line: int) -> float:
-    """A finite number. Raises FileFault."""
+    """The finite number in a text. Raises FileFault."""
     try:
         value = float(word) if word.isascii() and "_" not in word else math.nan
     except ValueError:
@@ -57,7 +57,7 @@ def number(word: str, line: int) -> float:
 
 
 def whole(word: str, line: int, least: int = 0) -> int:
-    """A whole number. Raises FileFault."""
+    """The integer in a text. Raises FileFault."""
     if not (word.isascii() and word.isdigit() and len(word) < 19 and int(word) >= least):
         raise FileFault(f"got {word[:LONGEST_WORD]!r}; expected a whole number of {least} or more", line)
     return int(word)
@@ -72,7 +72,7 @@ def require_count(count: int, lines: int, line: int) -> None:
 
 
 def frame_number(index: int, frames: int) -> int:
-    """The number of a frame, from the end where it is negative. Raises ValueError."""
+    """The index of a frame; negative indices count from the end. Raises ValueError."""
     if not -frames <= index < frames:
         raise ValueError(f"has no frame {index}; there are 0 to {frames - 1}, and -1 for the last")
     return index % frames

@@ -46,4 +46,4 @@ FORMATS: dict[str, Callable[[Path, Callable[[Path], str]], Series]] = {
     "dump": _of_dump,
     "dcd": _of_dcd,
 }
-"""Of each format, open(path, text_of): its frames. `text_of` reads a file of text. Raises ValueError."""
+"""For each format, open(path, text_of), which returns its frames; `text_of` reads a text file. Raises ValueError."""
