@@ -106,7 +106,10 @@ def _beside(place: int, number: int, cells: int, periodic: bool) -> int:
 def _runs(cells: Cells) -> int:
     """The number of runs of slots around a cell, some of which may be empty."""
     last = len(cells.shape) - 1
-    return int(3**last * (2 if cells.periods[0, last] > 0.0 else 1))
+    runs = 2 if cells.periods[0, last] > 0.0 else 1
+    for _ in range(last):
+        runs *= 3
+    return runs
 
 
 @compiled_inside
@@ -200,8 +203,9 @@ def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, n
             for n in range(np.uint64(end - begin)):
                 found[at] = start + n
                 at += np.uint64(distance[n] < square)
-        row = neighbor[first[slot] : first[slot + 1]]
-        row[:] = found[: len(row)]
+        start = np.uint64(first[slot])
+        for n in range(np.uint64(first[slot + 1]) - start):
+            neighbor[start + n] = found[n]
 
 
 @compiled_inside

@@ -81,7 +81,8 @@ def krylov_root(matrix: Array, vector: Array, result: Array) -> int:
             root_column(diagonal[:used], beside[1:used], share)
             if ended or _changed(share, before, used) <= ACCURATE:
                 break
-            before[:used] = share[:used]
+            for k in range(used):
+                before[k] = share[k]
         for k in range(size):
             basis[used, k] /= beside[used]
     for k in range(size):

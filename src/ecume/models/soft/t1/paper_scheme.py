@@ -16,6 +16,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume._portable import exp
+from ecume.engine.array_copies import copy_line, copy_rows
 from ecume.engine.linear_solvers import block_matrix
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
@@ -75,7 +76,7 @@ class Course(NamedTuple):
 def look(step: Step, places: Places) -> bool:
     """Gaps and directions of gap vectors; False when a gap is gone."""
     films, radius_sum = step.films, step.pairs.radius_sum
-    step.bodies.position[:] = places.position
+    copy_rows(step.bodies.position, places.position)
     for c in range(len(radius_sum)):
         length = math.sqrt(places.gap[c, 0] ** 2 + places.gap[c, 1] ** 2 + places.gap[c, 2] ** 2)
         if not length > radius_sum[c]:
@@ -83,8 +84,8 @@ def look(step: Step, places: Places) -> bool:
         films.log_gap[c] = math.log(length - radius_sum[c])
         for k in range(3):
             films.direction[c, k] = places.gap[c, k] / length
-    films.log_gap_start[:] = films.log_gap
-    films.direction_start[:] = films.direction
+    copy_line(films.log_gap_start, films.log_gap)
+    copy_rows(films.direction_start, films.direction)
     return True
 
 
@@ -104,14 +105,14 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
             films.direction_start[c, k] += responses.slope[c, 1 + k]
             found.gap[c, k] = opening * films.direction[c, k] + reach * responses.slope[c, 1 + k]
     contact_response(contacts, step.pairs, films, bodies.position, 0.0, responses)
-    responses.force[:] = responses.correction
+    copy_rows(responses.force, responses.correction)
     imbalance(step, load_rate, 1.0, False)
     bodies.diagonal[:] = 0.0
     block_matrix.assemble(step.matrix, responses.stiffness, bodies.diagonal)
     right, change = step.borders.right[:1], step.borders.change[:1]
     if not block_matrix.eliminate(step.matrix, right, change, change.shape[2]):
         return False
-    found.position[:] = bodies.change
+    copy_rows(found.position, bodies.change)
     return True
 
 
