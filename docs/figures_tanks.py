@@ -209,8 +209,8 @@ SOLIDS: tuple[dict[str, Any], ...] = (
              "density": 500, "color": "#c0392b"}],
     },
     {
-        **IN_A_BOX, "title": "triangles: of a body",
-        "fluid": [{"low": [0.0, 0.0, 0.0], "high": [0.6, 0.2, 0.3], "color": "#4682b4"}],
+        **IN_A_BOX, "title": 'triangles: of a body; up = "z"', "up": "z",
+        "fluid": [{"low": [0.0, 0.0, 0.0], "high": [0.6, 0.4, 0.15], "color": "#4682b4"}],
         "bodies": [{"triangles": OCTAHEDRON, "density": 300.0, "color": "#c0392b"}],
     },
 )  # fmt: skip

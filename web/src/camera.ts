@@ -27,6 +27,7 @@ export class Camera {
     private readonly dimension: 2 | 3,
     private readonly low: number[],
     private readonly high: number[],
+    private readonly upward: "y" | "z",
   ) {
     const middle: Vector = [0, 0, 0];
     for (let k = 0; k < low.length; k++) middle[k] = (low[k] + high[k]) / 2;
@@ -84,13 +85,18 @@ export class Camera {
     return { matrix, right: [1, 0, 0], up: [0, 1, 0], toward: [0, 0, 1], pixel: (2 * y) / height, place: [...m], slope: [0, 0] };
   }
 
-  /** In perspective; y points up. */
+  /** A direction, given where y points up. */
+  private turned([x, y, z]: Vector): Vector {
+    return this.upward === "z" ? [x, -z, y] : [x, y, z];
+  }
+
+  /** In perspective. */
   private around(aspect: number, height: number): Eye {
     const [ca, sa] = [Math.cos(this.azimuth), Math.sin(this.azimuth)];
     const [ce, se] = [Math.cos(this.elevation), Math.sin(this.elevation)];
-    const right: Vector = [ca, 0, -sa];
-    const toward: Vector = [ce * sa, se, ce * ca];
-    const up: Vector = [-se * sa, ce, -se * ca];
+    const right = this.turned([ca, 0, -sa]);
+    const toward = this.turned([ce * sa, se, ce * ca]);
+    const up = this.turned([-se * sa, ce, -se * ca]);
     const slope = Math.tan(FIELD / 2);
     const distance = (0.55 * this.home.span) / (slope * this.zoom * Math.min(1, aspect));
     const eye = this.middle.map((value, k) => value + distance * toward[k]) as Vector;

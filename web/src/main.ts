@@ -5,7 +5,7 @@ import { Curves } from "./curves";
 import { element, fill, inspect } from "./panels";
 import { Player } from "./player";
 import type { Run } from "./run";
-import { colorBar, lengthBar, scale } from "./scalebar";
+import { axes, colorBar, lengthBar, scale } from "./scalebar";
 import { colorsOf, embedded, Server } from "./source";
 import { type Choice, SPECIES, Stage } from "./stage";
 import { round, told } from "./told";
@@ -33,7 +33,7 @@ class Page {
   ) {
     const { header } = run;
     this.player = new Player(() => run.frames);
-    this.camera = new Camera(header.dimension, header.low, header.high);
+    this.camera = new Camera(header.dimension, header.low, header.high, header.up);
     this.stage = new Stage(canvas, run, this.camera);
     fill(run);
     this.lights();
@@ -79,6 +79,7 @@ class Page {
     const pixels = this.canvas.clientHeight;
     const meters = this.stage.eye.pixel * this.canvas.height * (this.canvas.clientWidth / pixels);
     lengthBar(element("scale-bar"), element("scale-text"), meters, this.canvas.clientWidth);
+    if (this.run.header.dimension === 3) axes(element("axes"), this.stage.eye);
     this.drawn += 1;
     document.body.dataset.drawn = String(this.drawn);
   }

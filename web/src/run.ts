@@ -51,6 +51,7 @@ export interface RunHeader {
   title: string;
   model: string;
   dimension: 2 | 3;
+  up: "y" | "z"; // the axis that points up (3D)
   low: number[];
   high: number[];
   radius: number; // of particles without one of their own (m)

@@ -1,5 +1,6 @@
-// What the colors mean, and how long a length is.
+// What the colors mean, how long a length is, and where the axes point.
 
+import type { Eye } from "./camera";
 import { prefixed, told } from "./told";
 
 export interface Bar {
@@ -72,4 +73,17 @@ export function lengthBar(bar: HTMLElement, text: HTMLElement, meters: number, p
   const length = power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
   bar.style.width = `${(length / meters) * pixels}px`;
   text.textContent = told(length, "m");
+}
+
+const LEG = 26; // pixels
+
+/** The axes as an eye sees them: a line and a letter each. */
+export function axes(parent: HTMLElement, eye: Eye): void {
+  const drawn = [0, 1, 2].map((k) => {
+    const [x, y] = [LEG * eye.right[k], -LEG * eye.up[k]];
+    const far = Math.hypot(x, y) > 0.3 * LEG ? 1.35 : 2.2;
+    const at = (value: number): string => value.toFixed(1);
+    return `<line x2="${at(x)}" y2="${at(y)}"/><text x="${at(far * x)}" y="${at(far * y)}">${"xyz"[k]}</text>`;
+  });
+  parent.innerHTML = `<svg viewBox="-42 -42 84 84" width="84" height="84">${drawn.join("")}</svg>`;
 }

@@ -29,7 +29,8 @@ from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.laws.kernels import kernel
 from ecume.models.invariants import INJECTED
-from ecume.scenes.sph import SIDES, TankSpec
+from ecume.scenes.quantities import SIDES
+from ecume.scenes.sph import TankSpec
 from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Array, Length
 
@@ -277,7 +278,7 @@ class Walls(NamedTuple):
 
 
 def walls_of(tank: TankSpec) -> Walls:
-    """The walls of a scene's tank."""
+    """The walls of a scene's tank, in 3D where y points up."""
     low, high = np.array(tank.low, dtype=float), np.array(tank.high, dtype=float)
     for index, side in enumerate(SIDES[: 2 * len(low)]):
         if getattr(tank, side).kind == "open":

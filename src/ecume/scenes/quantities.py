@@ -9,10 +9,11 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, PlainValidator
 
+from ecume.scenes.faults import Complaints
 from ecume.units import (
     Acceleration,
     Angle,
@@ -220,13 +221,34 @@ def gravity(value: object) -> tuple[float, ...]:
     return (magnitude,)
 
 
-def downwards(given: tuple[float, ...], dimensions: int) -> tuple[float, ...]:
-    """The vector of gravity: a magnitude acts along -y.
+Up = Literal["y", "z"]
+"""The axis that points up in a scene."""
+AXES = "xyz"
+SIDES = ("left", "right", "bottom", "top", "front", "back")
+"""The sides of a box: low and high x, low and high y, low and high z, where y points up."""
 
-    >>> downwards((9.81,), 3)
-    (0.0, -9.81, 0.0)
+
+def sides_along(up: Up, dimensions: int) -> tuple[str, ...]:
+    """The names of the sides of a box, low and high along each axis.
+
+    >>> sides_along("z", 3)
+    ('left', 'right', 'front', 'back', 'bottom', 'top')
     """
-    return given if len(given) != 1 else (0.0, -given[0], 0.0)[:dimensions]
+    return SIDES[: 2 * dimensions] if up == "y" else (*SIDES[:2], *SIDES[4:], *SIDES[2:4])
+
+
+def up_faults(up: Up, dimensions: int) -> Complaints:
+    """The fault of an axis that a scene in 2D does not have."""
+    return [(("up",), "got 'z'; expected 'y' in 2D")] if AXES.index(up) >= dimensions else []
+
+
+def downwards(given: tuple[float, ...], dimensions: int, up: Up = "y") -> tuple[float, ...]:
+    """The vector of gravity: a magnitude acts downward.
+
+    >>> downwards((9.81,), 3), downwards((9.81,), 3, "z")
+    ((0.0, -9.81, 0.0), (0.0, 0.0, -9.81))
+    """
+    return given if len(given) != 1 else tuple(-given[0] if axis == up else 0.0 for axis in AXES[:dimensions])
 
 
 GravityVector = Annotated[tuple[float, ...], PlainValidator(gravity), Measured("m/s^2")]

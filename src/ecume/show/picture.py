@@ -12,7 +12,7 @@ import itertools
 import math
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -22,7 +22,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import to_rgb, to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import Affine2DBase, ScaledTranslation
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput
@@ -358,6 +358,27 @@ class Eye(NamedTuple):
         toward = math.cos(rise) * level + math.sin(rise) * np.array([0.0, 1.0, 0.0])
         seen: Array = np.array([right, np.cross(toward, right), toward]) @ ahead
         return seen
+
+
+LEG = 26.0
+"""The length of the arrows that show the axes, in points."""
+
+
+def axis_arrows(axes: Axes, camera: Array) -> list[Artist]:
+    """Arrows along x, y and z as a camera sees them, in the lower right corner."""
+    figure: Any = axes.figure
+    leg, inches, corner = LEG / 72.0, figure.dpi_scale_trans, cast(Affine2DBase, axes.transAxes)
+    place = inches + ScaledTranslation(-1.6 * leg, 0.9 * leg, inches) + ScaledTranslation(1.0, 0.0, corner)
+    found: list[Artist] = []
+    for name, (across, above) in zip("xyz", (leg * camera[:2]).T, strict=True):
+        look: dict[str, Any] = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0.0, "shrinkB": 0.0, "linewidth": 1.2}
+        found.append(axes.annotate("", (across, above), (0.0, 0.0), place, place, look, annotation_clip=False))
+        far = 1.35 if math.hypot(across, above) > 0.3 * leg else 2.2
+        at: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 9, "color": INK, "transform": place}
+        found.append(axes.text(far * across, far * above, name, **at))
+    for artist in found:
+        artist.set_zorder(9)
+    return found
 
 
 class Wires(NamedTuple):

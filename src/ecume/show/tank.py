@@ -17,7 +17,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize, to_rgba_array
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle, PathPatch, Polygon
+from matplotlib.path import Path
 
 from ecume.show.picture import (
     DPI,
@@ -31,6 +32,7 @@ from ecume.show.picture import (
     Splat,
     View,
     axes_for,
+    axis_arrows,
     blank,
     clock,
     labels,
@@ -130,7 +132,7 @@ def draw_setting(axes: Axes, setting: Setting) -> None:
         axes.add_line(Line2D(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
 
 
-def draw_bodies(axes: Axes, setting: Setting) -> list[Circle | Polygon]:
+def draw_bodies(axes: Axes, setting: Setting) -> list[Circle | Polygon | PathPatch]:
     """Solids that do not move."""
     colors = zip(setting.bodies, each_color(setting.body_colors, BODY), strict=False)
     patches = [_patch(body, facecolor=color, edgecolor=RIM, linewidth=1.5, zorder=2) for body, color in colors]
@@ -169,9 +171,13 @@ def each_color(colors: Sequence[str], usual: str) -> Iterable[str]:
     return colors or itertools.repeat(usual)
 
 
-def _patch(shape: Shape, **look: Any) -> Circle | Polygon:
+def _patch(shape: Shape, **look: Any) -> Circle | Polygon | PathPatch:
     if isinstance(shape, Round):
         return Circle((shape.x, shape.y), shape.radius, **look)
+    seam = np.flatnonzero((shape[1:-1] == shape[0]).all(axis=1))
+    if len(seam):  # a block, and the hole in it
+        parts = [Path(part, closed=True) for part in (shape[: seam[0] + 2], shape[seam[0] + 2 : -1])]
+        return PathPatch(Path.make_compound_path(*parts), **look)
     return Polygon(shape, closed=True, **look)
 
 
@@ -221,12 +227,14 @@ class Tank(Picture):
             wires = draw_wires(axes, setting)
             self.movers = draw_movers(axes, setting, sample[0])
             self.bars = scale_bar(axes, self.view)
+            arrows = [] if setting.camera is None else axis_arrows(axes, setting.camera)
             moving: list[Artist] = [
                 *contents,
                 *(bodies if setting.before else []),
                 *self.movers,
                 *wires,
                 *self.bars,
+                *arrows,
                 self.time,
             ]
         self.layers = Layers(self.figure, moving)

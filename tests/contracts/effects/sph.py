@@ -66,6 +66,7 @@ EFFECTS = {
     "on_violation": of("stop", STOPS),
     "spacing": of(0.125),
     "gravity": of([0.1, -1.0]),
+    "up": of("z", **{**DEEP, "gravity": 1.0}),
     "liquid.name": of("glycerol", **WATER),
     "liquid.temperature": of(350.0, **WATER),
     "liquid.salinity": of(0.03, liquid={"name": "seawater", "density": None}),

@@ -322,3 +322,8 @@ class Parameters(NamedTuple):
     def transports(self) -> bool:
         """Whether particles move with a transport velocity beside the liquid's."""
         return self.background > 0.0 or self.shifting != "none"
+
+
+def up_axis(parameters: Parameters) -> int:
+    """The number of the axis that points up: that of the side `top`."""
+    return parameters.boundary.names.index("top") // 2

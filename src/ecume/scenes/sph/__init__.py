@@ -7,10 +7,9 @@ and passive particles, and `sources` reads liquid from tables, outlines and othe
 from ecume.scenes.sph.scene import CentralForceSpec, FluidSpec, IntegrationSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec
-from ecume.scenes.sph.tank import SIDES, BaseExcitationSpec, GaugeSpec, MotionSpec, SideSpec, TankSpec
+from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, MotionSpec, SideSpec, TankSpec
 
 __all__ = [
-    "SIDES",
     "BaseExcitationSpec",
     "BodySpec",
     "CentralForceSpec",

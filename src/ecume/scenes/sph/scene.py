@@ -27,11 +27,14 @@ from ecume.scenes.quantities import (
     Size,
     Switch,
     Tension,
+    Up,
     downwards,
+    sides_along,
+    up_faults,
 )
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec, extent, passive_tracer_faults
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
-from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
+from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults, side_faults
 from ecume.units import Number, Pressure, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
@@ -234,8 +237,12 @@ class SphScene(Common):
     """Points at which pressure, velocity or level are recorded. Effect: each gauge adds numbers to the frames."""
     base_excitation: BaseExcitationSpec | None = None
     """The imposed acceleration of the tank. Effect: makes the liquid slosh."""
+    up: Up = "y"
+    """The axis that points up: `y`, or `z` in 3D, as in most drawings. `bottom` and `top` are the sides across it,
+    `front` and `back` those across the other one. Example: `"z"`. Effect: turns gravity, the sides of the tank, levels
+    and pictures."""
     gravity: GravityVector = (9.81,)
-    """The gravitational acceleration (m/s^2): a magnitude, along -y, or a vector. Effect: pressures grow in
+    """The gravitational acceleration (m/s^2): a magnitude, downward, or a vector. Effect: pressures grow in
     proportion to it; a zero vector is weightless."""
     central_force: CentralForceSpec | None = None
     """A force toward a point, in addition to gravity, on liquid and bodies. Effect: holds a drop together."""
@@ -250,11 +257,24 @@ class SphScene(Common):
         single = [(gauge, measure) for gauge in self.gauges for measure in gauge.quantities if measure != "velocity"]
         return frozenset(f"{name}_{measure}" for gauge, measure in single for name in gauge.names)
 
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """The names of the sides of the tank, low and high along each axis."""
+        return sides_along(self.up, len(self.tank.low))
+
+    @property
+    def up_axis(self) -> int:
+        """The number of the axis that points up."""
+        return "xyz".index(self.up)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         dimension = len(self.tank.low)
-        object.__setattr__(self, "gravity", downwards(self.gravity, dimension))
+        if wrong := up_faults(self.up, dimension):
+            raise Inconsistent(wrong)
+        object.__setattr__(self, "gravity", downwards(self.gravity, dimension, self.up))
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
+        complaints += side_faults(self.tank, self.sides)
         complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
         if complaints:
             raise Inconsistent(complaints)

@@ -18,8 +18,7 @@ from pydantic import model_validator
 from ecume.errors import install
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path, echo
-from ecume.scenes.quantities import BODY_MASS, FARTHEST, STRICT, BodyMass, Motion, Place, PositiveDensity
-from ecume.scenes.sph.tank import SIDES
+from ecume.scenes.quantities import BODY_MASS, FARTHEST, STRICT, BodyMass, Motion, Place, PositiveDensity, sides_along
 from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of, require_there, text_of
 
 
@@ -115,7 +114,7 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
     spacing = _length(raw.get("spacing"))
     beyond = WALL_BEYOND * spacing if isinstance(spacing, (int, float)) else 0.0
     for key, first, end in (("low", 0, min), ("high", 1, max)):
-        sides = [tank.get(side) for side in SIDES[first::2]]
+        sides = [tank.get(side) for side in sides_along("z" if raw.get("up") == "z" else "y", 3)[first::2]]
         pads = [0.0 if isinstance(side, dict) and side.get("kind", "wall") != "wall" else beyond for side in sides]
         sign = 1.0 if first else -1.0
         ends = [end(values) + sign * pad for values, pad in zip(zip(*points, strict=True), pads, strict=False)]

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
-from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Proportion, Pull, Size
+from ecume.scenes.quantities import SIDES, STRICT, Coordinate, Motion, Place, Proportion, Pull, Size
 from ecume.scenes.sph.solids import Slip
 from ecume.units import Angle, Pressure, Rate, Speed, Time
 
@@ -148,10 +148,6 @@ def _place_faults(place: Sequence[float] | None, tank: TankSpec) -> list[str]:
     return [] if inside else ["is outside the tank"]
 
 
-SIDES = ("left", "right", "bottom", "top", "front", "back")
-"""Of a tank: low and high x, low and high y, low and high z."""
-
-
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SideSpec:
     """One side of the tank."""
@@ -178,7 +174,7 @@ class SideSpec:
     """The velocity profile of an inflow: `uniform` or `parabolic`, that of a viscous liquid between walls. Effect:
     `parabolic` avoids accumulation at no-slip walls."""
     level: Coordinate | None = None
-    """The height of the liquid at an inflow or outflow, along y (m); by default the whole side. Effect: higher
+    """The height of the liquid at an inflow or outflow (m); by default the whole side. Effect: higher
     levels carry more liquid."""
     pressure: Annotated[Pressure, Field(ge=-1e12, le=1e12)] = 0.0
     """The gauge pressure of an outflow at its level (Pa); the weight of the liquid is added. Effect: higher
@@ -243,13 +239,13 @@ class TankSpec:
     right: SideSpec = SideSpec()
     """The side at high x. Effect: determines the boundary there."""
     bottom: SideSpec = SideSpec()
-    """The side at low y. Effect: determines the boundary there."""
+    """The side at low y, or z where `up = "z"`. Effect: determines the boundary there."""
     top: SideSpec = SideSpec()
-    """The side at high y. Effect: determines the boundary there."""
+    """The side at high y, or z where `up = "z"`. Effect: determines the boundary there."""
     front: SideSpec = SideSpec()
-    """The side at low z. Effect: determines the boundary there."""
+    """The side at low z, or y where `up = "z"`. Effect: determines the boundary there."""
     back: SideSpec = SideSpec()
-    """The side at high z. Effect: determines the boundary there."""
+    """The side at high z, or y where `up = "z"`. Effect: determines the boundary there."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -262,9 +258,6 @@ class TankSpec:
             side = getattr(self, name)
             if side.motion is not None and (side.kind != "wall" or self.walls == "dummy"):
                 complaints.append(((name, "motion"), 'only a wall can move, and tank.walls must be "mirror"'))
-            fault = _velocity_fault(side, SIDES.index(name) // 2, len(self.low))
-            if fault:
-                complaints.append(((name, "velocity"), fault))
             if SIDES.index(name) >= 2 * len(self.low) and side != SideSpec():
                 complaints.append(((name,), f"is a side of 3D tanks; expected {', '.join(SIDES[:4])}: this tank is 2D"))
         for axis in range(len(self.low)):
@@ -275,3 +268,10 @@ class TankSpec:
         if complaints:
             raise Inconsistent(complaints)
         return self
+
+
+def side_faults(tank: TankSpec, names: Sequence[str]) -> Complaints:
+    """The faults of the velocities of sides, whose names stand in the order of their axes."""
+    dimension = len(tank.low)
+    faults = [(name, _velocity_fault(getattr(tank, name), number // 2, dimension)) for number, name in enumerate(names)]
+    return [(("tank", name, "velocity"), fault) for name, fault in faults if fault]

@@ -14,7 +14,6 @@ from ecume.analysis.fields import Profile, velocity_profile, with_pressures
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.laws.states import column_height, column_pressure
-from ecume.scenes.sph import SIDES
 from ecume.show.curves import (
     Frames,
     cut_spikes,
@@ -54,7 +53,7 @@ def pressure(frames: Frames, scene: SphScene) -> Figure:
         axes = drawn.add_subplot(title=titled(f"Pressure at {last.time:.4g} s", scene))
         dots: dict[str, Any] = {"color": PALETTE[5], "markersize": 2.0, "markeredgewidth": 0.0, "label": "particles"}
         axes.plot(pressures.factor * last.arrays["pressure"], lengths.factor * height, "o", **dots)
-        bottom = walls_at(scene, last)[0][1]
+        bottom = walls_at(scene, last)[0][scene.up_axis]
         column = lengths.factor * (bottom + depth[-1] - depth)
         axes.plot(pressures.factor * exact, column, color=INK, label="exact column at rest")
         axes.set(xlabel=f"gauge pressure ({pressures.unit})", ylabel=f"height ({lengths.unit})")
@@ -102,10 +101,10 @@ def dynamic_pressure(frames: Frames, scene: SphScene) -> Figure:
 
 def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
     """The heights of the particles, and the magnitude of gravity."""
-    pull = np.array(scene.gravity)
-    if not pull[1] < 0.0 or np.delete(pull, 1).any():
-        raise BadInput("gravity does not point down along y; the hydrostatic pressure is not defined")
-    return frame.arrays["position"][:, 1], -float(pull[1])
+    pull, up = np.array(scene.gravity), scene.up_axis
+    if not pull[up] < 0.0 or np.delete(pull, up).any():
+        raise BadInput(f"gravity does not point down along {scene.up}; the hydrostatic pressure is not defined")
+    return frame.arrays["position"][:, up], -float(pull[up])
 
 
 def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]:
@@ -118,12 +117,12 @@ def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]
 
     material = material_of(scene)
     low, high = walls_at(scene, frame)
-    floor = float(np.prod(np.delete(high - low, 1)))
+    floor = float(np.prod(np.delete(high - low, scene.up_axis)))
     height, volume = solid_cells(scene, frame, (low, high))
     mass, laws = float(frame.arrays["mass"].sum()), (weight, material.density, material.sound_speed, material.exponent)
     level = column_height(mass / floor, *laws)
     for _ in range(LEVELS):
-        wet = float(volume[height < low[1] + level].sum())
+        wet = float(volume[height < low[scene.up_axis] + level].sum())
         before, level = level, column_height((mass + material.density * wet) / floor, *laws)
         if level <= before * (1.0 + CLOSE):
             break
@@ -135,19 +134,19 @@ LEVELS, CLOSE = 1000, 1e-9
 """Of the search for a level: steps at most, and the part of the level by which the last one rises."""
 
 
-FRONTS = (("right", "front", "front, largest x"), ("top", "top", "top, largest y"))
+FRONTS = (("right", "front", "front, largest x"), ("top", "top", "top, the largest height"))
 
 
 def _flowing(scene: SphScene) -> list[str]:
     """The sides through which liquid enters or leaves."""
-    return [side for side in SIDES[: 2 * len(scene.tank.low)] if getattr(scene.tank, side).kind in FLOWS]
+    return [side for side in scene.sides if getattr(scene.tank, side).kind in FLOWS]
 
 
 FLOWS = ("inflow", "outflow")
 
 
 def front(frames: Frames, scene: SphScene) -> Figure:
-    """The largest x and y that a particle has."""
+    """The largest x and the largest height that a particle has."""
     closed = {side for side in ("right", "top") if getattr(scene.tank, side).kind not in ("wall", "open")}
     names = {name: label for side, name, label in FRONTS if side not in closed}
     if not names or "left" in _flowing(scene):
@@ -184,23 +183,26 @@ def velocity(frames: Frames, scene: SphScene) -> Figure:
     """Velocities along two lines through the tank's middle: u along the vertical one, v along the level one."""
     chosen = _instants(frames, 3)
     level = [_along(frame, scene, axis=0) for frame in chosen]
-    upright = [_along(frame, scene, axis=1) for frame in chosen]
+    axis = scene.up_axis
+    upright = [_along(frame, scene, axis) for frame in chosen]
     lengths = scale_for(float(np.abs(scene.tank.high).max()), "m")
     fast_u = max(np.nanmax(np.abs(profile.values[:, 0]), initial=0.0) for profile in upright)
-    fast_v = max(np.nanmax(np.abs(profile.values[:, 1]), initial=0.0) for profile in level)
+    fast_v = max(np.nanmax(np.abs(profile.values[:, axis]), initial=0.0) for profile in level)
     u_scale, v_scale = scale_for(float(fast_u), "m/s"), scale_for(float(fast_v), "m/s")
     with style():
         drawn = figure(7.6, 3.8)
         left, right = drawn.subplots(1, 2)
         for frame, up, flat, color in zip(chosen, upright, level, PALETTE, strict=False):
             label = f"{frame.time:.4g} s"
-            left.plot(u_scale.factor * up.values[:, 0], lengths.factor * up.points[:, 1], color=color, label=label)
-            right.plot(lengths.factor * flat.points[:, 0], v_scale.factor * flat.values[:, 1], color=color, label=label)
-        middle, level_at = 0.5 * (scene.tank.low[0] + scene.tank.high[0]), level[-1].points[0, 1]
-        left.set(xlabel=f"u ({u_scale.unit})", ylabel=f"y ({lengths.unit})")
+            left.plot(u_scale.factor * up.values[:, 0], lengths.factor * up.points[:, axis], color=color, label=label)
+            right.plot(
+                lengths.factor * flat.points[:, 0], v_scale.factor * flat.values[:, axis], color=color, label=label
+            )
+        middle, level_at = 0.5 * (scene.tank.low[0] + scene.tank.high[0]), level[-1].points[0, axis]
+        left.set(xlabel=f"u ({u_scale.unit})", ylabel=f"{scene.up} ({lengths.unit})")
         left.set_title(f"u along the line x = {lengths.factor * middle:.3g} {lengths.unit}")
         right.set(xlabel=f"x ({lengths.unit})", ylabel=f"v ({v_scale.unit})")
-        right.set_title(f"v along the line y = {lengths.factor * level_at:.3g} {lengths.unit}")
+        right.set_title(f"v along the line {scene.up} = {lengths.factor * level_at:.3g} {lengths.unit}")
         drawn.suptitle(titled("Velocity", scene), x=0.01, ha="left", fontsize=10)
         legend_outside(right)
     return drawn
@@ -212,7 +214,7 @@ def _along(frame: Frame, scene: SphScene, axis: int) -> Profile:
     ends = np.tile(0.5 * (low + high), (2, 1))
     if axis == 0:
         # At half the height of the liquid, since the tank may contain air.
-        ends[:, 1] = np.median(frame.arrays["position"][:, 1])
+        ends[:, scene.up_axis] = np.median(frame.arrays["position"][:, scene.up_axis])
     ends[:, axis] = low[axis], high[axis]
     return velocity_profile(frame, (ends[0], ends[1]), POINTS, REACH * scene.spacing)
 
@@ -233,7 +235,7 @@ def surface(frames: Frames, scene: SphScene) -> Figure:
         for frame, lines, color in zip(chosen, outlines, PALETTE, strict=False):
             _lines(axes, lines, scale, color, f"{frame.time:.4g} s")
         closed = scale.factor * corners[[0, 1, 2, 3, 0]]
-        if any(getattr(scene.tank, side).kind != "open" for side in SIDES[:4]):
+        if any(getattr(scene.tank, side).kind != "open" for side in scene.sides):
             axes.plot(*closed.T, color=RIM, linewidth=0.8, linestyle=":")
         axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})")
         legend_outside(axes)

@@ -26,7 +26,6 @@ from scipy.ndimage import gaussian_filter1d, map_coordinates
 
 from ecume.engine.shapes import Flags
 from ecume.laws import wall_forces
-from ecume.scenes.sph import SIDES
 from ecume.show.sph.solids import body_lines, outline
 from ecume.show.style import RIM
 from ecume.show.tank import Round, Shape
@@ -246,7 +245,7 @@ def surface_of(
     liquid = liquid_in(frame, scene.spacing, values)
     low, high = room_of(scene, frame, liquid.position, window)
     size = max(scene.spacing / fine, math.sqrt(float(np.prod(high - low)) / MOST_CELLS))
-    kinds = [getattr(scene.tank, side).kind for side in SIDES[:4]]
+    kinds = [getattr(scene.tank, side).kind for side in scene.sides]
     grid = grid_in(low, high, size, (kinds[0] == "periodic", kinds[2] == "periodic"))
     return Surface(region_of(liquid, grid, scene.spacing, solids_in(scene, frame)), grid)
 
@@ -280,7 +279,7 @@ def room_of(
     """The corners of the tank where its walls are now; at open sides as far as the liquid reaches."""
     low, high = walls_at(scene, frame)
     reach = SUPPORT * SMOOTHING * scene.spacing
-    for number, side in enumerate(SIDES[: 2 * len(low)]):
+    for number, side in enumerate(scene.sides):
         axis, first = number // 2, number % 2 == 0
         corner = low if first else high
         if getattr(scene.tank, side).kind not in OPEN or not len(position):
@@ -295,7 +294,7 @@ def room_of(
 def walls_at(scene: SphScene, frame: Frame) -> tuple[Array, Array]:
     """The corners of the tank at the positions of its sides in a frame."""
     low, high = (np.array(corner, dtype=float) for corner in (scene.tank.low, scene.tank.high))
-    for number, side in enumerate(SIDES[: 2 * len(low)]):
+    for number, side in enumerate(scene.sides):
         (low, high)[number % 2][number // 2] += frame.numbers.get(f"{side}_position", 0.0)
     return low, high
 

@@ -15,8 +15,7 @@ from ecume.analysis.fields import with_pressures
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
-from ecume.scenes.sph import SIDES
-from ecume.show.picture import USUAL, Eye, Size, Species, Wires, wires_of
+from ecume.show.picture import STANDING, UPRIGHT, USUAL, Eye, Size, Species, Wires, wires_of
 from ecume.show.sph.liquid import Water
 from ecume.show.sph.solids import (
     ball_outline,
@@ -215,7 +214,7 @@ def setting_of(scene: SphScene) -> Setting:
 def walled(scene: SphScene) -> tuple[Array, Array]:
     """The corners of a 2D tank (m), infinite at sides that are no walls or that move."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
-    for number, name in enumerate(SIDES[:4]):
+    for number, name in enumerate(scene.sides):
         side = getattr(scene.tank, name)
         if side.kind != "wall" or side.motion is not None:
             corners[number % 2, number // 2] = np.inf if number % 2 else -np.inf
@@ -228,8 +227,8 @@ OPENINGS = ("open", "inflow", "outflow")
 
 def setting_in_space(scene: SphScene, eye: Eye) -> Setting:
     """The edges of a tank in perspective; empty if all sides are open."""
-    camera = eye.camera()
-    around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
+    camera = eye.camera(STANDING if scene.up == "z" else UPRIGHT)
+    around = any(getattr(scene.tank, side).kind != "open" for side in scene.sides)
     tank = wires_of(scene.tank.low, scene.tank.high, camera) if around else Wires([], [])
     solids = [(line, solid.color or RIM) for solid in scene.obstacles for line in solid_lines(solid, camera)]
     return Setting(

@@ -9,7 +9,6 @@ import numpy as np
 
 from ecume.engine import shapes
 from ecume.engine.shapes import Ball, Box, Polygon
-from ecume.scenes.sph import SIDES
 from ecume.show.tank import Round, Shape, seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -26,7 +25,7 @@ FINE = 0.25
 
 def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame], list[Array]] | None:
     """A function that returns the outlines of bodies and moving sides in a frame; None if all are at rest."""
-    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
+    driven = [side for side in scene.sides if getattr(scene.tank, side).motion is not None]
     if not scene.bodies and not driven:
         return None
 
@@ -40,7 +39,7 @@ def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame],
 def mover_colors(scene: SphScene, usual: str, flat: bool) -> list[str]:
     """The colors of these lines in their order; bodies may have their own."""
     bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
-    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
+    driven = [side for side in scene.sides if getattr(scene.tank, side).motion is not None]
     return bodies + [usual] * (len(driven) * flat)
 
 
@@ -78,7 +77,7 @@ def solid_cells(scene: SphScene, frame: Frame, tank: tuple[Array, Array]) -> tup
             middle, turn = placed(number, frame, len(low))
             points = middle + points @ turn.T
         inside = ((points > low) & (points < high)).all(axis=1) & shapes.apart(points, earlier)
-        heights.append(points[inside, 1])
+        heights.append(points[inside, scene.up_axis])
         volumes.append(volume[inside])
         earlier += [shape] if number < 0 else []
     return np.concatenate(heights), np.concatenate(volumes)
@@ -177,7 +176,7 @@ def turned(quaternion: list[float]) -> Array:
 
 def side_line(scene: SphScene, side: str, frame: Frame) -> Array:
     """A side of the tank where it is, as thick as a wall."""
-    number = SIDES.index(side)
+    number = scene.sides.index(side)
     axis, first = number // 2, number % 2 == 0
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     place = float((low if first else high)[axis]) + frame.numbers[f"{side}_position"]

@@ -13,8 +13,7 @@ from scipy.ndimage import map_coordinates
 
 from ecume.engine.rendering import MET, Block, Eye, cast
 from ecume.engine.shapes import Shape
-from ecume.scenes.sph import SIDES
-from ecume.show.picture import View
+from ecume.show.picture import View, edges_of
 from ecume.show.sph.liquid import SMOOTHING, SUPPORT, Counts, Grid, Region, grid_in, liquid_in, region_of, room_of
 from ecume.show.sph.solids import drawn_shape, shape_of, turned
 from ecume.show.style import LIQUID_COLORS
@@ -109,10 +108,14 @@ def scenery_of(scene: SphScene, frame: Frame, values: Array) -> Scenery:
         reach = SUPPORT * SMOOTHING * scene.spacing
         low = np.maximum(low, liquid.position.min(axis=0) - reach)
         high = np.minimum(high, liquid.position.max(axis=0) + reach)
-    size = max(scene.spacing / FINE, float(np.prod(high - low) / MOST_CELLS) ** (1.0 / 3.0))
-    kinds = [getattr(scene.tank, side).kind for side in SIDES]
-    grid = grid_in(low, high, size, [kinds[2 * axis] == "periodic" for axis in range(3)])
     solids = solids_of(scene, frame)
+    for solid in solids:  # also those that stand higher than the liquid
+        ends = solid.middle + np.concatenate(edges_of(*solid.shape.bounds())) @ solid.turn.T
+        low = np.minimum(low, np.maximum(ends.min(axis=0), scene.tank.low))
+        high = np.maximum(high, np.minimum(ends.max(axis=0), scene.tank.high))
+    size = max(scene.spacing / FINE, float(np.prod(high - low) / MOST_CELLS) ** (1.0 / 3.0))
+    kinds = [getattr(scene.tank, side).kind for side in scene.sides]
+    grid = grid_in(low, high, size, [kinds[2 * axis] == "periodic" for axis in range(3)])
     depth, which = solid_level(solids, grid)
     inside = (lambda points: depth.ravel() > 0.0) if solids else None
     colors = np.array([to_rgb(one.color) for one in solids]).reshape(-1, 3)

@@ -190,6 +190,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
     return {
         "title": scene.title or f"Untitled run ({MODELS.get(scene.model, scene.model)})",
         "model": scene.model,
+        "up": getattr(scene, "up", "z" if scene.model == "tracers" else "y"),
         **looks(trajectory[0], trajectory[-1], stage),
         "facts": _facts(trajectory),
         "papers": [{"key": key, "text": in_words(key)} for key in papers_of(scene)],
@@ -317,7 +318,7 @@ def still(frame: Frame) -> str:
     stage = bare_stage(frame)
     facts = {"title": f"at {frame.time:.6g} s", "model": "", "facts": [], "papers": [], "scene": "", "live": False}
     # One instant is no curve.
-    header: dict[str, Any] = {**facts, **looks(frame, frame, stage), "shown": ()}
+    header: dict[str, Any] = {**facts, "up": "y", **looks(frame, frame, stage), "shown": ()}
     return _framed(page(header, [pack([frame], stage)]))
 
 

@@ -14,7 +14,6 @@ from ecume.analysis.fields import with_pressures
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import walls_of
 from ecume.scenes.soft.scene import SIDES as WALL_SIDES
-from ecume.scenes.sph import SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.surface import outlines_in, sheet, surface, typical_meniscus
 from ecume.show.picture import Species, edges_of, species
@@ -148,7 +147,7 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     """The tank, obstacles, bodies, moving sides."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     lines = _tank_lines(scene, low, high) + [_painted(_solid(one), one.color) for one in scene.obstacles]
-    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
+    driven = [side for side in scene.sides if getattr(scene.tank, side).motion is not None]
     flat = len(low) == 2
 
     def movers(frame: Frame) -> list[Array]:
@@ -192,12 +191,12 @@ def _regions(scene: Any) -> list[Species]:
 def _filled(scene: Any, low: Array, high: Array) -> Filled:
     """The tank; beyond open sides what is seen, and where sides move the room that they leave at most."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
-    for number, side in enumerate(SIDES[: 2 * len(low)]):
+    for number, side in enumerate(scene.sides):
         axis, end = number // 2, number % 2
         spec = getattr(scene.tank, side)
         if spec.kind == "open" or spec.motion is not None:
             corners[end, axis] = (high if end else low)[axis]
-    periodic = [getattr(scene.tank, side).kind == "periodic" for side in SIDES[: 2 * len(low) : 2]]
+    periodic = [getattr(scene.tank, side).kind == "periodic" for side in scene.sides[::2]]
     return Filled(scene.spacing, corners[0].tolist(), corners[1].tolist(), periodic)
 
 
@@ -218,7 +217,7 @@ def _joined(lines: list[Line | list[Line]]) -> list[Line]:
 
 def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
     """Walls; dashed where what leaves comes back at the other side; nothing where all is open."""
-    kinds = {side: getattr(scene.tank, side).kind for side in SIDES[: 2 * len(low)]}
+    kinds = {side: getattr(scene.tank, side).kind for side in scene.sides}
     if len(low) == 3:
         around = any(kind in ("wall", "periodic") for kind in kinds.values())
         return [[Line(edge) for edge in edges_of(low, high)] if around else []]

@@ -19,7 +19,7 @@ from ecume.engine.shapes import fitted_axis
 from ecume.laws import states
 from ecume.laws.flows import channel_speed
 from ecume.models.sph.fields import Tait
-from ecume.models.sph.parameters import OpenBoundary, Parameters
+from ecume.models.sph.parameters import OpenBoundary, Parameters, up_axis
 from ecume.models.sph.report.energy_budget import exchanged_energy
 from ecume.models.sph.state import (
     ENTERED,
@@ -107,8 +107,9 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
 def set_buffer_pressures(parameters: Parameters, state: State) -> None:
     """Set the pressures of buffers: hydrostatic, from the liquid at an inflow, or as specified at an outflow."""
     pull, tait = parameters.gravity, cast(Tait, parameters.equation_of_state)
+    up = up_axis(parameters)
     for opening in parameters.open_boundaries:
-        head = opening.pressure / parameters.material.density - float(pull[1] * opening.high[1])
+        head = opening.pressure / parameters.material.density - float(pull[up] * opening.high[up])
         if opening.enters:
             reach = opening.place, opening.place + opening.inward * parameters.support
             head = mean_head(state.density, state.position, state.zone, pull, tait, opening.axis, reach)

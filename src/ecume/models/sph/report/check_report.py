@@ -39,7 +39,7 @@ from ecume.models.sph.setup.packing import unevenness
 from ecume.models.sph.setup.shapes import part_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
 from ecume.models.step_counts import last_step
-from ecume.scenes.sph import SIDES, SphScene
+from ecume.scenes.sph import SphScene
 from ecume.units import Array, duration_text, size_text, with_prefix
 
 IRRELEVANT, RELEVANT = 1000.0, 100.0
@@ -84,11 +84,12 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
     """The rows on the decay of the longest standing wave along x, and on waves of moving sides."""
     pull = gravity_of(scene)
-    if not pull[1] < 0.0 or np.delete(pull, 1).any() or not free_surface(scene):
+    up = scene.up_axis
+    if not pull[up] < 0.0 or np.delete(pull, up).any() or not free_surface(scene):
         return []
     length = scene.tank.high[0] - scene.tank.low[0]
-    depth = max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid) - scene.tank.low[1]
-    water = Water(depth, -float(pull[1]), total_viscosity(scene, parameters), resolved_spacing(scene, parameters))
+    depth = max(float(part_of(region, scene.spacing).bounds()[1][up]) for region in scene.fluid) - scene.tank.low[up]
+    water = Water(depth, -float(pull[up]), total_viscosity(scene, parameters), resolved_spacing(scene, parameters))
     longest = math.pi / length
     drives = sorted({side.motion.frequency for side in sides_of(scene) if side.motion} - {None})
     waves = [(longest, "period, of the longest standing wave in the tank")]
@@ -273,14 +274,24 @@ def gravity_row(scene: SphScene) -> Row:
     axis = int(np.argmax(np.abs(pull)))
     upper = 2 * axis + (1 if pull[axis] < 0.0 else 0)
     sides = sides_of(scene)
-    named = f"{up or gravity_text((*pull, 0.0))[1]}, the side {SIDES[upper]}"
-    if scene.tank.top.kind == "open" and SIDES[upper] != "top" and sides[upper].kind != "open":
-        return (
-            "gravity",
-            value,
-            f"{named}, but the open side is top, at high y: gravity does not point from it to bottom",
-        )
+    named = f"{up or gravity_text((*pull, 0.0))[1]}, the side {scene.sides[upper]}"
+    if scene.tank.top.kind == "open" and scene.sides[upper] != "top" and sides[upper].kind != "open":
+        remark = f"the open side is top, at high {scene.up}: gravity does not point from it to bottom"
+        if len(sides) == 6 and axis != 0:
+            remark += f'; write up = "{"xyz"[axis]}"'
+        return ("gravity", value, f"{named}, but {remark}")
+    if len(sides) == 6 and scene.up == "y" and _lies_as_in_drawings(scene):
+        named += '; the liquid reaches up to it and leaves room along z: where z is up, write up = "z"'
     return ("gravity", value, named if len(sides) == 6 else "")
+
+
+def _lies_as_in_drawings(scene: SphScene) -> bool:
+    """Whether the liquid fills the tank along y, but not along z, as where z points up."""
+    low, high = scene.tank.low, scene.tank.high
+    bounds = np.array([part_of(region, scene.spacing).bounds() for region in scene.fluid])
+    least, most = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    full = np.array([least <= np.array(low) + 0.5 * scene.spacing, most >= np.array(high) - 0.5 * scene.spacing])
+    return bool(full[:, 1].all() and full[0, 2] and not full[1, 2])
 
 
 def fitted_row(scene: SphScene) -> Row:
@@ -398,7 +409,7 @@ def uniform_inflows(scene: SphScene) -> list[Row]:
     """The rows on uniform inflows between no-slip walls, which stop the liquid beside them within a spacing."""
     remark = 'particles accumulate where no-slip walls stop the liquid; profile = "parabolic" avoids it'
     return [
-        (f"inflow {SIDES[number]}", "uniform", remark)
+        (f"inflow {scene.sides[number]}", "uniform", remark)
         for number, side in enumerate(sides_of(scene))
         if side.kind == "inflow" and side.profile == "uniform" and math.isfinite(narrowest_channel(scene, number // 2))
     ]

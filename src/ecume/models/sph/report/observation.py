@@ -39,7 +39,7 @@ from ecume.models.sph.boundaries.walls import (
     repulsion_load,
 )
 from ecume.models.sph.integration.passive_particles import surroundings
-from ecume.models.sph.parameters import Gauge, Parameters, PressureReference
+from ecume.models.sph.parameters import Gauge, Parameters, PressureReference, up_axis
 from ecume.models.sph.rates.right_hand_side import damp_sound, fill
 from ecume.models.sph.rates.surface_tension import surface_energy
 from ecume.models.sph.report.energy_budget import (
@@ -67,7 +67,7 @@ from ecume.models.sph.state import (
     Workspace,
 )
 from ecume.scenes.sph import SphScene
-from ecume.scenes.sph.tank import SIDES, TankSpec
+from ecume.scenes.sph.tank import TankSpec
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd import SIDES as BOX_SIDES
 from ecume.units import Array
@@ -133,14 +133,25 @@ Readings = tuple[dict[str, float], dict[str, str]]
 def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
     """The gauges of a scene; a row of gauges is expanded into single ones."""
     found = []
-    ends, periods = _ends(scene.tank)
+    ends, periods = _ends(scene)
     for spec in scene.gauges:
         first = np.array(spec.position)
         places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
         for name, place in zip(spec.names, places, strict=True):
             area = sensing_area(scene.tank, place, spec.diameter or 0.0)
             floor = np.array([scene.tank.low, scene.tank.high], np.float64)
-            found.append(Gauge(name, place, area, spec.quantities, _ground(floor, place, reach), floor, ends, periods))
+            found.append(
+                Gauge(
+                    name,
+                    place,
+                    area,
+                    spec.quantities,
+                    _ground(floor, place, (reach, scene.up_axis)),
+                    floor,
+                    ends,
+                    periods,
+                )
+            )
     return tuple(found)
 
 
@@ -164,21 +175,22 @@ def sensing_area(tank: TankSpec, place: Array, diameter: float) -> Array:
     return inside if len(inside) else place[None]
 
 
-def _ends(tank: TankSpec) -> tuple[Array, Array]:
+def _ends(scene: SphScene) -> tuple[Array, Array]:
     """The ends (2, d) and the periods (d,) of a tank, as in `Gauge`. Buffers behind inflows and outflows count as
     solid, since gauges do not read them.
     """
-    sides = [getattr(tank, name).kind for name in SIDES[: 2 * len(tank.low)]]
-    bounds = np.array([tank.low, tank.high], np.float64)
+    sides = _kinds(scene)
+    bounds = np.array([scene.tank.low, scene.tank.high], np.float64)
     closed = np.array([kind not in ("open", "periodic") for kind in sides]).reshape(-1, 2).T
     periodic = np.array([kind == "periodic" for kind in sides[::2]])
     ends = np.where(closed, bounds, [[-math.inf], [math.inf]])
     return ends, np.where(periodic, bounds[1] - bounds[0], math.inf)
 
 
-def _ground(tank: Array, place: Array, reach: float) -> float:
-    """The kernel's integral over the floor of a tank, (2, d) corners, around a gauge."""
-    level = [axis for axis in range(len(place)) if axis != 1]
+def _ground(tank: Array, place: Array, seen: tuple[float, int]) -> float:
+    """The kernel's integral over the floor of a tank, (2, d) corners, around a gauge with a reach and an axis up."""
+    reach, up = seen
+    level = [axis for axis in range(len(place)) if axis != up]
     shape = kernel(KERNEL, dim=len(level))
     axes = [reach * ((np.arange(QUADRATURE) + 0.5) / (0.5 * QUADRATURE) - 1.0)] * len(level)
     away = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
@@ -202,6 +214,8 @@ class Surroundings(NamedTuple):
     """(2, d) m, how far the sides of the tank have moved since the start"""
     reach: float
     spacing: float
+    up: int
+    """the axis that points up"""
 
 
 def readings(parameters: Parameters, state: State, pressure: Array) -> Readings:
@@ -226,7 +240,7 @@ def surroundings_of(parameters: Parameters, state: State, pressure: Array) -> Su
         shift[side] = drive_at(drive, float(state.clock[0]))[0][0]
     return Surroundings(
         state.position[:, order].T, table, dummies.position[:, solid].T, dummies.volume[solid],
-        shift.reshape(-1, 2).T, parameters.support, parameters.spacing,
+        shift.reshape(-1, 2).T, parameters.support, parameters.spacing, up_axis(parameters),
     )  # fmt: skip
 
 
@@ -299,14 +313,14 @@ def _smeared(away: Array, volume: Array, spacing: float) -> float:
 
 def _depth(gauge: Gauge, around: Surroundings) -> float:
     """The volume of liquid around a place on the floor, per area of the floor between the present sides."""
-    axes, reach = np.array([axis for axis in range(len(gauge.place)) if axis != 1]), around.reach
+    axes, reach = np.array([axis for axis in range(len(gauge.place)) if axis != around.up]), around.reach
     level, place = around.position[:, axes], gauge.place[axes]
     close = (np.abs(level - place) < reach).all(axis=1)
     pairs = near(place[None], level[close], reach)
     shape = kernel(KERNEL, dim=len(place))
     weight = around.table[close, -1][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
     moved = around.shift[:, axes].any()
-    ground = _ground(gauge.floor + around.shift, gauge.place, reach) if moved else gauge.ground
+    ground = _ground(gauge.floor + around.shift, gauge.place, (reach, around.up)) if moved else gauge.ground
     return part_of(float(added(pairs, weight)[0]), ground)
 
 
@@ -424,7 +438,7 @@ def passive_arrays(parameters: Parameters, state: State, workspace: Workspace) -
         "velocity": state.passive_velocity.T,
         "density": np.where(density > 0.0, density, material.density),
         "pressure": surroundings(parameters, workspace, state.passive_position).pressure
-        - material.density * parameters.hydrostatic[1] * (parameters.surface - state.passive_position[1]),
+        + weight_above(parameters, state.passive_position),
         "mass": np.zeros(count),
         "species": tracers.regions + group,
         **({"image": state.passive_image.T} if state.passive_image.size else {}),
@@ -511,11 +525,15 @@ def pressure_in(parameters: Parameters, state: State) -> Array:
 
 def gauge_pressure(parameters: Parameters, state: State) -> Array:
     """The gauge pressure (N,) in Pa: of Tait's equation, plus the hydrostatic part where the forces omit it."""
-    material = parameters.material
-    pressure = pressure_in(parameters, state)
-    depth = parameters.surface - state.position[1]
-    pressure -= material.density * parameters.hydrostatic[1] * depth
+    pressure: Array = pressure_in(parameters, state) + weight_above(parameters, state.position)
     return pressure
+
+
+def weight_above(parameters: Parameters, position: Array) -> Array:
+    """(N,) Pa: the hydrostatic pressure below the surface of the start that forces omit, at positions (d, N)."""
+    up = up_axis(parameters)
+    weight: Array = -parameters.material.density * parameters.hydrostatic[up] * (parameters.surface - position[up])
+    return weight
 
 
 def motion(state: State) -> Mapping[str, float]:
@@ -536,7 +554,7 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
     change = np.abs(state.density / parameters.material.density - 1.0)
     return {
         "front": state.position[0].max(),
-        "top": state.position[1].max(),
+        "top": state.position[up_axis(parameters)].max(),
         "largest_speed": np.sqrt((state.velocity**2).sum(axis=0).max()),
         "largest_pressure": gauge_pressure(parameters, state).max(),
         "density_change": change.max(),
@@ -608,7 +626,7 @@ def _faint(parameters: Parameters) -> Callable[[NumberHistory], float]:
 
 def _kinds(scene: SphScene) -> list[str]:
     """The kind of each side of the tank."""
-    return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
+    return [getattr(scene.tank, side).kind for side in scene.sides]
 
 
 def _alone(scene: SphScene) -> bool:

@@ -185,7 +185,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         equation_of_state=pressure.equation(material.sound_speed, material.exponent, material.density),
         gravity=gravity_of(scene) * (not modified(scene)),
         hydrostatic=gravity_of(scene) * (method.pressure_split != "none"),
-        surface=max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid),
+        surface=max(float(part_of(region, scene.spacing).bounds()[1][scene.up_axis]) for region in scene.fluid),
         constants=constants_of(scene, material, held),
         pressure_method=pressure,
         projection=None if pressure.compressible else projection_of(scene, free_surface(scene)),

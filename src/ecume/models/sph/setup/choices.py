@@ -60,8 +60,7 @@ def chosen(name: str, names: Any, path: str) -> str:
 
 def sides_of(scene: SphScene) -> list[Any]:
     """The tank's sides, low and high along each axis."""
-    tank = scene.tank
-    return [tank.left, tank.right, tank.bottom, tank.top, tank.front, tank.back][: 2 * len(tank.low)]
+    return [getattr(scene.tank, name) for name in scene.sides]
 
 
 def gravity_of(scene: SphScene) -> Array:

@@ -28,7 +28,7 @@ from ecume.models.sph.setup.choices import held_pull, modified
 from ecume.models.sph.setup.packing import packed
 from ecume.models.sph.setup.shapes import free_of, gaps_to, part_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import bounds_of
-from ecume.scenes.sph import SIDES, RegionSpec, SphScene
+from ecume.scenes.sph import RegionSpec, SphScene
 from ecume.units import Array
 
 
@@ -82,14 +82,15 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
         center = np.zeros(points.shape[1]) if region.center is None else np.array(region.center)
         velocity += (points - center) @ np.array(region.velocity_gradient).T
     if region.flow == POISEUILLE:
-        low, width = scene.tank.low[1], scene.tank.high[1] - scene.tank.low[1]
-        velocity[:, 0] += [channel_speed(y - low, width, region.flow_speed) for y in points[:, 1]]
+        up = scene.up_axis
+        low, width = scene.tank.low[up], scene.tank.high[up] - scene.tank.low[up]
+        velocity[:, 0] += [channel_speed(height - low, width, region.flow_speed) for height in points[:, up]]
     if region.flow == TAYLOR_GREEN:
         x, y = vortex_phases(scene, points)
         velocity[:, 0] += taylor_green_velocity(x, y, region.flow_speed)
-        velocity[:, 1] += taylor_green_velocity(y, x, -_cross_speed(region, scene))
+        velocity[:, scene.up_axis] += taylor_green_velocity(y, x, -_cross_speed(region, scene))
     elif region.flow == STANDING_WAVE:
-        velocity[:, :2] += _wave_velocity(region, scene, points)
+        velocity[:, [0, scene.up_axis]] += _wave_velocity(region, scene, points)
     return velocity
 
 
@@ -97,14 +98,14 @@ def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
     """The velocity (N, 2) of a standing wave along x and upwards: half a wavelength fits into the tank, and the region
     defines the depth.
     """
-    low, high = scene.tank.low, scene.tank.high
-    depth = float(part_of(region, scene.spacing).bounds()[1][1]) - low[1]
-    lowest = float(points[:, 1].min(initial=math.inf))
-    if depth <= 0.0 or lowest < low[1]:
-        got = f"the liquid is at {min(depth + low[1], lowest):g} m; expected a region above the floor, {low[1]:g} m"
+    low, high, up = scene.tank.low, scene.tank.high, scene.up_axis
+    depth = float(part_of(region, scene.spacing).bounds()[1][up]) - low[up]
+    lowest = float(points[:, up].min(initial=math.inf))
+    if depth <= 0.0 or lowest < low[up]:
+        got = f"the liquid is at {min(depth + low[up], lowest):g} m; expected a region above the floor, {low[up]:g} m"
         raise SceneError([Fault("fluid.flow", f"got {STANDING_WAVE!r}; {got}")])
     wave = {"wavenumber": math.pi / (high[0] - low[0]), "depth": depth, "speed": region.flow_speed}
-    return np.array([standing_wave_velocity(point[0] - low[0], point[1] - low[1], **wave) for point in points])
+    return np.array([standing_wave_velocity(point[0] - low[0], point[up] - low[up], **wave) for point in points])
 
 
 def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
@@ -127,17 +128,17 @@ def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
     """Phases (rad) of a vortex pair with the period of the tank."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
-    return phase[:, 0], phase[:, 1]
+    return phase[:, 0], phase[:, scene.up_axis]
 
 
 def _cross_speed(region: RegionSpec, scene: SphScene) -> float:
-    """The speed along y that makes the divergence zero in a tank that is not a square."""
+    """The speed along the upward axis that makes the divergence zero in a tank that is not a square."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
-    return float(region.flow_speed * size[1] / size[0])
+    return float(region.flow_speed * size[scene.up_axis] / size[0])
 
 
 def _free(scene: SphScene) -> bool:
-    return all(getattr(scene.tank, side).kind == "open" for side in SIDES[: 2 * len(scene.tank.low)])
+    return all(getattr(scene.tank, side).kind == "open" for side in scene.sides)
 
 
 def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
@@ -207,7 +208,7 @@ def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
     for index, region in enumerate(scene.fluid):
         shape = part_of(region, scene.spacing)
         if region.particles is None:
-            cells = free_cells(shape, scene.spacing, earlier, solids)
+            cells = free_cells(shape, scene, earlier, solids)
             kept = np.ones(len(cells.centers), bool)
         else:
             cells = shape.cells(scene.spacing)
@@ -235,10 +236,11 @@ ALIGNED = 1e-6
 """Tolerances in spacings: between a face and the next end of a cell, and between distances of symmetric cells."""
 
 
-def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Sequence[Shape]) -> Cells:
+def free_cells(shape: Part, scene: SphScene, earlier: Sequence[Part], solids: Sequence[Shape]) -> Cells:
     """The cells of a region that neither earlier regions nor solids cover. The volume that solids cut off cells, and
     that of omitted cells too close to a solid, is distributed over all.
     """
+    spacing = scene.spacing
     others = [other for other in (*earlier, *solids) if bounds_meet(shape, other)]
     cells = lattice_of(shape, spacing, others)
     if not others:
@@ -247,7 +249,7 @@ def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Seq
     odd = unaligned(shape, cells, [solid for solid in solids if bounds_meet(shape, solid)], spacing)
     fitting = [solid for solid in solids if all(solid is not other for other in odd)]
     cells = cells.those(apart(cells.centers, earlier) & free_of(cells.centers, fitting, spacing))
-    return scaled_to(cells.those(roomiest(cells, odd, free)) if odd else cells, free)
+    return scaled_to(cells.those(roomiest(cells, odd, free, scene.up_axis)) if odd else cells, free)
 
 
 MOST_UNEVEN = 0.25
@@ -262,11 +264,11 @@ def lattice_of(part: Part, spacing: float, others: Sequence[Part]) -> Cells:
     return part.cells(spacing) if uneven and len(others) else cells
 
 
-def roomiest(cells: Cells, solids: Sequence[Shape], volume: float) -> Flags:
+def roomiest(cells: Cells, solids: Sequence[Shape], volume: float, up: int) -> Flags:
     """Flags of the cells to keep so that their total volume is nearest to this one: the cells farthest from the solids.
     Of cells at one height with equal distances, as in a symmetric scene, all or none are kept.
     """
-    gap, height, close = gaps_to(solids, cells.centers), cells.centers[:, 1], ALIGNED * cells.widths.min()
+    gap, height, close = gaps_to(solids, cells.centers), cells.centers[:, up], ALIGNED * cells.widths.min()
     order = np.lexsort((height, np.round(gap / close)))
     left = cells.volumes.sum() - np.concatenate([[0.0], np.cumsum(cells.volumes[order])])
     alike = (np.abs(np.diff(gap[order])) < close) & (np.abs(np.diff(height[order])) < close)

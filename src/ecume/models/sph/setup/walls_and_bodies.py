@@ -18,7 +18,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
-from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate
+from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate, sides_of
 from ecume.models.sph.setup.shapes import (
     OwnAxes,
     dummies_of,
@@ -28,7 +28,7 @@ from ecume.models.sph.setup.shapes import (
     shape_of,
     solids_of,
 )
-from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
+from ecume.scenes.sph import BaseExcitationSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array, with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
@@ -43,7 +43,7 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
     walls = 2 * len(middle)
-    names = SIDES[:walls]
+    names = scene.sides
     names += tuple(f"obstacle{index}" for index in range(len(scene.obstacles)))
     names += tuple(f"body{index}" for index in range(len(scene.bodies)))
     centers = np.zeros((len(names), 3))
@@ -58,7 +58,7 @@ def require_long_periods(scene: SphScene, support: float) -> None:
     """
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     for axis in range(len(size)):
-        if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
+        if side_of(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
             least = LEAST_PERIOD * support
             got = f"{with_prefix(size[axis], 'm', 4)} along {'xyz'[axis]}, where the tank is periodic"
             raise SceneError(
@@ -93,10 +93,6 @@ def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dumm
     return pieces
 
 
-def _side(scene: SphScene, number: int) -> Any:
-    return getattr(scene.tank, SIDES[number])
-
-
 def holds(side: Any, scene: SphScene) -> bool:
     """Whether the no-slip condition holds at a wall: by default where the scene gives a viscosity."""
     return bool(side.slip == "no-slip" or (side.slip is None and scene.liquid.viscosity))
@@ -105,7 +101,7 @@ def holds(side: Any, scene: SphScene) -> bool:
 def narrowest_channel(scene: SphScene, axis: int) -> float:
     """The smallest distance (m) between two opposite no-slip walls along an axis; infinite without such walls."""
     low, high = scene.tank.low, scene.tank.high
-    pairs = [(_side(scene, 2 * k), _side(scene, 2 * k + 1), k) for k in range(len(low)) if k != axis]
+    pairs = [(side_of(scene, 2 * k), side_of(scene, 2 * k + 1), k) for k in range(len(low)) if k != axis]
     return min(
         (
             high[k] - low[k]
@@ -124,7 +120,7 @@ def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
     mirrors = scene.tank.walls == "mirror"
     rows, numbers = [], []
     for number in range(2 * dimension):
-        side, axis = _side(scene, number), number // 2
+        side, axis = side_of(scene, number), number // 2
         if side.kind == "periodic" or (side.kind == "wall" and mirrors):
             rows.append(_row(scene, number, axis, holds(side, scene)))
             numbers.append(number if side.kind == "wall" else -1)
@@ -139,7 +135,7 @@ def imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
 def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
     """The row of a side: point, normal, shift or velocity, whether it mirrors, whether it has no slip, acceleration."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    side, first = _side(scene, number), number % 2 == 0
+    side, first = side_of(scene, number), number % 2 == 0
     normal, third = np.zeros(len(low)), np.zeros(len(low))
     normal[axis] = 1.0 if first else -1.0
     if side.kind == "periodic":
@@ -161,12 +157,12 @@ def layers_around(scene: SphScene, support: float) -> tuple[Array, Array]:
         cells, widths = fitted_axis(low[axis], high[axis], spacing)
         layers = math.ceil(support / widths[0] - 1e-9)
         # Walls continue beside the buffers of in- and outflows.
-        first = -layers if _side(scene, 2 * axis).kind in LAYERED else 0
-        last = len(cells) + layers if _side(scene, 2 * axis + 1).kind in LAYERED else len(cells)
+        first = -layers if side_of(scene, 2 * axis).kind in LAYERED else 0
+        last = len(cells) + layers if side_of(scene, 2 * axis + 1).kind in LAYERED else len(cells)
         axes.append(low[axis] + widths[0] * (np.arange(first, last) + 0.5))
         volume *= widths[0]
     points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
-    walled = np.array([_side(scene, number).kind == "wall" for number in range(2 * dimension)])
+    walled = np.array([side_of(scene, number).kind == "wall" for number in range(2 * dimension)])
     outside = (((points < low) & walled[0::2]) | ((points > high) & walled[1::2])).any(axis=1)
     return points[outside], np.full(int(outside.sum()), volume)
 
@@ -178,7 +174,7 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
     # A lid moves its own layers; the corners belong to the walls beside it, which are at rest.
     for number in range(2 * len(low)):
-        side, axis = _side(scene, number), number // 2
+        side, axis = side_of(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
         if side.kind == "wall":
             owner[behind] = number
@@ -201,7 +197,7 @@ def guard_of(scene: SphScene, support: float) -> Guard:
     """The surfaces of the guard: all sides that are walls, and the obstacles with surfaces (see `has_surfaces`)."""
     pieces, owner, own = [], list[int](), list[Any]()
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    for number, name in enumerate(SIDES[: 2 * len(low)]):
+    for number, name in enumerate(scene.sides):
         if getattr(scene.tank, name).kind == "wall":
             normal = (1.0 - 2.0 * (number % 2)) * np.eye(len(low))[number // 2]
             pieces.append(planes([high if number % 2 else low], [normal]))
@@ -279,10 +275,10 @@ def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, .
     """The open sides, which have buffers behind them."""
     found, tank = [], scene.tank
     transported = PRESSURE_FORCES[scene.method.pressure_force].transported
-    if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
+    if transported and any(side.kind in ENDS for side in sides_of(scene)):
         message = "got 'transport', which is for closed flows; with in- and outflows use 'sum'"
         raise SceneError([Fault("method.pressure_force", message)])
-    if scene.central_force is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
+    if scene.central_force is not None and any(side.kind in ENDS for side in sides_of(scene)):
         message = "goes with no in- or outflow: the pressure of the liquid behind those follows from gravity alone"
         raise SceneError([Fault("central_force", message)])
     layers = int(np.ceil(support / scene.spacing - 1e-9))
@@ -292,7 +288,7 @@ def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, .
             continue
         low, high = np.array(tank.low), np.array(tank.high)
         if side.level is not None:
-            high[1] = min(high[1], side.level)
+            high[scene.up_axis] = min(high[scene.up_axis], side.level)
         walls = np.array([_walled(scene, k) and k != axis for k in range(len(low))])
         found.append(
             OpenBoundary(
@@ -302,7 +298,7 @@ def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, .
                 place=float((low if number % 2 == 0 else high)[axis]),
                 enters=side.kind == "inflow",
                 speed=side.speed or 0.0,
-                curved=np.where(walls, 1.0 + (np.arange(len(low)) == 1) * (side.level is not None), 0.0)
+                curved=np.where(walls, 1.0 + (np.arange(len(low)) == scene.up_axis) * (side.level is not None), 0.0)
                 * (side.profile == "parabolic"),
                 low=low,
                 high=high,
@@ -315,7 +311,7 @@ def open_boundaries_of(scene: SphScene, support: float) -> tuple[OpenBoundary, .
 
 def side_of(scene: SphScene, number: int) -> Any:
     """A side of the tank."""
-    return getattr(scene.tank, SIDES[number])
+    return sides_of(scene)[number]
 
 
 def _walled(scene: SphScene, axis: int) -> bool:
@@ -382,11 +378,10 @@ def _pose(shape: Shape, own: OwnAxes) -> list[float]:
 
 def _require_possible(scene: SphScene) -> None:
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    sides = [scene.tank.left, scene.tank.right, scene.tank.bottom, scene.tank.top, scene.tank.front, scene.tank.back]
     faults = []
     for index, spec in enumerate(scene.bodies):
         ends = np.stack(shape_of(spec).bounds())
-        if any(side.kind == "periodic" for side in sides):
+        if any(side.kind == "periodic" for side in sides_of(scene)):
             faults.append(Fault(f"bodies[{index}]", "a tank with bodies cannot have periodic sides; use walls"))
         if (ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any():
             faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; expected a body inside it"))
@@ -448,7 +443,7 @@ def _wide(points: Array) -> Array:
 def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
     """The drives of moving sides, by the side's index."""
     found = []
-    for number, name in enumerate(SIDES[: 2 * len(scene.tank.low)]):
+    for number, name in enumerate(scene.sides):
         motion = getattr(scene.tank, name).motion
         if motion is not None:
             found.append((number, _drive(motion, motion.amplitude, motion.positions, -1.0)))
