@@ -67,8 +67,10 @@ WORK_TRIES, PART_OF_RUN = 4, 0.01
 """Attempts to make the energy budget of a step as exact as that of a run: relative to what the step exchanges, and to
 this part of what the run has exchanged.
 """
-MOST_WORK_SHRINK, LEAST_WORK = (0.01, 0.5), 1e-300
-"""The factor of a step whose budget is not; and J, where nothing moves."""
+SHRINK_FOR_WORK = 0.01, 0.5
+"""The least and the largest factor of the length of a step whose budget is not."""
+LEAST_WORK = 1e-300
+"""J, where nothing moves."""
 NARROW = 0.5
 """A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
 NEARLY = 1e-9
@@ -153,7 +155,7 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
             state.pace[LENGTH] = 0.5 * length
             state.tally[REJECTED] += 1
         elif tries > 0 and (excess := missed_work(parameters, state, step, before)) > 1.0:
-            state.pace[LENGTH] = length * min(MOST_WORK_SHRINK[1], max(MOST_WORK_SHRINK[0], SAFETY / excess))
+            state.pace[LENGTH] = length * float(np.clip(SAFETY / excess, *SHRINK_FOR_WORK))
             state.tally[REJECTED], tries = state.tally[REJECTED] + 1, tries - 1
         else:
             if len(state.budget):
