@@ -25,7 +25,6 @@ from ecume.models.soft.report.energy_budget import (
     elastic_energy,
     elastic_energy_at_end,
     energy_of_faded,
-    energy_rounding,
     remote_energy,
     stake,
 )
@@ -69,8 +68,8 @@ this part of what the run has exchanged.
 """
 SHRINK_FOR_WORK = 0.01, 0.5
 """The least and the largest factor of the length of a step whose budget is not."""
-LEAST_WORK = 1e-300
-"""J, where nothing moves."""
+LEAST_WORK = 1e-14
+"""Of modulus times radius cubed, summed over the spheres: rounding makes as much of a work."""
 NARROW = 0.5
 """A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
 NEARLY = 1e-9
@@ -179,10 +178,11 @@ def missed_work(parameters: Parameters, state: State, step: Step, before: float)
     contacts, line = parameters.contacts, step.budget.lines[-1]
     grown = elastic_energy_at_end(contacts, step) + remote_energy(contacts, step) - before
     dissipated = line[FILMS] + line[DRAG]
-    missing = abs(line[INJECTED] - dissipated - line[SIZE] - grown) - energy_rounding(step)
+    missing = abs(line[INJECTED] - dissipated - line[SIZE] - grown)
     spent = float(state.budget[FILMS] + state.budget[DRAG])
     moved = abs(dissipated) + abs(grown) + PART_OF_RUN * (spent + stake(step))
-    return float(missing / (error_of_run(parameters.scheme, parameters.tolerance) * max(moved, LEAST_WORK)))
+    rounding = LEAST_WORK * float((parameters.modulus * parameters.radius**3).sum())
+    return float(missing / (error_of_run(parameters.scheme, parameters.tolerance) * moved + rounding))
 
 
 def new_contacts(parameters: Parameters, step: Step) -> PairList:

@@ -20,7 +20,6 @@ from ecume._portable import exp
 from ecume.laws.surfaces import Body
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, flow_gradient, unknowns
 from ecume.models.soft.contacts.contact import (
-    ROUNDING,
     Elastic,
     Vector,
     contact_gap_energy,
@@ -304,15 +303,6 @@ def across_energy(contacts: Contacts, log_gap: Array, radius: Array) -> float:
         if reach < math.inf:
             total -= remote_energy_by(reach, radius[c], contacts, contacts.remote)
     return total
-
-
-def energy_rounding(step: Step) -> float:
-    """What rounding of positions makes of the stored energy (J), at most."""
-    pairs, touches, far = step.pairs, all_walls(step.walls).touches, 2.0 * float(np.abs(step.bodies.position).max())
-    shift = np.append(pairs.radius_sum + np.abs(pairs.offset).max(axis=1), touches.radius) + far
-    force = np.linalg.norm(np.concatenate([step.responses.force, touches.force]), axis=1)
-    stiffness = np.append(pairs.modulus * pairs.radius_sum, touches.modulus * touches.radius)
-    return float(((force + stiffness * ROUNDING * shift) * ROUNDING * shift).sum())
 
 
 def stake(step: Step) -> float:
