@@ -58,14 +58,12 @@ def nested(tmp_path):
     return run, folder
 
 
-@pytest.mark.long
 def test_a_second_process_finds_the_whole_on_the_disk_and_needs_no_part(nested):
     run, _ = nested
     assert run().stdout.split() == ["7.0", "0", "0"]
     assert run().stdout.split() == ["7.0", "1", "0"]
 
 
-@pytest.mark.long
 def test_a_lost_whole_is_made_again_from_the_parts_on_the_disk(nested):
     run, folder = nested
     run()
@@ -80,7 +78,6 @@ print(type(overload.library).__name__)
 """
 
 
-@pytest.mark.long
 def test_parts_of_the_disk_are_linked_and_never_run_where_they_stand(nested):
     """Code that runs from a part as it was lowered is many times slower than the whole that it is optimized in."""
     run, folder = nested
@@ -182,7 +179,6 @@ print(hashlib.sha256(rates.tobytes()).hexdigest()[:12], sum(sums.together.stats.
 """
 
 
-@pytest.mark.long
 def test_code_that_was_just_compiled_gives_the_bits_of_code_from_the_disk(tmp_path):
     script = tmp_path / "summed.py"
     script.write_text(SUMMED)
@@ -217,7 +213,6 @@ print(*cpu_target.target_context.codegen().magic_tuple()[1:])
 """
 
 
-@pytest.mark.long
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="levels are those of x86-64")
 def test_code_is_compiled_for_a_level_unless_the_user_names_a_processor():
     def target(**names):
@@ -401,7 +396,6 @@ print(outer(Mine(2.0)).x, outer((2.0,))[0])
 """
 
 
-@pytest.mark.long
 def test_nothing_is_kept_on_disk_for_types_that_no_other_process_knows(tmp_path):
     (tmp_path / "mine.py").write_text(OF_THIS_PROCESS)
     places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}
