@@ -63,8 +63,10 @@ def test_export_writes_text_to_the_standard_output(monkeypatch: pytest.MonkeyPat
 
 def test_export_writes_decks_of_scenes(tmp_path: Path) -> None:
     cli.invoke(app, ["new", "two-spheres"])
-    assert cli.invoke(app, ["export", "two-spheres.toml", "--to", "lammps"]).stdout == "wrote two-spheres-lammps\n"
-    words = ["export", "two-spheres.toml", "--to", "lammps", "-o", "deck", "--set", "title=Mine"]
+    stokes = ["--set", "hydrodynamics.drag=stokes"]
+    words = ["export", "two-spheres.toml", "--to", "lammps", *stokes]
+    assert cli.invoke(app, words).stdout == "wrote two-spheres-lammps\n"
+    words = [*words, "-o", "deck", "--set", "title=Mine"]
     assert cli.invoke(app, words).exit_code == 0
     assert (tmp_path / "deck" / "in.lammps").read_text().startswith("# Mine, written by ecume")
 

@@ -31,6 +31,7 @@ def end_with(integrator, capability, *, chosen):
     tables["integration"] = f'integrator = "{integrator}"\ntime_step = {DURATION / STEPS!r}\n'
     if chosen:
         tables = {name: text + lines.get(name, "") for name, text in tables.items()}
+    tables["hydrodynamics"] = tables["hydrodynamics"] or 'drag = "stokes"\n'
     moving = "velocity = [0.2, 0.0]\n" if capability == "fast drag" else ""
     floats = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\n{moving}"
     rest = "".join(f"[{name}]\n{text}" for name, text in tables.items())

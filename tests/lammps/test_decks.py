@@ -29,8 +29,10 @@ LIGHT, HEAVY = (
 
 def scene_of(more: str = "", floats: str = "", top: str = "") -> FloatingScene:
     """Three floats of two kinds, two of which move."""
+    drag = "" if "[hydrodynamics" in more else 'hydrodynamics.drag = "stokes"'
     return load_scene(f"""
 model = "floating"
+{drag}
 duration = "1 s"
 frame_every = "0.1 s"
 {top}

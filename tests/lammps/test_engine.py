@@ -31,6 +31,7 @@ model = "floating"
 duration = "{duration}"
 frame_every = "10 ms"
 seed = 3
+hydrodynamics.drag = "stokes"
 [contacts]
 restitution = 0.3
 [[particles]]

@@ -22,6 +22,7 @@ from ecume.units import Array
 from tests.lammps.test_engine import in_lammps
 
 WALL = "[dish]\ncontact_angle = 1.2\n"
+STOKES = 'hydrodynamics.drag = "stokes"\n'
 PLACES = {
     "profile": WALL + 'radius = 0.026\nlaw = "profile"\n',
     "image": WALL + 'size = [0.05, 0.05]\nlaw = "meniscus"\nimage = "fixed-angle"\n',
@@ -42,7 +43,7 @@ def sizes(place: str, count: int = MOST_KINDS + 4) -> FloatingScene:
         f"positions = [[{x!r}, {y!r}]]\nvelocities = [[{u!r}, {v!r}]]\n"
         for r, (x, y), (u, v) in zip(radius.tolist(), position.tolist(), velocity.tolist(), strict=True)
     )
-    return load_scene(f'model = "floating"\nduration = 0.02\nframe_every = 0.01\n{PLACES[place]}{rows}')
+    return load_scene(f'model = "floating"\nduration = 0.02\nframe_every = 0.01\n{STOKES}{PLACES[place]}{rows}')
 
 
 def forces_of(scene: FloatingScene) -> tuple[Array, Array]:

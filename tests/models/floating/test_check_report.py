@@ -12,6 +12,7 @@ from ecume.laws.pair_laws import PairLaw
 from ecume.models.floating.check_report import _summary_of_raft_speeds, meeting_speed, seconds_per_step, summary
 from ecume.models.floating.forces.pair_forces import CutoffWarning
 from ecume.models.floating.setup.hydrodynamic_interaction import GasWarning
+from ecume.models.floating.setup.kinds import floats_of
 from ecume.models.floating.setup.scene_parameters import checked_parameters
 from ecume.scenes.load import from_plain
 from ecume.simulation import simulate
@@ -218,11 +219,26 @@ CEREAL = {"radius": 1.5e-3, "density": 300.0, "contact_angle": 1.2, "count": 3}
 
 def test_fast_floats_are_told_what_their_drag_lacks():
     milk = {"density": 1030.0, "viscosity": 2e-3, "surface_tension": 0.045}
-    value, remark = report({"liquid": milk, "particles": [CEREAL]})["Reynolds number"]
+    stokes = {"hydrodynamics": {"drag": "stokes"}}
+    value, remark = report({"liquid": milk, "particles": [CEREAL], **stokes})["Reynolds number"]
     assert float(value.removeprefix("up to ")) > 20.0
     assert "schiller-naumann" in remark
-    for slow in ({"particles": [CEREAL | {"radius": 5e-5}]}, {"hydrodynamics": {"drag": "schiller-naumann"}}):
+    for slow in (stokes | {"particles": [CEREAL | {"radius": 5e-5}]}, {}):
         assert "Reynolds number" not in report({"liquid": milk, "particles": [CEREAL], **slow})
+
+
+def test_fast_floats_are_told_what_their_inertia_lacks():
+    milk = {"density": 1030.0, "viscosity": 2e-3, "surface_tension": 0.045}
+    value, remark = report({"liquid": milk, "particles": [CEREAL]})["added mass"]
+    light, heavy = (
+        floats_of(from_plain({**SCENE, "liquid": milk, "particles": [CEREAL], "hydrodynamics": {"added_mass": added}}))
+        for added in (False, True)
+    )
+    assert value == f"up to {100.0 * (heavy.mass[0] / light.mass[0] - 1.0):.2g} %"
+    assert "hydrodynamics.added_mass" in remark
+    slow, moving = {"particles": [CEREAL | {"radius": 5e-5}]}, {"hydrodynamics": {"added_mass": True}}
+    for change in (slow, moving, {"integration": {"integrator": "overdamped"}}):
+        assert "added mass" not in report({"liquid": milk, "particles": [CEREAL], **change})
 
 
 def test_two_floats_meet_as_fast_as_energy_and_drag_allow():

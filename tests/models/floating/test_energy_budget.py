@@ -21,7 +21,7 @@ PAIR = f"[[particles]]\n{HEAVY}positions = [[-1.5e-3, 0.0], [1.5e-3, 0.5e-3]]\n"
 def in_a_current(motion, **times):
     """A lone float at rest where the surface flows."""
     floats = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\n"
-    return scene_of(f"{WATER}{CURRENT}{floats}{motion}\n{APART}", **times)
+    return scene_of(f"{WATER}{CURRENT}{floats}{motion}\n{APART}", head='hydrodynamics.drag = "stokes"', **times)
 
 
 def friction_of(parameters):

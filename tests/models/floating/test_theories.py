@@ -13,6 +13,7 @@ from ecume.models.floating.forces.pair_forces import add_wall_forces, sum_of_wal
 from ecume.models.floating.frames import observe
 from ecume.models.floating.parameters import make_state
 from ecume.models.floating.time_integration.integration import forces_at
+from ecume.models.floating.time_integration.integrators import INTEGRATORS
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -41,12 +42,26 @@ def test_a_theory_brings_its_laws_and_what_is_named_overrules_it():
         0.3,
     )
     linear = in_a_dish(f'{ROUND}\nlaw = "profile"', head='theory = "linear"')
-    assert (linear.interaction.charge, linear.dish.law, linear.hydrodynamics.drag) == ("linear", "profile", "stokes")
+    assert (linear.interaction.charge, linear.dish.law) == ("linear", "profile")
     assert linear.contacts.legacy_coefficient is None
 
 
+def test_drag_grows_with_the_reynolds_number_wherever_it_can():
+    for name, row in INTEGRATORS.items():
+        by_speed = in_a_dish(ROUND, head=f'integration.integrator = "{name}"').hydrodynamics.drag == "schiller-naumann"
+        assert by_speed == ("fast drag" in row.gives)
+    moving = in_a_dish(f"{ROUND}\n[dish.motion]\nfrequency = 1.0\namplitude = 1e-3")
+    needle = in_a_dish(ROUND, kind=f'{HEAVY}shape = {{kind = "needle", width = 5e-4}}\n')
+    assert (moving.hydrodynamics.drag, needle.hydrodynamics.drag) == ("stokes", "stokes")
+    for scene in (moving, needle):
+        FLOATING.parameters(scene)
+    asked = in_a_dish(ROUND, head='hydrodynamics.drag = "stokes"')
+    assert FLOATING.parameters(asked).drift.thickness == 0.0
+    assert FLOATING.parameters(in_a_dish(ROUND)).drift.thickness == pytest.approx(1e6)
+
+
 def test_the_default_theory_is_the_one_that_was_there_before():
-    named = '[interaction]\nlaw = "capillary"\ncharge = "nonlinear"\n[hydrodynamics]\ndrag = "stokes"\n'
+    named = '[interaction]\nlaw = "capillary"\ncharge = "nonlinear"\n[hydrodynamics]\ndrag = "schiller-naumann"\n'
     old = in_a_dish(f'{ROUND}\nlaw = "meniscus"\n{named}')
     assert in_a_dish(ROUND) == old
     parameters = FLOATING.parameters(old)

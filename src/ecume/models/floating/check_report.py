@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ecume.laws import capillarity, flotation
-from ecume.laws.drag import particle_reynolds, schiller_naumann_factor
+from ecume.laws.drag import added_mass, particle_reynolds, schiller_naumann_factor
 from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
@@ -74,6 +74,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_chance(parameters),
         *_summary_of_raft_speeds(parameters, scene),
         *_summary_of_drag(parameters, scene),
+        *_summary_of_added_mass(parameters, scene),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *sizes_rows(parameters.floats.radius),
@@ -142,8 +143,25 @@ def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     if reynolds < SLOW:
         return []
     more = f"Stokes's law, of which the drag is then {schiller_naumann_factor(reynolds):.2g} times as large"
-    remedy = 'hydrodynamics.drag = "schiller-naumann" and added_mass = true include what inertia changes'
+    remedy = 'hydrodynamics.drag = "schiller-naumann", with integrator = "velocity-verlet", grows with the speed'
     return [("Reynolds number", f"up to {reynolds:.2g}", f"{more}; {remedy}")]
+
+
+def _summary_of_added_mass(parameters: Parameters, scene: FloatingScene) -> list[Row]:
+    """How much inertia floats lack; nothing if they have none or are slow."""
+    liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
+    spheres = [kind for kind in float_kinds(scene) if isinstance(kind.body, flotation.Sphere)]
+    if scene.hydrodynamics.added_mass or not parameters.scheme.inertia or scene.shaped or not spheres:
+        return []
+    if liquid.viscosity > 0.0:
+        speed = meeting_speed(parameters)
+        if particle_reynolds(speed, radius, liquid.density, liquid.viscosity) < SLOW:
+            return []
+    shares = [
+        added_mass(kind.radius, kind.equilibrium.filling_angle, liquid.density) / kind.mass for kind in set(spheres)
+    ]
+    lacking = "of the mass of a float; hydrodynamics.added_mass = true includes it"
+    return [("added mass", f"up to {100.0 * max(shares):.2g} %", lacking)]
 
 
 def meeting_speed(parameters: Parameters) -> float:

@@ -1,4 +1,4 @@
-"""When the first two floats will meet: the pair that is nearest, alone, with its attraction and Stokes's drag.
+"""When the first two floats will meet: the pair that is nearest, alone, with its attraction and its drag.
 
 Other floats, walls and currents are not considered, so that the time is a rough one: it shows whether a run is long
 enough, and its frames close enough, to see the contact.
@@ -11,6 +11,7 @@ import math
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ecume.laws.drag import schiller_naumann_factor
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import Parameters, State
 from ecume.scenes.floating import FloatingScene
@@ -74,7 +75,10 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
             return math.inf
         if parameters.scheme.inertia:
             # Drag is exact for a constant pull, and may be none.
-            passed = np.maximum(step / relaxation, LEAST)
+            faster = [
+                schiller_naumann_factor(2.0 * radius[k] * abs(speed[k]) * parameters.drift.thickness) for k in (0, 1)
+            ]
+            passed = np.maximum(step / relaxation * faster, LEAST)
             lasting = -np.expm1(-passed) / passed
             mean = speed * lasting + pull * step * (1.0 - lasting) / passed
             speed = speed + (pull * step - speed * passed) * lasting

@@ -358,12 +358,10 @@ THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     "nonlinear": {
         "interaction": {"law": "capillary", "charge": "nonlinear"},
         "dish": {"law": "meniscus"},
-        "hydrodynamics": {"drag": "stokes"},
     },
     "linear": {
         "interaction": {"law": "capillary", "charge": "linear"},
         "dish": {"law": "linear"},
-        "hydrodynamics": {"drag": "stokes"},
     },
     "legacy-2022": {
         "interaction": {"law": "one-sided-legacy", "charge": "linear"},
@@ -373,6 +371,9 @@ THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     },
 }
 """What each theory says where a scene leaves a law out."""
+
+DRAG_BY_SPEED = ("velocity-verlet", "explicit-euler", "semi-implicit-euler")
+"""The integrators that go with a drag which depends on the speed."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -469,10 +470,22 @@ class FloatingScene(Common):
             left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
             if left_out:
                 object.__setattr__(self, part, dataclasses.replace(given, **left_out))
+        if self.hydrodynamics.drag is None:
+            object.__setattr__(self, "hydrodynamics", dataclasses.replace(self.hydrodynamics, drag=default_drag(self)))
         complaints = [*_population(self), *_boundary(self), *_steps(self), *_doubles(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self
+
+
+def default_drag(scene: FloatingScene) -> str:
+    """The drag law where a scene names none: by the Reynolds number where it can act, else Stokes's law.
+
+    Slow floats have Stokes's drag with either.
+    """
+    sways = scene.dish is not None and scene.dish.motion is not None
+    slow = scene.integration.integrator not in DRAG_BY_SPEED
+    return "stokes" if slow or sways or scene.shaped else "schiller-naumann"
 
 
 def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:

@@ -281,8 +281,9 @@ class HydrodynamicsSpec:
     """The forces of the liquid on moving floats."""
 
     drag: LawName | None = None
-    """The drag law: `stokes` for slow floats, `schiller-naumann`, which grows with the Reynolds number, or `none`;
-    by default `stokes`, in `legacy-2022` `none`. Effect: without drag floats oscillate around each other."""
+    """The drag law: `stokes` for slow floats, `schiller-naumann`, which grows with the Reynolds number, or `none`.
+    By default `schiller-naumann`; `stokes` for integrators that cannot, for shapes and in moving dishes; `none` in
+    `legacy-2022`. Effect: without drag floats oscillate around each other."""
     added_mass: Switch = False
     """Whether the inertia of spheres includes half the mass of the displaced liquid. Effect: makes floats slower to
     accelerate."""
