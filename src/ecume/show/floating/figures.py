@@ -45,6 +45,7 @@ from ecume.analysis.structure import (
 )
 from ecume.engine.walls.surfaces import shrunk
 from ecume.errors import BadInput
+from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
 from ecume.models.floating.dishes import walls_of
 from ecume.models.floating.forces.pair_forces import constants_of, law_of, two_floats
@@ -217,7 +218,9 @@ def two_body_gap(frames: Frames, scene: Any) -> Array | None:
 
     def rates(_: float, at: Array) -> Array:
         force = row.force(max(float(at[1] - at[0]), touching), own, law) * np.array([-1.0, 1.0])
-        return np.concatenate([at[2:], (force - friction * at[2:]) / floats.mass])
+        reynolds = 2.0 * floats.radius * np.abs(at[2:]) * parameters.drift.thickness
+        drag = friction * [schiller_naumann_factor(each) for each in reynolds.tolist()] * at[2:]
+        return np.concatenate([at[2:], (force - drag) / floats.mass])
 
     def meet(_: float, at: Array) -> float:
         return float(at[1] - at[0]) - touching
