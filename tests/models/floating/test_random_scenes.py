@@ -1,11 +1,14 @@
 """Random scenes whose time step is the default one run to their end: see `tests.models.floating.random_scenes`."""
 
+import math
+
 import numpy as np
 import pytest
 
 from ecume.models.floating.parameters import make_state
 from ecume.models.floating.record import FLOATING
-from ecume.models.floating.time_integration.integration import WIDEST, skin_for
+from ecume.models.floating.time_integration.integration import USED, WIDEST, skin_for
+from ecume.models.floating.time_integration.step_size import NOISE_DEVIATIONS
 from ecume.models.model import DIVERGED, DONE
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, scene_of
@@ -66,10 +69,16 @@ def test_a_tail_of_the_random_force_is_no_divergence():
     body = f"[[particles]]\n{BEAD}count = 3\n[activity]\nforce = 1e-9\npersistence = 0.2\n{OVERDAMPED}"
     scene = scene_of(WATER + body, duration=1.0, frame_every=0.5)
     parameters = FLOATING.parameters(scene)
-    for tail in (5.0, 7.0, 9.0):
+    for tail in (5.0, 9.0, 30.0, 100.0):
         state = FLOATING.start(scene, parameters)
         state.active[0, 0] = tail
         assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 20) == DONE
+
+
+def test_the_largest_number_of_the_generator_moves_no_float_out_of_its_lists():
+    largest = math.sqrt(-2.0 * math.log(0.5 / 2.0**53))
+    assert 8.6 < largest < 8.7
+    assert USED * largest / NOISE_DEVIATIONS < 0.5
 
 
 def test_the_skin_holds_two_steps_of_fast_floats():
