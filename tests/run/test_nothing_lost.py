@@ -215,6 +215,12 @@ def test_a_completed_run_of_an_earlier_version_computes_damaged_samples_again(ma
     assert verify(made.path).sound
 
 
+def test_a_checksum_under_another_name_is_damage(made: RunDirectory) -> None:
+    """It was taken for a file of an earlier version, which has none."""
+    made.crate.write_text(made.crate.read_text().replace('"crc32"', '"crc72"'))
+    assert any("ro-crate" in fault for fault in verify(made.path).faults)
+
+
 def test_a_table_beside_no_table_is_compared(made: RunDirectory, tmp_path: Path, scene: Scenes) -> None:
     run(scene(duration=0.05, seed=8), tmp_path / "other")
     found = {change.name: (change.first, change.second) for change in compare(made.path, tmp_path / "other").scene}

@@ -44,6 +44,7 @@ from ecume.trajectories.records import (
     resolved_at,
     scene_at,
     storing,
+    table,
     write_whole,
 )
 from ecume.trajectories.segments import Repaired, set_foreign_aside
@@ -298,7 +299,14 @@ def unchecked(home: RunDirectory) -> int:
 def _crate(home: RunDirectory) -> None:
     """Raise StorageError where the metadata of the run as a research object are damaged."""
     if home.crate.exists():
-        record_at(home.crate, anything, home.path, checked=None, owner=owner_of(home, home.crate))
+        # One of an earlier version has no checksum, and no other key than these.
+        record_at(home.crate, table({"@context": anything, "@graph": anything}, rest=_nothing), home.path, checked=None,
+                  owner=owner_of(home, home.crate))  # fmt: skip
+
+
+def _nothing(value: object, path: str) -> None:
+    """Raise ValueError: there is no such key."""
+    raise ValueError(f"{path}: is no key of such a file")
 
 
 def _require_all(home: RunDirectory) -> None:
