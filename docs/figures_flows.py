@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ecume.laws.yield_stress import channel_speed
+from ecume.scenes.load import from_plain
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -115,4 +118,43 @@ def _ellipse(duration: float) -> tuple[np.ndarray, np.ndarray]:
     return found.t, found.y[1:].T
 
 
-FIGURES: dict[str, Callable[[], Figure]] = {"sph-confined": confined, "sph-free": free}
+PULL, HALF = 1000.0, 0.01
+LIQUIDS = {
+    "Newton": {"consistency": 4.0, "exponent": 1.0, "yield_stress": 0.0},
+    "power law, n = 0.5": {"consistency": 4.0, "exponent": 0.5, "yield_stress": 0.0},
+    "Bingham": {"consistency": 1.0, "exponent": 1.0, "yield_stress": 4.0},
+    "Herschel and Bulkley, n = 0.6": {"consistency": 2.0, "exponent": 0.6, "yield_stress": 3.0},
+}
+
+
+def yielding() -> Figure:
+    """Liquids that thin or yield in a channel, beside their exact profiles."""
+    drawn = figure(6.0, 3.6)
+    axes = drawn.subplots()
+    height = np.linspace(-HALF, HALF, 201)
+    for (name, liquid), color in zip(LIQUIDS.items(), PALETTE, strict=False):
+        *_, last = simulate(from_plain(_channel(liquid)))
+        y, speed = last.arrays["position"][:, 1] - HALF, last.arrays["velocity"][:, 0]
+        axes.plot([1e3 * channel_speed(each, HALF, PULL, **liquid) for each in height], 1e3 * height, color=color)
+        axes.plot(1e3 * speed, 1e3 * y, ".", color=color, markersize=4, label=name)
+    axes.set(xlabel="speed (mm/s)", ylabel="height (mm)", ylim=(-1e3 * HALF, 1e3 * HALF))
+    axes.set_xlim(0.0)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, markerscale=2.0)
+    return drawn
+
+
+def _channel(liquid: dict[str, float]) -> dict[str, Any]:
+    around = {"low": [0.0, 0.0], "high": [1.2 * HALF, 2.0 * HALF]}
+    ends = {side: {"kind": "periodic"} for side in ("left", "right")}
+    return {
+        "model": "sph", "duration": 0.3, "frame_every": 0.3, "spacing": 0.1 * HALF, "gravity": [PULL / 1000.0, 0.0],
+        "tank": {**around, **ends}, "fluid": [around],
+        "liquid": {"maximum_speed": 0.04, "rheology": {**liquid, "largest_viscosity": 20.0}},
+    }  # fmt: skip
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "sph-confined": confined,
+    "sph-free": free,
+    "sph-yield-stress": yielding,
+}

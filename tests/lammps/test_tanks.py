@@ -124,6 +124,7 @@ REFUSED = {
     "method.pressure_split": {"method": 'pressure_split = "modified"'},
     "method.shifting": {"method": 'shifting = "delta-plus"'},
     "method.surface_tension_model": {"liquid": "surface_tension = 0.07"},
+    "liquid.rheology": {"liquid": "rheology = { consistency = 1.0 }"},
     "method.turbulence": {"method": 'turbulence = "smagorinsky"'},
     "tank.walls": {"top": 'walls = "dummy"'},
     "tank": {"top": 'right = { kind = "outflow" }'},

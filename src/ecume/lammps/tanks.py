@@ -59,7 +59,7 @@ def _kinds(scene: SphScene) -> str:
 
 def _sticks(scene: SphScene) -> bool:
     def no_slip(side: SideSpec) -> bool:
-        return side.slip == "no-slip" or (side.slip is None and bool(scene.liquid.viscosity))
+        return side.slip == "no-slip" or (side.slip is None and scene.liquid.sticks)
 
     return any(side.kind == WALL and no_slip(side) for side in sides_of(scene))
 
@@ -96,6 +96,8 @@ TANKS = (
     Expressible("method.surface_tension_model", tension_of, lambda name: name == "none", "none",
                 "RHEO has no surface tension"),
     Expressible("method.turbulence", turbulent, _none, "none", "RHEO has no eddy viscosity"),
+    Expressible("liquid.rheology", lambda scene: scene.liquid.rheology is not None, _none, "false, that is, none",
+                "other laws of RHEO would replace it"),
     Expressible("tank.walls", lambda scene: scene.tank.walls, lambda name: name == "mirror", "mirror",
                 "walls of the deck are planes of symmetry"),
     Expressible("tank", _kinds, lambda name: name == "none", "walls, open and periodic sides",

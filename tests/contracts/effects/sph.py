@@ -17,6 +17,8 @@ DEEP = {"gravity": [0.0, -1.0, 0.0], "tank": {"high": [1.0, 1.0, 1.0]},
         "fluid": [{"low": [0.0, 0.0, 0.0], "high": [1.0, 0.5, 1.0], "velocity": [0.3, 0.1, 0.2]}]}  # fmt: skip
 FULL = {"tank": {"top": {"kind": "wall"}}, "fluid": [{"high": [1.0, 1.0]}]}
 VISCOUS = {"liquid": {"viscosity": 0.02}}
+STRAINED = {"fluid": [{"velocity_gradient": [[0.0, 1.0], [0.0, 0.0]]}]}
+YIELDING = {"liquid": {"rheology": {"consistency": 0.02, "yield_stress": 0.01}}, **STRAINED}
 SOLVED = {"method": {"pressure": "incompressible", "jitter": 0.2}, "liquid": {"sound_speed": None}}
 WATER = {"liquid": {"name": "water", "density": None}}
 TENSE = {"liquid": {"surface_tension": 0.02}}
@@ -77,6 +79,10 @@ EFFECTS = {
     "liquid.maximum_speed": of(2.0, liquid={"sound_speed": None}),
     "liquid.tait_exponent": of(1.0),
     "liquid.atmospheric_pressure": of(1e5, EXPORT),
+    "liquid.rheology.consistency": of(0.03, **YIELDING),
+    "liquid.rheology.exponent": of(0.7, **YIELDING),
+    "liquid.rheology.yield_stress": of(0.02, **YIELDING),
+    "liquid.rheology.largest_viscosity": of(0.05, **YIELDING),
     "fluid.low": of([0.25, 0.0]),
     "fluid.high": of([1.0, 0.75]),
     "fluid.vertices": of([[0.0, 0.0], [0.9, 0.0], [0.2, 0.9]], fluid=[POLYGON]),

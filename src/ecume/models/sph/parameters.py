@@ -43,6 +43,18 @@ class Material(NamedTuple):
     """m/s, the fastest speed expected"""
 
 
+class Rheology(NamedTuple):
+    """The dependence of the viscosity on the rate of strain: see `ecume.laws.yield_stress.apparent_viscosity`."""
+
+    consistency: float
+    """Pa s^n"""
+    exponent: float
+    yield_stress: float
+    """Pa"""
+    largest_viscosity: float
+    """Pa s"""
+
+
 class Dummies(NamedTuple):
     """The particles that walls are made of."""
 
@@ -297,6 +309,8 @@ class Parameters(NamedTuple):
     """what the liquid carries along"""
     turbulence: bool
     """whether eddies smaller than particles add to the viscosity"""
+    rheology: Rheology | None
+    """how the viscosity depends on the rate of strain; None: it does not"""
     courant: float
     walls_clip: bool
     fixed_volume: bool

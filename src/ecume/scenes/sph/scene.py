@@ -43,6 +43,33 @@ PositiveSpeed = Annotated[Speed, Field(gt=0.0, le=1e5)]
 Exponent = Annotated[Number, Field(ge=1.0, le=20.0)]
 
 
+Consistency = Annotated[Number, Field(ge=0.0, le=1e9)]
+FlowExponent = Annotated[Number, Field(ge=0.1, le=2.0)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class RheologySpec:
+    """A viscosity that depends on the rate of strain g: the stress is yield_stress + consistency g^exponent."""
+
+    consistency: Consistency = 0.0
+    """The factor K of the power law (Pa s^n, with n the exponent): with exponent 1 the plastic viscosity. Effect: the
+    flow above yield is slower in proportion."""
+    exponent: FlowExponent = 1.0
+    """The exponent n of the power law: below 1 the liquid thins when sheared, above 1 it thickens; 1 is Bingham's
+    liquid. Effect: makes profiles in channels blunter or sharper."""
+    yield_stress: Annotated[Pressure, Field(ge=0.0, le=1e9)] = 0.0
+    """The shear stress below which the liquid does not flow (Pa). Effect: heaps stop before they are flat."""
+    largest_viscosity: Annotated[LiquidViscosity, Field(gt=0.0)] | None = None
+    """The viscosity with which the liquid creeps where it should not flow (Pa s); by default 30 times that at the
+    expected rate of strain. Effect: larger values creep less and shorten the time step."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.consistency == 0.0 and self.yield_stress == 0.0:
+            raise Inconsistent([((), "expected a consistency, a yield_stress, or both")])
+        return self
+
+
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FluidSpec:
     """The liquid as a material. By default `name` and `temperature` set its properties; without a name it is inviscid
@@ -64,6 +91,9 @@ class FluidSpec:
     viscosity: LiquidViscosity | None = None
     """The dynamic viscosity (Pa s); by default that of the named liquid, or 0. Effect: damps the flow; a viscosity
     that is given here makes walls no-slip, and the artificial viscosity 0, by default."""
+    rheology: RheologySpec | None = None
+    """A viscosity that depends on the rate of strain, in place of `viscosity`. Effect: the liquid thins, thickens or
+    yields when it is sheared."""
     surface_tension: Tension | None = None
     """The surface tension (N/m); by default that of the named liquid, or 0. Effect: contracts the surface; small drops
     need short time steps. That of a named liquid acts with `surface_tension_model = "csf"` only."""
@@ -80,6 +110,11 @@ class FluidSpec:
     atmospheric_pressure: Annotated[Pressure, Field(ge=0.0, le=1e9)] = 0.0
     """The pressure above the liquid, which is part of absolute pressures (Pa). Example: `"1 atm"`. Effect: shifts
     absolute pressures in gauges, figures, pages and exports; none on the motion."""
+
+    @property
+    def sticks(self) -> bool:
+        """Whether walls are no-slip by default: where the scene gives a viscosity."""
+        return bool(self.viscosity) or self.rheology is not None
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -276,6 +311,7 @@ class SphScene(Common):
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
         complaints += side_faults(self.tank, self.sides)
         complaints += passive_tracer_faults(self.passive_tracers, self.tank, self.method.turbulence)
+        complaints += _rheology_faults(self)
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -367,3 +403,19 @@ def _steps(scene: SphScene) -> Complaints:
     if step is not None and scene.duration / step > MOST_STEPS:
         return [(("integration", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
     return []
+
+
+def _rheology_faults(scene: SphScene) -> list[tuple[Path, str]]:
+    """What no law is known for in a liquid whose viscosity depends on the rate of strain."""
+    if scene.liquid.rheology is None:
+        return []
+    complaints: list[tuple[Path, str]] = [
+        (("passive_tracers", index, "radius"), "the drag on grains is that of a liquid of one viscosity; remove it")
+        for index, spec in enumerate(scene.passive_tracers)
+        if spec.radius > 0.0
+    ]
+    if scene.liquid.viscosity is not None:
+        complaints.append((("liquid", "viscosity"), "the rheology sets it; remove one of the two"))
+    if scene.method.turbulence != "none":
+        complaints.append((("method", "turbulence"), "eddies were measured in liquids of one viscosity; use 'none'"))
+    return complaints

@@ -7,13 +7,14 @@ eqs. 22, 23 and 27. [adami2012]
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 
 import numpy as np
 
 from ecume._jit import admit, by_type, compiled_inside, inlined, prange, spread
-from ecume.engine.cells import Integers
+from ecume.engine.cells import Images, Integers
 from ecume.engine.neighbor_rows import Lists
 from ecume.laws import states
 from ecume.models.sph.fields import FIELD, ConstantDensity, Constants, EquationOfState, Floats, Tait
@@ -214,9 +215,15 @@ def read_liquid(
             fields[FIELD.friction_velocity + axis, dummy] = 2.0 * wall - speed[axis] / total if near else wall
 
 
+def read_from_sources(field: Floats, images: Images, real: int) -> None:
+    """Give the images, which follow the `real` particles, the values of their sources; a source may be an image."""
+    for first, last in itertools.pairwise(images.start):
+        field[real + first : real + last] = field[images.source[first:last]]
+
+
 @spread
-def read_damping(fields: Floats, damping: Floats, first: int, lists: Lists, constants: Constants) -> None:
-    """Fill the damping of dummies, from column `first` on, with the mean over the liquid in their rows."""
+def read_means(fields: Floats, values: Floats, first: int, lists: Lists, constants: Constants) -> None:
+    """Fill the values of dummies, from column `first` on, with the mean over the liquid in their rows."""
     kernel, inverse = constants[0].kernel, 1.0 / constants[0].smoothing_length
     counts, neighbor = lists
     for dummy in prange(first, len(counts)):
@@ -229,8 +236,8 @@ def read_damping(fields: Floats, damping: Floats, first: int, lists: Lists, cons
                 square += along * along
             weight = value_of(math.sqrt(square) * inverse, kernel) * fields[FIELD.liquid, j]
             total += weight
-            mean += weight * damping[j]
-        damping[dummy] = mean / total if total > NOTHING else 0.0
+            mean += weight * values[j]
+        values[dummy] = mean / total if total > NOTHING else 0.0
 
 
 @compiled_inside

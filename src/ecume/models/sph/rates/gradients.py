@@ -1,11 +1,12 @@
-"""Renormalized gradients, exact for linear fields, also at a free surface; and the eddy viscosity that follows from
-that of the velocity.
+"""Renormalized gradients, exact for linear fields, also at a free surface; and the viscosity that follows from that of
+the velocity.
 
 sum_j V_j F (A_j - A_i) x_ij = B grad A with B = sum_j V_j F x_ij x_ij (minus the unit matrix in full surroundings);
 Randles and Libersky, Comput. Methods Appl. Mech. Eng. 139 (1996) 375. [randles1996]
 
-The gradient of the density corrects the density diffusion; that of the velocity gives the viscosity of eddies smaller
-than a particle, from the rate of strain (Smagorinsky), which is added to the viscosity of the liquid.
+The gradient of the density corrects the density diffusion; that of the velocity gives the rate of strain. The
+viscosity of a liquid that thins or yields depends on it, and that of eddies smaller than a particle (Smagorinsky),
+which is added to that of the liquid.
 """
 
 from __future__ import annotations
@@ -31,15 +32,16 @@ from ecume.engine.vectors import (
     zero_matrix,
     zeros,
 )
-from ecume.laws import density_diffusion, viscous
+from ecume.laws import density_diffusion, viscous, yield_stress
 from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Parameters, Rheology
 from ecume.models.sph.rates.corrections import SINGULAR
+from ecume.models.sph.rates.fill_fields import read_from_sources, read_means
 from ecume.models.sph.rates.neighbor_sums import Particle, Reading, neighbor_sum
 from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.state import Workspace
 
-admit(density_diffusion, viscous)
+admit(density_diffusion, viscous, yield_stress)
 
 
 @summed_inside
@@ -131,15 +133,25 @@ LEAST = 1e-30
 """Pa s, a lower bound: the harmonic mean of two zeros is not a number."""
 
 
-def set_eddy_viscosity(parameters: Parameters, workspace: Workspace) -> None:
-    """Set the viscosity of the liquid and its images, with the eddy viscosity."""
+def set_viscosity(parameters: Parameters, workspace: Workspace) -> None:
+    """Set the viscosity of the liquid and its images by the rate of strain; that of walls which hold the liquid is the
+    mean of the liquid before them.
+    """
     fields, lists, images = workspace.fields, workspace.lists, workspace.images
-    evaluate_sum(
-        EDDIES, parameters, workspace, settings=(parameters.spacing, max(parameters.material.viscosity, LEAST))
-    )
-    real = len(lists.counts)
-    for first, last in zip(images.start[:-1], images.start[1:], strict=True):
-        fields.viscosity[real + first : real + last] = fields.viscosity[images.source[first:last]]
+    count, real, dummies = workspace.rates.shape[1], len(lists.counts), parameters.boundary.dummies
+    evaluate_sum(SHEAR, parameters, workspace, settings=_strain_settings(parameters))
+    read_from_sources(fields.viscosity, images, real)
+    if parameters.rheology is not None and real > count:
+        read_means(fields.table, fields.viscosity, count, lists, parameters.constants)
+        fields.viscosity[count:real] *= dummies.viscosity > 0.0
+        read_from_sources(fields.viscosity, images, real)
+
+
+def _strain_settings(parameters: Parameters) -> tuple[float, ...]:
+    """The spacing, Smagorinsky's coefficient, and the four numbers of the rheology."""
+    eddies = viscous.SMAGORINSKY if parameters.turbulence else 0.0
+    newtonian = Rheology(max(parameters.material.viscosity, LEAST), 1.0, 0.0, math.inf)
+    return (parameters.spacing, eddies, *(parameters.rheology or newtonian))
 
 
 class Strain2(NamedTuple):
@@ -214,27 +226,42 @@ strain_rate = by_dimension(_strain_rate2, _strain_rate3)
 """The norm sqrt(2 S:S) of the rate of strain."""
 
 
-@summed_inside
-def given_eddies(numbers: Numbers, settings: tuple[float, float], like: Vector) -> tuple[float, float, float]:
-    """The factor of slopes, the spacing, and the viscosity of the liquid."""
-    return numbers.slope_factor, settings[0], settings[1]
+class ByStrain(NamedTuple):
+    """What the viscosity depends on, beside the rate of strain."""
+
+    slope_factor: float
+    spacing: float
+    coefficient: float
+    consistency: float
+    exponent: float
+    yield_stress: float
+    largest: float
 
 
 @summed_inside
-def pair_strain(total: Any, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Any:
+def given_shear(numbers: Numbers, settings: Any, like: Vector) -> ByStrain:
+    """The factor of slopes, and the settings."""
+    return ByStrain(numbers.slope_factor, settings[0], settings[1], settings[2], settings[3], settings[4], settings[5])
+
+
+@summed_inside
+def pair_strain(total: Any, apart: Vector, slope: float, own: Particle, other: Particle, given: ByStrain) -> Any:
     """The sums with the terms of a pair for the gradient of the friction velocity; walls contribute."""
-    return plus_strain(total, given[0] * slope * other.weight, difference(other.vector, own.vector), apart)
+    return plus_strain(total, given.slope_factor * slope * other.weight, difference(other.vector, own.vector), apart)
 
 
 @summed_inside
-def store_viscosity(rates: Floats, fields: Floats, i: int, total: Any, own: Particle, given: Any) -> None:
+def store_viscosity(rates: Floats, fields: Floats, i: int, total: Any, own: Particle, given: ByStrain) -> None:
     """Store the viscosity of the liquid with that of the eddies."""
-    (_, spacing, viscosity), strain = given, strain_rate(total, own.vector)
-    eddies = viscous.eddy_viscosity(strain, spacing, viscous.SMAGORINSKY)
-    fields[FIELD.viscosity, i] = viscosity + fields[FIELD.density, i] * eddies
+    strain = strain_rate(total, own.vector)
+    liquid = yield_stress.apparent_viscosity(
+        strain, given.consistency, given.exponent, given.yield_stress, given.largest
+    )
+    eddies = viscous.eddy_viscosity(strain, given.spacing, given.coefficient)
+    fields[FIELD.viscosity, i] = liquid + fields[FIELD.density, i] * eddies
 
 
-EDDIES = neighbor_sum(
-    Reading(FIELD.friction_velocity, FIELD.volume), given_eddies, no_strain, pair_strain, store_viscosity
+SHEAR = neighbor_sum(
+    Reading(FIELD.friction_velocity, FIELD.volume), given_shear, no_strain, pair_strain, store_viscosity
 )
 """The viscosity of the liquid by the renormalized gradient of the friction velocity."""

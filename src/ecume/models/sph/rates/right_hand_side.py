@@ -6,7 +6,6 @@ Particle shifting: a transport velocity relative to the liquid that keeps the pa
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
 from typing import NamedTuple, cast
@@ -25,13 +24,20 @@ from ecume.models.sph.boundaries.open_boundaries import zero_buffer_rates
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import brake_at_walls, repel_from_bodies, repel_from_drawn, repel_from_walls
-from ecume.models.sph.fields import Floats, number
+from ecume.models.sph.fields import number
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.concentration import CONCENTRATION
 from ecume.models.sph.rates.corrections import CORRECTIONS
-from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_damping, read_liquid
-from ecume.models.sph.rates.gradients import DENSITY_GRADIENT, GRADIENT_DIFFUSION, set_eddy_viscosity
+from ecume.models.sph.rates.fill_fields import (
+    fill_images,
+    fill_liquid,
+    fill_weights,
+    read_from_sources,
+    read_liquid,
+    read_means,
+)
+from ecume.models.sph.rates.gradients import DENSITY_GRADIENT, GRADIENT_DIFFUSION, set_viscosity
 from ecume.models.sph.rates.kernel_loops import require_kernel
 from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.rates.sums import (
@@ -254,18 +260,11 @@ def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = Fals
     else:
         rate = rates.continuity + rates.diffusion / density
     damping[:count] = parameters.bulk_viscosity * parameters.pressure_force.damping_shares(fields, count) * rate
-    _copy_to_images(workspace, damping)
+    read_from_sources(damping, workspace.images, len(lists.counts))
     if len(lists.counts) > count:
-        read_damping(fields.table, damping, count, lists, parameters.constants)
-        _copy_to_images(workspace, damping)
+        read_means(fields.table, damping, count, lists, parameters.constants)
+        read_from_sources(damping, workspace.images, len(lists.counts))
     fields.force_term[...] += damping
-
-
-def _copy_to_images(workspace: Workspace, field: Floats) -> None:
-    """Give the images the values of their sources; an image may be the source of another."""
-    images, real = workspace.images, len(workspace.lists.counts)
-    for first, last in itertools.pairwise(images.start):
-        field[real + first : real + last] = field[images.source[first:last]]
 
 
 def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
@@ -307,8 +306,8 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     store_acceleration(state.acceleration, rates.table, density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
-    if parameters.turbulence:
-        set_eddy_viscosity(parameters, workspace)
+    if parameters.turbulence or parameters.rheology is not None:
+        set_viscosity(parameters, workspace)
     if parameters.friction is not None:
         workspace.rates.acceleration[:3] = 0.0
         evaluate_sum(parameters.friction.sum, parameters, workspace)

@@ -13,6 +13,7 @@ from ecume.laws.flows import group_velocity, viscous_decay, wave_frequency
 from ecume.laws.kernels import KERNELS
 from ecume.laws.states import density_at_enthalpy
 from ecume.laws.viscous import viscosity_of_alpha
+from ecume.laws.yield_stress import apparent_viscosity, creep_rate
 from ecume.models.costs import Content, frame_cost
 from ecume.models.gravity import gravity_text
 from ecume.models.model import LONG, Row
@@ -54,10 +55,30 @@ def regime_rows(scene: SphScene, parameters: Parameters) -> list[Row]:
     """The rows on the Bond number (without gravity, the Weber number) and the Reynolds number."""
     return [
         *_tension_regime(scene, parameters),
+        *_rheology(parameters),
         *_viscosity(scene, parameters),
         *_effective_viscosity(scene, parameters),
         *_waves(scene, parameters),
     ]
+
+
+def _rheology(parameters: Parameters) -> list[Row]:
+    """The stress as a function of the rate of strain, and below which rate the liquid creeps."""
+    if parameters.rheology is None:
+        return []
+    consistency, exponent, stress, largest = parameters.rheology
+    power = f"{consistency:.3g} Pa s" + f"^{exponent:.3g}" * (exponent != 1.0)
+    terms = [f"{stress:.3g} Pa"] * (stress > 0.0) + [power] * (consistency > 0.0)
+    rate = creep_rate(consistency, exponent, stress, largest)
+    creep = f"below {rate:.2g} 1/s it creeps with {largest:.3g} Pa s; liquid.rheology.largest_viscosity sets it"
+    return [("rheology", " + ".join(terms), creep if rate > 0.0 else "")]
+
+
+def flow_viscosity(scene: SphScene, parameters: Parameters) -> float:
+    """Pa s: that of the liquid, or of one with a rheology at the expected rate of strain."""
+    if parameters.rheology is None:
+        return parameters.material.viscosity
+    return apparent_viscosity(parameters.material.fastest / smallest_extent(scene), *parameters.rheology)
 
 
 APPROACHING = 0.5
@@ -76,7 +97,7 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
     added, material = numerical_viscosity(scene, parameters), parameters.material
     if added == 0.0:
         return []
-    number = material.fastest * smallest_extent(scene) / (added + material.viscosity / material.density)
+    number = material.fastest * smallest_extent(scene) / (added + flow_viscosity(scene, parameters) / material.density)
     remark = f"at most: artificial viscosity acts like {added:.2g} m^2/s; method.artificial_viscosity sets it"
     return [("effective Reynolds number", f"{number:.3g}", remark)]
 
@@ -126,7 +147,7 @@ class Water(NamedTuple):
 
 def total_viscosity(scene: SphScene, parameters: Parameters) -> float:
     """The kinematic viscosity (m^2/s) of the liquid plus the artificial one."""
-    return numerical_viscosity(scene, parameters) + parameters.material.viscosity / parameters.material.density
+    return numerical_viscosity(scene, parameters) + flow_viscosity(scene, parameters) / parameters.material.density
 
 
 def resolved_spacing(scene: SphScene, parameters: Parameters) -> float:
@@ -184,20 +205,20 @@ def _tension_remark(number: float, model: str) -> str:
 
 
 def _viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
-    material = parameters.material
-    if material.viscosity == 0.0:
+    material, viscosity = parameters.material, flow_viscosity(scene, parameters)
+    if viscosity == 0.0:
         return []
     extent = smallest_extent(scene)
-    number = material.density * material.fastest * extent / material.viscosity
+    number = material.density * material.fastest * extent / viscosity
     return [("Reynolds number", f"{number:.3g}", _viscosity_remark(scene, parameters, number, extent))]
 
 
 def _viscosity_remark(scene: SphScene, parameters: Parameters, number: float, extent: float) -> str:
     """The remark whether the flow has the liquid's viscosity, and whether boundary layers are resolved."""
-    material = parameters.material
+    material, viscosity = parameters.material, flow_viscosity(scene, parameters)
     added = material.density * numerical_viscosity(scene, parameters)
-    if number < VISCOUS and added > DOMINANT * material.viscosity:
-        ratio = f"{added / material.viscosity:.2g} times the liquid's viscosity"
+    if number < VISCOUS and added > DOMINANT * viscosity:
+        ratio = f"{added / viscosity:.2g} times the liquid's viscosity"
         return f"artificial viscosity acts like {ratio}; method.artificial_viscosity = 0 leaves the liquid's own"
     layer = extent / math.sqrt(number)
     no_slip = any(side.kind == "wall" and holds(side, scene) for side in sides_of(scene))

@@ -23,9 +23,10 @@ from ecume.laws.time_step_limits import (
     viscous_limit,
 )
 from ecume.laws.viscous import acoustic_damping
+from ecume.laws.yield_stress import apparent_viscosity
 from ecume.models.sph.incompressible import projection_of, require_suitable
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
-from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers
+from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers, Rheology
 from ecume.models.sph.rates.methods import DIFFUSIONS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.report.observation import gauges_of, reference_of
@@ -50,6 +51,7 @@ from ecume.models.sph.setup.choices import (
     pressure_of,
     shifting_of,
     sides_of,
+    smallest_extent,
     smoothing_of,
     tension_of,
     turbulent,
@@ -71,6 +73,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
 )
 from ecume.models.step_counts import ending_on_a_step
 from ecume.scenes.sph import BodySpec, SphScene
+from ecume.scenes.sph.scene import RheologySpec
 from ecume.units import Array
 
 NUMERICAL_MACH = 0.1
@@ -86,10 +89,37 @@ def material_of(scene: SphScene) -> Material:
         density=given.density or 0.0,
         sound_speed=sound,
         exponent=given.tait_exponent,
-        viscosity=given.viscosity or 0.0,
+        viscosity=given.viscosity or largest_viscosity(scene, fastest),
         surface_tension=given.surface_tension or 0.0,
         fastest=fastest,
     )
+
+
+STIFFER = 30.0
+"""The largest viscosity, by default, over that at the expected rate of strain."""
+
+
+def viscosity_at(spec: RheologySpec | None, strain_rate: float) -> float:
+    """Pa s at a rate of strain, without an upper bound; zero for a liquid without rheology."""
+    if spec is None or strain_rate == 0.0:
+        return 0.0
+    return apparent_viscosity(strain_rate, spec.consistency, spec.exponent, spec.yield_stress, math.inf)
+
+
+def largest_viscosity(scene: SphScene, fastest: float) -> float:
+    """Pa s with which a liquid creeps below yield; zero for one without rheology."""
+    spec = scene.liquid.rheology
+    if spec is None:
+        return 0.0
+    usual = viscosity_at(spec, fastest / smallest_extent(scene))
+    newtonian = spec.exponent == 1.0 and spec.yield_stress == 0.0
+    return spec.largest_viscosity or (usual if newtonian else STIFFER * usual)
+
+
+def rheology_of(scene: SphScene, material: Material) -> Rheology | None:
+    """How the viscosity depends on the rate of strain; None: it does not."""
+    spec = scene.liquid.rheology
+    return None if spec is None else Rheology(spec.consistency, spec.exponent, spec.yield_stress, material.viscosity)
 
 
 def fastest_of(scene: SphScene) -> float:
@@ -143,10 +173,11 @@ def channel_enthalpy(scene: SphScene) -> float:
     """
     liquid, drops = filled(scene.liquid), [0.0]
     for number, side in enumerate(sides_of(scene)):
-        if side.kind == "inflow" and side.speed and liquid.viscosity:
+        if side.kind == "inflow" and side.speed:
             axis = number // 2
             length, width = scene.tank.high[axis] - scene.tank.low[axis], narrowest_channel(scene, axis)
-            drops.append(channel_pressure_drop(liquid.viscosity, side.speed, length, width))
+            viscosity = liquid.viscosity or viscosity_at(liquid.rheology, side.speed / width)
+            drops.append(channel_pressure_drop(viscosity, side.speed, length, width) if viscosity else 0.0)
     return max(drops) / (liquid.density or WATER)
 
 
@@ -216,6 +247,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         color_reach=color_reach_of(scene),
         passive_tracers=passive_tracers_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
         turbulence=turbulent(scene),
+        rheology=rheology_of(scene, material),
         courant=scene.integration.courant_number,
         walls_clip=free_surface(scene)
         if method.nonnegative_wall_pressure is None

@@ -15,7 +15,16 @@ import numpy as np
 
 from ecume.engine.shapes import Box, covered_volume
 from ecume.errors import Fault, SceneError
-from ecume.laws import density_diffusion, incompressible, kernels, states, time_step_limits, viscous, wall_forces
+from ecume.laws import (
+    density_diffusion,
+    incompressible,
+    kernels,
+    states,
+    time_step_limits,
+    viscous,
+    wall_forces,
+    yield_stress,
+)
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import ICE_POINT, LiquidProperties
 from ecume.laws.states import hydrostatic_fault
@@ -41,7 +50,7 @@ from ecume.scenes.sph.sources import ParticlesSpec
 from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
-"""Whether eddies add a viscosity: see `gradients.set_eddy_viscosity`."""
+"""Whether eddies add a viscosity: see `gradients.set_viscosity`."""
 NUMERICAL_MACH = 0.1
 PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
@@ -148,7 +157,7 @@ def artificial_viscosity_of(scene: SphScene) -> float:
     given = scene.method.artificial_viscosity
     if given is None:
         spared = makes_waves(scene) and acoustic_damping_of(scene) >= USUAL_DAMPING
-        return USUAL_ALPHA * (not scene.liquid.viscosity and not spared)
+        return USUAL_ALPHA * (not scene.liquid.sticks and not spared)
     return given
 
 
@@ -206,7 +215,12 @@ def friction_of(scene: SphScene) -> Friction:
 
 def acting_friction(scene: SphScene) -> Friction | None:
     """The form of the viscous force; None for an inviscid liquid."""
-    return friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else None
+    return friction_of(scene) if is_viscous(scene) else None
+
+
+def is_viscous(scene: SphScene) -> bool:
+    """Whether the liquid has any viscosity: its own, or that of eddies."""
+    return bool(filled(scene.liquid).viscosity) or scene.liquid.rheology is not None or turbulent(scene)
 
 
 def free_surface(scene: SphScene) -> bool:
@@ -370,10 +384,11 @@ def laws_of(scene: Any) -> list[Source]:
     laws += [viscous.acoustic_damping] if acoustic_damping_of(scene) else []
     laws += [wall_forces.impact_braking] if impacts_dissipate(scene) else []
     laws += [wall_forces.covered_part] if scene.gauges else []
-    if liquid.viscosity or turbulent(scene):
+    if is_viscous(scene):
         laws += [friction_of(scene).law]
     laws += TENSIONS[tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if turbulent(scene) else []
+    laws += [yield_stress.apparent_viscosity] if liquid.rheology is not None else []
     if shifting_of(scene) != "none":
         laws += [incompressible.shifting_coefficient, incompressible.tensile_weight]
     limit = time_step_limits.acoustic_limit if pressure_of(scene).compressible else time_step_limits.advective_limit

@@ -95,7 +95,7 @@ def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dumm
 
 def holds(side: Any, scene: SphScene) -> bool:
     """Whether the no-slip condition holds at a wall: by default where the scene gives a viscosity."""
-    return bool(side.slip == "no-slip" or (side.slip is None and scene.liquid.viscosity))
+    return bool(side.slip == "no-slip" or (side.slip is None and scene.liquid.sticks))
 
 
 def narrowest_channel(scene: SphScene, axis: int) -> float:

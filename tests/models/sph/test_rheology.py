@@ -1,0 +1,150 @@
+"""Liquids whose viscosity depends on the rate of strain: the sum, walls, channels, and what is refused."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.laws.yield_stress import apparent_viscosity, channel_speed
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, fill
+from ecume.models.sph.record import SPH
+from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.simulation import simulate
+from tests.models.sph.scenes import free_blob
+
+BINGHAM = {"consistency": 2.0, "yield_stress": 30.0, "largest_viscosity": 400.0}
+THINNING = {"consistency": 4.0, "exponent": 0.5, "largest_viscosity": 400.0}
+CHANNEL = """
+model = "sph"
+duration = "0.3 s"
+frame_every = "0.1 s"
+spacing = "1 mm"
+gravity = [1.0, 0.0]
+[tank]
+low = [0.0, 0.0]
+high = ["1.2 cm", "2 cm"]
+walls = "{walls}"
+left = {{ kind = "periodic" }}
+right = {{ kind = "periodic" }}
+[[fluid]]
+low = [0.0, 0.0]
+high = ["1.2 cm", "2 cm"]
+[liquid]
+maximum_speed = "4 cm/s"
+[liquid.rheology]
+consistency = {consistency}
+exponent = {exponent}
+yield_stress = {yield_stress}
+largest_viscosity = 20.0
+"""
+
+
+def sheared(rheology, gradient, dimension=2):
+    """The viscosities of a blob in a flow of this gradient, and its accelerations."""
+    plain = free_blob(dimension, artificial_viscosity=0.0)
+    kept = to_plain(plain)
+    liquid = {key: value for key, value in kept["liquid"].items() if key != "viscosity"}
+    scene = from_plain({**kept, "liquid": {**liquid, "rheology": rheology}})
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[...] = np.array(gradient) @ state.position
+    state.density[...] = parameters.material.density
+    workspace = SPH.workspace(parameters, state, 1.0)
+    fill(parameters, state, workspace)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
+    return workspace.fields.viscosity[: state.position.shape[1]], state
+
+
+@pytest.mark.parametrize("rheology", [BINGHAM, THINNING])
+@pytest.mark.parametrize("rate", [0.01, 3.0, 40.0])
+def test_the_viscosity_is_that_at_the_rate_of_strain(rheology, rate):
+    viscosity, _ = sheared(rheology, [[0.0, rate], [0.0, 0.0]])
+    numbers = (rheology["consistency"], rheology.get("exponent", 1.0), rheology.get("yield_stress", 0.0), 400.0)
+    np.testing.assert_allclose(viscosity, apparent_viscosity(rate, *numbers), rtol=1e-9)
+
+
+def test_a_rigid_rotation_does_not_yield():
+    viscosity, state = sheared(BINGHAM, [[0.0, -2.0], [2.0, 0.0]])
+    np.testing.assert_allclose(viscosity, 400.0, rtol=1e-6)
+    assert np.abs(state.acceleration).max() < 1e-7
+
+
+def test_in_space_the_rate_of_strain_is_that_of_all_directions():
+    gradient = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -2.0]]
+    viscosity, _ = sheared(BINGHAM, gradient, dimension=3)
+    rate = math.sqrt(2.0 * 6.0)
+    np.testing.assert_allclose(viscosity, apparent_viscosity(rate, 2.0, 1.0, 30.0, 400.0), rtol=1e-9)
+
+
+def channel(walls="mirror", consistency=1.0, exponent=1.0, yield_stress=0.0, **changes):
+    text = CHANNEL.format(walls=walls, consistency=consistency, exponent=exponent, yield_stress=yield_stress)
+    return load_scene(text, [f"{key}={value}" for key, value in changes.items()])
+
+
+def test_the_largest_viscosity_limits_the_step():
+    narrow, wide = channel(yield_stress=4.0), channel(yield_stress=4.0, **{"liquid.rheology.largest_viscosity": 40.0})
+    assert SPH.parameters(narrow).time_step == pytest.approx(2.0 * SPH.parameters(wide).time_step, rel=0.02)
+
+
+def test_walls_that_hold_the_liquid_have_its_viscosity():
+    """Otherwise the mean of both would be up to twice that of the liquid."""
+    scene = channel(walls="dummy", yield_stress=4.0)
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[0] = 3.0 * state.position[1]
+    workspace = SPH.workspace(parameters, state, 1.0)
+    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
+    dummies = parameters.boundary.dummies.position.shape[1]
+    count = state.position.shape[1]
+    there = workspace.fields.viscosity[count : count + dummies]
+    liquid = workspace.fields.viscosity[:count]
+    assert there.max() <= liquid.max()
+    assert there[there > 0.0].min() >= (1.0 - 1e-12) * liquid.min()
+    assert (there > 0.0).any()
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+@pytest.mark.parametrize(
+    ("liquid", "close"),
+    [((1.0, 1.0, 0.0), 0.01), ((4.0, 0.5, 0.0), 0.03), ((1.0, 1.0, 4.0), 0.035), ((2.0, 0.6, 3.0), 0.055)],
+)
+def test_a_channel_has_the_profile_of_its_liquid(walls, liquid, close):
+    """With twenty particles across: the error of the power law is 2.3 %, and 0.58 % with forty."""
+    *_, last = simulate(channel(walls, *liquid))
+    y, speed = last.arrays["position"][:, 1] - 0.01, last.arrays["velocity"][:, 0]
+    exact = np.array([channel_speed(each, 0.01, 1000.0, *liquid) for each in y])
+    assert np.sqrt(np.mean((speed - exact) ** 2)) < close * np.sqrt(np.mean(exact**2))
+
+
+def test_check_says_how_slowly_the_liquid_creeps():
+    rows = {name: (value, remark) for name, value, remark in SPH.summary(channel(yield_stress=4.0))}
+    assert rows["rheology"][0] == "4 Pa + 1 Pa s"
+    assert "below 0.21 1/s" in rows["rheology"][1]
+    thin = {name: value for name, value, _ in SPH.summary(channel(exponent=0.5))}
+    assert thin["rheology"] == "1 Pa s^0.5"
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"liquid.viscosity": 1.0}, "the rheology sets it"),
+        ({"method.turbulence": '"smagorinsky"'}, "liquids of one viscosity"),
+        ({"passive_tracers": "[{positions=[[0.005, 0.01]], radius=1e-4, density=2500.0}]"}, "drag on grains"),
+        ({"liquid.rheology.consistency": 0.0}, "expected a consistency, a yield_stress, or both"),
+    ],
+)
+def test_what_no_law_is_known_for_is_refused(changes, says):
+    with pytest.raises(SceneError, match=says):
+        channel(**changes)
+
+
+def test_a_liquid_of_one_viscosity_has_the_same_bits_by_either_key():
+    """Bingham's liquid without yield stress is Newton's."""
+    short = {"duration": '"2 ms"', "frame_every": '"1 ms"', "liquid.rheology.largest_viscosity": 1.0}
+    plain = channel(consistency=1.0, **short)
+    newton = dataclasses.replace(plain, liquid=dataclasses.replace(plain.liquid, rheology=None, viscosity=1.0))
+    one, other = ([f.arrays["velocity"] for f in simulate(scene)][-1] for scene in (plain, newton))
+    np.testing.assert_array_equal(one, other)
