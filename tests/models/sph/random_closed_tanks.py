@@ -1,4 +1,4 @@
-"""Random small tanks in 2D, closed and open, still or collapsing; by hand with many seeds:
+"""Random small tanks in 2D, closed and open, still or collapsing, with obstacles and bodies; by hand with many seeds:
 `python -m tests.models.sph.random_closed_tanks 200`.
 """
 
@@ -47,6 +47,42 @@ def still(seed: int, pressure: str) -> Any:
         tank["top"] = OPEN
     fluid = [{"low": [0.0, 0.0], "high": [width, depth]}]
     return plain_of(spacing, tank, fluid, pressure, depth, obstacles=[solid])
+
+
+def opened(seed: int, pressure: str) -> Any:
+    """Open: a column that collapses onto an obstacle, or a pool around it, and bodies, which float, sink or fall."""
+    rng = np.random.default_rng([3, seed])
+    width, spacing = float(rng.uniform(1.0, 2.0)), 1.0 / int(rng.integers(10, 16))
+    collapses = bool(rng.uniform() < 0.5)
+    depth = float(rng.uniform(0.5, 1.0))
+    liquid = float(rng.uniform(0.3, 0.45)) * width if collapses else width
+    tank = {"high": [width, 3.0], "walls": str(rng.choice(["mirror", "dummy"])), "top": OPEN}
+    middle, size = float(rng.uniform(0.65, 0.8)) * width, float(rng.uniform(0.1, 0.16))
+    obstacle: dict[str, Any] = [
+        {"center": [middle, float(rng.choice([size, 0.0, 2.5 * size]))], "radius": size},
+        {"low": [middle - size, 0.0], "high": [middle + size, 1.5 * size]},
+        {"vertices": [[width - 0.35, 0.0], [width, 0.0], [width, float(rng.uniform(0.1, 0.35))]]},
+    ][int(rng.integers(3))]
+    radius = min(float(rng.uniform(2.5, 4.0)) * spacing, 0.2)
+    center = [0.25 * width, float(rng.choice([radius + 0.02, 0.4 * depth, 0.95 * depth, depth + 2.0 * radius]))]
+    body: dict[str, Any] = {"center": center, "radius": radius}
+    if rng.uniform() < 0.4:
+        body = {"low": [c - 0.9 * radius for c in center], "high": [c + 0.9 * radius for c in center]}
+    body["density"] = float(rng.uniform(0.4, 3.0))
+    fluid = [{"low": [0.0, 0.0], "high": [liquid, depth]}]
+    bodies = [body] if pressure == "tait" else []  # refused otherwise
+    return plain_of(spacing, tank, fluid, pressure, depth, obstacles=[obstacle], bodies=bodies)
+
+
+def unbalanced(frames: Any) -> float:
+    """The mean vertical force on all solids, less the weight of the liquid and its change of momentum, over the weight;
+    from one third of the time on. Frames see single instants of it.
+    """
+    late = [each.numbers for each in frames[len(frames) // 3 :]]
+    down = np.mean([sum(value for key, value in each.items() if key.endswith("_force_y")) for each in late[1:]])
+    weight = float(frames[0].arrays["mass"].sum())
+    time = frames[-1].time - frames[len(frames) // 3].time
+    return float(abs(-down - weight - (late[-1]["momentum_y"] - late[0]["momentum_y"]) / time) / weight)
 
 
 def plain_of(spacing: float, tank: Any, fluid: Any, pressure: str, depth: float, **more: Any) -> Any:
@@ -108,6 +144,25 @@ def main(count: int) -> None:
             middle = np.quantile([value for value, _ in found], (0.5, 0.9)).tolist()
             print(pressure, name, "median and 90 %", middle, "worst", sorted(found)[-6:])
         print(pressure, "failed", failed, flush=True)
+        open_tanks(count, pressure)
+
+
+def open_tanks(count: int, pressure: str) -> None:
+    """The same of open tanks."""
+    found, failed = [], []
+    for seed in range(count):
+        scene = opened(seed, pressure)
+        try:
+            frames = list(ecume.simulate(scene))
+        except Diverged as error:
+            failed.append((seed, str(error)[:120]))
+            continue
+        found.append((gained(frames), unbalanced(frames), frames[-1].numbers["lost"], seed))
+    for place, name in enumerate(("rise of energy", "unbalanced force", "particles lost")):
+        rows = sorted((row[place], row[3]) for row in found)
+        middle = np.quantile([value for value, _ in rows], (0.5, 0.9)).tolist()
+        print(pressure, "open,", name, "median and 90 %", middle, "worst", rows[-6:])
+    print(pressure, "open, failed", failed, flush=True)
 
 
 if __name__ == "__main__":

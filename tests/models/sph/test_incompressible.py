@@ -271,6 +271,7 @@ def test_check_reports_the_solver_and_no_sound():
     assert "free surface" in rows["pressure"][2]
     assert "1e-05" in rows["solver"][1]
     assert "500" in rows["solver"][2]
+    assert "100 ms or more" in rows["impact pressures"][2]
     assert "the maximum speed" in rows["time step"][2]
     assert "the least is zero" in {row[0]: row for row in SPH.summary(whirl())}["pressure"][2]
 

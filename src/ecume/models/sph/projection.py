@@ -433,8 +433,8 @@ def sum_velocity_gradient(
         found[1, i] = xx * xx + yy * yy + zz * zz + 2.0 * (xy * yx + xz * zx + yz * zy)
 
 
-def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Solve for the pressure, and change the velocities by it."""
+def project(parameters: Parameters, state: State, workspace: Workspace, time: float) -> System:
+    """Solve for the pressure, and change the velocities by it; the equation that was solved."""
     settings = parameters.projection
     if settings is None:
         raise ValueError("got a compressible liquid; expected one with a Projection")
@@ -457,6 +457,7 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
         fill(now, state, workspace)
         with np.errstate(over="ignore", invalid="ignore"):  # the integration reports values that are not finite
             state.budget[RATE] = power_of_forces(now, state, workspace)
+    return system
 
 
 def missing_density(system: System, settings: Projection) -> Array:

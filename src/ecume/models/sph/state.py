@@ -134,6 +134,8 @@ class Workspace:
     """(d, N) m/s^2 by laws of the user, at the last evaluation"""
     exchanged: dict[int, tuple[Array, Array]] | None = None
     """`touching_solids.exchanged_loads` of bodies at the last evaluation; None if it was with other lists"""
+    records_loads: bool = True
+    """whether this step ends in a frame, so that the mean loads of an incompressible liquid are of interest"""
 
     def take(self, other: Workspace) -> None:
         """Take over all arrays of another workspace."""

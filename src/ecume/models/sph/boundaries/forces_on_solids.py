@@ -246,15 +246,22 @@ def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, A
     """Yield the name, the force and the torque of each wall, obstacle and body. Torques of walls are about the middle
     of the tank, the others about the solid's own center.
     """
-    boundary = parameters.boundary
-    force, place = forces_on_dummies(parameters, workspace, 0)
+    for number, load in loads_of(parameters, workspace, forces_on_dummies(parameters, workspace, 0)):
+        yield parameters.boundary.names[number], *load
+
+
+def loads_of(
+    parameters: Parameters, workspace: Workspace, on_dummies: tuple[Array, Array]
+) -> Iterator[tuple[int, tuple[Array, Array]]]:
+    """Yield the number, and the force and torque, of each of these, from forces on dummies and their places."""
+    boundary, (force, place) = parameters.boundary, on_dummies
     mirrored, at = forces_of_images(parameters, workspace)
-    for number, name in enumerate(boundary.names):
+    for number in range(len(boundary.names)):
         mine = boundary.dummies.owner == number
         if number in mirrored:
-            yield name, *total(-mirrored[number], at, boundary.centers[number])
+            yield number, total(-mirrored[number], at, boundary.centers[number])
         elif mine.any():
-            yield name, *total(force[:, mine], place[:, mine], boundary.centers[number])
+            yield number, total(force[:, mine], place[:, mine], boundary.centers[number])
 
 
 OBSTACLE, BODY = 1, 2

@@ -180,11 +180,13 @@ Load = tuple[Array, Array]
 """Force and torque, (3,) each."""
 
 
-def exchanged_loads(now: Parameters, state: State, workspace: Workspace, movers: bool = False) -> dict[int, Load]:
+def exchanged_loads(
+    now: Parameters, state: State, workspace: Workspace, movers: bool = False, sums: dict[int, Load] | None = None
+) -> dict[int, Load]:
     """The force and torque to add to those of pairs, by owner; with `movers`, only for bodies and the solids that they
-    touch.
+    touch. `sums` are those of pairs, if known.
     """
-    solids, found, sums = solids_now(now, state.pose), dict[int, Load](), dict[int, Load]()
+    solids, found = solids_now(now, state.pose), dict[int, Load]()
     for mine in solids:
         if movers and not mine.moves:
             continue

@@ -52,6 +52,7 @@ from ecume.models.sph.report.energy_budget import (
     power_of_base_excitation,
     reflection_work,
 )
+from ecume.models.sph.solver_loads import add_loads
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -80,7 +81,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     if not np.isfinite(state.position).all():
         return DIVERGED
     status = DONE
-    for _ in range(steps):
+    for ahead in reversed(range(steps)):
+        workspace.records_loads = ahead == 0
         divisions = divisions_needed(parameters, state)
         if divisions > MOST_DIVISIONS:
             return DIVERGED
@@ -168,7 +170,9 @@ def projection_step(parameters: Parameters, state: State, workspace: Workspace, 
     shifts = shifts_needed(parameters, state, time)
     take_other_forces(parameters, state, workspace, time / shifts)
     kick_all(state, time)
-    project(parameters, state, workspace, time)
+    system = project(parameters, state, workspace, time)
+    if workspace.records_loads:
+        add_loads(with_moved_solids(parameters, state), state, workspace, system)
     move(parameters, state, workspace, time / shifts)
     for _ in range(shifts - 1):
         take_shift(parameters, state, workspace, time / shifts)

@@ -379,7 +379,7 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
             with_prefix(material.fastest, "m/s"),
             "" if scene.liquid.maximum_speed else "estimated; liquid.maximum_speed sets it",
         ),
-        *(sound_rows(scene, material) if parameters.projection is None else solver_rows(parameters.projection)),
+        *(sound_rows(scene, material) if parameters.projection is None else solver_rows(parameters)),
     ]
 
 
@@ -392,15 +392,31 @@ def sound_rows(scene: SphScene, material: Material) -> list[Row]:
     ]
 
 
-def solver_rows(settings: Projection) -> list[Row]:
-    """The rows on the pressure solver of an incompressible liquid."""
+BRIEF = 0.1
+"""In sqrt(H/g): readings of an incompressible liquid at an impact, averaged over this, do not depend on the step."""
+
+
+def solver_rows(parameters: Parameters) -> list[Row]:
+    """The rows on the pressure solver of an incompressible liquid, and on what its pressures say."""
+    settings, pull = parameters.projection, float(np.linalg.norm(parameters.gravity))
+    if settings is None:
+        raise ValueError("got a compressible liquid; expected one with a Projection")
     free = "zero at the free surface, not negative"
     bounds = free if settings.free_surface else "the tank is full: the least is zero"
     remark = f"r.m.s. error of a step, within {settings.iterations} iterations"
     return [
         ("pressure", "incompressible", f"no sound; {bounds}"),
         ("solver", f"{settings.tolerance:.2g} of the density", remark),
+        *impact_rows(settings, BRIEF * parameters.material.fastest / (math.sqrt(2.0) * pull) if pull else 0.0),
     ]
+
+
+def impact_rows(settings: Projection, brief: float) -> list[Row]:
+    """A row on pressures at impacts: a drop stops within one step, so that single readings grow as steps shorten."""
+    if not settings.free_surface:
+        return []
+    over = f"averages over {with_prefix(brief, 's', 3)} or more" if brief else "averages over many steps"
+    return [("impact pressures", "averages only", f"single readings of gauges depend on the time step; take {over}")]
 
 
 def compression_row(weight: float, material: Material) -> Row:

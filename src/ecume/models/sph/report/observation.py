@@ -455,11 +455,14 @@ def of_solids(
     damp_sound(parameters, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
-    more = [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]
-    exchanged = exchanged_loads(parameters, state, workspace)
-    more += [(parameters.boundary.names[owner], *load) for owner, load in exchanged.items()]
-    more += [(parameters.boundary.names[owner], struck[:3], struck[3:]) for owner, struck in enumerate(state.struck)]
+    more = [(parameters.boundary.names[owner], struck[:3], struck[3:]) for owner, struck in enumerate(state.struck)]
+    averaged = parameters.projection is not None and bool(state.struck.any())  # see `solver_loads`
+    if not averaged:
+        more += [(parameters.boundary.names[each.owner], *repulsion_load(parameters, state, each)) for each in pushed]
+        exchanged = exchanged_loads(parameters, state, workspace)
+        more += [(parameters.boundary.names[owner], *load) for owner, load in exchanged.items()]
     for name, force, torque in loads(parameters, workspace):
+        force, torque = (0.0 * force, 0.0 * torque) if averaged else (force, torque)
         force = sum((own for owner, own, _ in more if owner == name), start=force)
         torque = sum((own for owner, _, own in more if owner == name), start=torque)
         numbers |= {f"{name}_force_{axis}": float(force[k]) for k, axis in enumerate(axes)}
