@@ -114,6 +114,50 @@ def test_the_texts_of_a_package_keep_to_the_style(package):
     assert not faults, "\n".join(faults)
 
 
+NOT_IN_NAMES = {
+    "afloat", "came", "chance", "crowd", "crowded", "crowding", "everybody", "everyone", "felt", "lent", "march",
+    "mended", "nobody", "somebody", "tells", "thicken", "thickening", "thrown", "told", "wanted", "whoever",
+}  # fmt: skip
+"""Words of which no identifier consists: most are words to avoid, the others had private meanings."""
+STATUS = {"CROWDED"}
+"""The status of a step whose arrays are too small: see `ecume.models.model`."""
+
+
+def identifiers(path: Path) -> Iterator[str]:
+    """The names that a module defines: functions, classes, arguments, variables and fields."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        match node:
+            case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.arg(arg=name):
+                yield name
+            case ast.Name(id=name, ctx=ast.Store()):
+                yield name
+
+
+def words_of(identifier: str) -> set[str]:
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", identifier)}
+
+
+@pytest.mark.parametrize(
+    "package", sorted(path.name for path in SOURCES.iterdir() if path.name not in ("__pycache__", "validation"))
+)
+def test_identifiers_have_no_private_words(package):
+    files = [SOURCES / package] if package.endswith(".py") else sorted((SOURCES / package).rglob("*.py"))
+    faults = [
+        f"{name_of(path)}: {name}"
+        for path in files
+        for name in set(identifiers(path)) - STATUS
+        if words_of(name) & NOT_IN_NAMES
+    ]
+    assert not faults, "\n".join(sorted(faults))
+
+
+def test_words_of_identifiers_are_found(tmp_path):
+    module = tmp_path / "module.py"
+    module.write_text("class TheCrowd:\n    def by_chance(self, wanted):\n        TOLD = marching = 1\n", "utf-8")
+    named = {name for name in identifiers(module) if words_of(name) & NOT_IN_NAMES}
+    assert named == {"TheCrowd", "by_chance", "wanted", "TOLD"}
+
+
 def test_comments_count(tmp_path):
     module = tmp_path / "module.py"
     module.write_text('x = 1  # everyone is told\ny = "told"\nz = "it is told"\n', "utf-8")

@@ -145,7 +145,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     middle, nodes = 0.5 * (edges[1:] + edges[:-1]), np.polynomial.legendre.leggauss(8)
     half = 0.5 * np.diff(edges)
     r = middle[:, None] + half[:, None] * nodes[0]
-    by_chance = half * ((2.0 * np.pi * r * region.overlap(r)) @ nodes[1]) / region.area**2
+    random_pairs = half * ((2.0 * np.pi * r * region.overlap(r)) @ nodes[1]) / region.area**2
     counts = np.zeros(len(middle))
     pairs = 0.0
     for frame in frames:
@@ -155,7 +155,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
         # Each particle is at distance 0 of itself, at the first edge already, and cancels in the difference.
         counts += np.diff(tree.count_neighbors(tree, np.asarray(edges)))
         pairs += count * (count - 1.0)
-    return np.asarray(counts / (pairs * by_chance))
+    return np.asarray(counts / (pairs * random_pairs))
 
 
 class Shapes(NamedTuple):

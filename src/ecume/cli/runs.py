@@ -366,10 +366,10 @@ def repair(directory: RunFolder = HERE) -> None:
     """
     from ecume.run import repair as mend
 
-    mended = mend(directory)
-    for fault in (*mended.faults, *(f"{path}: set aside, no frame in it is whole" for path in mended.unusable)):
+    repaired = mend(directory)
+    for fault in (*repaired.faults, *(f"{path}: set aside, no frame in it is whole" for path in repaired.unusable)):
         echo(fault)
-    echo(f"{mended.good} intact frames")
+    echo(f"{repaired.good} intact frames")
 
 
 @contextlib.contextmanager

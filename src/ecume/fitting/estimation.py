@@ -30,7 +30,7 @@ from ecume.fitting.tracks import (
     keeps_kinds,
     matched,
     read_tracks,
-    require_no_chance,
+    require_deterministic,
     require_starts,
     start_at,
 )
@@ -300,7 +300,7 @@ def posed(measured: Tracks, plain: dict[str, Any], names: Sequence[str], start: 
     if start not in STARTS:
         raise BadInput(f"start: got {start!r}; {suggestion(start, STARTS)}")
     free = free_parameters(plain, names)
-    require_no_chance(plain)
+    require_deterministic(plain)
     if start != "scene":
         require_starts(plain, moving=start == "moving")
     plain = timed(plain, measured)

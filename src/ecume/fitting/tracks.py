@@ -51,7 +51,7 @@ PIXELS = ("pixel", "pixels", "px")
 FRAMES = ("frame", "frames")
 DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+(?:[eE][+-]?[0-9]+)?)")
 """A number with a decimal comma, in a table separated by semicolons or tabs, or in quotes."""
-NOBODY = ("", "none", "nan")
+NO_OBJECT = ("", "none", "nan")
 """Entries for the track of a spot that belongs to no track, and for the position of an object that was not seen."""
 
 
@@ -288,8 +288,8 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
         if len(row) <= max(column.place for column in columns.values()):
             raise ValueError(f"line {number}: {len(row)} cells are fewer than in the head")
         who = row[columns["object"].place].strip()
-        lost = any(row[columns[kind].place].strip().lower() in NOBODY for kind in ("x", "y"))
-        if who.lower() not in NOBODY and not lost:
+        lost = any(row[columns[kind].place].strip().lower() in NO_OBJECT for kind in ("x", "y"))
+        if who.lower() not in NO_OBJECT and not lost:
             when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
             found.append((_named(who), when, x, y))
     if not found:
@@ -438,7 +438,7 @@ def keeps_kinds(plain: Mapping[str, Any]) -> bool:
     return sum(len(plain.get(kinds, ())) for kinds in KINDS) == 1
 
 
-def require_no_chance(plain: Mapping[str, Any]) -> None:
+def require_deterministic(plain: Mapping[str, Any]) -> None:
     """Raise BadInput if the motion is stochastic: a simulation does not reproduce the tracks."""
     if plain.get("hydrodynamics", {}).get("brownian"):
         raise BadInput("the scene has Brownian motion, which is random; a fit needs a scene without it")

@@ -37,32 +37,32 @@ Source = Callable[..., Any]
 
 
 def no_laws(scene: Any) -> list[Source]:
-    """A model that rests on no paper."""
+    """The laws of a model without papers: none."""
     return []
 
 
 def _no_extra_laws(laws: Any) -> Model:
-    """A model without user-defined laws."""
+    """Raise BadInput: the model has no user-defined laws."""
     raise BadInput("extra_laws: this model has no user-defined laws")
 
 
 def no_summary(scene: Any) -> list[tuple[str, str, str]]:
-    """A model that derives nothing of interest."""
+    """No derived numbers."""
     return []
 
 
 def _as_it_is(scene: Any, parameters: Any, state: Any) -> Layout:
-    """A model without arrays whose sizes or values could do harm."""
+    """The layout of a state whose sizes and values are all valid."""
     return Layout(state)
 
 
 def _same(parameters: Any, state: Any) -> Any:
-    """The particles of most models never change."""
+    """The state itself, for models whose particles never change."""
     return state
 
 
 def clock_of(state: Any) -> int:
-    """The steps taken by a model of equal time steps."""
+    """The number of steps of a model with equal time steps."""
     return int(state.step[0])
 
 
@@ -126,12 +126,12 @@ class Model:
 
 
 LOCAL = "local"
-"""The loops of the model itself."""
+"""The name of the engine that consists of the model's own loops."""
 LAMMPS = "lammps"
 
 
 def _no_facts() -> Mapping[str, str | int]:
-    """Nothing beside the versions that each session states."""
+    """No facts beside the versions that each session records."""
     return {}
 
 
@@ -150,11 +150,11 @@ class Engine:
 
 
 DEEP = 0.1
-"""Fraction of a radius: larger overlaps are reported; they do not occur in a correct run."""
+"""The overlap, in radii, that is reported; larger ones do not occur in a correct run."""
 
 
 def when(parameters: Any, state: Any) -> str:
-    """The time of a state that goes by equal steps."""
+    """The time of a state with equal steps."""
     step = int(state.step[0])
     return f"at t = {step * parameters.time_step:.6g} s (step {step})"
 
@@ -180,7 +180,7 @@ def first_broken(terms: Mapping[str, Array]) -> Broken | None:
 
 
 class Layout(NamedTuple):
-    """What the state of a scene looks like."""
+    """The arrays of a state of a scene."""
 
     blank: Any
     """a state with as many particles and as much room; its values do not matter"""

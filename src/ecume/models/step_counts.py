@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from ecume.scenes.common import Common
 
 MOST_MORE = 1.5
-"""Times as many steps that are taken to end exactly at the duration; otherwise a run ends at the nearest step."""
+"""The largest factor of the number of steps with which a run ends exactly at the duration; otherwise it ends at the
+nearest step.
+"""
 BEFORE = -1
 """The position of the last sample before there is any."""
 

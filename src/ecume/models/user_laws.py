@@ -31,14 +31,14 @@ KINDS = {
     EXTERNAL: "external laws (position, velocity, time, parameters)",
 }
 MOST_LAWS = 60
-"""Laws are the bits of an integer."""
+"""The largest number of laws, which are bits of an integer."""
 
 Function = Callable[..., Any]
 
 
 Law = TypeVar("Law", bound=Callable[..., Any])
 KEY = 32
-"""Letters of a digest."""
+"""The number of letters of a digest."""
 
 
 def compiled_for_laws(function: Law) -> Law:

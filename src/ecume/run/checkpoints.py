@@ -59,7 +59,7 @@ def arrays_of(file: IO[bytes] | io.RawIOBase, path: Path) -> dict[str, NDArray[A
     size = _size(file)
     require_memory(size, path)
     try:
-        with zipfile.ZipFile(io.BufferedReader(_Lent(file))) as archive:
+        with zipfile.ZipFile(io.BufferedReader(_Unclosable(file))) as archive:
             members = archive.infolist()
             if any(member.compress_type != zipfile.ZIP_STORED or member.flag_bits & 1 for member in members):
                 raise ValueError("its arrays are compressed; expected stored ones")
@@ -92,7 +92,7 @@ def _is_numeric(kind: np.dtype[Any]) -> bool:
     return all(_is_numeric(kind[name]) for name in kind.fields)
 
 
-class _Lent(io.RawIOBase):
+class _Unclosable(io.RawIOBase):
     """An open file that its reader cannot close."""
 
     def __init__(self, file: Any) -> None:

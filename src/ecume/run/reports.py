@@ -18,7 +18,7 @@ from ecume.run.directory import RunDirectory, existing, manifest_of, read
 from ecume.run.invariant_monitor import summary_line as watched
 from ecume.run.lock import held, is_held
 from ecume.run.manifest import circumstances
-from ecume.run.verification import mended
+from ecume.run.verification import repaired
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 from ecume.trajectories.records import FAILED, STATUS, manifest_at, scene_at, storing
@@ -141,7 +141,7 @@ def repair(directory: str | os.PathLike[str]) -> Repaired:
     """
     home = existing(directory)
     with held(home):
-        return mended(home)
+        return repaired(home)
 
 
 def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, str]:

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from ecume.models.actions import Action
 
 
-def mended(home: RunDirectory) -> Repaired:
+def repaired(home: RunDirectory) -> Repaired:
     """The result of a repair: whole frames are kept, each damaged one is named; other damaged files are made again or
     set aside.
     """

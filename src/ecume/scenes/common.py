@@ -37,7 +37,7 @@ from ecume.units import Array, Quantity
 
 Piece = TypeVar("Piece")
 LONGEST_TUPLE = 4
-"""Items of a tuple that a `repr` shows."""
+"""The number of items of a tuple that a `repr` shows."""
 
 
 @dataclass_transform(field_specifiers=(dataclasses.field, Field))
@@ -66,7 +66,7 @@ def dataclass(*, frozen: bool, kw_only: bool, config: ConfigDict) -> Callable[[t
 
 
 def _short(piece: object) -> str:
-    """`DishSpec(radius=0.05)`: the values that differ from the defaults, long tuples by their length."""
+    """A text such as `DishSpec(radius=0.05)`: the values that differ from the defaults, long tuples by their length."""
     fields = dataclasses.fields(piece) if dataclasses.is_dataclass(piece) else ()
     given = [
         (field.name, getattr(piece, field.name)) for field in fields if getattr(piece, field.name) != field.default
@@ -81,7 +81,7 @@ def _shown(value: object) -> str:
 
 
 QuantityName = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_]+$")]
-"""The name of an array or of a number of a frame. Which names exist depends on the model and the scene."""
+"""The name of an array or of a number of a frame; the available names depend on the model and the scene."""
 
 
 Interval = Annotated[int, Field(strict=True, ge=1, le=1_000_000_000)]
@@ -114,7 +114,7 @@ class SamplesSpec:
         return self
 
     def faults(self, duration: float) -> Complaints:
-        """Intervals that do not fit the duration of a run (s)."""
+        """The faults of intervals that do not fit the duration of a run (s)."""
         if self.every is None:
             return []
         if self.every > duration * (1.0 + 1e-9):
@@ -217,7 +217,7 @@ class Common:
 
     @property
     def whole_frames(self) -> int:
-        """How many times `frame_every` fits into the duration."""
+        """The number of whole intervals `frame_every` in the duration."""
         frames = self.duration / self.frame_every
         return round(frames) if abs(frames - round(frames)) <= 1e-9 * frames else math.floor(frames)
 
@@ -234,7 +234,8 @@ class Common:
         return self.whole_frames + (self.rest > 0)
 
     def frame_time(self, number: int) -> float:
-        """When a frame is due (s): `number` times `frame_every`, rounded once; the last one at the end.
+        """The time of a frame (s): `number` times `frame_every`, rounded once; the last one at the
+        end.
 
         >>> Common(model="floating", duration=0.5, frame_every=0.14).frame_time(3)
         0.42
@@ -245,12 +246,12 @@ class Common:
 
     @property
     def numbers(self) -> frozenset[str]:
-        """Names of numbers that frames have, as far as they follow from the scene alone."""
+        """The names of numbers of frames that follow from the scene alone."""
         return frozenset()
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
-        """The species, each in the place that is its number in frames; none where a model knows no species."""
+        """The species in the order of their numbers in frames; empty for models without species."""
         return ()
 
     @overload
@@ -268,7 +269,7 @@ class Common:
         return cast(Self, _hooks.changed_scene((self, given)))
 
     def __repr__(self) -> str:
-        """`FloatingScene('A bowl of cereal', 12 s, 151 frames, 40 cereals)`."""
+        """A text such as `FloatingScene('A bowl of cereal', 12 s, 151 frames, 40 cereals)`."""
         numbers = [getattr(one, "count", None) or len(one.positions) for one in getattr(self, "particles", ())]
         species = [f"{count} {kind.name}" for count, kind in zip(numbers, self.kinds, strict=False)]
         rows = [f"{count} rows"] if (count := len(getattr(self, "rows", ()))) else []

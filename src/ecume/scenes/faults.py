@@ -1,4 +1,4 @@
-"""The faults of a scene, in terms of the file that the user wrote: with the line and column of each."""
+"""The faults of a scene in terms of the user's file, with line and column of each."""
 
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ def places(text: str) -> dict[Path, Place]:
 
 
 def place_of(path: Path, known: dict[Path, Place]) -> Place | tuple[None, None]:
-    """The place of a path, or of the nearest piece around it; the file's beginning for a missing key.
+    """The position of a path, or of the nearest piece around it; the beginning of the file for a
+    missing key.
 
     A list of tables as a whole is where its first one is.
     """
@@ -55,7 +56,7 @@ def place_of(path: Path, known: dict[Path, Place]) -> Place | tuple[None, None]:
 
 
 def _entries(root: Node) -> Iterator[tuple[Path, Node]]:
-    """Each path with the node that writes it."""
+    """Yield each path with the node that defines it."""
     counts: dict[Path, int] = {}
     for child in root.named_children:
         if child.type == "pair":
@@ -65,7 +66,9 @@ def _entries(root: Node) -> Iterator[tuple[Path, Node]]:
 
 
 def _table(node: Node, counts: dict[Path, int]) -> Iterator[tuple[Path, Node]]:
-    """A `[table]`, or one more `[[table]]` of a list: `counts` knows how many of each there were."""
+    """Yield the entries of a `[table]`, or of one more `[[table]]` of a list; `counts` holds the
+    number of each so far.
+    """
     head: Path = ()
     names = _key(node.named_children[0])
     for depth, name in enumerate(names, 1):
@@ -81,7 +84,7 @@ def _table(node: Node, counts: dict[Path, int]) -> Iterator[tuple[Path, Node]]:
 
 
 def _values(head: Path, top: Node) -> Iterator[tuple[Path, Node]]:
-    """A pair and all that its value holds. Without recursion: a file may nest as deep as it likes."""
+    """Yield a pair and all values in it, without recursion, since a file may be nested arbitrarily deep."""
     waiting = [(head, top)]
     while waiting:
         path, node = waiting.pop()
@@ -99,7 +102,7 @@ def _values(head: Path, top: Node) -> Iterator[tuple[Path, Node]]:
 
 
 def _key(node: Node) -> Path:
-    """The names of a key: two for `dish.radius`. Dotted keys nest, in the grammar, to the left."""
+    """The parts of a key: two for `dish.radius`. In the grammar, dotted keys are nested to the left."""
     if node.type == "dotted_key":
         return tuple(name for part in node.named_children if part.type in KEYS for name in _key(part))
     text = (node.text or b"").decode(errors="replace")
@@ -111,7 +114,7 @@ def _key(node: Node) -> Path:
 Key = str | int
 Path = tuple[Key, ...]
 Complaints = list[tuple[Path, str]]
-"""What does not fit together, each with its path below the piece that complains."""
+"""Inconsistencies, each with its path relative to the piece that reports it."""
 
 BARE = re.compile(r"[A-Za-z0-9_-]{1,60}")
 LONGEST_ECHO = 60
@@ -127,13 +130,13 @@ class Inconsistent(ValueError):
 
 
 def written(path: Path) -> str:
-    """`("particles", 0, "radius")` as `particles[0].radius`."""
+    """The path `("particles", 0, "radius")` as the text `particles[0].radius`."""
     parts = (f"[{key}]" if isinstance(key, int) else "." + (key if BARE.fullmatch(key) else echo(key)) for key in path)
     return "".join(parts).removeprefix(".")
 
 
 def read_path(text: str) -> Path:
-    """`particles[0].radius` as `("particles", 0, "radius")`.
+    """The text `particles[0].radius` as the path `("particles", 0, "radius")`.
 
     >>> read_path("particles[0].radius")
     ('particles', 0, 'radius')
@@ -143,7 +146,7 @@ def read_path(text: str) -> Path:
 
 
 def echo(value: object) -> str:
-    """The value that was given, short and harmless to print."""
+    """The given value, short and safe to print."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
@@ -182,7 +185,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "eddy_dispersion": ("turbulent_dispersion",),
     "hamaker": ("hamaker_constant",),
 }
-"""Other words for keys, too different in spelling to be recognized."""
+"""Other words for keys whose spelling is too different to be recognized."""
 ELSEWHERE = {
     "liquid.gravity": "gravity, at the top of the scene",
     "liquid.flow": "the table [flow]",
@@ -193,11 +196,11 @@ ELSEWHERE = {
     "method.courant": "integration.courant_number",
     "tank.size": "tank.low and tank.high",
 }
-"""Keys that are looked for in a table where they are not, and where they are."""
+"""Keys that users expect in a table, and where they are instead."""
 
 
 def suggestion(word: str, choices: Iterable[str]) -> str:
-    """`did you mean radius?`, or all the choices where none is near."""
+    """The text `did you mean radius?`, or all choices if none is similar."""
     known = list(choices)
     for same in SYNONYMS.get(word, ()):
         if same in known:
@@ -206,7 +209,7 @@ def suggestion(word: str, choices: Iterable[str]) -> str:
 
 
 def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[str] = ()) -> list[tuple[Path, str]]:
-    """The faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
+    """The faults that pydantic found in `raw` as a value of type `kind`; `also` are further keys at the top."""
     details = error.errors(include_url=False)
     details = [detail for detail in details if not _emptied(detail, details)]
     found = list(
@@ -237,7 +240,7 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     """One of pydantic's complaints as paths and messages."""
     path = tuple(detail["loc"])
     if (label := _label_in(kind, path)) is not None:
-        # A number or a list: complaints of what was not meant say nothing, and the label is no key of anybody's.
+        # A number or a list: only faults of the kind that was given are reported, and the label is not a key.
         meant = isinstance(value_at(raw, path[:label], detail["input"]), list | tuple)
         if meant != str(path[label]).startswith("tuple["):
             return []
@@ -255,11 +258,11 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     if isinstance(cause, Inconsistent):
         return [(path + below, message) for below, message in cause.complaints]
     got = f"got {echo(value_at(raw, path, detail['input']))}"
-    return [(path, f"{got}; {cause if cause is not None else _wanted(detail)}{_as_table(detail, kind, path)}")]
+    return [(path, f"{got}; {cause if cause is not None else _expected(detail)}{_as_table(detail, kind, path)}")]
 
 
 def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
-    """How to write a table whose kind was given as text: `left = { kind = "outflow" }`."""
+    """A hint how to write a table whose kind was given as text: `left = { kind = "outflow" }`."""
     word = detail["input"]
     if detail["type"] == "tuple_type" and isinstance(word, dict):
         return f"; write [[{'.'.join(str(key) for key in path if isinstance(key, str))}]] with two brackets"
@@ -271,7 +274,9 @@ def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
 
 
 def _label_in(kind: type, path: Path) -> int | None:
-    """Where a path names one of several kinds that a value may be of: `tuple[...]`, which a key may be called, too."""
+    """The index in a path of pydantic's label of one of several kinds (`tuple[...]`), which a key may have as its name,
+    too.
+    """
     for place, key in enumerate(path):
         if isinstance(key, str) and "[" in key and typing.get_origin(_kind_at(kind, path[:place])) is typing.Union:
             return place
@@ -285,8 +290,8 @@ def _items(kind: Any) -> tuple[Any, ...]:
     return typing.get_args(kind)
 
 
-def _wanted(detail: ErrorDetails) -> str:
-    """The expected value, from the kind of complaint and its bounds."""
+def _expected(detail: ErrorDetails) -> str:
+    """The expected value, from the kind of the fault and its bounds."""
     bounds = detail.get("ctx", {})
     if detail["type"] == "literal_error":
         choices = [word for word in re.findall(r"'([^']*)'", str(bounds["expected"])) if word]
@@ -321,7 +326,7 @@ def _number(value: object) -> object:
 
 
 def value_at(raw: object, path: Path, otherwise: object) -> object:
-    """The value at `path`, as it was written."""
+    """The original value at a path."""
     for key in path:
         try:
             raw = raw[key]  # type: ignore[index]  # whatever cannot be indexed so ends the search
@@ -331,7 +336,7 @@ def value_at(raw: object, path: Path, otherwise: object) -> object:
 
 
 def _keys(kind: type, path: Path, also: Sequence[str]) -> list[str]:
-    """The keys that may stand in the piece at `path`."""
+    """The valid keys in the piece at a path."""
     piece = _kind_at(kind, path)
     known = [field.name for field in dataclasses.fields(piece)] if dataclasses.is_dataclass(piece) else []
     return known + list(also) * (not path)
@@ -357,5 +362,5 @@ def _kind_at(kind: Any, path: Path) -> Any:
 
 
 def as_faults(found: Iterable[tuple[Path, str]]) -> list[Fault]:
-    """Faults without a place in a file."""
+    """Faults without a position in a file."""
     return [Fault(written(path), message) for path, message in found]

@@ -1,4 +1,5 @@
-"""The reading of scenes, from files and from plain data: a scene, or all of its faults; changes from the command line.
+"""Reading scenes from files and from plain data: a scene, or all of its faults; and changes from
+the command line.
 
 The table of scenes, the conversion between scenes and plain data, and the units that the schema knows.
 
@@ -55,7 +56,7 @@ from ecume.scenes.tracers import TracersScene, follow_field
 from ecume.units import Unit
 
 Scene = FloatingScene | SoftScene | SphScene | TracersScene
-"""Any scene. Each model adds its own."""
+"""Any scene."""
 
 
 class _Scenes(MutableMapping[str, type[Common]]):
@@ -93,7 +94,7 @@ def from_plain(plain: Mapping[str, Any]) -> Scene:
 
 
 def examined(plain: Mapping[str, Any], also: Sequence[str] = ()) -> tuple[Scene | None, list[tuple[Path, str]]]:
-    """The scene, or all that is wrong with it; `also` are the keys that its file may have besides."""
+    """The scene, or all of its faults; `also` are further keys that its file may have."""
     model = plain.get("model")
     kind = SCENES.get(model) if isinstance(model, str) else None
     if kind is None:
@@ -117,7 +118,7 @@ def _reader(model: str) -> TypeAdapter[Common]:
 
 
 def to_plain(scene: Scene) -> dict[str, Any]:
-    """Tables, lists, text and numbers, every default filled in: JSON can hold them, `from_plain` takes them back."""
+    """Tables, lists, text and numbers with all defaults filled in: valid JSON, which `from_plain` reads."""
     return cast(dict[str, Any], _listed(dataclasses.asdict(scene)))
 
 
@@ -128,7 +129,7 @@ def _listed(value: Any) -> Any:
 
 
 def scene_hash(scene: Scene) -> str:
-    """64 hexadecimal digits, the same for equal scenes only."""
+    """A hash of 64 hexadecimal digits, equal for equal scenes only."""
     return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()
 
 
@@ -187,7 +188,7 @@ LONGEST = 10_000
 
 
 def overridden(raw: dict[str, Any], overrides: Sequence[str]) -> tuple[set[Path], list[tuple[Path, str]]]:
-    """Write the overrides into `raw`; the paths they set, and what is wrong with them."""
+    """Write the overrides into `raw`; return the paths they set, and their faults."""
     changed: set[Path] = set()
     faults: list[tuple[Path, str]] = []
     for override in overrides:
@@ -213,7 +214,9 @@ def split(override: str) -> tuple[Path, Any]:
 
 
 def value_of(text: str) -> Any:
-    """A value as TOML writes it; what TOML cannot read is text, so that the shell needs no second pair of quotes."""
+    """The value of a TOML text; text that is not TOML is returned unchanged, so that the shell needs no second pair of
+    quotes.
+    """
     if len(text) > LONGEST:
         raise ValueError(f"a value of {len(text)} characters is too long")
     try:
@@ -225,7 +228,7 @@ def value_of(text: str) -> Any:
 
 
 def put(raw: Any, path: Path, value: Any) -> None:
-    """Set the value at `path`; missing tables on the way are created."""
+    """Set the value at a path; missing tables on the path are created."""
     for depth, (key, following) in enumerate(itertools.pairwise(path)):
         if isinstance(key, str) and isinstance(raw, dict) and isinstance(following, str):
             raw.setdefault(key, {})
@@ -234,7 +237,7 @@ def put(raw: Any, path: Path, value: Any) -> None:
 
 
 def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
-    """The key, if something stands there."""
+    """The key, if a value exists there."""
     if isinstance(key, str) and isinstance(raw, dict) and (new or key in raw):
         return key
     if isinstance(key, int) and isinstance(raw, list) and key < len(raw):
@@ -247,15 +250,15 @@ def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
 
 
 ROUNDS = 8
-"""Corrections that are tried one after the other, and lines that are omitted."""
+"""The largest numbers of corrections, and of omitted lines."""
 QUICK = 20_000
-"""Placing more particles than this can take longer than correcting the faults that are known."""
+"""The number of particles above which placement would delay the report of known faults."""
 MEANT = re.compile(r"no such key; did you mean (\w+)\?")
-"""A misspelt key."""
+"""The pattern of the message on a misspelt key."""
 
 
 def load_and_examine(file: File, overrides: Sequence[str], examine: Callable[[Scene], Any]) -> Scene:
-    """The scene of a file. Raises SceneError with its faults, and with those that `examine` finds in what is valid."""
+    """The scene of a file. Raises SceneError with its faults, and with those that `examine` finds in its valid part."""
     try:
         return load_scene(file, overrides)
     except SceneError as error:
@@ -282,7 +285,7 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
 
 
 def _placed(scene: Scene) -> int:
-    """How many particles have to be placed."""
+    """The number of particles to place."""
     return sum(getattr(species, "count", 0) or 0 for species in getattr(scene, "particles", ()))
 
 
@@ -301,14 +304,14 @@ def without_bad_lines(source: Source) -> tuple[Source, list[Fault]]:
             lines[fault.line - 1] = ""
             source = source._replace(text="\n".join(lines))
             if "twice" in fault.message:
-                break  # the keys of the second table would be faults of the first one
+                break  # otherwise the keys of the second table would be faults of the first one
         else:
             break
     return source, faults
 
 
 def _faults_of(source: Source, overrides: Sequence[str]) -> list[Fault]:
-    """The faults of the keys of a text; none where it is no TOML at all."""
+    """The faults of the keys of a text; empty if it is not TOML."""
     try:
         raw = tables_of(source.text)
     except (ValueError, RecursionError):
@@ -319,7 +322,7 @@ def _faults_of(source: Source, overrides: Sequence[str]) -> list[Fault]:
 
 
 def _examined(raw: dict[str, Any], source: Source) -> tuple[Scene | None, list[tuple[Path, str]]]:
-    """The scene of plain data, with what its tables and files hold, or its faults."""
+    """The scene of plain data with the contents of its tables and files, or its faults."""
     name_liquid(raw)
     dry = sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
@@ -330,8 +333,8 @@ def _examined(raw: dict[str, Any], source: Source) -> tuple[Scene | None, list[t
 
 
 def valid_part(source: Source, overrides: Sequence[str]) -> tuple[Scene | None, set[Path]]:
-    """The scene with misspelt keys corrected and faulty ones omitted, and the paths of these; None where what is left
-    is no scene.
+    """The scene with misspelt keys corrected and faulty ones omitted, and the paths of these; None if the rest is no
+    scene.
     """
     try:
         raw = tables_of(source.text)
@@ -351,7 +354,7 @@ def valid_part(source: Source, overrides: Sequence[str]) -> tuple[Scene | None, 
 
 
 def _corrected(raw: dict[str, Any], found: Sequence[tuple[Path, str]], dropped: set[Path]) -> bool:
-    """Rename misspelt keys and remove faulty ones; whether any was there."""
+    """Rename misspelt keys and remove faulty ones; return whether any was changed."""
     done = False
     for path, message in found:
         table = value_at(raw, path[:-1], None) if path else None
@@ -378,25 +381,25 @@ def _located(error: SceneError, source: Source, overrides: Sequence[str], droppe
 
 
 BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")
-"""A line with words that stand without quotes."""
+"""The pattern of a line with words without quotes."""
 MOST_BYTES = 2**20
 DEEPEST = 64
 LONGEST_LINE = 400
-"""Characters of a line in which a hint is looked for."""
+"""The length of a line up to which a hint is searched."""
 TOKENS = re.compile(
     r'''"""(?:\\.|[^\\])*?(?:"""|\Z)|\'{3}.*?(?:\'{3}|\Z)|"(?:\\.|[^"\\\n])*+"?|\'[^\'\n]*+\'?|\#[^\n]*|[=,{}\[\]\n.]''',
     re.DOTALL,
 )
-"""What separates the parts of keys, and what hides such signs: texts and comments."""
+"""The pattern of separators of keys, and of texts and comments that may contain them."""
 """Tables in tables, and parts of a key."""
 OVERRIDDEN = " (from --set)"
-"""Behind a fault that the command line brought in."""
+"""The remark after a fault of an override."""
 OF_SWEEPS = {"axes", "sampling", "process", "template"}
-"""Keys that only a sweep's file has."""
+"""Keys of sweep files only."""
 FROM_ELSEWHERE = {"particles", "rows", "fluid", "cell"}
-"""Tables that a start fills in: without it they have no faults of their own."""
+"""Tables that a start fills in: their faults are not reported if the start itself has faults."""
 LONGEST_NAME = 200
-"""Of a file: about a longer one the system would rather not be asked."""
+"""The longest file name that is looked up."""
 
 
 class Source(NamedTuple):
@@ -426,7 +429,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
 
 
 def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tuple[Path, str]]]:
-    """The scene of plain data with what the files hold that it names, and all that is wrong."""
+    """The scene of plain data with the contents of its files, and all faults."""
     name_liquid(raw)
     started = START in raw
     dry = sources_followed(raw, folder)
@@ -436,14 +439,14 @@ def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tup
     scene, found = examined(raw, also=SOURCES)
     if started and (dry or rows.faults):
         found = [fault for fault in found if fault[0] and fault[0][0] not in FROM_ELSEWHERE]
-    # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
+    # A scene without its rows has no floats, and a region without its file has no shape: these are not separate faults.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("particles",)} if rows.faults else set())
     faults = dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
     return (None if faults else scene), faults
 
 
 def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:
-    """The same error with the lines and columns of the file; for faults that a model found in a scene that was read."""
+    """The error with the lines and columns of the file, for faults that a model found in a scene."""
     source = source_of(path_or_text)
     raw = parsed(source)
     changed = overridden(raw, overrides)[0]
@@ -455,7 +458,7 @@ def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str
 
 
 def name_liquid(raw: dict[str, Any]) -> None:
-    """`liquid = "water"`, with a `temperature` beside it, is short for a table of these two."""
+    """Replace `liquid = "water"` and a `temperature` beside it by the table of these two."""
     name = raw.get("liquid")
     if isinstance(name, str):
         given = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
@@ -463,7 +466,7 @@ def name_liquid(raw: dict[str, Any]) -> None:
 
 
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
-    """Put what the files say that a scene names into `raw`; the faults of these files."""
+    """Put the contents of the files that a scene names into `raw`; return the faults of these files."""
     if raw.get("model") == "floating":
         from ecume.scenes.floating.surroundings import follow_current
 
@@ -498,7 +501,7 @@ def _started(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
 
 
 def source_of(path_or_text: str | File) -> Source:
-    """Whether it is a file or a text: a text has a line break or an equals sign, a file exists."""
+    """The source, a file or a text: a text contains a line break or an equals sign, a file exists."""
     if isinstance(path_or_text, str) and (not path_or_text.strip() or re.search(r"[\n=]", path_or_text)):
         file = File(path_or_text) if "=" in path_or_text and "\n" not in path_or_text else None
         if file is None or len(path_or_text) > 255 or not file.is_file():
@@ -517,7 +520,7 @@ def source_in(path: File, most_bytes: int = MOST_BYTES) -> Source:
 
 
 def _meant(path: File) -> str:
-    """A hint at what a user who named a file that is not there may have meant."""
+    """A hint for a user who named a missing file."""
     if len(path.name) > LONGEST_NAME:
         return ""
     if path.is_dir():
@@ -534,7 +537,7 @@ def _bounded(text: str) -> str:
 
 
 def parsed(source: Source) -> dict[str, Any]:
-    """The tables of a TOML text. Python's reader leaks two more exceptions than its own."""
+    """The tables of a TOML text. Python's reader may raise two exceptions beside its own."""
     try:
         return tables_of(source.text)
     except tomllib.TOMLDecodeError as error:
@@ -547,7 +550,7 @@ def parsed(source: Source) -> dict[str, Any]:
 
 
 def tables_of(text: str) -> dict[str, Any]:
-    """The tables of a TOML text. Raises ValueError, and RecursionError where it is nested too deeply."""
+    """The tables of a TOML text. Raises ValueError, and RecursionError if it is nested too deeply."""
     require_shallow_keys(text)
     return _shallow(tomllib.loads(text))
 
@@ -566,7 +569,7 @@ def require_shallow_keys(text: str) -> None:
 
 
 def _shallow(raw: dict[str, Any]) -> dict[str, Any]:
-    """The same tables. Raises RecursionError where they are nested too deeply for what reads them next."""
+    """The same tables. Raises RecursionError if they are nested too deeply for later readers."""
     level: list[Any] = [raw]
     for _ in range(DEEPEST):
         level = [item for each in level for item in (each.values() if isinstance(each, dict) else each)]
@@ -577,11 +580,11 @@ def _shallow(raw: dict[str, Any]) -> dict[str, Any]:
 
 
 BRACKETED = re.compile(r"\s*[A-Za-z_.]+\[[0-9]+\][A-Za-z0-9_.\[\]]*\s*=")
-"""A path with a place in a list as a key."""
+"""The pattern of a path with an index as a key."""
 
 
 def _syntax_fault(given: str, text: str) -> Fault:
-    """The message of Python's reader as a fault, with its place."""
+    """The message of Python's reader as a fault with its position."""
     message, _, place = given.rpartition(" (at ")
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")
@@ -599,7 +602,7 @@ def _syntax_fault(given: str, text: str) -> Fault:
 
 
 def placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:
-    """Faults with their lines and columns; those that the command line brought in have none."""
+    """Faults with their lines and columns; those of overrides have none."""
     known = places(source.text)
     found = []
     for path, message in faults:

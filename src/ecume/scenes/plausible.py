@@ -1,6 +1,6 @@
-"""Remarks on the values of a scene that matter does not have: most are slips of a unit, such as 45 for 45 mN/m.
+"""Remarks on implausible values of a scene: most are wrong units, such as 45 for 45 mN/m.
 
-A plain number is in SI units, and slips are usual: its range is that of everyday matter. A unit that is written is
+A plain number is in SI units, and errors are common: its range is that of everyday matter. A unit that is written is
 meant: that range is as wide as nature's. One table has the ranges of all models.
 """
 
@@ -16,7 +16,7 @@ from ecume.scenes.load import SCENES, below, item_unit, name_liquid
 from ecume.units import Unit, same_dimension, with_prefix
 
 Remark = tuple[str, str, str]
-"""The key, its value with unit, and what is odd about it."""
+"""The key, its value with unit, and the remark."""
 
 
 class Range(NamedTuple):
@@ -25,13 +25,13 @@ class Range(NamedTuple):
     keys: str
     """a pattern for model and path, `floating liquid.density`"""
     usual: tuple[float, float]
-    """of plain numbers"""
+    """the range of plain numbers"""
     possible: tuple[float, float]
-    """of numbers with a unit"""
+    """the range of numbers with a unit"""
     units: tuple[str, ...]
-    """those that a plain number may be meant in, the likeliest first"""
+    """the units in which a plain number may be meant, the likeliest first"""
     reference: tuple[float, str] = (0.0, "")
-    """a well-known value, and whose it is"""
+    """a well-known value, and its description"""
 
 
 LENGTHS = ("mm", "um", "cm", "nm")
@@ -81,14 +81,14 @@ RANGES = (
     ),
     Range(r"\w+ .*", (1e-12, 1e3), (1e-12, 1e4), LENGTHS),
 )  # fmt: skip
-"""A key has the first range whose pattern fits it and that is of its dimension."""
+"""The ranges of keys; the first row whose pattern and dimension fit is used."""
 
 SPEEDS = Range("", (1e-12, 100.0), (1e-12, 3e3), ("mm/s", "cm/s", "um/s"))
 ANGLES = Range("", (0.0, 2.0 * math.pi), (0.0, 1e3), ("deg",))
 TIMES = Range("", (1e-12, 1e6), (1e-15, 1e10), ("ms", "us"))
 ACCELERATIONS = Range("", (1e-12, 500.0), (1e-12, 1e5), ("cm/s^2", "mm/s^2"), (9.81, "the gravity of the Earth"))
 OF_UNITS = {"m/s": SPEEDS, "rad": ANGLES, "s": TIMES, "m/s^2": ACCELERATIONS}
-"""What keys of a unit have that have no row of their own."""
+"""The ranges of keys without a row, by their unit."""
 
 
 def range_of(model: str, path: Path, unit: str) -> Range | None:
@@ -107,7 +107,7 @@ def _same_dimension(one: str, unit: str) -> bool:
 
 
 def remarks(raw: Mapping[str, Any]) -> list[Remark]:
-    """The odd values of a scene file's plain data, in its order; of a list the largest number counts."""
+    """The implausible values of a scene file's plain data, in order; for a list, the largest number counts."""
     plain = dict(raw)
     name_liquid(plain)
     model = str(plain.get("model"))
@@ -132,12 +132,12 @@ def _below(model: str, value: Any, kind: Any, path: Path, unit: str = "") -> Ite
 
 
 def _is_proportion(table: Mapping[str, Any], key: str) -> bool:
-    """Whether a length is one of proportions only, which a coverage or volume fraction scales."""
+    """Whether a length is only relative, since a coverage or volume fraction scales it."""
     return key == "size" and ("volume_fraction" in table or "coverage" in table)
 
 
 def _is_gas(liquid: Mapping[str, Any]) -> bool:
-    """Whether a carrier of tracers is as thin as gases are."""
+    """Whether the viscosity of a carrier of tracers is that of a gas."""
     found = _largest(liquid.get("viscosity"), "Pa*s")
     return found is not None and found.value < THIN
 
@@ -161,7 +161,7 @@ def _largest(value: Any, unit: str) -> Given | None:
 
 
 def _oddity(row: Range, found: Given, unit: str) -> str:
-    """What is odd about a number, and the unit that it may be meant in; empty for a usual one."""
+    """The remark on an implausible number, and the unit that may be meant; empty for a plausible one."""
     low, high = row.possible if found.stated else row.usual
     size = abs(found.value)
     if low <= size <= high or (size == 0.0 and unit != "K"):
@@ -184,7 +184,7 @@ def _in_si(number: float, one: str, unit: str) -> float:
 
 
 def _round(ratio: float) -> str:
-    """One or two digits: 600, 0.0003.
+    """The number with one or two digits: 600, 0.0003.
 
     >>> _round(618.1), _round(2.63), _round(0.00030060)
     ('600', '2.6', '0.0003')

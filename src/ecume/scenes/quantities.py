@@ -1,4 +1,4 @@
-"""The numbers of a scene: a unit, and the range outside which nothing physical lies.
+"""The quantities of a scene: their units, and ranges that contain everything physical.
 
 Both ends are far beyond any experiment. They are there so that no product of legal numbers is infinite or vanishes.
 """
@@ -31,7 +31,7 @@ from ecume.units import (
 )
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
-"""What every piece of a scene is: no unknown keys, no infinities."""
+"""The configuration of all pieces of a scene: no unknown keys, no infinities."""
 
 LONGEST_TITLE = 200
 LONGEST_NAME = 60
@@ -39,7 +39,7 @@ MOST_PARTICLES = 50_000_000
 MOST_FRAMES = 10_000_000
 MOST_STEPS = 100_000_000_000
 FARTHEST = 1e3
-"""m, from the origin."""
+"""The largest distance from the origin (m)."""
 
 Size = Annotated[Length, Field(gt=0.0, le=1e3)]
 Radius = Annotated[Length, Field(ge=1e-8, le=1e3)]
@@ -66,7 +66,7 @@ Springiness = Annotated[float, Unit("N/m"), Field(gt=0.0, le=1e9)]
 Text = Annotated[str, Field(max_length=LONGEST_TITLE, pattern=r"^[^\x00-\x1f\x7f]*$")]
 Name = Annotated[str, Field(max_length=LONGEST_NAME, pattern=r"^[^\x00-\x1f\x7f]*$")]
 LawName = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"^[a-z0-9][a-z0-9-]*$")]
-"""The name of a law. Which names there are is for the model to say: it knows the laws' tables, a scene does not."""
+"""The name of a law, which the model checks: a scene does not contain the tables of laws."""
 
 Count = Annotated[int, Field(strict=True, ge=1, le=MOST_PARTICLES)]
 Seed = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
@@ -95,7 +95,7 @@ def wetting_angle(value: object) -> float:
 
 
 def contact_angle(value: object) -> float | str:
-    """An angle between 0 and 180 degrees, or the name of the closure that works one out."""
+    """An angle between 0 and 180 degrees, or the name of the closure that computes it."""
     return ORIGINAL_CLOSURE if isinstance(value, str) and value == ORIGINAL_CLOSURE else wetting_angle(value)
 
 
@@ -129,7 +129,7 @@ HEXADECIMAL = re.compile(r"#[0-9a-f]{6}")
 
 
 def color(value: object) -> str:
-    """A color as `#rrggbb`, from that form or one of the names in `COLORS`."""
+    """A color as `#rrggbb`, from this form or from one of the names in `COLORS`."""
     text = value.lower() if isinstance(value, str) else ""
     if text in COLORS:
         return COLORS[text]
@@ -142,7 +142,7 @@ Color = Annotated[str, PlainValidator(color)]
 
 
 def vector(symbol: str, most: float) -> Callable[[object], tuple[float, ...]]:
-    """Reads two or three quantities of one unit, none larger than `most`."""
+    """A reader of two or three quantities of one unit, none larger than `most`."""
 
     def read(value: object) -> tuple[float, ...]:
         if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
@@ -195,7 +195,7 @@ class ByDimension:
         )
 
     def reader(self, least: float, most: float) -> Callable[[object], float]:
-        """Reads numbers above `least` and up to `most`."""
+        """A reader of numbers above `least` and up to `most`."""
 
         def read(value: object) -> float:
             number = self.number(value)
@@ -212,7 +212,7 @@ Concentration = Annotated[float, PlainValidator(CONCENTRATION.reader(0.0, 1e30))
 
 
 def gravity(value: object) -> tuple[float, ...]:
-    """A magnitude, which is one number, or a vector."""
+    """The magnitude of gravity, as one number, or its vector."""
     if isinstance(value, (list, tuple)) and len(value) != 1 and quantity_of(value) is None:
         return vector("m/s^2", 1e6)(value)
     magnitude = Unit("m/s^2").number(value[0] if isinstance(value, (list, tuple)) else value)

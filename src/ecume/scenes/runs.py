@@ -1,4 +1,4 @@
-"""A frame of another run, as `RUN@FRAME` names it in a scene."""
+"""Frames of other runs, which scenes name as `RUN@FRAME`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ecume.trajectories.reader import open_trajectory
 
 
 def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
-    """The run and the frame that `RUN@FRAME` means; the last frame, where none is named. Raises ValueError."""
+    """The run and the frame of `RUN@FRAME`; the last frame by default. Raises ValueError."""
     whole = beside(folder, name)
     run, at, frame = name.rpartition("@")
     if not at or os.path.isdir(whole):  # noqa: PTH112  # a directory may have an @ in its name, or none can have this one
@@ -31,7 +31,7 @@ def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
 
 
 def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
-    """The frame that `RUN@FRAME` means, as seen from a folder, and the run's scene. Raises ValueError."""
+    """The frame of `RUN@FRAME`, relative to a folder, and the run's scene. Raises ValueError."""
     run, index = _run_and_frame(folder, name)
     try:
         with open_trajectory(run) as trajectory:

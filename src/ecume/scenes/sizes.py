@@ -30,7 +30,7 @@ Cut = Annotated[Number, Field(ge=0.5, le=6.0)]
 Weight = Annotated[Number, Field(ge=0.0, le=1e15)]
 Share = Annotated[Number, Field(gt=0.0, lt=1.0)]
 LEAST = 0.01
-"""Of the mean: no radius of a distribution is smaller."""
+"""The smallest radius of a distribution, over its mean."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -84,7 +84,7 @@ class Sized(Protocol):
 
     @property
     def radii(self) -> tuple[float, ...]:
-        """One radius per particle, or none."""
+        """One radius per particle, or empty."""
 
     @property
     def sizes(self) -> SizeSpec | None:
@@ -118,8 +118,8 @@ def quantiles(sizes: SizeSpec, count: int) -> Array:
 
 
 def radii_of(species: Sized, count: int, seed: tuple[int, int]) -> Array:
-    """The radius of each particle of a species (m); the seed of the scene and the place of the species decide on the
-    order of a distribution.
+    """The radius of each particle of a species (m); the order of a distribution follows from the seed of the scene and
+    the index of the species.
     """
     if species.sizes is not None:
         return np.random.default_rng([*seed, count]).permutation(quantiles(species.sizes, count))
@@ -150,7 +150,7 @@ def mean_power(species: Sized, power: int, count: int) -> float:
 
 
 def sized(raw: Any) -> Any:
-    """The keys of a species, with a `radius` that is a table or a list, distinguished from one that is a length."""
+    """The keys of a species; a `radius` that is a table or a list is moved to another key."""
     keys = raw.kwargs if isinstance(raw, ArgsKwargs) else raw
     if not isinstance(keys, Mapping):
         return raw
@@ -171,7 +171,7 @@ def sized(raw: Any) -> Any:
 
 
 def _mean(radii: Any, weights: Any) -> float | None:
-    """The mean of listed radii; None where they are no lengths, which their own key complains of."""
+    """The mean of listed radii; None if they are not lengths, which their own key reports."""
     if not isinstance(radii, (list, tuple)) or not radii:
         return None
     try:
@@ -197,7 +197,7 @@ class Shared(Sized, Protocol):
 
     @property
     def positions(self) -> Sequence[Any]:
-        """The place of each particle, if they are given."""
+        """The position of each particle, if specified."""
 
     @property
     def volume_share(self) -> float | None:
@@ -244,12 +244,12 @@ def shared_out(particles: Sequence[Species], power: int) -> tuple[Species, ...]:
 
 
 def _number(species: Shared) -> int:
-    """How many particles of a species there are: its count, or that of its positions."""
+    """The number of particles of a species: its count, or the number of its positions."""
     return species.count or len(species.positions)
 
 
 MANY = 1000
-"""Particles of which the mean volume of a distribution is taken where their number is to follow."""
+"""The number of particles for the mean volume of a distribution if their number is to follow from it."""
 
 
 def _faults_of_share(index: int, count: int | None, number: int) -> Complaints:
@@ -267,7 +267,7 @@ SIZE_COLUMNS = {"radius": "m", "diameter": "m", "weight": "1"}
 
 
 def follow_sizes(raw: Mapping[str, Any], folder: Folder) -> list[tuple[Path, str]]:
-    """Put the radii and weights of the table that `file` of a histogram names in its place; the faults of the files."""
+    """Replace the `file` of a histogram by the radii and weights of its table; return the faults of the files."""
     species = raw.get("particles")
     found: list[tuple[Path, str]] = []
     for index, one in enumerate(species if isinstance(species, list) else []):

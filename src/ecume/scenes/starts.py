@@ -40,7 +40,7 @@ FORMATS = {
 """The format of a file, by the end of its name."""
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
 ALIKE = 1e-5
-"""The relative difference of sides that are equal: files hold them in single precision."""
+"""The relative difference of sides up to which they are equal, since files hold them in single precision."""
 FLAT = 1e-6
 """The range of z over that of x and y in a file with two dimensions."""
 NO_MEANING = "has no meaning beside start_from, which contains the positions"
@@ -89,7 +89,7 @@ def is_run(value: object) -> bool:
 
 
 def opened(value: object, folder: Folder) -> tuple[Start | None, Complaints]:
-    """The particles of a file of another program, or what is wrong. `value` is what `start_from` holds."""
+    """The particles of a file of another program, or its faults. `value` is the value of `start_from`."""
     if not isinstance(value, Mapping):
         return None, [((RUN,), f"got {echo(value)}; expected the text RUN@FRAME or a table with file and length_unit")]
     try:
@@ -158,7 +158,7 @@ def all_frames(value: object, folder: Folder) -> tuple[str, Series]:
 
 
 def _in_si(found: Particles, spec: StartSpec) -> Particles:
-    """The particles in SI units; what has no unit is dropped."""
+    """The particles in SI units; quantities without a unit are omitted."""
     length, mass = spec.length_unit, spec.mass_unit
     x, y, z = found.sides or (0.0, 0.0, 0.0)
     return found._replace(
@@ -239,10 +239,10 @@ class Species(NamedTuple):
     """A species of the scene with its particles."""
 
     place: int | None
-    """Of its table among those of the scene; None where the former run alone describes it."""
+    """The index of its table in the scene; None if only the former run describes it."""
     keys: dict[str, Any]
     which: NDArray[np.int64]
-    """The numbers of its particles in the file."""
+    """The indices of its particles in the file."""
 
 
 def matched(start: Start, tables: Sequence[Mapping[str, Any]]) -> list[Species]:
@@ -287,7 +287,7 @@ def _unknown(index: int, name: str, start: Start) -> tuple[Path, str]:
 
 
 def _place(each: str, start: Start, names: Sequence[str], types: int) -> int | None:
-    """The place of the species that a type means; None where the former run describes it. Raises Inconsistent."""
+    """The index of the species of a type; None if the former run describes it. Raises Inconsistent."""
     target = start.species.get(each, each)
     if target in names:
         return names.index(target)
@@ -325,7 +325,7 @@ def _is_flat(particles: Particles) -> bool:
 
 
 def require_dimensions(start: Start, dimensions: int) -> None:
-    """Raise Inconsistent where a file has three dimensions and the scene two."""
+    """Raise Inconsistent if a file has three dimensions and the scene two."""
     if dimensions == 2 and not _is_flat(start.particles):
         low, high = start.particles.position[:, 2].min(), start.particles.position[:, 2].max()
         message = f"{start.name} is 3D: z is from {low:.4g} m to {high:.4g} m; the scene has 2 dimensions"
@@ -398,7 +398,7 @@ def filled(raw: dict[str, Any], start: Start) -> None:
 
 
 def _take_radius(one: Species, start: Start) -> Complaints:
-    """The radius of a species from the diameters of the file: one, or a list where they differ."""
+    """Set the radius of a species from the diameters of the file: one, or a list if they differ."""
     path: Path = ("particles", one.place or 0, "radius")
     if start.particles.diameter is None:
         return [(path, f"is missing; {start.name} has no diameters")]

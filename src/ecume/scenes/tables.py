@@ -21,11 +21,12 @@ from ecume.scenes.faults import Complaints, Path, echo, suggestion
 from ecume.units import factor
 
 TRUSTED = "ECUME_SCENE_FOLDERS"
-"""The variable of the environment that names folders, parted as in PATH, which scenes from elsewhere may read."""
+"""The environment variable with further folders, separated as in PATH, that scenes from elsewhere may read."""
 
 
 def beside(folder: pathlib.Path, name: str) -> pathlib.Path:
-    """The file or folder `name` as seen from `folder`, and inside of it, or of a folder that the user trusts.
+    """The path of the file or folder `name` relative to `folder`, inside of it or of a folder that
+    the user trusts.
 
     Links are followed before that is judged. Raises ValueError.
     """
@@ -47,8 +48,8 @@ def _trusted() -> list[str]:
 
 
 def require_there(path: pathlib.Path, folder: pathlib.Path) -> None:
-    """Raise ValueError, with where it was looked for, unless something is there."""
-    # Unlike pathlib.Path.exists, this takes no offence at names that cannot be.
+    """Raise ValueError, with the folder that was searched, unless the path exists."""
+    # Unlike pathlib.Path.exists, this raises no error for impossible names.
     if not os.path.exists(path):  # noqa: PTH110
         raise ValueError(f"does not exist; paths are relative to the scene's folder, {folder.resolve()}")
 
@@ -135,7 +136,7 @@ class TableFaults(ValueError):
 def followed(
     path: Path, follow: Callable[[Any, str, Folder], None], into: Any, name: object, folder: Folder
 ) -> Complaints:
-    """Let `follow` put what stands in a file into a scene's plain data; what is wrong with it comes back."""
+    """Apply `follow`, which puts the content of a file into a scene's plain data; return its faults."""
     if not isinstance(name, str):
         return [(path, f"got {echo(name)}; expected text")]
     try:
@@ -218,7 +219,7 @@ def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: li
 
 
 def _number(cell: str, scale: float) -> float:
-    """A plain number in SI. Raises ValueError for infinities, and for what Python alone takes for a number."""
+    """The number of a cell in SI. Raises ValueError for infinities, and for notations that only Python accepts."""
     if "_" in cell or not cell.isascii():
         raise ValueError
     number = float(cell) * scale

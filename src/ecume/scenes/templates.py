@@ -11,17 +11,17 @@ from ecume.scenes.faults import suggestion
 
 
 def templates() -> dict[str, str]:
-    """Each scene's name, and its first line: what it shows."""
+    """The name of each scene, and its first line, which describes it."""
     return _first_lines(folder())
 
 
 def sweep_templates() -> dict[str, str]:
-    """Each sweep's name, and its first line: what it shows."""
+    """The name of each sweep, and its first line, which describes it."""
     return _first_lines(folder() / "sweeps")
 
 
 MODELS = {"floating": "Floats", "sph": "Liquids in tanks", "soft": "Soft spheres", "tracers": "Tracers"}
-"""What templates of each model are listed under."""
+"""The heading of the templates of each model."""
 
 
 def by_model() -> dict[str, dict[str, str]]:
@@ -39,7 +39,7 @@ def _model_of(text: str) -> str:
 
 
 def copy_template(name: str, to: Path) -> list[Path]:
-    """Write a template and the table it reads, if any, side by side; nothing is overwritten. The files written."""
+    """Write a template and its table, if any, into one folder without overwriting; return the written files."""
     known = templates() | sweep_templates()
     if name not in known:
         near = suggestion(name, known)

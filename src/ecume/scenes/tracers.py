@@ -415,7 +415,7 @@ class TracersScene(Common):
 
     @property
     def dimensions(self) -> int:
-        """2 or 3: as many as the tank has, or else the first position."""
+        """The number of dimensions, 2 or 3, of the tank, or else of the first position."""
         if self.tank is not None:
             return len(self.tank.high or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
         placed = [species.positions[0] for species in self.particles if species.positions]
@@ -464,7 +464,7 @@ def _population(scene: TracersScene) -> Complaints:
 
 
 def _newcomers(scene: TracersScene) -> Complaints:
-    """The faults of particles that come in: their species, and their number."""
+    """The faults of entering particles: their species, and their number."""
     names, complaints, expected = [species.name for species in scene.particles], list[tuple[Path, str]](), 0.0
     for index, hole in enumerate(scene.openings):
         expected += (hole.rate or 0.0) * scene.duration
@@ -479,7 +479,7 @@ def _newcomers(scene: TracersScene) -> Complaints:
 
 
 def _coordinates(scene: TracersScene) -> Complaints:
-    """Every point has as many coordinates as the tank."""
+    """The faults of points whose number of coordinates differs from that of the tank."""
     required = scene.dimensions
     points: list[tuple[Path, Any]] = [
         (("flow", key), getattr(scene.flow, key)) for key in ("velocity", "center", "low", "high")

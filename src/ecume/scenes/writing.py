@@ -50,17 +50,17 @@ from ecume.scenes.tracers import TracersScene
 from ecume.units import Quantity, Unit, quantity_of
 
 MOST_BYTES = 2**20
-"""Of a scene file."""
+"""The largest size of a scene file."""
 MOST_CANDIDATES = 100
-"""Values that are tried for whether reading fills them in."""
+"""The largest number of values for which it is tested whether reading fills them in."""
 LARGE = 20_000
 """Characters of JSON of a scene from which values that reading would fill in are written nevertheless."""
 LONGEST_LINE = 110
 MOST_WITH_UNITS = 12
-"""Numbers in a list; longer lists hold plain numbers in SI units."""
+"""The largest number of numbers in a list with units; longer lists hold plain numbers in SI units."""
 LONGEST_NUMBER = 20
 LARGEST_WITH_UNIT = 1e100
-"""Larger numbers could overflow in another unit."""
+"""The largest number that is written with a unit; larger ones could overflow in another unit."""
 
 
 class Scale(NamedTuple):
@@ -83,7 +83,7 @@ SCALES = {
 """The units in which numbers are written, the largest first."""
 COLOR_NAMES = {value: name for name, value in COLORS.items()}
 PLAIN = {"1", "kg/m^3"}
-"""Units of numbers that are written without."""
+"""Units that are omitted."""
 
 
 def write_scene(scene: Scene, path: str | os.PathLike[str], *, force: bool = False) -> File:
@@ -125,7 +125,7 @@ def essential(scene: Scene) -> dict[str, Any]:
         fewer = copy.deepcopy(plain)
         table = value_at(fewer, path[:-1], None)
         if not isinstance(table, dict) or path[-1] not in table:
-            continue  # removed with a table around it
+            continue  # removed together with its table
         del table[path[-1]]
         try:
             same = _bits(to_plain(from_plain(fewer))) == whole
@@ -137,7 +137,7 @@ def essential(scene: Scene) -> dict[str, Any]:
 
 
 def _bits(plain: object) -> str:
-    """Text that is the same for equal bits only: minus zero is not zero."""
+    """A text that is equal for equal bits only: minus zero differs from zero."""
     return json.dumps(plain)
 
 
@@ -216,7 +216,7 @@ def _same(text: str, value: float, unit: str) -> bool:
 
 
 def _scaled(value: float, unit: str) -> str:
-    """A number with the largest unit of which there is at least one."""
+    """A number in the largest unit in which it is at least one."""
     decimal = Decimal(repr(value))
     scales = SCALES.get(unit, (Scale(unit, 0),))
     fitting = [scale for scale in scales if abs(decimal).scaleb(-scale.power) >= 1] if value else scales[:1]
@@ -259,7 +259,7 @@ def _is_section(value: Any, path: str) -> bool:
 
 
 def _line(key: str, value: Any) -> str:
-    """`key = value`; a long list has several lines."""
+    """The text `key = value`; a long list has several lines."""
     line = f"{key} = {_inline(value)}"
     if len(line) <= LONGEST_LINE or not isinstance(value, list):
         return line
@@ -336,7 +336,7 @@ def changed(of: Common, changes: Mapping[str, Given]) -> Scene:
 
 
 def plain_of(value: Any) -> Any:
-    """A Python object as the plain data that a scene is read from; quantities and dataclasses stay what they are."""
+    """A Python object as plain data of scenes; quantities and dataclasses are unchanged."""
     if quantity_of(value) is not None:
         return quantity_of(value)
     if isinstance(value, Mapping):

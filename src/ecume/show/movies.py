@@ -115,8 +115,8 @@ def _video(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
     given = ("-f", "rawvideo", "-pix_fmt", form, "-s", f"{width}x{height}", "-r", str(fps), "-i", "-")
     codec = _codec(program, kind)
     box = ("-movflags", "+faststart", "-f", "mp4") if kind == ".mp4" else ("-f", "webm")
-    wanted = ("-an", "-c:v", codec, *CODECS[kind][codec], "-pix_fmt", "yuv420p", *box, str(out))
-    command = [program, "-hide_banner", "-loglevel", "error", "-y", *given, *wanted]
+    encoding = ("-an", "-c:v", codec, *CODECS[kind][codec], "-pix_fmt", "yuv420p", *box, str(out))
+    command = [program, "-hide_banner", "-loglevel", "error", "-y", *given, *encoding]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:  # noqa: S603 - no shell; ecume makes the names
         complaint = _feed(process, (picture[:height, :width] for picture in itertools.chain([first], pictures)))
     if process.returncode != 0:

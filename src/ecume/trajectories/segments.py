@@ -82,10 +82,10 @@ class Segment:
         order = sorted((name, number) for number, name in enumerate(names) if name != CHECKSUM)
         numbers = [names.index(name) for name in gsd.number_names(self.header) if name in names]
         seal = names.index(CHECKSUM)
-        crowded = gsd.size_of(entries) > self.size()
+        oversized = gsd.size_of(entries) > self.size()
         for frame in range(self.frames):
             found = dict(first)
-            if crowded and gsd.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
+            if oversized and gsd.overlap(entries[self._starts[frame] : self._starts[frame + 1]]):
                 yield frame
                 continue
             for name, count, wide, start, kind, size in rows[self._starts[frame] : self._starts[frame + 1]]:
@@ -224,7 +224,7 @@ class GrowingSegment:
         self.frames, self._names, self._location, self._room = frames, index.names, index.location, index.room
         with storing(path):
             self._file = opened(path, "r+", root_of(path))
-        self._mend(index.entries[index.entries["frame"] < frames], index.names_end)
+        self._truncate(index.entries[index.entries["frame"] < frames], index.names_end)
 
     def takes(self, chunks: Chunks) -> bool:
         """Whether the frame has the same arrays and numbers as the frames before."""
@@ -257,7 +257,7 @@ class GrowingSegment:
         self._location, self._room = self.size, room
         self.size += len(block)
 
-    def _mend(self, entries: NDArray[Any], names_end: int) -> None:
+    def _truncate(self, entries: NDArray[Any], names_end: int) -> None:
         """Reduce the file to the frames that are kept, after an interruption or damage."""
         block = entries.tobytes().ljust(self._room * ENTRY.itemsize, b"\0")
         self._used = len(entries)

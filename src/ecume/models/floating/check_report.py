@@ -71,7 +71,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         ("capillary length", with_prefix(length, "m"), "range of a meniscus"),
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters, scene),
-        *_summary_of_chance(parameters),
+        *_summary_of_noise(parameters),
         *_summary_of_raft_speeds(parameters, scene),
         *_summary_of_drag(parameters, scene),
         *_summary_of_added_mass(parameters, scene),
@@ -120,7 +120,7 @@ def _summary_of_pairs(parameters: Parameters, scene: FloatingScene) -> list[Row]
     return [("pair law", name, numbers or usual), *lines]
 
 
-def _summary_of_chance(parameters: Parameters) -> list[Row]:
+def _summary_of_noise(parameters: Parameters) -> list[Row]:
     thermal, floats = parameters.drift.thermal, parameters.floats
     row, law = row_of(parameters), law_of(parameters)
     if thermal == 0.0 or row.energy is None or not row.has_force:

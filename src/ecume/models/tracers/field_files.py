@@ -100,8 +100,8 @@ def _of_numpy(path: Path, names: Names, unit: float) -> tuple[list[Array], Array
     return places, velocity if velocity.ndim == len(places) + 2 else velocity[None], times
 
 
-def _require(path: Path, wanted: tuple[str, ...], there: list[str]) -> None:
-    missing = [name for name in wanted if name not in there]
+def _require(path: Path, required: tuple[str, ...], there: list[str]) -> None:
+    missing = [name for name in required if name not in there]
     if missing:
         raise BadInput(f"{path.name}: has no {missing[0]!r}; it has {', '.join(sorted(map(str, there)))}", "file")
 

@@ -113,7 +113,7 @@ class ShapeSpec:
 
 
 THINNEST = 1e-4
-"""The width of a particle over its radius, at least."""
+"""The smallest width of a particle over its radius."""
 
 
 def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
@@ -227,7 +227,7 @@ class FloatSpec:
 
     @property
     def species_name(self) -> str:
-        """The name of its species, as a row has it."""
+        """The name of its species."""
         return self.name
 
     @property
@@ -290,7 +290,7 @@ class FloatRow:
 
     @property
     def count(self) -> int:
-        """A row is one float."""
+        """The number of floats of a row: one."""
         return 1
 
     @model_validator(mode="after")
@@ -302,7 +302,7 @@ class FloatRow:
 
 
 def _wetting(body: FloatSpec | FloatRow) -> Complaints:
-    """A contact angle comes from exactly one place."""
+    """The faults unless exactly one key determines the contact angle."""
     given = [body.contact_angle is not None, body.surface_energies is not None]
     if body.disc is not None or (body.shape is not None and body.shape.pinned):
         what = "disc" if body.disc is not None else str(body.shape and body.shape.kind)
@@ -318,7 +318,7 @@ def _wetting(body: FloatSpec | FloatRow) -> Complaints:
 
 
 def _figure(species: FloatSpec | FloatRow) -> Complaints:
-    """A float is a disc or another shape, which fits into its circle."""
+    """The faults unless a float is a disc or another shape that fits into its circle."""
     if species.shape is None:
         return []
     twice = [(("shape",), "got shape and disc; expected only one of them")] if species.disc is not None else []
@@ -326,7 +326,7 @@ def _figure(species: FloatSpec | FloatRow) -> Complaints:
 
 
 def _sizes(species: FloatSpec) -> Complaints:
-    """Only round floats have a distribution of sizes or a share of the volume, that of spheres."""
+    """The faults of distributions of sizes or shares of the volume for floats that are not round."""
     found = list_faults(species, species.count or len(species.positions) or len(species.radii))
     if species.sized and species.shape is not None:
         found.append((("shape",), "has one size; expected one radius, or rows with a shape each"))
@@ -338,7 +338,9 @@ def _sizes(species: FloatSpec) -> Complaints:
 
 
 def _layout(species: FloatSpec) -> Complaints:
-    """Positions are as many as the count; lattices and rings have their length, and nothing else has it."""
+    """The faults unless there are as many positions as floats; lattices and rings require a length, and no other
+    placement has it.
+    """
     if len(species.velocities) not in (0, len(species.positions)):
         return [(("velocities",), f"got {len(species.velocities)}; there are {len(species.positions)} positions")]
     if species.positions:
@@ -370,7 +372,7 @@ THEORIES: dict[str, dict[str, dict[str, Any]]] = {
         "contacts": {"legacy_coefficient": 0.3},
     },
 }
-"""What each theory says where a scene leaves a law out."""
+"""The defaults of each theory for laws that a scene omits."""
 
 DRAG_BY_SPEED = ("velocity-verlet", "explicit-euler", "semi-implicit-euler")
 """The integrators that go with a drag which depends on the speed."""
@@ -432,7 +434,7 @@ class FloatingScene(Common):
 
     @property
     def rubs(self) -> bool:
-        """Whether surfaces rub anywhere."""
+        """Whether any surface has friction."""
         return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
 
     @property
@@ -450,7 +452,7 @@ class FloatingScene(Common):
 
     @property
     def given(self) -> tuple[FloatSpec | FloatRow, ...]:
-        """The entries that give floats: tables of species, then rows."""
+        """The entries that specify floats: tables of species, then rows."""
         return (*self.particles, *self.rows)
 
     @property
@@ -489,7 +491,7 @@ def default_drag(scene: FloatingScene) -> str:
 
 
 def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:
-    """The name and color of each species; its place in the list is its number in frames."""
+    """The name and color of each species, in the order of the numbers in frames."""
     found: dict[str, str | None] = {species.name: species.color for species in scene.particles}
     for row in scene.rows:
         found[row.species_name] = found.get(row.species_name) or row.color

@@ -20,7 +20,7 @@ from ecume.trajectories.frame import Frame, omitted_from
 
 TABLE, RUN = "particles_from", "start_from"
 SOURCES = (TABLE, RUN)
-"""Keys that stand in a file and not in a scene: reading turns them into `rows`."""
+"""Keys that exist in files only: reading converts them into `rows`."""
 
 MOST_MESSAGES = 20
 
@@ -50,7 +50,7 @@ class Rows(NamedTuple):
     faults: Faults
 
     def with_origins(self, faults: Faults) -> Faults:
-        """Faults of rows in the words of their source: the line of the table, the float of the run."""
+        """Faults of rows, with the line of the table or the float of the run that each row comes from."""
         mine, others = [], []
         for path, text in faults:
             if self.origins and len(path) > 1 and path[0] == "rows":
@@ -61,17 +61,17 @@ class Rows(NamedTuple):
         return others + [((self.key,), text) for text in _few(mine)]
 
     def _named(self, text: str) -> str:
-        """A message with its `rows[3]` by their origins."""
+        """A message in which `rows[3]` is replaced by the origin of the row."""
         return re.sub(r"\brows\[([0-9]+)\]", lambda found: self.origins[int(found[1])], text)
 
 
 def failed(key: str, messages: Sequence[str], path: Path = ()) -> Rows:
-    """No rows, for these reasons."""
+    """Empty rows with these faults."""
     return Rows(key, [], [], [(path or (key,), message) for message in messages])
 
 
 def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
-    """Take the sources out of `raw`, and follow them."""
+    """Remove the sources from `raw`, and read their rows."""
     given = {key: raw.pop(key) for key in SOURCES if key in raw}
     if not given:
         return failed("rows", [])
@@ -114,7 +114,7 @@ def _has(row: Mapping[str, Any], key: str) -> bool:
 
 
 def _row(values: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """A line with its gaps filled; its contact angle overrides the surface energies of the defaults."""
+    """A line with missing values filled; its contact angle overrides the surface energies of the defaults."""
     row = {**defaults, **values}
     if "contact_angle" in values:
         row.pop("surface_energies", None)
@@ -123,7 +123,7 @@ def _row(values: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, An
 
 
 def _defaults(floats: object) -> tuple[dict[str, Any], Faults]:
-    """The values that the one [[particles]] entry gives to every row."""
+    """The values of the single [[particles]] entry, for every row."""
     if not floats:
         return {}, []
     if not isinstance(floats, list) or len(floats) > 1 or not isinstance(floats[0], dict):
@@ -164,7 +164,7 @@ def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
 
 
 def _changed(row: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """A float with other properties; a shape or a wetting of the scene takes the place of that of the run."""
+    """A float with other properties; a shape or a contact angle of the scene replaces that of the run."""
     wetting = {"contact_angle", "surface_energies", "disc", "shape"}
     kept = {key: value for key, value in row.items() if key not in wetting or not wetting & now.keys()}
     return {**kept, **{key: value for key, value in now.items() if key != "name"}}
@@ -213,12 +213,12 @@ def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
 
 
 def _wetted(row: dict[str, Any]) -> dict[str, Any]:
-    """Without the contact angle of what is pinned at an edge, which is no number."""
+    """The row without the contact angle of a float pinned at an edge, which is NaN."""
     return row if math.isfinite(row["contact_angle"]) else {k: v for k, v in row.items() if k != "contact_angle"}
 
 
 BESIDE = ("magnetic_moment", "angle", "spin")
-"""Of some floats only."""
+"""Quantities that only some floats have."""
 ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species")
 
 

@@ -43,11 +43,11 @@ FluxDensity = Annotated[float, Unit("T"), Field(ge=-10.0, le=10.0)]
 TABLE = "velocity_from"
 COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
 EVEN = 1e-6
-"""How far nodes may be from equal steps, over a step."""
+"""The largest deviation of nodes from equal steps, over a step."""
 
 
 def follow_current(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Put what the flow's table says into `raw`; what is wrong with it comes back."""
+    """Put the flow of a table into `raw`; return its faults."""
     flow = raw.get("flow")
     if not isinstance(flow, dict) or TABLE not in flow:
         return []
@@ -64,7 +64,8 @@ def _nodes_from(flow: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def nodes_of(rows: Sequence[Sequence[float]]) -> dict[str, Any]:
-    """A `NodesSpec` from rows of x, y, vx and vy in any order. Raises ValueError where they are no grid.
+    """The `NodesSpec` of rows of x, y, vx and vy in any order. Raises ValueError if they are not on
+    a grid.
 
     >>> nodes_of([(0, 0, 1, 2), (1, 0, 3, 4), (0, 1, 5, 6), (1, 1, 7, 8)])["vx"]
     [[1, 5], [3, 7]]

@@ -23,11 +23,11 @@ StrainRate = Annotated[Rate, Field(ge=-1e9, le=1e9)]
 
 MOST_STRESS = 1e15
 WHOLE = 1e-9
-"""Of a cycle: how far a number of cycles may be from a whole one."""
+"""The largest deviation of a number of cycles from an integer."""
 
 
 STRESS = ByDimension("N/m", "Pa")
-"""In a layer a force pulls at a line."""
+"""The units of stresses: in a layer, a force per length."""
 
 
 def stress(value: object) -> float:
@@ -82,7 +82,7 @@ class RateStepsSpec:
 
     @property
     def spans(self) -> tuple[float, ...]:
-        """How long each rate is held (s)."""
+        """The duration of each rate (s)."""
         return tuple(self.strain / abs(rate) for rate in self.rates)
 
 
@@ -91,7 +91,7 @@ EXCLUSIVE = (
     ("oscillation", "rate_steps"),
     ("height_rate", "normal_stress", "pressure"),
 )
-"""Keys of a moment that exclude one another."""
+"""Keys of a moment of which only one may be present."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -154,7 +154,7 @@ STRESSES = ("shear_stress", "normal_stress", "pressure")
 
 
 def steps_of(stage: StageSpec) -> tuple[StageSpec, ...]:
-    """A moment as moments of one shear rate each."""
+    """A moment as several moments with one shear rate each."""
     steps = stage.rate_steps
     if steps is None:
         return (stage,)
@@ -169,7 +169,7 @@ def expanded(stages: Sequence[StageSpec]) -> tuple[StageSpec, ...]:
 
 
 def end_of(stage: StageSpec) -> float:
-    """The time at which the rates of a moment have been held (s); without `rate_steps` its own."""
+    """The time (s) at which the last of the rates of a moment ends; without `rate_steps` its own time."""
     return stage.time + (0.0 if stage.rate_steps is None else sum(stage.rate_steps.spans))
 
 
@@ -196,7 +196,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
 
 
 def _short_steps(stages: Sequence[StageSpec]) -> Complaints:
-    """Moments before the rates of the moment before have been held."""
+    """The faults of moments before the rates of the previous moment end."""
     return [
         ((index, "time"), f"got {later.time:g} s; the rate_steps of the moment before end at {end_of(earlier):g} s")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
@@ -212,7 +212,7 @@ def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
 
 
 def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
-    """Strains and scales after moments from which on they answer to something else."""
+    """The faults of strains and scales after moments from which on another quantity is controlled."""
     found: Complaints = []
     sheared, sized = "", ""
     for index, stage in enumerate(stages):

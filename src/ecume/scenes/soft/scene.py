@@ -42,7 +42,7 @@ Side = Literal["left", "right", "bottom", "top", "front", "back"]
 SIDES: dict[str, tuple[int, float]] = {
     "left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0), "front": (2, -1.0), "back": (2, 1.0),
 }  # fmt: skip
-"""By name: the axis that a wall stands across, and on which side of the spheres it is."""
+"""The axis normal to each wall, and the side of the spheres on which it is."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -70,7 +70,7 @@ class WallSpec:
 
 
 def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:
-    """The faults of walls that cannot stand or move."""
+    """The faults of walls with impossible positions or motions."""
     found: Complaints = []
     seen: set[str] = set()
     for index, wall in enumerate(walls):
@@ -210,7 +210,7 @@ class SphereSpec:
 
     @property
     def number(self) -> int:
-        """How many spheres there are."""
+        """The number of spheres."""
         return self.count or len(self.positions)
 
     @model_validator(mode="after")
@@ -388,7 +388,7 @@ class SoftScene(Common):
             object.__setattr__(self, "gravity", downwards(self.gravity, dimensions_of(self)))
         object.__setattr__(self, "particles", shared_out(self.particles, dimensions_of(self)))
         complaints = [
-            *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self), *_cutoff(self),
+            *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_too_dense(self), *_cutoff(self),
         ]  # fmt: skip
         if complaints:
             raise Inconsistent(complaints)
@@ -396,7 +396,7 @@ class SoftScene(Common):
 
 
 def sides_of(scene: SoftScene) -> tuple[float, ...]:
-    """The sides of the box at scale 1 (m), derived from the volume fraction; empty without a box."""
+    """The sides of the box at scale 1 (m), from the volume fraction; empty without a box."""
     if scene.cell is None:
         return ()
     size, expected = scene.cell.size, scene.cell.volume_fraction
@@ -416,7 +416,7 @@ def tension_law_of(scene: SoftScene) -> str:
 
 
 def dimensions_of(scene: SoftScene) -> int:
-    """2 for a layer, 3 for a packing in 3D: as many as the box, or the first position, has."""
+    """The number of dimensions: 2 for a layer, 3 for a packing in 3D, from the box or the first position."""
     if scene.cell is not None:
         return len(scene.cell.size)
     return next((len(position) for species in scene.particles for position in species.positions), 2)
@@ -490,7 +490,7 @@ def _protocol(scene: SoftScene) -> Complaints:
 
 
 def _cutoff(scene: SoftScene) -> Complaints:
-    """Films longer than half of the box would meet more copies of a sphere than the nearest ones."""
+    """The fault of films longer than half of the box, which would reach several copies of a sphere."""
     walled = {SIDES[wall.side][0] for wall in scene.walls}
     periodic = [side for axis, side in enumerate(sides_of(scene)) if axis not in walled]
     cutoff, most = scene.films.cutoff, 0.5 * min(periodic, default=math.inf)
@@ -500,7 +500,7 @@ def _cutoff(scene: SoftScene) -> Complaints:
     return [(("films", "cutoff"), f"got {got}; expected at most half of the shortest periodic side, {limit}")]
 
 
-def _crowd(scene: SoftScene) -> Complaints:
+def _too_dense(scene: SoftScene) -> Complaints:
     total = sum(species.count or len(species.positions) for species in scene.particles)
     if total < 2 and not scene.walls:
         return [(("particles",), "a single sphere has no film; expected two or more, or a wall")]

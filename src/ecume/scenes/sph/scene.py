@@ -288,7 +288,7 @@ class SphScene(Common):
 
     @property
     def numbers(self) -> frozenset[str]:
-        """Those of pressure gauges and level gauges."""
+        """The names of the numbers of pressure gauges and level gauges."""
         single = [(gauge, measure) for gauge in self.gauges for measure in gauge.quantities if measure != "velocity"]
         return frozenset(f"{name}_{measure}" for gauge, measure in single for name in gauge.names)
 
@@ -344,11 +344,11 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
 
 
 LEAST_SIDE, LEAST_BODY = 0.5, 0.1
-"""In spacings: of a tank, and of a body."""
+"""The smallest side of a tank, and of a body, in spacings."""
 
 
 def _too_thin(scene: SphScene) -> Complaints:
-    """Tanks and bodies that are far smaller than the distance of particles."""
+    """The faults of tanks and bodies that are far smaller than the distance of particles."""
     found: Complaints = []
     for axis, (low, high) in zip("xyz", zip(scene.tank.low, scene.tank.high, strict=True), strict=False):
         if high - low < LEAST_SIDE * scene.spacing:
@@ -365,7 +365,7 @@ def _too_thin(scene: SphScene) -> Complaints:
 
 
 def _smallest_extent(spec: ShapeSpec) -> float:
-    """Of the box around a shape (m)."""
+    """The smallest side of the bounding box of a shape (m)."""
     if spec.radius is not None:
         return min([2.0 * spec.radius, *([math.hypot(*spec.axis)] if spec.axis else [])])
     if corners := spec.vertices or tuple(itertools.chain.from_iterable(spec.triangles)):

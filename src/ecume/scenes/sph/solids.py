@@ -35,7 +35,7 @@ THINNEST = 1e-9
 
 
 def above_fault(low: Sequence[float] | None, high: Sequence[float] | None) -> str:
-    """The fault of a corner that is not above `low` in each direction, or an empty text."""
+    """The fault of a corner that is not above `low` in each direction; empty without a fault."""
     for axis, (a, b) in zip("xyz", zip(low or (), high or (), strict=False), strict=False):
         if not a < b:
             return f"got {b:g} m along {axis}; expected more than {a:g} m, that of low"
@@ -53,7 +53,7 @@ def area_of(vertices: Sequence[tuple[float, ...]]) -> float:
 
 
 def extent(values: Sequence[float]) -> float:
-    """From the smallest to the largest."""
+    """The difference of the largest and the smallest value."""
     return max(values) - min(values)
 
 
@@ -80,7 +80,7 @@ class ShapeSpec:
     `["0 m", "20 cm", "0 m"]`. Effect: turns a sphere into a cylinder of this length."""
 
     def _further(self) -> dict[str, bool]:
-        """Other ways to give a shape, and whether they were taken."""
+        """Other ways to specify a shape, and whether they are used."""
         return {}
 
     @model_validator(mode="after")

@@ -53,7 +53,7 @@ class ParticlesSpec:
 
 
 def particle_faults(particles: ParticlesSpec, dimension: int) -> Complaints:
-    """The first place and velocity that do not have the tank's dimension."""
+    """The faults of the first position and velocity whose dimension is not that of the tank."""
     found: Complaints = []
     for key, rows in (("positions", particles.positions), ("velocities", particles.velocities)):
         wrong = [index for index, row in enumerate(rows) if len(row) != dimension]
@@ -81,7 +81,7 @@ AXES = "xyz"
 
 
 def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Put what the scene's sources say into `raw`; what is wrong with them comes back."""
+    """Put the contents of the scene's sources into `raw`; return their faults."""
     faults: Complaints = []
     if RUN in raw:
         given = raw.pop(RUN)
@@ -99,11 +99,13 @@ def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
 
 
 WALL_BEYOND = 4.0
-"""In spacings: the sides of a tank around a drawn basin are this far from it, so that all of its walls are drawn."""
+"""The distance, in spacings, of the sides of a tank from a drawn basin, so that the drawing defines
+all of its walls.
+"""
 
 
 def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """A tank of any shape: a block around the drawing with a hole in it. Its sides that are open cut the drawing."""
+    """Make a tank of any shape: a block around the drawing with a hole in it. Its open sides cut the drawing."""
     tank = raw.get("tank")
     if not isinstance(tank, dict) or not {OUTLINE, UNIT} & tank.keys():
         return []
@@ -124,11 +126,11 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
 
 
 DRAWN_TABLES = ("fluid", "obstacles", "bodies")
-"""Whose shapes may come from a drawing."""
+"""The tables whose shapes may come from a drawing."""
 
 
 def outline_followed(piece: dict[str, Any], path: Path, folder: Folder) -> Complaints:
-    """Put the outline that a piece of a scene names into it; what is wrong with it comes back."""
+    """Put the outline that a piece of a scene names into it; return its faults."""
     if OUTLINE in piece:
         return followed((*path, OUTLINE), _outline_from, piece, piece.pop(OUTLINE), folder)
     if UNIT in piece:
@@ -144,7 +146,7 @@ def _there(folder: Folder, name: str) -> Folder:
 
 
 def _particles_from(region: dict[str, Any], name: str, folder: Folder) -> None:
-    """One particle a line."""
+    """Read one particle per line."""
     lines = lines_of(text_of(_there(folder, name), MOST_BYTES), LIQUID_COLUMNS)
     columns = [key for key in LIQUID_COLUMNS if key in lines[0].values]
     region["particles"] = particles_of({key: [line.values[key] for line in lines] for key in columns})
@@ -163,7 +165,7 @@ def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
 
 
 def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
-    """One region for each of the run's."""
+    """Make one region for each region of the run."""
     from ecume.scenes.runs import frame_of_run
     from ecume.scenes.starts import refuse_a_file
 
@@ -181,7 +183,7 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def _from_file(raw: dict[str, Any], given: object, folder: Folder) -> Complaints:
-    """One region for each type of a file of another program."""
+    """Make one region for each type of a file of another program."""
     from ecume.scenes.starts import opened, regions
 
     if raw.get("fluid"):
@@ -197,7 +199,7 @@ def _from_file(raw: dict[str, Any], given: object, folder: Folder) -> Complaints
 
 
 def _length(said: object) -> object:
-    """A length in meters, if it is one."""
+    """A value in meters, if it is a length."""
     from ecume.units import parse
 
     try:
@@ -213,7 +215,7 @@ def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]
 
 
 def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
-    """The outline that was drawn, in the unit that the file or the scene says."""
+    """Read a drawn outline, in the unit of the file or the scene."""
     path, unit = _there(folder, name), region.pop(UNIT, None)
     kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
     if path.suffix.lower() not in kinds:
@@ -240,7 +242,7 @@ def _meters(unit: object) -> float:
 
 
 def _triangles(content: bytes, unit: object) -> list[Any]:
-    """The surface of an STL file; such files know no units."""
+    """The surface of an STL file; such files have no units."""
     trimesh = _library("trimesh")
     try:
         mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl")
@@ -248,7 +250,7 @@ def _triangles(content: bytes, unit: object) -> list[Any]:
         if closed and not mesh.is_winding_consistent:
             trimesh.repair.fix_winding(mesh)
         triangles = mesh.triangles
-    except Exception as fault:  # whatever the library says, the file is no surface
+    except Exception as fault:  # any exception of the library means that the file is not a surface
         raise ValueError(f"cannot be read as STL: {fault}") from None
     if not len(triangles) or not closed:
         raise ValueError("has holes: a surface that is not closed has no inside; close it where it was drawn")
@@ -257,14 +259,14 @@ def _triangles(content: bytes, unit: object) -> list[Any]:
 
 
 def _vertices(content: bytes, unit: object) -> list[list[float]]:
-    """The one closed outline of a DXF drawing, arcs as lines."""
+    """The single closed outline of a DXF drawing, with arcs as lines."""
     ezdxf = _library("ezdxf")
     try:
         drawing = _drawing(ezdxf, content)
         paths = [_library("ezdxf.path").make_path(entity) for entity in drawing.modelspace().query(DRAWN)]
         lines = [[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if each.is_closed]
         meters = _library("ezdxf.units").conversion_factor(drawing.units, METERS) if drawing.units else 1.0
-    except Exception as fault:  # whatever the library says, the file is no drawing
+    except Exception as fault:  # any exception of the library means that the file is not a drawing
         raise ValueError(f"cannot be read as DXF: {type(fault).__name__}: {fault}") from None
     if len(lines) != 1:
         raise ValueError(f"has {len(lines)} closed outlines; expected one per file")
@@ -277,19 +279,19 @@ def _vertices(content: bytes, unit: object) -> list[list[float]]:
 
 def _drawing(ezdxf: Any, content: bytes) -> Any:
     """The drawing in the bytes of a DXF file, text or binary."""
-    with tempfile.TemporaryDirectory() as folder:  # the library finds the encoding of a file only
+    with tempfile.TemporaryDirectory() as folder:  # the library detects the encoding of files only
         copy = Folder(folder) / "outline.dxf"
         copy.write_bytes(content)
         return ezdxf.readfile(str(copy))
 
 
 CORNERS = 3
-"""Of an outline, at least."""
+"""The smallest number of corners of an outline."""
 DRAWN = "LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"
 METERS = 6
-"""Of DXF's numbers for units."""
+"""The number of the unit meter in DXF."""
 FINENESS = 1e-3
-"""How far lines may be from an arc, in sizes of the outline."""
+"""The largest distance of lines from an arc, over the size of the outline."""
 
 
 def _fine(path: Any) -> float:

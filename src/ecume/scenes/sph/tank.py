@@ -66,7 +66,7 @@ class BaseExcitationSpec:
 
 
 def _require_one(spec: Any, values: str) -> None:
-    """Raises unless there is a whole sine or a whole table."""
+    """Raise an error unless there is exactly one complete sine or one complete table."""
     sine, table = spec.amplitude is not None, bool(spec.times or getattr(spec, values))
     if sine == table:
         raise Inconsistent([((), f"expected either amplitude and frequency, or times and {values}")])
@@ -80,7 +80,7 @@ def _require_one(spec: Any, values: str) -> None:
 
 
 TAKEN = re.compile(r"largest|(body|obstacle)[0-9]+|left|right|bottom|top|front|back")
-"""What frames already have numbers of."""
+"""The pattern of names of numbers that frames already have."""
 GaugeName = Annotated[str, Field(max_length=40, pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 Measure = Literal["pressure", "hydrostatic_pressure", "dynamic_pressure", "absolute_pressure", "velocity", "level"]
 
@@ -128,7 +128,7 @@ class GaugeSpec:
 
 
 def gauge_faults(gauges: Sequence[GaugeSpec], tank: TankSpec) -> Complaints:
-    """Gauges that do not fit into the tank, or have one name together."""
+    """The faults of gauges outside of the tank, or with equal names."""
     found: Complaints = []
     names = [gauge.name for gauge in gauges]
     for index, gauge in enumerate(gauges):

@@ -128,10 +128,10 @@ def _forces_of(scene: Any, pair: tuple[FloatKind, FloatKind], label: str) -> For
 def _by_multipoles(both: multipoles.Multipoles, distance: Array) -> Array:
     """The force on the second of two, away from the first (N)."""
     orders, force, found = both.rims.response.shape[1], np.zeros((2, 2)), np.zeros_like(distance)
-    crowd = multipoles.multipole_scratch(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
+    scratch = multipoles.multipole_scratch(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
     for k in range(len(distance)):
-        multipoles.resolve(both, np.array([[0.0, 0.0], [distance[k], 0.0]]), crowd)
-        forces(both.rims, crowd.amplitudes, crowd.waves, force)
+        multipoles.resolve(both, np.array([[0.0, 0.0], [distance[k], 0.0]]), scratch)
+        forces(both.rims, scratch.amplitudes, scratch.waves, force)
         found[k] = both.tension * both.length * force[1, 0]
     return found
 

@@ -248,7 +248,7 @@ class Tank:
         self._take_hands(steps * step)
         kept, before = self.liquid(), self._step
         try:
-            self._march(before + steps)
+            self._integrate(before + steps)
             self.time += (self._step - before) * step
         except Diverged:
             self._calm(kept)
@@ -350,7 +350,7 @@ class Tank:
             self.integration.model, self.integration.parameters, make_state(parameters, liquid), BUDGET / 4.0
         )
 
-    def _march(self, end: int) -> None:
+    def _integrate(self, end: int) -> None:
         """Step by step, as long as the budget lasts."""
         began = time.perf_counter()
         while self._step < end and time.perf_counter() - began < BUDGET:

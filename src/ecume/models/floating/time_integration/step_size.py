@@ -65,9 +65,11 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     # Pair forces relax by relative motion, which is not faster than that of single floats.
     wall = collective_speed(parameters) * wall_stiffness(parameters)
     stiffness = [
-        2.0 * RAFT_NEIGHBORS * max(pair_stiffness(parameters, (radius, other), (felt, strongest)) for other in extremes)
+        2.0
+        * RAFT_NEIGHBORS
+        * max(pair_stiffness(parameters, (radius, other), (charge, strongest)) for other in extremes)
         + wall
-        for radius, felt in kinds[:, :2].tolist()
+        for radius, charge in kinds[:, :2].tolist()
     ]
     return np.array(stiffness), kinds[:, 2]
 

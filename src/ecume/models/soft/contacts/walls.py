@@ -104,13 +104,13 @@ class Walls(NamedTuple):
 
 def no_walls() -> Walls:
     """Empty arrays for a scene without walls."""
-    none, nobody = np.zeros((0, 3)), np.zeros(0, np.int64)
+    none, no_owners = np.zeros((0, 3)), np.zeros(0, np.int64)
     places = Places(none, none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
     rates, line = np.zeros((0, 4)), np.zeros(0)
     return Walls(
         places,
         Touches(
-            nobody, nobody, line, line, line, none, line, none, line, none, rates[None], none, none,
+            no_owners, no_owners, line, line, line, none, line, none, line, none, rates[None], none, none,
             np.zeros((0, 3, 3)), rates, np.zeros((0, 4, 3)), rates,
         ),
     )  # fmt: skip

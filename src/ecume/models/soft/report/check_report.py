@@ -161,7 +161,7 @@ def jamming_fraction(radius: Array, dimensions: int) -> float:
     return 0.634 + 0.0658 * spread / mean + 0.0857 * skewness * (spread / mean) ** 2
 
 
-CROWDED = ("stress x cross-section", "compression", "shear of the films")
+CONTACT_LOADS = ("stress x cross-section", "compression", "shear of the films")
 """What loads the contacts of a packing, of which the strongest is deflected more than the mean."""
 STRONGEST = 3.0
 """Largest deflection over the sum of those that are expected of compression and shear: 2.9 to 3.2 at reduced rates of
@@ -176,7 +176,7 @@ def largest_deflection(scene: SoftScene, parameters: Parameters, typical: Expect
     alone, shared = 0.0, 0.0
     for source, force in forces(scene, parameters, pair, typical.gap).items():
         deflection = (force / unit) ** (2.0 / 3.0)
-        if any(part in source for part in CROWDED):
+        if any(part in source for part in CONTACT_LOADS):
             shared += deflection
         else:
             alone = max(alone, deflection)

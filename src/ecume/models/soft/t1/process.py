@@ -214,7 +214,7 @@ def follow(
     goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
     scratch = workspace(parameters, state, 1.0)
     series, seen, drift = [_first(parameters, scratch, unit)], unseen(goals), 0.0
-    for span in _march(parameters, state, scratch, unit):
+    for span in _spans(parameters, state, scratch, unit):
         series.append(span.end)
         drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
         done = watch(goals, seen, span.begin_step, span.end, partial(_crossing, parameters, span, scratch, unit))
@@ -235,7 +235,7 @@ class Span(NamedTuple):
     direction: Array
 
 
-def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units) -> Iterator[Span]:
+def _spans(parameters: Parameters, state: State, scratch: Workspace, unit: Units) -> Iterator[Span]:
     """Step after step, to the horizon."""
     step, instant = scratch.step, _first(parameters, scratch, unit)
     across = state.position[1] - state.position[0]
