@@ -63,6 +63,42 @@ def test_hexagonal_rafts_have_the_speeds_of_rotne_and_prager(count, factor):
     assert raft_speed_factor(count) == pytest.approx(factor, abs=0.005)
 
 
+def resolved_speed_factor(count, blobs=42):
+    """The factor of fully resolved Stokes flow: each sphere is a rigid shell of small overlapping spheres, whose radius
+    is half their distance, and whose shell has the drag of the sphere (a rigid multiblob).
+    """
+    turns, heights = np.pi * (1.0 + math.sqrt(5.0)) * np.arange(blobs), 1.0 - (2.0 * np.arange(blobs) + 1.0) / blobs
+    level = np.sqrt(1.0 - heights**2)
+    shell = np.stack([level * np.cos(turns), level * np.sin(turns), heights], axis=1)
+    small, radius = 0.5 * math.sqrt(4.0 * math.pi / blobs), 1.0
+    for _ in range(4):
+        radius /= drag_of_blobs(radius * shell, small)
+    centers = np.column_stack([compact_raft(count), np.zeros(count)])
+    return count / drag_of_blobs((centers[:, None] + radius * shell).reshape(-1, 3), small)
+
+
+def drag_of_blobs(place, small):
+    """The drag of small spheres that move together along x, over that of a sphere of radius 1."""
+    apart = place[:, None] - place
+    distance = np.linalg.norm(apart, axis=2) + 4.0 * small * np.eye(len(place))
+    near, ratio = distance < 2.0 * small, small / distance
+    equal = np.where(near, 1.0 - 9.0 / 32.0 / ratio, 0.75 * ratio + 0.5 * ratio**3)
+    along = np.where(near, 3.0 / 32.0 / ratio, 0.75 * ratio - 1.5 * ratio**3)
+    np.fill_diagonal(equal, 1.0)
+    units = apart / distance[..., None]
+    mobility = equal[..., None, None] * np.eye(3) + (along[..., None] * units)[..., None] * units[..., None, :]
+    mobility = mobility.swapaxes(1, 2).reshape(3 * len(place), -1) / small
+    motion = np.tile([1.0, 0.0, 0.0], len(place))
+    return motion @ np.linalg.solve(mobility, motion)
+
+
+@pytest.mark.parametrize(("count", "factor", "excess"), [(2, 1.420, 0.042), (7, 3.218, 0.071), (19, 5.774, 0.053)])
+def test_rafts_are_faster_than_in_resolved_flow_by_what_the_law_says(count, factor, excess):
+    found = resolved_speed_factor(count)
+    assert found == pytest.approx(factor, rel=2e-3)
+    assert raft_speed_factor(count) / found - 1.0 == pytest.approx(excess, abs=3e-3)
+
+
 def test_a_compact_raft_touches_without_overlap():
     raft = compact_raft(91)
     distances = np.linalg.norm(raft[:, None] - raft[None], axis=2) + 9.0 * np.eye(91)
