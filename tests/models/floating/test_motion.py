@@ -18,6 +18,7 @@ from tests.models import begun
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
 
 FLOATING = MODELS["floating"]
+DRAG = {True: 'drag = "stokes"', False: 'drag = "none"'}
 ORDERS = {"velocity-verlet": 2, "explicit-euler": 1, "stormer-verlet": 2, "semi-implicit-euler": 1, "rk4": 4}
 
 
@@ -27,7 +28,7 @@ def test_the_order_of_every_integrator_with_inertia_is_tested():
 
 def meeting_time(apart, drag_on):
     """When two floats released at rest touch: the equation of motion, by an integrator of order 8."""
-    scene = two_floats(apart, hydrodynamics="" if drag_on else 'drag = "none"')
+    scene = two_floats(apart, hydrodynamics=DRAG[drag_on])
     kind = float_kind(scene.particles[0], scene)
     length = flotation.Liquid(1000.0, 0.0728, 1e-3).capillary_length
     strength = 2.0 * math.pi * 0.0728 * kind.charge**2 / length
@@ -49,7 +50,7 @@ def meeting_time(apart, drag_on):
 def test_two_floats_meet_when_the_equation_of_motion_says_so(drag_on):
     apart, expected = 6e-3, meeting_time(6e-3, drag_on)
     every = expected / 2000
-    drag = "" if drag_on else 'drag = "none"'
+    drag = DRAG[drag_on]
     scene = two_floats(apart, hydrodynamics=drag, duration=2100 * every, frame_every=every)
     for frame in simulate(scene):
         gap = np.diff(frame.arrays["position"][:, 0])[0] - 2e-3
@@ -149,7 +150,8 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
 @pytest.mark.compiled
 def test_drag_takes_away_a_velocity_exponentially():
     scene = scene_of(
-        f"{WATER}[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.01, 0.0]\n",
+        f"{WATER}[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.01, 0.0]\n"
+        '[hydrodynamics]\ndrag = "stokes"\n',
         duration=0.2,
         frame_every=0.1,
     )
