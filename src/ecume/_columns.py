@@ -13,14 +13,14 @@ RECORD = 8
 """Numbers in a record."""
 
 
-def fill_columns(columns: Any, records: Any, neighbor: Any, place: Any, count: Any, first: Any) -> None:
-    """Fill columns[c, k] with number c of the record of neighbor k, first <= c < first + 8, for the first `count` of
-    neighbor[place].
+def fill_columns(columns: Any, records: Any, neighbor: Any, begin: Any, count: Any, first: Any) -> None:
+    """Fill columns[c, k] with number c of the record of neighbor k, first <= c < first + 8, for `count` neighbors
+    from neighbor[begin] on.
 
-    columns is (8 m, room), records (N, 8 m), both of one precision; neighbor is (n, room), signed but not negative;
-    `count` is a multiple of 8.
+    columns is (8 m, room), records (N, 8 m), both of one precision; neighbors are signed but not negative; `count` is
+    a multiple of 8.
     """
-    chosen = neighbor[int(place), : int(count)]
+    chosen = neighbor[int(begin) : int(begin) + int(count)]
     part = slice(int(first), int(first) + RECORD)
     columns[part, : int(count)] = records[chosen, part].T
 

@@ -69,7 +69,7 @@ def _lane_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any
 
 @numba.extending.type_callable(fill_columns)  # type: ignore[untyped-decorator]
 def _type_fill_columns(context: Any) -> Callable[..., Any]:
-    def typer(columns: Any, records: Any, neighbor: Any, place: Any, count: Any, first: Any) -> Any:
+    def typer(columns: Any, records: Any, neighbor: Any, begin: Any, count: Any, first: Any) -> Any:
         return types.none if isinstance(columns, types.Array) and columns.dtype == records.dtype else None
 
     return typer
@@ -90,10 +90,10 @@ def _fill_columns(context: Any, builder: Any, signature: Any, arguments: Any) ->
     def number(value: int) -> Any:
         return ir.Constant(index, value)
 
-    room, width, length = (cgutils.unpack_tuple(builder, array.shape)[1] for array in (columns, records, neighbor))
+    room, width = (cgutils.unpack_tuple(builder, array.shape)[1] for array in (columns, records))
     begin = arguments[5]
     into = builder.gep(columns.data, [builder.mul(begin, room)])
-    listed = builder.gep(neighbor.data, [builder.mul(arguments[3], length)])
+    listed = builder.gep(neighbor.data, [arguments[3]])
     with cgutils.for_range(builder, builder.udiv(arguments[4], number(block))) as loop:
         first = builder.mul(loop.index, number(block))
         slots = [builder.load(builder.gep(listed, [builder.add(first, number(k))])) for k in range(block)]

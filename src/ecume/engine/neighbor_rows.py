@@ -32,7 +32,8 @@ SLICES = 4
 """The number of cells per reach along the last axis."""
 STRIDE = 8
 """Rows of neighbors are padded to a multiple of this with the particle itself, so that whole vectors can be read."""
-ROOMIER = 1.1
+BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
+ROOMIER = 1.25
 OUTLIERS = 0.02
 
 
@@ -48,18 +49,38 @@ class Grid(NamedTuple):
 
 
 class Lists(NamedTuple):
-    """The neighbors of the first `len(counts)` particles."""
+    """The neighbors of the first `len(counts)` particles, row after row."""
 
     counts: NDArray[np.int32]
     """(n,)"""
+    start: Integers
+    """(n + 1,) where each row begins, a multiple of STRIDE, and the end of the last"""
     neighbor: Slots
-    """(n, room)"""
+    """flat, with room beyond the end, which is no memory until it is written"""
 
 
-def room_for(centers: int, neighbors: int) -> Lists:
-    """Empty lists; `neighbors` is a guess of the largest number of neighbors."""
-    room = STRIDE * math.ceil(max(neighbors, 1) / STRIDE)
-    return Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.int32))
+def empty_lists(centers: int) -> Lists:
+    """Lists of nothing."""
+    return Lists(np.zeros(centers, np.int32), np.zeros(centers + 1, np.int64), np.empty(0, np.int32))
+
+
+def pairs_in(lists: Lists, count: int) -> tuple[Integers, Integers]:
+    """The pairs of the first `count` particles with their neighbors, without padding: the particle of each, and the
+    place of its neighbor in the list.
+
+    >>> mine, place = pairs_in(Lists(np.ones(2, np.int32), np.array([0, 8, 16]), np.zeros(16, np.int32)), 2)
+    >>> mine.tolist(), place.tolist()
+    ([0, 1], [0, 8])
+    """
+    mine = np.repeat(np.arange(count), np.diff(lists.start[: count + 1]))
+    place = np.flatnonzero(np.arange(len(mine)) - lists.start[mine] < lists.counts[mine])
+    return mine[place], place
+
+
+@compiled_inside
+def whole(count: int) -> np.uint64:
+    """The length of a row rounded up to a whole vector: padding is the particle itself."""
+    return (INDEX(count) + BEFORE) & DOWN
 
 
 def grid_around(position: Array, reach: float) -> Grid:
@@ -143,21 +164,22 @@ def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, befo
     particle itself.
 
     Particles from `passive[0]` up to `passive[1]` are not neighbors of each other: walls do not act on walls. The
-    arrays of the previous lists are reused, or replaced by larger ones.
+    arrays of the previous lists are reused; a larger one replaces theirs. Neighbors are counted first, which takes a
+    third of the search, so that no row has more room than it needs.
     """
     if not position.shape[1]:
         return before
     grid = grid_around(position, reach)
     sorted_particles = sort_by_cell(position, grid)
     longest = _longest_run(sorted_particles.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
-    limits = np.array([*passive, longest])
-    lists = before
-    while True:
-        _fill(*sorted_particles, *grid, reach, limits, *lists)
-        most = int(lists.counts.max(initial=0))
-        if most <= lists.neighbor.shape[1]:
-            return lists
-        lists = room_for(len(lists.counts), math.ceil(ROOMIER * most))
+    limits, (counts, start, neighbor) = np.array([*passive, longest]), before
+    search = *sorted_particles, *grid, reach, limits
+    _search(*search, counts, start, neighbor, False)
+    np.cumsum(counts.astype(np.int64) + STRIDE - 1 & -STRIDE, out=start[1:])
+    if start[-1] > len(neighbor):
+        neighbor = np.empty(int(ROOMIER * start[-1]), np.int32)
+    _search(*search, counts, start, neighbor, True)
+    return Lists(counts, start, neighbor)
 
 
 def _longest_run(start: Integers, cells: int) -> int:
@@ -168,17 +190,16 @@ def _longest_run(start: Integers, cells: int) -> int:
 
 
 @spread
-def _fill(
-    position: Array, order: Slots, start: Integers, low: Array, edge: Array, shape: Integers, reach: float,
-    limits: Integers, count: NDArray[np.int32], neighbor: Slots,
+def _search(
+    position: Array, order: Slots, cell_start: Integers, low: Array, edge: Array, shape: Integers, reach: float,
+    limits: Integers, count: NDArray[np.int32], start: Integers, neighbor: Slots, fills: bool,
 ) -> None:  # fmt: skip
-    """Write one row for each particle; counting continues when a row is full.
+    """Count the neighbors of each particle, or fill its row.
 
     Distances of a run first, then its indices, each written over the last one that was too far: two loops without a
     branch.
     """
     dimension, particles = position.shape
-    room = neighbor.shape[1]
     first, last, longest = limits[0], limits[1], limits[2]
     deep = dimension == 3
     x, y, z = position[dimension - 1], position[dimension - 2], position[0]
@@ -196,7 +217,7 @@ def _fill(
             xi, yi, zi = x[place], y[place], z[place]
             row = cell_at((yi - y_low) / y_edge, rows)
             layer = cell_at((zi - z_low) / z_edge, layers) if deep else 0
-            at = INDEX(0)
+            at, idle = INDEX(0), first <= i < last
             for k in range(max(layer - 1, 0), min(layer + 2, layers)):
                 over = _gap_to(zi, z_low, z_edge, k, layer)
                 above = square - over * over
@@ -207,8 +228,8 @@ def _fill(
                         continue
                     chord = math.sqrt(left)
                     line = (k * rows + m) * slices
-                    begin = INDEX(start[line + cell_at((xi - chord - x_low) * inverse, slices)])
-                    end = INDEX(start[line + cell_at((xi + chord - x_low) * inverse, slices) + 1])
+                    begin = INDEX(cell_start[line + cell_at((xi - chord - x_low) * inverse, slices)])
+                    end = INDEX(cell_start[line + cell_at((xi + chord - x_low) * inverse, slices) + 1])
                     length = end - begin
                     if deep:
                         for n in range(length):
@@ -220,21 +241,27 @@ def _fill(
                             distance[n] = dx * dx + dy * dy
                     if begin <= place < end:
                         distance[place - begin] = math.inf
+                    if not fills and not idle:
+                        for n in range(length):
+                            at += INDEX(distance[n] < square)
+                        continue
                     for n in range(length):
                         found[at] = order[begin + n]
                         at += INDEX(distance[n] < square)
-            if first <= i < last:
+            if idle:
                 kept = INDEX(0)
                 for n in range(at):
                     found[kept] = found[n]
                     kept += INDEX(not first <= found[n] < last)
                 at = kept
             count[i] = at
-            while at % STRIDE != 0:
-                found[at] = i
-                at += INDEX(1)
-            for n in range(min(at, INDEX(room))):
-                neighbor[i, n] = found[n]
+            if fills:
+                while at % STRIDE != 0:
+                    found[at] = i
+                    at += INDEX(1)
+                first_place = INDEX(start[i])
+                for n in range(at):
+                    neighbor[first_place + n] = found[n]
 
 
 @compiled_inside

@@ -103,7 +103,8 @@ def test_loops_agree_with_the_formulas(scene):
     push = equations.accelerations(equation, pressure)
     kernel = named_kernel("wendland-c2", dim=2)
     for i in (0, 7, len(state.mass) - 1):
-        j = workspace.lists.neighbor[i, : workspace.lists.counts[i]]
+        lists = workspace.lists
+        j = lists.neighbor[lists.start[i] : lists.start[i] + lists.counts[i]]
         away = fields.position[:2, j] - fields.position[:2, i : i + 1]
         distance, volume, liquid = np.hypot(*away), fields.volume[j], fields.liquid[j]
         slope = np.array([kernel.slope(r, h) / r if r < 2.0 * h else 0.0 for r in distance])

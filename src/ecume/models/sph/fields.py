@@ -44,11 +44,13 @@ class Fields(NamedTuple):
     liquid: Floats
     """1 for the liquid and its images, 0 for dummies"""
     force_term: Floats
-    """the term of each of two particles in the pressure force: the pressure, or p/rho^2 (see
-    `PressureForce.by_mass`)
+    """the term of each of two particles in the pressure force: pressure and damping, over the squared density where
+    neighbors count by mass (see `PressureForce.by_mass`)
     """
     weight: Floats
     """the weight of a neighbor in sums: its volume, or its mass"""
+    damping: Floats
+    """Pa, (zeta/rho) drho/dt of the acoustic damping, with the rate of the last evaluation: part of the force term"""
     correction: Floats
     """(6, entries) xx, yy, zz, xy, xz, yz of the matrix that completes gradients; (0, entries) where none is used"""
 
@@ -74,11 +76,12 @@ class FieldRows(NamedTuple):
     liquid: int = 20
     force_term: int = 21
     weight: int = 22
-    correction: int = 23
+    damping: int = 23
+    correction: int = 24
 
 
 FIELD = FieldRows()
-FIELDS, CORRECTED_FIELDS = 23, 29
+FIELDS, CORRECTED_FIELDS = 24, 30
 """Rows of a table, without and with the matrices that complete gradients."""
 
 

@@ -50,7 +50,7 @@ import numpy as np
 from ecume._jit import admit, prange, summing
 from ecume._portable import dot
 from ecume.engine.cells import Integers
-from ecume.engine.neighbor_rows import Lists
+from ecume.engine.neighbor_rows import Lists, whole
 from ecume.laws import incompressible
 from ecume.laws.incompressible import correction, density_excess, free_correction, straight_motion_excess
 from ecume.models.sph.boundaries.forces_on_solids import chains_of, roots_of
@@ -58,7 +58,7 @@ from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters, Projection
 from ecume.models.sph.rates.kernel_loops import KernelType, kernel_type, value_of, written_slope
-from ecume.models.sph.rates.neighbor_sums import INDEX, whole
+from ecume.models.sph.rates.neighbor_sums import INDEX
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.report.energy_budget import forces_work, power_of_forces
 from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORST, State, Workspace
@@ -188,8 +188,8 @@ class System(NamedTuple):
 def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: float) -> System:
     """The equation at the present positions, from fields filled with zero pressures."""
     lists, table = workspace.lists, workspace.fields.table
-    d, count, room = now.dimension, workspace.rates.shape[1], lists.neighbor.shape[1]
-    gradient, closing, resting = np.empty((d + 1, count, room)), np.empty((d, count)), np.empty((d, count))
+    d, count = now.dimension, workspace.rates.shape[1]
+    gradient, closing, resting = np.empty((d + 1, int(lists.start[count]))), np.empty((d, count)), np.empty((d, count))
     compact, held, diagonal, summed, slant = np.empty((5, count))
     pull = np.concatenate([now.gravity, now.pull_center - now.origin, [now.pull_rate]])
     sum_gradients(
@@ -235,40 +235,40 @@ def sum_gradients(
     density, time, full = numbers
     rate = pull[2 * dimension] * pull[2 * dimension]
     zero, one, lighter, deep = 0.0, 1.0, 1.0 / density, closing.shape[0] == 3
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     for particle in prange(closing.shape[1]):
-        i = INDEX(particle)
+        i, row = INDEX(particle), INDEX(start[particle])
         count = INDEX(counts[i])
         for k in range(whole(counts[i])):
-            gradient[dimension, i, k] = 0.0
+            gradient[dimension, row + INDEX(k)] = 0.0
         for axis in range(dimension):
             x = fields[FIELD.position + axis, i]
             for k in range(whole(counts[i])):
-                along = fields[FIELD.position + axis, INDEX(neighbor[i, k])] - x
-                gradient[axis, i, k] = along
-                gradient[dimension, i, k] += along * along
+                along = fields[FIELD.position + axis, INDEX(neighbor[row + INDEX(k)])] - x
+                gradient[axis, row + INDEX(k)] = along
+                gradient[dimension, row + INDEX(k)] += along * along
         own = fields[FIELD.volume, i]
         total = own * value_of(zero * inverse, code)
         for k in range(count):
-            value = value_of(math.sqrt(gradient[dimension, i, k]) * inverse, code)
-            total += fields[FIELD.volume, INDEX(neighbor[i, k])] * value
+            value = value_of(math.sqrt(gradient[dimension, row + INDEX(k)]) * inverse, code)
+            total += fields[FIELD.volume, INDEX(neighbor[row + INDEX(k)])] * value
         squares, near, behind, rest = zero, zero, zero, zero
         tx, ty, tz, sx, sy, sz, rx, ry, rz = zero, zero, zero, zero, zero, zero, zero, zero, zero
         for k in range(count):
-            j, square = INDEX(neighbor[i, k]), gradient[dimension, i, k]
+            j, square = INDEX(neighbor[row + INDEX(k)]), gradient[dimension, row + INDEX(k)]
             volume, liquid = fields[FIELD.volume, j], fields[FIELD.liquid, j]
             slope = scale * written_slope(math.sqrt(square) * inverse, kernel)
             counted, dummy = volume * slope, one - liquid
-            dx, dy, dz = gradient[0, i, k], gradient[1, i, k], zero
+            dx, dy, dz = gradient[0, row + INDEX(k)], gradient[1, row + INDEX(k)], zero
             rise = (pull[0] - rate * (fields[FIELD.position, j] - pull[dimension])) * dx
             rise += (pull[1] - rate * (fields[FIELD.position + 1, j] - pull[dimension + 1])) * dy
             if deep:
-                dz = gradient[2, i, k]
+                dz = gradient[2, row + INDEX(k)]
                 rise += (pull[2] - rate * (fields[FIELD.position + 2, j] - pull[dimension + 2])) * dz
-                gradient[2, i, k] = slope * dz
-            gradient[0, i, k] = slope * dx
-            gradient[1, i, k] = slope * dy
-            gradient[dimension, i, k] = slope
+                gradient[2, row + INDEX(k)] = slope * dz
+            gradient[0, row + INDEX(k)] = slope * dx
+            gradient[1, row + INDEX(k)] = slope * dy
+            gradient[dimension, row + INDEX(k)] = slope
             push = counted * (liquid * fields[FIELD.pressure, j] * lighter + dummy * rise)
             twice = counted * (one + dummy)
             tx, ty, tz = tx + twice * dx, ty + twice * dy, tz + twice * dz
@@ -359,18 +359,18 @@ def sum_pressure(
     density: float,
 ) -> None:  # fmt: skip
     """Sum a_i = [p_i T_i + sum_j V_j p_j g_ij]/rho, and l_i = (2/rho)[D_i p_i + sum_j V_j p_j F_ij]."""
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     dimension, deep = INDEX(closing.shape[0]), closing.shape[0] == 3
     for particle in prange(closing.shape[1]):
-        i = INDEX(particle)
+        i, row = INDEX(particle), INDEX(start[particle])
         ax, ay, az, laplacian = 0.0, 0.0, 0.0, 0.0
         for k in range(whole(counts[i])):
-            other = carried[INDEX(neighbor[i, k])]
-            ax += gradient[0, i, k] * other
-            ay += gradient[1, i, k] * other
-            laplacian += gradient[dimension, i, k] * other
+            other = carried[INDEX(neighbor[row + INDEX(k)])]
+            ax += gradient[0, row + INDEX(k)] * other
+            ay += gradient[1, row + INDEX(k)] * other
+            laplacian += gradient[dimension, row + INDEX(k)] * other
             if deep:
-                az += gradient[2, i, k] * other
+                az += gradient[2, row + INDEX(k)] * other
         own = pressure[i]
         found[0, i] = (ax + own * closing[0, i]) / density
         found[1, i] = (ay + own * closing[1, i]) / density
@@ -384,15 +384,15 @@ def sum_compression(
     found: Array, gradient: Array, closing: Array, velocity: Array, carried: Array, lists: Lists
 ) -> None:
     """Sum the compressions c_i = sum_j V_j g_ij.v_j - T_i.v_i."""
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     deep = closing.shape[0] == 3
     for particle in prange(len(found)):
-        i, total = INDEX(particle), 0.0
+        i, row, total = INDEX(particle), INDEX(start[particle]), 0.0
         for k in range(whole(counts[i])):
-            j = INDEX(neighbor[i, k])
-            total += gradient[0, i, k] * carried[0, j] + gradient[1, i, k] * carried[1, j]
+            j = INDEX(neighbor[row + INDEX(k)])
+            total += gradient[0, row + INDEX(k)] * carried[0, j] + gradient[1, row + INDEX(k)] * carried[1, j]
             if deep:
-                total += gradient[2, i, k] * carried[2, j]
+                total += gradient[2, row + INDEX(k)] * carried[2, j]
         own = closing[0, i] * velocity[0, i] + closing[1, i] * velocity[1, i]
         if deep:
             own += closing[2, i] * velocity[2, i]
@@ -404,21 +404,21 @@ def sum_velocity_gradient(
     found: Array, gradient: Array, closing: Array, velocity: Array, carried: Array, lists: Lists
 ) -> None:
     """Sum -G_ab = sum_j V_j v_j,a g_ij,b - T_i,b v_i,a, minus the gradients of the velocity; store tr G and tr(G G)."""
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     deep = closing.shape[0] == 3
     for particle in prange(closing.shape[1]):
-        i = INDEX(particle)
+        i, row = INDEX(particle), INDEX(start[particle])
         xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(whole(counts[i])):
-            j = INDEX(neighbor[i, k])
+            j = INDEX(neighbor[row + INDEX(k)])
             u, v = carried[0, j], carried[1, j]
-            gx, gy = gradient[0, i, k], gradient[1, i, k]
+            gx, gy = gradient[0, row + INDEX(k)], gradient[1, row + INDEX(k)]
             xx += u * gx
             xy += u * gy
             yx += v * gx
             yy += v * gy
             if deep:
-                w, gz = carried[2, j], gradient[2, i, k]
+                w, gz = carried[2, j], gradient[2, row + INDEX(k)]
                 xz += u * gz
                 yz += v * gz
                 zx += w * gx

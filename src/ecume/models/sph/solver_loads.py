@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ecume.engine.neighbor_rows import pairs_in
 from ecume.engine.shapes import Flags
 from ecume.models.sph.boundaries.forces_on_solids import chains_of, forces_on_dummies, loads_of, roots_of, total
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
@@ -47,14 +48,14 @@ def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, sys
     found = np.zeros((3, real - count))
     if real == count:
         return found
-    counts, neighbor = workspace.lists
-    there = np.arange(neighbor.shape[1]) < counts[:count, None]
-    i, k = np.nonzero(there & (workspace.fields.liquid[np.where(there, neighbor[:count], 0)] == 0.0))
-    j = neighbor[i, k].astype(np.int64)
-    gradient, slope = system.gradient[:d, i, k], system.gradient[d, i, k]
+    i, place = pairs_in(workspace.lists, count)
+    dummy = workspace.fields.liquid[workspace.lists.neighbor[place]] == 0.0
+    i, place = i[dummy], place[dummy]
+    j = workspace.lists.neighbor[place].astype(np.int64)
+    gradient, slope = system.gradient[:d, place], system.gradient[d, place]
     away = gradient / np.where(slope == 0.0, 1.0, slope)
-    place = workspace.fields.position[:d, j].astype(np.float64) + now.origin[:, None]
-    gravity = now.gravity[:, None] - now.pull_rate**2 * (place - now.pull_center[:, None])
+    at = workspace.fields.position[:d, j].astype(np.float64) + now.origin[:, None]
+    gravity = now.gravity[:, None] - now.pull_rate**2 * (at - now.pull_center[:, None])
     push = 2.0 * state.pressure[i] + system.density * (gravity * away).sum(axis=0)
     force = -system.volume[i] * workspace.fields.volume[j] * push * gradient
     root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])

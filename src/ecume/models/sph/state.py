@@ -10,7 +10,7 @@ import numpy as np
 
 from ecume._columns import RECORD
 from ecume.engine.cells import Images, Integers, images_of, positions_of_images
-from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sort_by_cell
+from ecume.engine.neighbor_rows import Grid, Lists, Sorted, empty_lists, grid_around, neighbor_lists, sort_by_cell
 from ecume.models.sph.fields import Fields, Floats, Rates, zero_fields, zero_rates
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Liquid, Parameters
@@ -48,7 +48,7 @@ class State(NamedTuple):
     pressure: Array
     """(N,) Pa, of incompressible liquids only; the first guess of the next step"""
     density_rate: Array
-    """(N,) kg/(m^3 s)"""
+    """(N,) kg/(m^3 s): the rate of density at the last evaluation, by which sound is damped"""
     mass: Array
     """(N,) kg"""
     identity: Integers
@@ -239,8 +239,7 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     images = images_of(real, boundary.sides, max(reach, parameters.color_reach + float(state.skin[0])))
     all_positions = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
-    guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
-    lists = before.lists if before else room_for(count, guess)
+    lists = before.lists if before else empty_lists(count)
     lists = neighbor_lists(all_positions, (liquid, count), reach, lists)
     cells = (
         cells_of(all_positions, parameters.support, float(state.skin[0]))
@@ -254,8 +253,7 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
     rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))
-    width = 2 * RECORD if parameters.corrects or parameters.pressure_force.transported else RECORD
-    records = np.zeros((columns, width), parameters.precision)
+    records = np.zeros((columns, RECORD), parameters.precision)
     return Workspace(images, lists, fields, rates, records, rates_before, cells)
 
 

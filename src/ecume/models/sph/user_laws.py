@@ -174,7 +174,7 @@ def _pair_loop(total: Callable[..., float]) -> Callable[..., None]:
         spacing, support = lengths
         for i in range(out.shape[1]):
             for place in range(lists.counts[i]):
-                column = lists.neighbor[i, place]
+                column = lists.neighbor[lists.start[i] + place]
                 j = root[column]
                 if j < 0 or column == i:
                     continue

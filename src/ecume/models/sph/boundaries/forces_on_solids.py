@@ -157,11 +157,11 @@ def press(
     transported, deep = forces.transported, constants[0].dimension == 3
     rubs, corrected, completes = forces.viscous, forces.corrected, forces.completed
     radially = (constants[0].dimension + 2) * (forces.radial)
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     for place in prange(len(mine)):
         i = mine[place]
         for k in range(counts[i]):
-            j = neighbor[i, k]
+            j = neighbor[start[i] + k]
             g = group[j]
             if g < 0:
                 continue

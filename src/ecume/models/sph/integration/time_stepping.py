@@ -127,15 +127,16 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
     """Kick, drift half, density, drift half, kick (Adami et al. 2012, eqs. 28-31)."""
     if not state.ready[0]:
         renew(parameters, state, workspace)
+        if parameters.bulk_viscosity > 0.0:
+            evaluate_density_rate(parameters, state, workspace)
         evaluate_accelerations(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, 0.5 * time)
     evaluate_density_rate(parameters, state, workspace)
     add_diffusion_work(parameters, state, workspace, time)
     advance_density(state.density, state.density_rate, time)
-    renewals = int(state.tally[RENEWALS])
     move(parameters, state, workspace, 0.5 * time)
-    evaluate_accelerations(parameters, state, workspace, time, summed=int(state.tally[RENEWALS]) == renewals)
+    evaluate_accelerations(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     state.ready[0] = 1
 
@@ -146,6 +147,8 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
+        if parameters.bulk_viscosity > 0.0:
+            evaluate_rates(parameters, state, workspace, time)
         evaluate_rates(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, time)
@@ -253,3 +256,5 @@ def wrap(parameters: Parameters, state: State) -> None:
 
 INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step, "projection": projection_step}
 """By name."""
+LATE = frozenset({"verlet"})
+"""Those whose acoustic damping is by the rate of density a step ago: see `time_step_limits.late_damping_limit`."""

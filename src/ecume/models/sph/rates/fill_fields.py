@@ -62,8 +62,8 @@ state_at_enthalpy = by_type(STATES_AT_ENTHALPY.__getitem__)
 
 @spread
 def fill_liquid(
-    fields: Floats, position: Array, velocity: Array, density: Array, pressure: Array, mass: Array,
-    origin: Array, by_mass: bool, liquid: EquationOfState,
+    fields: Floats, position: Array, velocity: Array, density: Array, density_rate: Array, pressure: Array, mass: Array,
+    origin: Array, by_mass: bool, bulk_viscosity: float, liquid: EquationOfState,
 ) -> None:  # fmt: skip
     """Fill the entries of the liquid from its state."""
     dimension, count = position.shape
@@ -77,7 +77,9 @@ def fill_liquid(
         fields[FIELD.volume, i] = mass[i] / own
         fields[FIELD.pressure, i] = push
         fields[FIELD.enthalpy, i] = enthalpy
-        fields[FIELD.force_term, i] = push / (own * own) if by_mass else push
+        damping = bulk_viscosity * density_rate[i] / own
+        fields[FIELD.damping, i] = damping
+        fields[FIELD.force_term, i] = (push + damping) / (own * own) if by_mass else push + damping
         fields[FIELD.weight, i] = mass[i] if by_mass else mass[i] / own
 
 
@@ -144,6 +146,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
     fields[FIELD.pressure, image] = push
     fields[FIELD.volume, image] = mass / density
     fields[FIELD.viscosity, image] = fields[FIELD.viscosity, i]
+    fields[FIELD.damping, image] = fields[FIELD.damping, i]
     fields[FIELD.liquid, image] = fields[FIELD.liquid, i]
 
 
@@ -164,10 +167,8 @@ def _mirror_correction(fields: Floats, i: int, image: int, side: Array, dimensio
 def fill_weights(fields: Floats, first: int, by_mass: bool) -> None:
     """Fill the pressure term and the weight of neighbors, from column `first` on: see `Fields`."""
     for i in prange(first, fields.shape[1]):
-        density = fields[FIELD.density, i]
-        fields[FIELD.force_term, i] = (
-            fields[FIELD.pressure, i] / (density * density) if by_mass else fields[FIELD.pressure, i]
-        )
+        density, push = fields[FIELD.density, i], fields[FIELD.pressure, i] + fields[FIELD.damping, i]
+        fields[FIELD.force_term, i] = push / (density * density) if by_mass else push
         fields[FIELD.weight, i] = fields[FIELD.volume, i] * density if by_mass else fields[FIELD.volume, i]
 
 
@@ -188,15 +189,16 @@ def read_liquid(
 ) -> None:
     """Fill the columns of dummies, from `first` on, by interpolation from the liquid in their rows.
 
-    Their positions, wall velocities and slip (their viscosity is zero on slippery walls) are set already. `pull` is (d,
-    dummies): gravity less each one's own acceleration (eq. 27).
+    A dummy has the mean damping of the liquid before it: with none, water in a narrow gap between dummies did not come
+    to rest. Their positions, wall velocities and slip (their viscosity is zero on slippery walls) are set already.
+    `pull` is (d, dummies): gravity less each one's own acceleration (eq. 27).
     """
     kernel, dimension, inverse = constants[0].kernel, len(pull), 1.0 / constants[0].smoothing_length
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     for dummy in prange(first, len(counts)):
-        total, enthalpy, speed = 0.0, 0.0, np.zeros(3)
+        total, enthalpy, damping, speed = 0.0, 0.0, 0.0, np.zeros(3)
         for k in range(counts[dummy]):
-            j = neighbor[dummy, k]
+            j = neighbor[start[dummy] + k]
             square, depth = 0.0, 0.0
             for axis in range(dimension):
                 along = fields[FIELD.position + axis, j] - fields[FIELD.position + axis, dummy]
@@ -205,10 +207,12 @@ def read_liquid(
             weight = value_of(math.sqrt(square) * inverse, kernel) * fields[FIELD.liquid, j]
             total += weight
             enthalpy += weight * (fields[FIELD.enthalpy, j] + depth)
+            damping += weight * fields[FIELD.damping, j]
             for axis in range(dimension):
                 speed[axis] += weight * fields[FIELD.friction_velocity + axis, j]
         near = total > NOTHING
         enthalpy = enthalpy / total if near else 0.0
+        fields[FIELD.damping, dummy] = damping / total if near else 0.0
         _set_state(fields, dummy, max(enthalpy, 0.0) if clip else enthalpy, liquid)
         for axis in range(dimension):
             wall = fields[FIELD.velocity + axis, dummy]
@@ -225,11 +229,11 @@ def read_from_sources(field: Floats, images: Images, real: int) -> None:
 def read_means(fields: Floats, values: Floats, first: int, lists: Lists, constants: Constants) -> None:
     """Fill the values of dummies, from column `first` on, with the mean over the liquid in their rows."""
     kernel, inverse = constants[0].kernel, 1.0 / constants[0].smoothing_length
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     for dummy in prange(first, len(counts)):
         total, mean = 0.0, 0.0
         for k in range(counts[dummy]):
-            j = neighbor[dummy, k]
+            j = neighbor[start[dummy] + k]
             square = 0.0
             for axis in range(3):
                 along = fields[FIELD.position + axis, j] - fields[FIELD.position + axis, dummy]

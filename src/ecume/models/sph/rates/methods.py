@@ -19,7 +19,7 @@ from ecume.models.sph.rates.corrections import (
     completion_factors,
 )
 from ecume.models.sph.rates.neighbor_sums import NeighborSum
-from ecume.models.sph.rates.sums import CONTINUITY, FRICTION, PRESSURE, RADIAL_FRICTION, TRANSPORTED_PRESSURE
+from ecume.models.sph.rates.sums import CONTINUITY, FRICTION, PRESSURE, RADIAL_FRICTION, RATES, TRANSPORTED_PRESSURE
 from ecume.units import Array
 
 Law = Callable[..., float]
@@ -61,9 +61,9 @@ class PressureForce(NamedTuple):
     sum: NeighborSum
     """over neighbors"""
     most_damping: float
-    """the largest coefficient of the acoustic damping with which the default time step is stable;
-    zero without damping
-    """
+    """largest coefficient of the acoustic damping with which the usual time step is stable; zero: takes none"""
+    both: Mapping[int | None, NeighborSum] | None = None
+    """this sum and continuity in one, by the row of the field that diffuses, for schemes that take both at once"""
     continuity: Mapping[int, NeighborSum] = CONTINUITY
     """the equation of continuity that is adjoint to the force, by the row of the diffusing field"""
 
@@ -115,8 +115,10 @@ class DensityDiffusion(NamedTuple):
 
 
 PRESSURE_FORCES: Mapping[str, PressureForce] = {
-    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, sum=PRESSURE, most_damping=2.0),
-    "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, sum=PRESSURE, most_damping=2.0),
+    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, sum=PRESSURE, both=RATES, most_damping=2.0),
+    "monaghan": PressureForce(
+        by_mass=True, per_volume=False, transported=False, sum=PRESSURE, both=RATES, most_damping=2.0
+    ),
     "transport": PressureForce(
         by_mass=False, per_volume=False, transported=True, sum=TRANSPORTED_PRESSURE, most_damping=0.0
     ),

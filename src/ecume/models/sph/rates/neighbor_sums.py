@@ -1,11 +1,12 @@
 """The loop of all sums over neighbors of a tank. A sum is defined by a formula for a pair and the
 fields that it reads.
 
-The fields that the formula reads of each particle are packed into a record of eight or sixteen numbers. Records of a
-particle's neighbors are turned into columns (see `ecume._columns`), and the loop over neighbors, which has no store
-inside, is vectorized by the compiler. It is compiled for vectors in 2D or 3D, whichever a scene has, and for each
-kernel type of `kernel_loops`. The order of summation inside a row is not specified, but it is the same in every run.
-NaN propagates. Rows are padded with the particle itself, so that each term must vanish for two at the same place.
+What the formula reads of each particle is packed into a record of eight or sixteen numbers, and a single ninth is read
+beside it. Records of a particle's neighbors are turned into columns (see `ecume._columns`), and the loop over
+neighbors, which has no store inside, is vectorized by the compiler. It is compiled for vectors in 2D or
+3D, whichever a scene has, and for each kernel type of `kernel_loops`. The order of summation inside a row is not
+specified, but it is the same in every run. NaN propagates. Rows are padded with the particle itself, so that each term
+must vanish for two at the same place.
 
 Signs: `apart` is from i to j, F = (1/r) dW/dr is negative, and the gradient of W at i is -F apart.
 """
@@ -19,16 +20,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._columns import RECORD, column, fill_columns, further_column
-from ecume._jit import compiled_inside, prange, spread, summed_inside, summing
+from ecume._jit import prange, spread, summed_inside, summing
 from ecume.engine.cells import Integers
-from ecume.engine.neighbor_rows import STRIDE, Lists, Slots
+from ecume.engine.neighbor_rows import Lists, Slots, whole
 from ecume.engine.vectors import Vector, Vector2, Vector3, by_dimension, difference, dot
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.rates.kernel_loops import KernelType, written_slope
 
 INDEX = np.uint64
 """The type of all indices: a signed index would be tested for being negative, pair by pair."""
-BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
 CHUNK = 128
 """The number of particles that one thread processes at a time, with one set of columns."""
 SPARE = 8
@@ -38,12 +38,6 @@ NOTHING = -1
 FIRST, FURTHER = INDEX(0), INDEX(RECORD)
 POSITION, VECTOR, WEIGHT, VALUE = 0, 3, 6, 7
 """Offsets in a record."""
-
-
-@compiled_inside
-def whole(count: int) -> np.uint64:
-    """The length of a row rounded up to a whole vector; it is padded with the particle itself, which adds nothing."""
-    return (INDEX(count) + BEFORE) & DOWN
 
 
 class Reading(NamedTuple):
@@ -56,7 +50,7 @@ class Reading(NamedTuple):
     signed: bool = False
     """whether the weight is negative for dummies"""
     more: tuple[int, ...] = ()
-    """eight further rows"""
+    """one further row, or eight"""
 
 
 class Particle(NamedTuple):
@@ -67,7 +61,7 @@ class Particle(NamedTuple):
     weight: float
     value: float
     more: Any
-    """eight numbers, or ()"""
+    """one number, eight, or ()"""
 
 
 class NeighborSum(NamedTuple):
@@ -76,6 +70,8 @@ class NeighborSum(NamedTuple):
     loop: Callable[..., None]
     rows: Integers
     """of the table of fields, one for each number of a record"""
+    ninth: int
+    """the row of a number beside the record"""
     signed: bool
 
 
@@ -89,24 +85,27 @@ def neighbor_sum(
     vectors like this one; pair(total, apart, slope, own, other, given) is the total with the term of a neighbor, where
     slope = f'(q)/q; store(target, fields, i, total, own, given) stores the sum.
     """
-    read, fill = (further_particle, fill_both) if reading.more else (one_particle, fill_one)
-    width = 2 * RECORD if reading.more else RECORD
+    fill, read_own, read = WAYS[len(reading.more)]
+    width = RECORD + len(reading.more)
 
     def loop(
-        target: Floats, fields: Floats, records: Floats, lists: Lists, constants: Constants, kernel: KernelType,
-        like: Vector, settings: tuple[float, ...],
+        target: Floats, fields: Floats, records: Floats, ninth: Floats, lists: Lists, constants: Constants,
+        kernel: KernelType, like: Vector, settings: tuple[float, ...],
     ) -> None:  # fmt: skip
-        counts, neighbor = lists
+        counts, start, neighbor = lists
         end = target.shape[1]
         for chunk in prange((end + CHUNK - 1) // CHUNK):
-            columns = np.empty((width, neighbor.shape[1] + SPARE), records.dtype)
+            room = INDEX(SPARE)
+            for particle in range(chunk * CHUNK, min(end, (chunk + 1) * CHUNK)):
+                room = max(room, whole(counts[particle]) + INDEX(SPARE))
+            columns = np.empty((width, room), records.dtype)
             numbers, across = constants[0], records.T
             inverse, known = numbers.inverse_length, given(numbers, settings, like)
             for particle in range(chunk * CHUNK, min(end, (chunk + 1) * CHUNK)):
                 i = INDEX(particle)
                 count = whole(counts[i])
-                fill(columns, records, neighbor, i, count)
-                own = read(across, i, like)
+                fill(columns, records, ninth, neighbor, INDEX(start[i]), count)
+                own = read_own(across, ninth, i, like)
                 total = zero(numbers.zero, like)
                 for k in range(count):
                     other = read(columns, INDEX(k), like)
@@ -116,20 +115,40 @@ def neighbor_sum(
                 store(target, fields, i, total, own, known)
 
     loop.__qualname__ = f"neighbor_sum.{pair.__name__}"  # the name identifies compiled code on disk
-    return NeighborSum(summing(loop), rows_of(reading), reading.signed)
+    return of_rows(NeighborSum(summing(loop), rows_of(reading), 0, reading.signed), reading)
+
+
+def of_rows(taken: NeighborSum, reading: Reading) -> NeighborSum:
+    """Return the sum with other rows of fields."""
+    ninth = reading.more[0] if len(reading.more) == 1 else FIELD.position
+    return taken._replace(rows=rows_of(reading), ninth=ninth)
 
 
 @summed_inside
-def fill_one(columns: Floats, records: Floats, neighbor: Slots, i: np.uint64, count: np.uint64) -> None:
+def fill_one(
+    columns: Floats, records: Floats, ninth: Floats, neighbor: Slots, begin: np.uint64, count: np.uint64
+) -> None:  # fmt: skip
     """Copy records of eight numbers into columns."""
-    fill_columns(columns, records, neighbor, i, count, FIRST)
+    fill_columns(columns, records, neighbor, begin, count, FIRST)
 
 
 @summed_inside
-def fill_both(columns: Floats, records: Floats, neighbor: Slots, i: np.uint64, count: np.uint64) -> None:
+def fill_nine(
+    columns: Floats, records: Floats, ninth: Floats, neighbor: Slots, begin: np.uint64, count: np.uint64
+) -> None:  # fmt: skip
+    """Copy records of eight numbers, and the number beside each: a single one is quickly gathered."""
+    fill_columns(columns, records, neighbor, begin, count, FIRST)
+    for k in range(count):
+        columns[FURTHER, INDEX(k)] = ninth[INDEX(neighbor[begin + INDEX(k)])]
+
+
+@summed_inside
+def fill_both(
+    columns: Floats, records: Floats, ninth: Floats, neighbor: Slots, begin: np.uint64, count: np.uint64
+) -> None:  # fmt: skip
     """Copy records of sixteen numbers into columns."""
-    fill_columns(columns, records, neighbor, i, count, FIRST)
-    fill_columns(columns, records, neighbor, i, count, FURTHER)
+    fill_columns(columns, records, neighbor, begin, count, FIRST)
+    fill_columns(columns, records, neighbor, begin, count, FURTHER)
 
 
 @summed_inside
@@ -155,17 +174,53 @@ def one_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
 
 
 @summed_inside
+def nine_of(columns: Floats, k: np.uint64, like: Vector) -> Particle:
+    """What record k of eight says, and the number beside it."""
+    found: Particle = _particle(columns, k, columns[FURTHER, k], like)
+    return found
+
+
+@summed_inside
 def further_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
     """The particle of record k of sixteen numbers."""
     found: Particle = _particle(columns, k, further_column(columns, k), like)
     return found
 
 
+@summed_inside
+def own_one(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
+    """The particle itself, of a record of eight."""
+    found: Particle = one_particle(records, i, like)
+    return found
+
+
+@summed_inside
+def own_nine(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
+    """The particle itself, with the number beside its record."""
+    found: Particle = _particle(records, i, ninth[i], like)
+    return found
+
+
+@summed_inside
+def own_further(records: Floats, ninth: Floats, i: np.uint64, like: Vector) -> Particle:
+    """The particle itself, of a record of sixteen."""
+    found: Particle = further_particle(records, i, like)
+    return found
+
+
+WAYS: dict[int, tuple[Callable[..., None], Callable[..., Particle], Callable[..., Particle]]] = {
+    0: (fill_one, own_one, one_particle),
+    1: (fill_nine, own_nine, nine_of),
+    RECORD: (fill_both, own_further, further_particle),
+}
+"""How columns are filled, and how a particle and a neighbor are read, by how many numbers are beside a record."""
+
+
 def rows_of(reading: Reading) -> Integers:
     """The row of fields for each number of a record."""
     vector = range(reading.vector, reading.vector + 3) if reading.vector != NOTHING else [NOTHING] * 3
-    rows = [*range(FIELD.position, FIELD.position + 3), *vector, reading.weight, reading.value, *reading.more]
-    return np.array(rows, np.int64)
+    rows = [*range(FIELD.position, FIELD.position + 3), *vector, reading.weight, reading.value]
+    return np.array([*rows, *(reading.more if len(reading.more) == RECORD else ())], np.int64)
 
 
 @spread

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,23 +29,11 @@ from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.concentration import CONCENTRATION
 from ecume.models.sph.rates.corrections import CORRECTIONS
-from ecume.models.sph.rates.fill_fields import (
-    fill_images,
-    fill_liquid,
-    fill_weights,
-    read_from_sources,
-    read_liquid,
-    read_means,
-)
+from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
 from ecume.models.sph.rates.gradients import DENSITY_GRADIENT, GRADIENT_DIFFUSION, set_viscosity
 from ecume.models.sph.rates.kernel_loops import require_kernel
 from ecume.models.sph.rates.sum_evaluation import evaluate_sum
-from ecume.models.sph.rates.sums import (
-    CONTINUITY_AND_PRESSURE,
-    PRESSURE,
-    store_acceleration,
-    store_density_rate,
-)
+from ecume.models.sph.rates.sums import PRESSURE, store_acceleration, store_density_rate
 from ecume.models.sph.rates.surface_tension import add_surface_tension
 from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
@@ -151,10 +139,10 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
 @spread
 def spread_flags(near: Flags, flags: Flags, lists: Lists) -> None:
     """Flag all particles with a flagged neighbor."""
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     for i in prange(len(near)):
         for k in range(counts[i]):
-            if flags[neighbor[i, k]]:
+            if flags[neighbor[start[i] + k]]:
                 near[i] = True
 
 
@@ -183,16 +171,13 @@ def evaluate_density_rate(parameters: Parameters, state: State, workspace: Works
     _store_density_rate(parameters, state, workspace)
 
 
-def evaluate_accelerations(
-    parameters: Parameters, state: State, workspace: Workspace, time: float, summed: bool = False
-) -> None:
-    """Evaluate the accelerations at the present positions, and the transport velocity of the next drift. With `summed`,
-    the lists are those with which `evaluate_density_rate` summed the rate of density half a drift ago, and acoustic
-    damping uses that rate.
+def evaluate_accelerations(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Evaluate the accelerations at the present positions, and the transport velocity of the next drift. Acoustic
+    damping uses the state's rate of density.
     """
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
-    _sum_push(parameters, workspace, summed)
+    _sum_pressure(parameters, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
 
@@ -217,58 +202,34 @@ def take_shift(parameters: Parameters, state: State, workspace: Workspace, time:
 
 
 def evaluate_rates(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Evaluate the rates of density and velocity, in one sum if there is neither diffusion nor a dummy."""
+    """Evaluate the rates of density and velocity, in one sum where there is one for both. Acoustic damping uses the
+    state's rate of density, that of the last evaluation.
+    """
     parameters = with_moved_solids(parameters, state)
     fill(parameters, state, workspace)
-    lists = workspace.lists
-    diffuses = parameters.density_diffusion.excess is not None
-    single = not diffuses and parameters.pressure_force.sum is PRESSURE and parameters.bulk_viscosity == 0.0
-    if single and len(lists.counts) == state.position.shape[1]:
-        evaluate_sum(CONTINUITY_AND_PRESSURE, parameters, workspace)
-    else:
+    both = parameters.pressure_force.both
+    if both is None:
         _sum_stretch(parameters, workspace)
-        _sum_push(parameters, workspace, summed=True)
+        _sum_pressure(parameters, workspace)
+    else:
+        diffusion = parameters.density_diffusion
+        evaluate_sum(both[None if diffusion.excess is None else diffusion.row], parameters, workspace)
+        _correct_diffusion(parameters, workspace)
     _store_density_rate(parameters, state, workspace)
     _store_acceleration(parameters, state, workspace, time)
 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    diffusion = parameters.density_diffusion
-    evaluate_sum(parameters.pressure_force.continuity[diffusion.row], parameters, workspace)
-    if diffusion.gradients:
+    evaluate_sum(parameters.pressure_force.continuity[parameters.density_diffusion.row], parameters, workspace)
+    _correct_diffusion(parameters, workspace)
+
+
+def _correct_diffusion(parameters: Parameters, workspace: Workspace) -> None:
+    if parameters.density_diffusion.gradients:
         evaluate_sum(GRADIENT_DIFFUSION, parameters, workspace)
 
 
-def damp_sound(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
-    """Add the pressure (zeta/rho) drho/dt of the acoustic damping (`viscous.acoustic_damping`) to the force terms of
-    all particles.
-
-    The rate contains density diffusion: it is that at which the pressure changes. With -zeta div v, small waves were
-    damped, too, since a sum without neighbors beyond the surface takes their strain for a compression, which diffusion
-    balances. A mirror image has the damping of its source, and a dummy the mean of the liquid before it: with none,
-    water in a narrow gap between dummies did not come to rest.
-    """
-    if parameters.bulk_viscosity == 0.0:
-        return
-    if not summed:
-        _sum_stretch(parameters, workspace)
-    fields, lists, count = workspace.fields, workspace.lists, workspace.rates.shape[1]
-    damping = np.zeros_like(fields.force_term)
-    rates, density = workspace.rates, fields.density[:count]
-    if parameters.pressure_force.by_mass:
-        rate = (rates.continuity + rates.diffusion) / density**3
-    else:
-        rate = rates.continuity + rates.diffusion / density
-    damping[:count] = parameters.bulk_viscosity * parameters.pressure_force.damping_shares(fields, count) * rate
-    read_from_sources(damping, workspace.images, len(lists.counts))
-    if len(lists.counts) > count:
-        read_means(fields.table, damping, count, lists, parameters.constants)
-        read_from_sources(damping, workspace.images, len(lists.counts))
-    fields.force_term[...] += damping
-
-
-def _sum_push(parameters: Parameters, workspace: Workspace, summed: bool = False) -> None:
-    damp_sound(parameters, workspace, summed)
+def _sum_pressure(parameters: Parameters, workspace: Workspace) -> None:
     settings: tuple[float, ...] = ()
     if parameters.pressure_force.corrected:
         settings = (cast(float, parameters.precision(parameters.spreading_pressure)),)
@@ -362,13 +323,13 @@ def table_of(parameters: Parameters) -> Array:
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Fill the fields of the liquid, of its images, of the dummies, and of the images of those."""
     fields, lists = workspace.fields, workspace.lists
-    constants, table = parameters.constants, fields.table
+    table = fields.table
     require_kernel(parameters.constants)
     count = state.position.shape[1]
     real = len(lists.counts)
     by_mass, gradients = parameters.pressure_force.by_mass, parameters.density_diffusion.gradients
-    of_liquid = state.position, state.velocity, state.density, state.pressure, state.mass
-    fill_liquid(table, *of_liquid, parameters.origin, by_mass, parameters.equation_of_state)
+    of_liquid = state.position, state.velocity, state.density, state.density_rate, state.pressure, state.mass
+    fill_liquid(table, *of_liquid, parameters.origin, by_mass, parameters.bulk_viscosity, parameters.equation_of_state)
     if parameters.background > 0.0:
         fields.transport[: parameters.dimension, :count] = state.transport
     images = workspace.images
@@ -380,17 +341,38 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if gradients:
         evaluate_sum(DENSITY_GRADIENT, parameters, workspace)
     if real > count:
-        clip, equation, dummies = parameters.walls_clip, parameters.equation_of_state, parameters.boundary.dummies
-        pulls = apparent_gravity(
-            parameters.bodies, dummies, (state.pose, state.motion, state.delayed_body_acceleration), parameters.gravity
-        )
-        pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
-        read_liquid(table, count, lists, constants, pulls, clip, equation)
+        _read_liquid(parameters, state, workspace)
     if parameters.corrects:
         evaluate_sum(CORRECTIONS, parameters, workspace)
         if parameters.open_boundaries:
             fields.correction[:, :count][:, state.zone > 0] = UNIT
+        _share_damping(parameters, state, workspace, of_images)
     if len(images.source) and (real > count or gradients or parameters.corrects):
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:
         fill_weights(table, count, by_mass)
+
+
+def _read_liquid(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    dummies = parameters.boundary.dummies
+    pulls = apparent_gravity(
+        parameters.bodies, dummies, (state.pose, state.motion, state.delayed_body_acceleration), parameters.gravity
+    )
+    pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
+    read_liquid(
+        workspace.fields.table, state.position.shape[1], workspace.lists, parameters.constants, pulls,
+        parameters.walls_clip, parameters.equation_of_state,
+    )  # fmt: skip
+
+
+def _share_damping(parameters: Parameters, state: State, workspace: Workspace, of_images: tuple[Any, ...]) -> None:
+    """Reduce the acoustic damping where completed gradients make it stronger: see `corrections`."""
+    if parameters.bulk_viscosity == 0.0 or not parameters.pressure_force.corrected:
+        return
+    fields, count = workspace.fields, state.position.shape[1]
+    fields.damping[:count] *= parameters.pressure_force.damping_shares(fields, count)
+    fields.force_term[:count] = fields.pressure[:count] + fields.damping[:count]
+    if len(workspace.images.source):
+        fill_images(workspace.images.source, *of_images)
+    if len(workspace.lists.counts) > count:
+        _read_liquid(parameters, state, workspace)

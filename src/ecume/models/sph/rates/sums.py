@@ -7,13 +7,13 @@ Each is a formula for a pair, written once for the plane and for space: see `nei
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from ecume._jit import admit, prange, spread, summed_inside
 from ecume.engine.vectors import Vector, add_vector, axpy, difference, dot, scaled, store_vector, vector_of, zeros
 from ecume.laws import density_diffusion, viscous
 from ecume.models.sph.fields import FIELD, RATE, Floats, Numbers
-from ecume.models.sph.rates.neighbor_sums import NOTHING, NeighborSum, Particle, Reading, neighbor_sum, rows_of
+from ecume.models.sph.rates.neighbor_sums import NOTHING, NeighborSum, Particle, Reading, neighbor_sum, of_rows
 from ecume.units import Array
 
 admit(viscous, density_diffusion)
@@ -114,35 +114,56 @@ def pair_pressure(total: Vector, apart: Vector, slope: float, own: Particle, oth
     return found
 
 
-@summed_inside
-def no_rates(zero: float, like: Vector) -> tuple[float, Vector]:
-    """Zero compression and zero acceleration."""
-    return zero, zeros(zero, like)
+class Both(NamedTuple):
+    """Sums of continuity and of pressure."""
+
+    stretching: Any
+    flow: Any
+    acceleration: Any
 
 
 @summed_inside
-def pair_rates(
-    total: tuple[float, Vector], apart: Vector, slope: float, own: Particle, other: Particle, given: Any
-) -> tuple[float, Vector]:
-    """Compression and acceleration by pressure in one sum, without diffusion and dummies."""
-    (damper, _, _), (stretching, acceleration) = given, total
-    radial, pull = dot(difference(other.vector, own.vector), apart), slope * other.weight
-    push = pair_force(pull, own.value, other.value, damping(radial, dot(apart, apart), damper))
-    return stretching + pair_divergence(pull, radial), axpy(acceleration, push, apart)
+def given_rates(numbers: Numbers, settings: Any, like: Vector) -> Any:
+    """Constants of continuity, and of the pressure force."""
+    return given_continuity(numbers, settings, like), given_pressure(numbers, settings, like)
 
 
 @summed_inside
-def store_rates(rates: Floats, fields: Floats, i: int, total: tuple[float, Vector], own: Particle, given: Any) -> None:
-    """Store continuity and the acceleration by pressure."""
-    (_, zero, factor), (stretching, acceleration) = given, total
-    rates[RATE.continuity, i] = factor * stretching
-    rates[RATE.diffusion, i] = zero
-    store_vector(rates, RATE.acceleration, i, factor, acceleration)
+def no_rates(zero: float, like: Vector) -> Both:
+    """No stretching, no flow and no acceleration."""
+    return Both(zero, zero, zeros(zero, like))
+
+
+@summed_inside
+def pair_rates(total: Both, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Both:
+    """Continuity and pressure in one sum, without diffusion."""
+    damper, zero, _ = given[1]
+    radial, pull = dot(difference(other.vector, own.vector), apart), slope * math.fabs(other.weight)
+    damp = damping(radial, dot(apart, apart), damper)
+    push = pair_force(pull, own.value, other.value, damp if other.weight > zero else zero)
+    return Both(total.stretching + pair_divergence(pull, radial), total.flow, axpy(total.acceleration, push, apart))
+
+
+@summed_inside
+def pair_diffusing_rates(total: Both, apart: Vector, slope: float, own: Particle, other: Particle, given: Any) -> Both:
+    """Continuity, diffusion and pressure in one sum."""
+    (rise, _, zero, _), _ = given
+    found = pair_rates(total, apart, slope, own, other, given)
+    beyond = density_diffusion.beyond_rest(own.more, other.more, dot(rise, apart))
+    flow = density_diffusion.flow(beyond, slope * max(other.weight, zero))
+    return Both(found.stretching, found.flow + flow, found.acceleration)
+
+
+@summed_inside
+def store_rates(rates: Floats, fields: Floats, i: int, total: Both, own: Particle, given: Any) -> None:
+    """Store continuity, diffusion and the acceleration by pressure."""
+    store_continuity(rates, fields, i, (total.stretching, total.flow), own, given[0])
+    store_pressure_force(rates, fields, i, total.acceleration, own, given[1])
 
 
 def by_diffusing_field(taken: NeighborSum, reading: Reading) -> dict[int, NeighborSum]:
     """The sum for each field that may diffuse, by its row: density and enthalpy."""
-    return {row: taken._replace(rows=rows_of(reading._replace(value=row))) for row in (FIELD.density, FIELD.enthalpy)}
+    return {row: of_rows(taken, reading._replace(value=row)) for row in (FIELD.density, FIELD.enthalpy)}
 
 
 MOVED = Reading(FIELD.velocity, FIELD.weight, signed=True)
@@ -156,10 +177,14 @@ PRESSURE = neighbor_sum(
     MOVED._replace(value=FIELD.force_term),
     given_pressure, no_vector, pair_pressure, store_pressure_force,
 )  # fmt: skip
-CONTINUITY_AND_PRESSURE = neighbor_sum(
-    MOVED._replace(value=FIELD.force_term, signed=False), given_pressure, no_rates, pair_rates, store_rates
-)
-"""In one pass, for tanks without diffusion and dummies."""
+PRESSED = MOVED._replace(value=FIELD.force_term)
+DIFFUSING = PRESSED._replace(more=(FIELD.density,))
+DIFFUSING_RATES = neighbor_sum(DIFFUSING, given_rates, no_rates, pair_diffusing_rates, store_rates)
+RATES: dict[int | None, NeighborSum] = {
+    None: neighbor_sum(PRESSED, given_rates, no_rates, pair_rates, store_rates),
+    **{row: of_rows(DIFFUSING_RATES, DIFFUSING._replace(more=(row,))) for row in (FIELD.density, FIELD.enthalpy)},
+}
+"""Continuity and pressure in one sum, by the row of the field that diffuses."""
 
 
 @summed_inside

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from ecume._jit import admit, compiled, prange, spread
 from ecume._portable import dot, product
 from ecume.engine.cells import Integers
-from ecume.engine.neighbor_rows import Lists
+from ecume.engine.neighbor_rows import Lists, pairs_in
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import states
 from ecume.laws.kernels import KERNELS, kernel
@@ -74,14 +74,14 @@ def spreading_energy(now: Parameters, state: State, workspace: Workspace) -> flo
     """
     if now.spreading_pressure == 0.0:
         return 0.0
-    (counts, neighbor), fields, count = workspace.lists, workspace.fields, state.position.shape[1]
+    lists, fields, count = workspace.lists, workspace.fields, state.position.shape[1]
     rest, length = now.material.density, float(now.numbers.smoothing_length)
     resting = np.where(fields.liquid > 0.0, fields.volume * fields.density / rest, fields.volume).astype(np.float64)
     form = kernel(list(KERNELS)[int(now.numbers.kernel)], dim=now.dimension)
-    there = np.arange(neighbor.shape[1]) < counts[:count, None]
-    who = np.where(there, neighbor[:count], 0)
-    apart = np.sqrt(((fields.position[:, who] - fields.position[:, :count, None]) ** 2).sum(axis=0))
-    pairs = np.where(there, form.value(apart, length) * resting[who], 0.0).sum(axis=1)
+    mine, place = pairs_in(lists, count)
+    who = lists.neighbor[place]
+    apart = np.sqrt(((fields.position[:, who] - fields.position[:, mine]) ** 2).sum(axis=0))
+    pairs = np.bincount(mine, form.value(apart, length) * resting[who], count)
     own = state.mass / rest
     around = pairs + own * form.value(0.0, length)
     return now.spreading_pressure * float(np.sum(own * (around - 1.0)) + np.sum(state.mass / state.density - own))
@@ -330,14 +330,14 @@ def dummy_powers(
     """
     kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
     deep = constants[0].dimension == 3
-    counts, neighbor = lists
+    counts, start, neighbor = lists
     for place in prange(len(power)):
         i = first + place
         if fields[FIELD.force_term, i] == 0.0:
             continue
         total = 0.0
         for k in range(counts[i]):
-            j = neighbor[i, k]
+            j = neighbor[start[i] + k]
             dx = fields[FIELD.position, j] - fields[FIELD.position, i]
             dy = fields[FIELD.position + 1, j] - fields[FIELD.position + 1, i]
             square = dx * dx + dy * dy

@@ -11,6 +11,7 @@ import numpy as np
 
 from ecume.errors import Fault, SceneError
 from ecume.laws.flows import channel_pressure_drop
+from ecume.laws.kernels import Kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.time_step_limits import (
     acoustic_limit,
@@ -18,6 +19,7 @@ from ecume.laws.time_step_limits import (
     body_damping_limit,
     body_drag_limit,
     body_sound_limit,
+    late_damping_limit,
     radial_excess,
     tension_limit,
     viscous_limit,
@@ -25,7 +27,7 @@ from ecume.laws.time_step_limits import (
 from ecume.laws.viscous import acoustic_damping
 from ecume.laws.yield_stress import apparent_viscosity
 from ecume.models.sph.incompressible import projection_of, require_suitable
-from ecume.models.sph.integration.time_stepping import INTEGRATORS
+from ecume.models.sph.integration.time_stepping import INTEGRATORS, LATE
 from ecume.models.sph.parameters import CarriedGroup, Material, Parameters, PassiveTracers, Rheology
 from ecume.models.sph.rates.methods import DIFFUSIONS
 from ecume.models.sph.rates.surface_tension import TENSIONS
@@ -319,8 +321,40 @@ def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dic
         **speed_limit(h, material, courant),
         "viscosity": viscous_limit(h, material.viscosity / material.density),
         "surface tension": tension_limit(h, material.density, tension),
+        "acoustic damping": damping_step(scene, material, bulk_viscosity),
         BODIES: min((body_limit(scene, spec, material, bulk_viscosity) for spec in scene.bodies), default=math.inf),
     }
+
+
+def damping_step(scene: SphScene, material: Material, bulk_viscosity: float) -> float:
+    """The longest step (s) of schemes whose damping is late; infinite for others."""
+    if bulk_viscosity == 0.0 or integrator_of(scene) not in LATE:
+        return math.inf
+    wavenumber = largest_wavenumber(kernel_of(scene), smoothing_of(scene), scene.spacing)
+    return late_damping_limit(material.density, bulk_viscosity, wavenumber)
+
+
+WAVENUMBERS = 64
+"""How many are tried along each direction."""
+
+
+def largest_wavenumber(kernel: Kernel, smoothing_length: float, spacing: float) -> float:
+    """The largest wavenumber (1/m) of smoothed gradients in a lattice, |sum_j V_j F x_ij sin(k.x_ij)|, for waves along
+    its axes and diagonals.
+    """
+    most = math.ceil(kernel.support * smoothing_length / spacing)
+    steps = np.arange(-most, most + 1)
+    lattice = spacing * np.stack(np.meshgrid(*[steps] * kernel.dim), axis=-1).reshape(-1, kernel.dim)
+    distance = np.sqrt((lattice**2).sum(axis=1))
+    near = (distance > 0.0) & (distance < kernel.support * smoothing_length)
+    lattice, distance = lattice[near], distance[near]
+    pull = kernel.slope(distance, smoothing_length) / distance * spacing**kernel.dim
+    found = 0.0
+    for axes in range(1, kernel.dim + 1):
+        along = lattice[:, :axes].sum(axis=1)
+        waves = np.sin(np.outer(np.linspace(0.0, np.pi / spacing, WAVENUMBERS), along))
+        found = max(found, float(np.abs(waves @ (pull * along)).max()) / math.sqrt(axes))
+    return found
 
 
 def speed_limit(smoothing_length: float, material: Material, courant: float) -> dict[str, float]:
