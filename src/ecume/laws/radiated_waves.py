@@ -78,6 +78,8 @@ def ripples(
     require_not_negative("gravity", gravity)
     omega = 2.0 * math.pi * frequency
     scale = (density * omega**2 / tension) ** (1.0 / 3.0)
+    if tension * scale**2 == 0.0:
+        raise BadInput(f"at {frequency:g} Hz waves are longer than any number; expected a higher frequency")
     damping = max(2.0 * viscosity * scale**2 / (density * omega), 1e-9)
     if damping > LARGEST_DAMPING:
         raise BadInput(

@@ -97,6 +97,19 @@ def test_liquid_over_round_and_slanted_obstacles_has_the_volume_that_is_left():
         assert cells.volumes.sum() == pytest.approx(left, rel=1e-12)
 
 
+def test_a_region_that_an_earlier_one_covers_adds_nothing():
+    """Also beside a slanted solid, where cells are chosen by their volume."""
+    box = {"low": [0.0, 0.0], "high": [1.2, 0.3]}
+    plain = {
+        "model": "sph", "duration": 1.0, "frame_every": 0.1, "spacing": 0.03,
+        "tank": {"low": [0.0, 0.0], "high": [1.2, 0.8], "top": {"kind": "open"}},
+        "obstacles": [{"vertices": [[0.78, 0.0], [1.08, 0.0], [0.93, 0.15]]}],
+    }  # fmt: skip
+    once, twice = (cells_of(from_plain({**plain, "fluid": [box] * count})) for count in (1, 2))
+    volumes = [sum(each.volumes.sum() for each, _ in cells) for cells in (once, twice)]
+    assert volumes[0] == volumes[1] > 0.3
+
+
 def test_liquid_in_two_regions_that_overlap_counts_once():
     scene = random_tank(3, obstacles=False)
     width, depth = scene.fluid[0].high

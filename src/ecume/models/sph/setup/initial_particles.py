@@ -249,6 +249,8 @@ def free_cells(shape: Part, scene: SphScene, earlier: Sequence[Part], solids: Se
     odd = unaligned(shape, cells, [solid for solid in solids if bounds_meet(shape, solid)], spacing)
     fitting = [solid for solid in solids if all(solid is not other for other in odd)]
     cells = cells.those(apart(cells.centers, earlier) & free_of(cells.centers, fitting, spacing))
+    if not len(cells.centers):  # earlier regions cover it
+        return cells
     return scaled_to(cells.those(roomiest(cells, odd, free, scene.up_axis)) if odd else cells, free)
 
 
