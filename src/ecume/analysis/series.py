@@ -72,8 +72,11 @@ def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None
     if not len(frames):
         return np.zeros((0, 0, 0))
     named = box_of(frames[0]) is None or "image" in frames[0].arrays
-    unwrapped = [_unwrapped(frames[k]) for k in kept] if named else _followed(frames, set(kept))
-    there = [inside(frames[k]) for k in kept]
+    if named:
+        seen = [(_unwrapped(frame), inside(frame)) for frame in (frames[k] for k in kept)]
+        unwrapped, there = [places for places, _ in seen], [present for _, present in seen]
+    else:
+        unwrapped, there = _followed(frames, set(kept)), [inside(frames[k]) for k in kept]
     found = np.full((len(there), max(map(len, unwrapped)), unwrapped[0].shape[1]), np.nan)
     for row, position, present, k in zip(found, unwrapped, there, kept, strict=True):
         if len(position) != len(row) and "left" not in frames[k].arrays:

@@ -12,7 +12,7 @@ import json
 import math
 import re
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -127,8 +127,16 @@ def _refuse_foreign(directory: Path) -> None:
         raise BadInput(f"{path}: exists, and was not written by a sweep; choose another folder with -o")
 
 
-def laid_out(asked: Asked, directory: Path) -> Sweeping:
-    """Write what each point is to simulate; every scene is read and checked before anything is written."""
+Check = Callable[[Sequence[str], Mapping[str, Any]], None]
+"""Raises BadInput where measures do not fit the plan of a point."""
+
+
+def unchecked(measures: Sequence[str], plan: Mapping[str, Any]) -> None:
+    """No check."""
+
+
+def laid_out(asked: Asked, directory: Path, check: Check = unchecked) -> Sweeping:
+    """Write what each point is to simulate; every scene is read, and all is checked, before anything is written."""
     spec = asked.spec
     if spec.process:
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
@@ -136,6 +144,8 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
     keys = varied(spec)
     jobs = [Job(point, directory / POINTS_FOLDER / _digest(plan), _values(plan, keys)) for point, plan in plans]
     _refuse_foreign(directory)
+    if any(job.state != "done" for job in jobs):
+        check(spec.measures, plans[0][1])
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)
         require_plain(directory)
@@ -150,7 +160,9 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
     return Sweeping(directory, spec, jobs)
 
 
-def begun_or_laid_out(file: Path, directory: Path, laws: Sequence[dict[str, Any]] = ()) -> Sweeping:
+def begun_or_laid_out(
+    file: Path, directory: Path, laws: Sequence[dict[str, Any]] = (), check: Check = unchecked
+) -> Sweeping:
     """The sweep of a file. One named by its own directory has all its points there, but not its scene's file. `laws`
     are the entries of user-defined laws. Raises BadInput where the sweep was begun with others.
     """
@@ -158,8 +170,10 @@ def begun_or_laid_out(file: Path, directory: Path, laws: Sequence[dict[str, Any]
     if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
         found = existing_sweep(directory)
         require_laws(found, laws)
+        if any(job.state != "done" for job in found.jobs):
+            check(found.spec.measures, json_at(found.jobs[0].asked, dict))
         return found
-    return laid_out(asked, directory)
+    return laid_out(asked, directory, check)
 
 
 def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:

@@ -6,6 +6,7 @@ The runner of a sweep: all missing points, one after the other or on many worker
 from __future__ import annotations
 
 import contextlib
+import functools
 import inspect
 import io
 import math
@@ -171,16 +172,17 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
     return found
 
 
-def require_numbers(sweeping: Sweeping, laws: Sequence[Callable[..., float]] = ()) -> None:
-    """Raise BadInput where a measure is of a number that runs do not have; the first run begins for that, and no more.
-    Raise it also where the engine is missing.
+def require_numbers(
+    measures: Sequence[str], plan: Mapping[str, Any], laws: Sequence[Callable[..., float]] = ()
+) -> None:
+    """Raise BadInput where a measure is of a number that runs do not have; the run of this plan begins for that, and
+    no more. Raise it also where the engine is missing.
 
     A sweep should not end with it.
     """
     from ecume.simulation import moments
 
-    required = {text: read_measure(text).number for text in sweeping.spec.measures}
-    plan = json_at(sweeping.jobs[0].asked, dict)
+    required = {text: read_measure(text).number for text in measures}
     with engine_of(plan) as engine:
         if not required and not laws:
             return
@@ -271,11 +273,10 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], optio
     Raises Stopped after a signal: the same call continues.
     """
     own = laws_from(options.laws)
-    sweeping = begun_or_laid_out(Path(file), Path(directory), entries(own))
+    check = functools.partial(require_numbers, laws=own)
+    sweeping = begun_or_laid_out(Path(file), Path(directory), entries(own), check)
     jobs = distinct(sweeping.jobs)
     missing = [job for job in jobs if job.state != "done"]
-    if missing:
-        require_numbers(sweeping, own)
     try:
         with handled(_stop):
             words = _worked(options, sweeping, missing)

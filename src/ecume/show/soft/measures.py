@@ -113,7 +113,7 @@ def _within_most(axes: Axes, values: Array) -> None:
 
 def swaps(frames: Frames, scene: SoftScene) -> Figure:
     """T1 events: their positions, and their cumulative number over time."""
-    evolution(frames)
+    now = times(evolution(frames))
     found = neighbor_swaps(frames)
     with style():
         drawn = figure(8.6, 4.2)
@@ -122,11 +122,9 @@ def swaps(frames: Frames, scene: SoftScene) -> Figure:
         where.set_title(titled("Positions of T1 events", scene))
         if marks is not None:
             drawn.colorbar(marks, ax=where, label="time (s)", shrink=0.8)
-        instants, count = cumulative(found.times, times(frames))
+        instants, count = cumulative(found.times, now)
         steps(when, instants, count.tolist(), "T1 events", PALETTE[1])
-        when.set(
-            xlabel="time (s)", ylabel="T1 events", title="Cumulative number of T1 events", xlim=span(times(frames))
-        )
+        when.set(xlabel="time (s)", ylabel="T1 events", title="Cumulative number of T1 events", xlim=span(now))
         when.set_ylim(0.0, 1.08 * max(count[-1], 1))
         if found.unpaired:
             message = f"other changes of neighbors: {found.unpaired}"
