@@ -93,15 +93,6 @@ def test_right_disc(density, moved):
     assert last.numbers["body0_y"] - first.numbers["body0_y"] == pytest.approx(moved, abs=2e-4)
 
 
-@pytest.mark.compiled
-@pytest.mark.long
-def test_right_square():
-    """A square of half the density of water floats with a corner down."""
-    frames = list(simulate(case("right_square")))
-    turned = [math.degrees(frame.numbers["body0_angle"]) + 3.0 for frame in frames if frame.time > 5.0]
-    assert np.mean(turned) == pytest.approx(45.0, abs=2.5)
-
-
 def test_drop_on_plate():
     """`check` states the contact angle; another one is refused."""
     assert ("contact angle", "90 degrees") in [row[:2] for row in SPH.summary(case("drop_on_plate"))]
