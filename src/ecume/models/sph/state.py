@@ -10,7 +10,16 @@ import numpy as np
 
 from ecume._columns import RECORD
 from ecume.engine.cells import Images, Integers, images_of, positions_of_images
-from ecume.engine.neighbor_rows import Grid, Lists, Sorted, empty_lists, grid_around, neighbor_lists, sort_by_cell
+from ecume.engine.neighbor_rows import (
+    STRIDE,
+    Grid,
+    Lists,
+    Sorted,
+    empty_lists,
+    grid_around,
+    neighbor_lists,
+    sort_by_cell,
+)
 from ecume.models.sph.fields import Fields, Floats, Rates, zero_fields, zero_rates
 from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Liquid, Parameters
@@ -276,7 +285,6 @@ def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:
     fields.viscosity[here] = dummies.viscosity
 
 
-def likely_neighbors(dimension: int, reach: float) -> int:
-    """The number of neighbors in a full lattice, with a margin; `reach` in spacings."""
-    spheres = np.pi * reach**2 * (4.0 / 3.0 * reach if dimension == 3 else 1.0)
-    return int(1.15 * spheres) + 8
+def likely_neighbors(dimension: int, reach: float) -> float:
+    """The mean length of a row of neighbors in a full lattice, padding included; `reach` in spacings."""
+    return float(np.pi * reach**2 * (4.0 / 3.0 * reach if dimension == 3 else 1.0)) + 0.5 * STRIDE
