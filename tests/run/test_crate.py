@@ -18,7 +18,7 @@ from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.run import RunDirectory, run
 from ecume.run.lock import held
-from ecume.run.manifest import Attribution, write_crate
+from ecume.run.research_object import Attribution, write_crate
 
 Scenes = Callable[..., toy.ToyScene]
 AUTHORS = ["Ada Lovelace (0000-0002-1825-0097)", "Mary Somerville"]

@@ -14,7 +14,7 @@ import pytest
 import toy
 
 from ecume.errors import EcumeError
-from ecume.run import RunDirectory, RunOptions, checkpoints, resume, run, verify
+from ecume.run import RunDirectory, RunOptions, archives, checkpoints, resume, run, verify
 from ecume.trajectories.gsd import checksum
 from ecume.trajectories.segments import Segment
 
@@ -41,12 +41,12 @@ def forge(home: RunDirectory, name: str, change: Callable[[np.ndarray], np.ndarr
     """Change an array of the checkpoint, and all checksums."""
     (path,) = checkpoints.newest_first(home)
     with path.open("rb") as file:
-        arrays = {key: value.copy() for key, value in checkpoints.arrays_of(file, path).items()}
+        arrays = {key: value.copy() for key, value in archives.arrays_of(file, path).items()}
     del arrays["crc32"]
     arrays[name] = np.ascontiguousarray(change(arrays[name]))
     with path.open("w+b") as file:
         np.savez(file, allow_pickle=False, crc32=np.array([checksum(arrays)]), **arrays)
-        checkpoints.seal(file)
+        archives.seal(file)
 
 
 def filled(value: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -73,7 +73,7 @@ CHANGES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 def names_of(home: RunDirectory) -> list[str]:
     (path,) = checkpoints.newest_first(home)
     with path.open("rb") as file:
-        return sorted(checkpoints.arrays_of(file, path).keys() - {"crc32"})
+        return sorted(archives.arrays_of(file, path).keys() - {"crc32"})
 
 
 def test_no_forged_checkpoint_surprises(killed: RunDirectory, tmp_path: Path) -> None:

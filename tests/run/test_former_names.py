@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.models import MODELS
-from ecume.run.checkpoints import FORMER_NAMES, with_present_names
+from ecume.run.archives import FORMER_NAMES, with_present_names
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "0.1.0"
 

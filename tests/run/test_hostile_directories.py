@@ -15,7 +15,7 @@ import ecume
 from ecume import _plain_files
 from ecume.errors import EcumeError, StorageError
 from ecume.run import RunDirectory, RunOptions, checkpoints, compare, info, list_runs, lock, repair, resume, run
-from ecume.run.checkpoints import arrays_of
+from ecume.run.archives import arrays_of
 from ecume.run.directory import manifest_of, write
 from ecume.trajectories.gsd import ENTRY
 from ecume.trajectories.reader import open_trajectory

@@ -27,7 +27,7 @@ from ecume.errors import EcumeError, StorageError
 from ecume.run import RunDirectory, RunOptions, compare, info, repair, resume, run, verify
 from ecume.run.directory import manifest_of, read, write
 from ecume.run.lock import handled
-from ecume.run.manifest import write_crate
+from ecume.run.research_object import write_crate
 from ecume.run.user_code import entries
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from ecume.cli.runs import described
 from ecume.errors import Stopped, StorageError
 from ecume.models import MODELS
-from ecume.run import RunDirectory, RunOptions, checkpoints, info, manifest, repair, resume, run
+from ecume.run import RunDirectory, RunOptions, checkpoints, constants, info, manifest, repair, resume, run
 from ecume.run.recording import difference
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -287,13 +287,13 @@ def same(one: Any, other: Any) -> bool:
 @given(tree=trees)
 def test_any_constants_come_back_to_the_bit(tmp_path_factory: Any, tree: Outer) -> None:
     home = RunDirectory(tmp_path_factory.mktemp("run"))
-    home.manifest.write_text(json.dumps({"constants_sha256": checkpoints.save_constants(home, tree)}))
+    home.manifest.write_text(json.dumps({"constants_sha256": constants.save_constants(home, tree)}))
     with np.errstate(over="ignore"):
         nudged = tree.inner._replace(charge=tree.inner.charge * (1 - 1e-12))
     nudged = tree._replace(time_step=tree.time_step * (1 + 1e-12), inner=nudged)
-    assert same(checkpoints.restored(home, nudged).parameters, tree)
+    assert same(constants.restored(home, nudged).parameters, tree)
     other = tree._replace(inner=tree.inner._replace(count=tree.inner.count + 1))
-    kept = checkpoints.restored(home, other)
+    kept = constants.restored(home, other)
     assert kept.parameters is other
     assert "inner.count was stored with other values" in kept.remark
 
@@ -309,8 +309,8 @@ def test_constants_keep_their_layout_in_memory(tmp_path: Path, layout: str) -> N
     array.flags.writeable = layout != "read-only"
     home = RunDirectory(tmp_path)
     tree = Outer(0.1, 1, Inner(array, 1), (), ())
-    home.manifest.write_text(json.dumps({"constants_sha256": checkpoints.save_constants(home, tree)}))
-    back = checkpoints.restored(home, tree).parameters.inner.charge
+    home.manifest.write_text(json.dumps({"constants_sha256": constants.save_constants(home, tree)}))
+    back = constants.restored(home, tree).parameters.inner.charge
     np.testing.assert_array_equal(back, array)
     names = ("C_CONTIGUOUS", "F_CONTIGUOUS", "WRITEABLE", "ALIGNED")
     assert [back.flags[name] for name in names] == [array.flags[name] for name in names]

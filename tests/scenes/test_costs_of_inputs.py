@@ -11,7 +11,7 @@ import pytest
 
 from ecume.errors import EcumeError, SceneError
 from ecume.run import RunDirectory
-from ecume.run.checkpoints import arrays_of
+from ecume.run.archives import arrays_of
 from ecume.run.recording import lines_of
 from ecume.scenes.load import load_and_examine, load_scene
 from ecume.scenes.sph.sources import _triangles, _vertices

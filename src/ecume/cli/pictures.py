@@ -607,7 +607,7 @@ def _deck(scene: Path, out: Path | None, changes: list[str]) -> Path:
 
 def _crate(directory: Path, out: Path | None, authors: list[str], license_name: str) -> Path:
     """Describe a run in its directory, the only place where the names of its files are right."""
-    from ecume.run.manifest import Attribution, write_crate
+    from ecume.run.research_object import Attribution, write_crate
 
     if out is not None:
         raise BadInput("-o: the metadata of a run are in its directory; omit -o, and copy or archive the directory")

@@ -19,7 +19,7 @@ from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.models.model import LOCAL, LONGEST_RUN, Engine
 from ecume.models.step_counts import BEFORE
-from ecume.run import checkpoints, manifest
+from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import (
     RunDirectory,
@@ -193,7 +193,7 @@ def resume(
         for remark in set_foreign_aside(home.trajectory, identity_of(home)):
             note(home, "segment set aside", why=remark)
         scene = from_plain(scene_at(home.path, manifest_of(home)))
-        checkpoints.require_sound_constants(home)
+        constants.require_sound_constants(home)
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
@@ -251,7 +251,7 @@ def _moments(
 
 def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     """The parameters of a resumed run: those derived from the scene, with the stored constants of the run."""
-    restored = checkpoints.restored(home, derived)
+    restored = constants.restored(home, derived)
     if restored.remark:
         note(home, "constants", remark=restored.remark)
     if not restored.kept:
@@ -278,7 +278,7 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
     write_whole(home.resolved, plain, home.path)
     entries = (
         manifest.first_manifest(scene, source, plain)
-        | {"constants_sha256": checkpoints.save_constants(home, parameters)}
+        | {"constants_sha256": constants.save_constants(home, parameters)}
         | code.entries()
         | {"on_violation": options.on_violation or scene.on_violation}
         | ({IMPORTED: clean(options.imported)} if options.imported else {})

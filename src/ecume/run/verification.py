@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.models.model import LOCAL, Engine
-from ecume.run import checkpoints, lock
-from ecume.run.checkpoints import is_sound, set_aside
+from ecume.run import checkpoints, constants, lock
+from ecume.run.checkpoints import set_aside
+from ecume.run.constants import is_sound
 from ecume.run.directory import (
     RunDirectory,
     existing,
@@ -237,7 +238,7 @@ def _beside(home: RunDirectory) -> list[str]:
     """The faults of the files beside the frames."""
     checks: list[Callable[[], object]] = [
         lambda: resolved_at(home.path, manifest_of(home)),
-        lambda: checkpoints.require_sound_constants(home),
+        lambda: constants.require_sound_constants(home),
         lambda: require_source(home),
         lambda: lock_of(home),
         lambda: _log(home),
@@ -402,4 +403,4 @@ def _recomputed(
 
 
 def _constants(home: RunDirectory, derived: Any) -> Any:
-    return checkpoints.restored(home, derived).parameters
+    return constants.restored(home, derived).parameters
