@@ -6,8 +6,8 @@ ecume.run.info("runs/bowl").frames
 
 Start with `runner`. `directory` names the files; `recording` (also progress), `checkpoints`, `constants` and `manifest`
 write and read them, in `archives` of arrays or as records; `lock` deals with other processes and signals;
-`invariant_monitor` checks each frame; `reports` and `verification` look at one or several runs from outside; `user_code`
-identifies a user's laws and actions. `research_object` describes a run as an RO-Crate.
+`invariant_monitor` checks each frame; `reports` and `verification` look at one or several runs from outside;
+`user_code` identifies a user's laws and actions. `research_object` describes a run as an RO-Crate.
 """
 
 from ecume.run.directory import RunDirectory
