@@ -38,6 +38,7 @@ from ecume.laws import (
     surfaces,
     tension,
     time_step_limits,
+    unsteady_forces,
     viscous,
     wall_forces,
 )
@@ -68,12 +69,13 @@ COMPILED = (
     interfaces,
     wall_forces,
     carrier_flows,
+    unsteady_forces,
 )
 RESCALED = (
     carrier_flows, density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies,
     flotation.balance, flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
     time_step_limits, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, wall_forces, dam_breaks,
-    liquids, soft_contacts, swirls,
+    liquids, soft_contacts, swirls, unsteady_forces,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -129,6 +131,7 @@ SAMPLES = {
     "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
     "shear_squared": 9e-4,
     "low": -0.2, "high": 0.5, "filled": 0.2, "room": 0.7,
+    "place": (0.3, 0.2, 0.1), "stream": (0.4, 0.3, -0.2), "displaced": 0.3,
     "dim": 2, "swing": 0.2, "decay": 0.3, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 SAMPLES_OF_TYPES = {Body: Body(1.1, 0.25, 5.0)}

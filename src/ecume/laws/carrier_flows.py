@@ -130,6 +130,63 @@ def abc_velocity(phase_x: Angle, phase_y: Angle, phase_along: Angle, speed: Spee
     )
 
 
+Vector = tuple[Speed, Speed, Speed]
+Place = tuple[Length, Length, Length]
+
+
+def _past_a_solid(place: Place, stream: Vector, along: Number, radial: Number, square: float) -> Vector:
+    """`along` times the stream, less `radial` times its part away from the center."""
+    share = radial * (place[0] * stream[0] + place[1] * stream[1] + place[2] * stream[2]) / square
+    return (
+        along * stream[0] - share * place[0],
+        along * stream[1] - share * place[1],
+        along * stream[2] - share * place[2],
+    )
+
+
+def creeping_flow_past_sphere(place: Place, radius: Length, stream: Vector) -> Vector:
+    """Velocity at a place relative to the center of a sphere at rest in a slow stream; zero at its surface.
+
+    U (1 - 3 R/(4 r) - R^3/(4 r^3)) - (3/4) (R/r - R^3/r^3) (U.n) n; n: the unit vector from the center. For Reynolds
+    numbers of the sphere below 1. [stokes1851].
+
+    >>> creeping_flow_past_sphere((0.0, 0.0, 1.0), 1.0, (1.0, 2.0, 3.0)), creeping_flow_past_sphere(
+    ...     (0.0, 2.0, 0.0), 1.0, (1.0, 0.0, 0.0))[0]
+    ((0.0, 0.0, 0.0), 0.59375)
+    """
+    square = max(place[0] * place[0] + place[1] * place[1] + place[2] * place[2], radius * radius)
+    a = radius / math.sqrt(square)
+    return _past_a_solid(place, stream, 1.0 - 0.75 * a - 0.25 * a**3, 0.75 * (a - a**3), square)
+
+
+def ideal_flow_past_sphere(place: Place, radius: Length, stream: Vector) -> Vector:
+    """Velocity at a place relative to the center of a sphere at rest in a fast stream without viscosity.
+
+    U (1 + R^3/(2 r^3)) - (3/2) (R/r)^3 (U.n) n. [lamb1932].
+
+    >>> ideal_flow_past_sphere((0.0, 0.0, 1.0), 1.0, (0.0, 0.0, 3.0))[2], ideal_flow_past_sphere(
+    ...     (0.0, 1.0, 0.0), 1.0, (1.0, 0.0, 0.0))[0]
+    (0.0, 1.5)
+    """
+    square = max(place[0] * place[0] + place[1] * place[1] + place[2] * place[2], radius * radius)
+    a = (radius / math.sqrt(square)) ** 3
+    return _past_a_solid(place, stream, 1.0 + 0.5 * a, 1.5 * a, square)
+
+
+def ideal_flow_past_cylinder(place: Place, radius: Length, stream: Vector) -> Vector:
+    """Velocity at a place relative to the axis of a cylinder at rest across a fast stream without viscosity.
+
+    U (1 + R^2/r^2) - 2 (R/r)^2 (U.n) n. The axis is along y. [lamb1932].
+
+    >>> ideal_flow_past_cylinder((1.0, 0.0, 0.0), 1.0, (1.0, 0.0, 0.0))[0], ideal_flow_past_cylinder(
+    ...     (0.0, 0.0, 1.0), 1.0, (1.0, 0.0, 0.0))[0]
+    (0.0, 2.0)
+    """
+    square = max(place[0] * place[0] + place[2] * place[2], radius * radius)
+    a = radius * radius / square
+    return _past_a_solid((place[0], 0.0, place[2]), stream, 1.0 + a, 2.0 * a, square)
+
+
 def time_factor(time: Annotated[float, Unit("s")], amplitude: Number, turning: Rate, decay: Rate) -> Number:
     """What the velocities of a flow are multiplied by at a time, (1 + A sin(w t)) exp(-c t). [womersley1955].
 

@@ -124,6 +124,9 @@ class FlowSpec:
     shear_rate: ShearRate = 0.0
     """The gradient of the x velocity of the liquid with height (1/s). Effect: particles at different heights drift
     apart."""
+    around_obstacles: Literal["none", "creeping", "ideal"] = "none"
+    """How a uniform flow goes around one disc or sphere without a tank: `none`, through it; `creeping` past a sphere,
+    at small Reynolds numbers; `ideal`, without viscosity. Effect: particles are carried around the obstacle."""
     name: Annotated[str, Field(max_length=LONGEST_NAME)] = ""
     """A flow that adds to these two: `channel`, `couette`, `tube`, `duct`, `stagnation`, `rotation`, `cellular`,
     `double-gyre`, `wave` or `abc`. Example: `"channel"`. Effect: particles follow this flow."""
@@ -365,6 +368,15 @@ class TracerHydrodynamicsSpec:
     added_mass: Switch = True
     """Whether the inertia includes half the mass of the displaced liquid. Effect: makes light particles slower to
     accelerate."""
+    fluid_acceleration: Switch = False
+    """The force by the acceleration of the liquid: its pressure gradient, and that of the added mass; acts on particles
+    with inertia. Effect: light particles follow and overtake accelerating liquid."""
+    faxen: Switch = False
+    """Faxen's correction of Stokes's drag in curved velocity profiles; acts on particles with inertia. Effect: large
+    particles lag behind the liquid in a channel."""
+    lift: Switch = False
+    """Saffman's lift on a particle that moves relative to sheared liquid; acts on particles with inertia. Effect:
+    particles that lag move toward faster liquid."""
     brownian: Switch = False
     """Brownian motion at the temperature of the liquid; requires drag. Effect: disperses particles; those of a
     micrometer remain suspended."""

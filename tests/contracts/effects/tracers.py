@@ -49,6 +49,13 @@ def grid(name, scale=1.0, **renamed):
     return str(path)
 
 
+AROUND = {
+    "tank": None,
+    "flow": {"velocity": [0.05, 0.0]},
+    "obstacles": [{"center": [0.01, 0.005], "radius": 0.002}],
+    **PLACED,
+}
+FORCED = {"flow": {"name": "channel", "speed": 0.2}, "integration": {"integrator": "inertial", "time_step": 1e-3}}
 FIELD = {"flow": {"field": {"file": grid("one")}}}
 STEERED = {"flow": {"field": {"file": grid("one"), "coordinates": ["x", "y"], "velocities": ["u", "v"]}}}
 STICKING = {"particles": [{"velocity": [2.0, 0.5]}], "hydrodynamics": {"drag": "none"}}
@@ -81,6 +88,7 @@ EFFECTS = {
     "liquid.mean_free_path": of(1e-4),
     "flow.velocity": of([0.01, 0.0]),
     "flow.shear_rate": of(1.0),
+    "flow.around_obstacles": of("ideal", **AROUND),
     "flow.name": of("couette", **CHANNEL),
     "flow.speed": of(0.03, **CHANNEL),
     "flow.rate": of(3.0, **ROTATION),
@@ -153,6 +161,11 @@ EFFECTS = {
     "openings.velocity": of([0.1, 0.0], **COMING),
     "hydrodynamics.drag": of("stokes"),
     "hydrodynamics.added_mass": of(False),
+    "hydrodynamics.fluid_acceleration": of(
+        True, flow={"name": "stagnation", "rate": 5.0}, integration={"integrator": "inertial", "time_step": 1e-3}
+    ),
+    "hydrodynamics.faxen": of(True, **FORCED),
+    "hydrodynamics.lift": of(True, **FORCED),
     "hydrodynamics.brownian": of(True),
     "integration.integrator": of("overdamped", integration={"time_step": 2e-3, "integrator": "inertial"}),
     "integration.time_step": of(1e-3),

@@ -17,7 +17,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import axpy, load, store
 from ecume.laws import carrier_flows
 from ecume.models.tracers.gridded_flows import GRIDDED_VELOCITIES
-from ecume.models.tracers.named_flows import NAMED_FLOWS
+from ecume.models.tracers.named_flows import NAMED_FLOWS, OTHER_VELOCITIES
 from ecume.models.user_laws import compiled_for_laws
 from ecume.units import Array
 
@@ -56,7 +56,7 @@ class Loops(NamedTuple):
 
 def _velocity_functions() -> dict[type, Callable[..., Vector]]:
     named = {typing.get_type_hints(row.shape)["return"]: row.velocity for row in NAMED_FLOWS.values()}
-    return {**named, **GRIDDED_VELOCITIES}  # type: ignore[dict-item]  # compiled functions are functions
+    return {**named, **OTHER_VELOCITIES, **GRIDDED_VELOCITIES}  # type: ignore[dict-item]  # compiled functions are functions
 
 
 def loops_for(current: Current, dimensions: int) -> Loops:

@@ -7,13 +7,16 @@ step, of second order. Walls act as in `time_stepping`; between its ends a path 
 
 from __future__ import annotations
 
+import numpy as np
+
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.tracers import time_stepping
 from ecume.models.tracers.energy_budget import work_of_drifts, work_of_noise
+from ecume.models.tracers.flow_forces import add_forces, work_of_forces
 from ecume.models.tracers.flow_loops import Loops, loops_for
-from ecume.models.tracers.parameters import Parameters, State, Workspace
+from ecume.models.tracers.parameters import ADDED_MASS, Parameters, State, Workspace
 from ecume.models.tracers.time_stepping import (
     add_drifts,
     all_finite,
@@ -43,7 +46,7 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         when = (int(state.step[0]) * parameters.time_step, parameters.time_step)
         if select_regime(scratch.status, state.left, overdamped, 0) > 0:
             loops.midways(state.position, state.velocity, scratch.status, when, parameters.current, scratch.flow)
-            if not fly(plain, state, scratch):
+            if not _forced_flight(plain, state, scratch, (loops, parameters.current, when)):
                 return DIVERGED
         if select_regime(scratch.status, state.left, overdamped, 1) > 0:
             step = _noisy_step if parameters.fluid.thermal > 0.0 else _smooth_step
@@ -59,6 +62,25 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 Flowing = tuple[Loops, object, tuple[float, float]]
 """The loops of a flow, the flow, and time and time step."""
+
+
+def _forced_flight(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
+    """One step of particles with inertia, with the forces of an accelerating and curved flow."""
+    if not plain.forces.any:
+        return bool(fly(plain, state, scratch))
+    (loops, current, when), bodies, fluid = flowing, plain.bodies, plain.fluid
+    count, added = len(state.left), ADDED_MASS if plain.added_mass else 0.0
+    gradients, forces, laws = np.zeros((count, 9)), np.zeros_like(state.position), scratch.external.copy()
+    loops.gradients(state.position, state.velocity, scratch.status, when, current, gradients)
+    own = (bodies.mass, bodies.radius, bodies.friction)
+    numbers = (fluid.density, fluid.viscosity, added, *plain.forces)
+    add_forces(state.velocity, scratch.status, own, (scratch.flow, gradients), numbers, forces)
+    scratch.external[:] = laws + forces
+    well = fly(plain, state, scratch)
+    ends = (scratch.origin, state.position, scratch.shift)
+    state.work[0] += work_of_forces(bodies.mass, scratch.status, scratch.hits, forces, ends)
+    scratch.external[:] = laws
+    return bool(well)
 
 
 def _smooth_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.tracers import field_files, gridded_flows
 from ecume.models.tracers.flow_loops import Current, Loops, loops_for
-from ecume.models.tracers.named_flows import NAMED_FLOWS, Request
+from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS, Request, Still
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import FlowSpec, TracersScene
 from ecume.units import Array
@@ -104,11 +104,19 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
     shapes = [name for name, given in (("name", flow.name), ("field", flow.field), ("user_laws", own)) if given]
     if len(shapes) > 1:
         raise SceneError([Fault(f"flow.{shapes[0]}", f"got it beside {shapes[1]}; expected one flow")])
-    if not shapes:
-        _require_unused(flow, frozenset(), "a uniform flow")
-        return plain
+    forced = scene.hydrodynamics.fluid_acceleration or scene.hydrodynamics.faxen or scene.hydrodynamics.lift
+    if flow.around_obstacles != "none" and (shapes or flow.shear_rate or not any(uniform)):
+        raise SceneError([Fault("flow.around_obstacles", "needs a uniform flow.velocity, and no other flow beside it")])
     shape: Any
-    if own is not None:
+    if flow.around_obstacles != "none":
+        _require_unused(flow, frozenset(), "a flow around an obstacle")
+        shape, box = _detour(scene, (uniform[0], uniform[1], uniform[2]))
+    elif not shapes:
+        _require_unused(flow, frozenset(), "a uniform flow")
+        if not forced:
+            return plain
+        shape = Still(0.0)
+    elif own is not None:
         shape = OwnShape(own.constants)
         _require_unused(flow, frozenset({"pulse"}), "a flow by a function")
     elif flow.field is not None:
@@ -126,6 +134,21 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
     loops = own.loops if own is not None else loops_for(current, d)
     made = LiquidFlow(plain.uniform, flow.shear_rate, current, loops, UNIFORM, removed)
     return made._replace(scales=_scales(made, box, scene.duration, spacing))
+
+
+def _detour(scene: TracersScene, stream: tuple[float, float, float]) -> tuple[Any, Corners]:
+    """The exact solution around the obstacle, and the box in which it varies. Raises SceneError without one."""
+    kind, d, bodies = scene.flow.around_obstacles, scene.dimensions, scene.obstacles
+    if (kind, d) not in DETOURS:
+        message = "got 'creeping' in 2D: no slow stream goes around a disc (Stokes's paradox); expected 'ideal', or 3D"
+        raise SceneError([Fault("flow.around_obstacles", message)])
+    if len(bodies) != 1 or bodies[0].center is None or bodies[0].radius is None or scene.tank is not None:
+        message = "there is an exact solution for one disc or sphere without a tank only; use flow.field for others"
+        raise SceneError([Fault("flow.around_obstacles", message)])
+    center, radius = bodies[0].center, bodies[0].radius
+    box = (tuple(each - 3.0 * radius for each in center), tuple(each + 3.0 * radius for each in center))
+    deep = stream if d == 3 else (stream[0], 0.0, stream[1])
+    return DETOURS[kind, d].shape(_deep(center), radius, deep), box
 
 
 def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:

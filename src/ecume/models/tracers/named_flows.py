@@ -114,6 +114,86 @@ class Abc(NamedTuple):
     speed: float
 
 
+class Still(NamedTuple):
+    """No flow beside the uniform one."""
+
+    speed: float
+
+
+class PastSphere(NamedTuple):
+    """A slow stream past a sphere, less the stream."""
+
+    center: Point
+    radius: float
+    stream: Point
+
+
+class PastSphereIdeal(NamedTuple):
+    """A fast stream past a sphere, less the stream."""
+
+    center: Point
+    radius: float
+    stream: Point
+
+
+class PastCylinderIdeal(NamedTuple):
+    """A fast stream past a cylinder, less the stream."""
+
+    center: Point
+    radius: float
+    stream: Point
+
+
+@compiled_inside
+def still_velocity(shape: Still, x: float, y: float, z: float, time: float) -> Point:
+    """None."""
+    return shape.speed, shape.speed, shape.speed
+
+
+@compiled_inside
+def past_sphere_velocity(shape: PastSphere, x: float, y: float, z: float, time: float) -> Point:
+    """What the sphere changes of the stream."""
+    center, stream = shape.center, shape.stream
+    place = (x - center[0], y - center[1], z - center[2])
+    found = carrier_flows.creeping_flow_past_sphere(place, shape.radius, stream)
+    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
+
+
+@compiled_inside
+def past_ideal_sphere_velocity(shape: PastSphereIdeal, x: float, y: float, z: float, time: float) -> Point:
+    """What the sphere changes of the stream."""
+    center, stream = shape.center, shape.stream
+    place = (x - center[0], y - center[1], z - center[2])
+    found = carrier_flows.ideal_flow_past_sphere(place, shape.radius, stream)
+    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
+
+
+@compiled_inside
+def past_ideal_cylinder_velocity(shape: PastCylinderIdeal, x: float, y: float, z: float, time: float) -> Point:
+    """What the cylinder changes of the stream."""
+    center, stream = shape.center, shape.stream
+    place = (x - center[0], 0.0, z - center[2])
+    found = carrier_flows.ideal_flow_past_cylinder(place, shape.radius, stream)
+    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
+
+
+class Detour(NamedTuple):
+    """A row of the table: how a uniform stream goes around one round obstacle."""
+
+    shape: type
+    velocity: Callable[..., Point]
+    law: Callable[..., Any]
+
+
+DETOURS = {
+    ("creeping", 3): Detour(PastSphere, past_sphere_velocity, carrier_flows.creeping_flow_past_sphere),
+    ("ideal", 3): Detour(PastSphereIdeal, past_ideal_sphere_velocity, carrier_flows.ideal_flow_past_sphere),
+    ("ideal", 2): Detour(PastCylinderIdeal, past_ideal_cylinder_velocity, carrier_flows.ideal_flow_past_cylinder),
+}
+"""Exact solutions for `flow.around_obstacles`, by its value and the dimensions of the scene."""
+OTHER_VELOCITIES = {Still: still_velocity, **{row.shape: row.velocity for row in DETOURS.values()}}
+
+
 @compiled_inside
 def channel_velocity(shape: Channel, x: float, y: float, z: float, time: float) -> Point:
     """The velocity; beyond a wall that of the mirror image."""

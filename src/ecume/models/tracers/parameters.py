@@ -24,6 +24,7 @@ from ecume.models.actions import Access
 from ecume.models.liquids import named_liquid
 from ecume.models.model import Layout, code_of
 from ecume.models.step_counts import ending_on_a_step
+from ecume.models.tracers.flow_forces import Forces
 from ecume.models.tracers.liquid_flow import FlowScales, LiquidFlow, OwnFlow, varying_flow
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, inflow_of
 from ecume.scenes.faults import suggestion
@@ -305,6 +306,9 @@ class Parameters(NamedTuple):
     current: Any = ()
     """a flow that varies, `flow_loops.Current`; an empty tuple without one"""
     periodic: Periodic = Periodic((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    forces: Forces = Forces()
+    """of a liquid whose velocity varies"""
+    added_mass: bool = True
     deposits: int = 0
     """how many of the last openings are walls and obstacles that hold what touches them"""
 
@@ -349,8 +353,16 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
         sheet(surfaces),
         flow.current,
         periodic,
+        forces_of(scene),
+        scene.hydrodynamics.added_mass,
         int(sticking_of(scene).sum()),
     )
+
+
+def forces_of(scene: TracersScene) -> Forces:
+    """The forces of a liquid whose velocity varies."""
+    given = scene.hydrodynamics
+    return Forces(float(given.fluid_acceleration), float(given.faxen), float(given.lift))
 
 
 ALIKE = 1e-6

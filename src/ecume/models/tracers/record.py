@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian_motion, drag, gases
+from ecume.laws import brownian_motion, drag, gases, unsteady_forces
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.gravity import gravity_text
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
@@ -22,7 +22,7 @@ from ecume.models.tracers.energy_budget import exchange, has_external_work, over
 from ecume.models.tracers.flow_loops import loops_for
 from ecume.models.tracers.flow_steps import advance
 from ecume.models.tracers.liquid_flow import LiquidFlow, OwnShape, varying_flow
-from ecume.models.tracers.named_flows import NAMED_FLOWS
+from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS
 from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
     AIR,
@@ -287,6 +287,10 @@ def flow_rows(scene: TracersScene, parameters: Parameters) -> list[tuple[str, st
     scales, what = flow.scales, scene.flow.name or "from a file"
     length = with_prefix(scales.length, "m", 3) if math.isfinite(scales.length) else "infinity"
     rows = [("flow", with_prefix(scales.speed, "m/s", 3), f"{what}: largest speed; changes over {length}")]
+    viscosity = parameters.fluid.viscosity / parameters.fluid.density
+    if viscosity > 0.0 and scales.rate > 0.0:
+        ratio = unsteady_forces.history_ratio(float(parameters.bodies.radius.max()), viscosity, scales.rate)
+        rows.append(("history force", f"{ratio:.2g}", "Basset's over Stokes's drag: not included"))
     if scene.flow.field is not None:
         remark = "of the fluxes of the file is divergence, which the interpolation omits"
         if scene.flow.field.interpolation == "linear":
@@ -358,6 +362,12 @@ def laws_of(scene: Any) -> list[Source]:
     walls: list[Source] = [brownian_motion.reflected_gain] if scene.hydrodynamics.brownian else []
     named = NAMED_FLOWS.get(scene.flow.name)
     flow: list[Source] = [*named.papers] if named is not None else []
+    around = DETOURS.get((scene.flow.around_obstacles, scene.dimensions))
+    flow += [around.law] if around is not None else []
+    given = scene.hydrodynamics
+    forces = {unsteady_forces.liquid_inertia: given.fluid_acceleration, unsteady_forces.faxen_velocity: given.faxen,
+              unsteady_forces.saffman_lift: given.lift}  # fmt: skip
+    flow += [law for law, used in forces.items() if used]
     grids: list[Source] = [gridded_flows.face_velocity] if scene.flow.field is not None else []
     return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip, *flow, *grids]
 
