@@ -51,9 +51,9 @@ def grid(name, scale=1.0, **renamed):
 
 AROUND = {
     "tank": None,
-    "flow": {"velocity": [0.05, 0.0]},
-    "obstacles": [{"center": [0.01, 0.005], "radius": 0.002}],
-    **PLACED,
+    "flow": {"velocity": [0.05, 0.0, 0.0], "around_obstacles": "ideal"},
+    "obstacles": [{"center": [0.02, 0.0, 0.0], "radius": 0.01}],
+    "particles": [{"count": None, "positions": [[0.005, 0.004, 0.0], [0.008, 0.006, 0.0]]}],
 }
 FORCED = {"flow": {"name": "channel", "speed": 0.2}, "integration": {"integrator": "inertial", "time_step": 1e-3}}
 FIELD = {"flow": {"field": {"file": grid("one")}}}
@@ -88,7 +88,7 @@ EFFECTS = {
     "liquid.mean_free_path": of(1e-4),
     "flow.velocity": of([0.01, 0.0]),
     "flow.shear_rate": of(1.0),
-    "flow.around_obstacles": of("ideal", **AROUND),
+    "flow.around_obstacles": of("creeping", **AROUND),
     "flow.name": of("couette", **CHANNEL),
     "flow.speed": of(0.03, **CHANNEL),
     "flow.rate": of(3.0, **ROTATION),

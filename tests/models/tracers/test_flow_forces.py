@@ -79,7 +79,7 @@ def test_the_energy_with_these_forces_never_rises():
 def around(kind, position, dimensions=3, **changes):
     center = [0.0, 0.0, 0.0][:dimensions]
     return from_plain({
-        "model": "tracers", "duration": 8.0, "frame_every": 8.0, "gravity": 0.0,
+        "model": "tracers", "duration": 16.0, "frame_every": 16.0, "gravity": 0.0,
         "flow": {"velocity": [0.5, 0.0, 0.0][:dimensions], "around_obstacles": kind},
         "obstacles": [{"center": center, "radius": 1.0, "sticking": True}],
         "particles": [{"radius": 1e-6, "density": 1000.0, "positions": [position]}],
