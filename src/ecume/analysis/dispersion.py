@@ -1,0 +1,194 @@
+"""How particles spread, pass and stay: dispersion, residence times, breakthrough, concentration, deposition.
+
+Functions of the frames of a run. Errors are standard errors: of groups of particles for moments, of counts otherwise.
+Particles count while they are inside. `dataset` makes a dataset of xarray in which each particle is a trajectory, by the
+CF conventions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.analysis.series import Flags, inside, times, tracks
+from ecume.errors import BadInput, install
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+Frames = Sequence[Frame]
+
+GROUPS = 10
+"""Groups of particles, between which moments are compared for their errors."""
+
+
+class Course(NamedTuple):
+    """A quantity over time, with its standard error."""
+
+    time: Array
+    """(T,) s"""
+    value: Array
+    """(T, ...)"""
+    error: Array
+    """(T, ...)"""
+
+
+def _paths(frames: Frames) -> Array:
+    """Tracks of the particles that are there in all frames. Raises BadInput for fewer than two of them."""
+    paths = tracks(frames)
+    whole = np.isfinite(paths).all(axis=(0, 2))
+    if whole.sum() < 2:
+        raise BadInput(f"{int(whole.sum())} particles are inside in all frames; expected two or more")
+    return paths[:, whole]
+
+
+def _of_groups(values: Array, measure: Any) -> tuple[Array, Array]:
+    """A measure of (T, N, ...) over particles, and its error from groups of them."""
+    groups = np.array_split(np.arange(values.shape[1]), min(GROUPS, values.shape[1] // 2))
+    parts = np.array([measure(values[:, group]) for group in groups])
+    spread = parts.std(axis=0, ddof=1) if len(parts) > 1 else np.full_like(parts[0], np.nan)
+    return np.asarray(measure(values)), spread / np.sqrt(len(parts))
+
+
+def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
+    """The mean square displacement since the first frame along each axis, (T, d) in m^2; `without_drift` less the square
+    of the mean one.
+    """
+
+    def measure(way: Array) -> Array:
+        square: Array = (way**2).mean(axis=1)
+        return square - way.mean(axis=1) ** 2 if without_drift else square
+
+    paths = _paths(frames)
+    return Course(times(frames), *_of_groups(paths - paths[0], measure))
+
+
+def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
+    """Half the rate at which the variance along an axis grows (m^2/s), at the middles between frames; in the end the
+    dispersion coefficient of Taylor and Aris in a channel.
+    """
+    paths, instants = _paths(frames)[:, :, axis], times(frames)
+    if len(frames) < 2:
+        raise BadInput("the rate of dispersion needs two frames or more")
+    span = np.diff(instants)
+
+    def measure(way: Array) -> Array:
+        return np.asarray(0.5 * np.diff(way.var(axis=1)) / span)
+
+    return Course(0.5 * (instants[1:] + instants[:-1]), *_of_groups(paths, measure))
+
+
+class Residence(NamedTuple):
+    """How long particles stayed that have left; between frames they left half-way."""
+
+    times: Array
+    """(n,) s"""
+    mean: float
+    error: float
+    remaining: int
+    """particles that are still inside"""
+
+
+def residence_times(frames: Frames) -> Residence:
+    """The times between the first frame of a particle and its exit."""
+    instants = times(frames)
+    count = len(frames[-1].arrays["position"])
+    entered, left = np.full(count, np.nan), np.full(count, np.nan)
+    for k, frame in enumerate(frames):
+        there = np.flatnonzero(np.isnan(entered[: len(frame.arrays["position"])]))
+        entered[there] = instants[k]
+        gone = ~inside(frame)
+        fresh = np.flatnonzero(gone & np.isnan(left[: len(gone)]))
+        left[fresh] = 0.5 * (instants[k] + instants[max(k - 1, 0)])
+    stayed = (left - entered)[np.isfinite(left)]
+    error = float(stayed.std(ddof=1) / np.sqrt(len(stayed))) if len(stayed) > 1 else float("nan")
+    mean = float(stayed.mean()) if len(stayed) else float("nan")
+    return Residence(stayed, mean, error, int(np.isnan(left).sum()))
+
+
+def breakthrough(frames: Frames, opening: int = 0) -> Course:
+    """The fraction of all particles so far that have left through an opening, over time."""
+    shares, errors = [], []
+    for frame in frames:
+        left, count = np.asarray(frame.arrays["left"]), len(frame.arrays["left"])
+        share = float((left == opening).sum()) / count
+        shares.append(share)
+        errors.append(np.sqrt(share * (1.0 - share) / count))
+    return Course(times(frames), np.array(shares), np.array(errors))
+
+
+def concentration(frames: Frames, edges: Array, axis: int = 0) -> Course:
+    """The number of particles per length between edges along an axis, (T, n) in 1/m."""
+    counts = np.array([np.histogram(frame.arrays["position"][inside(frame), axis], edges)[0] for frame in frames])
+    widths = np.diff(edges)
+    return Course(times(frames), counts / widths, np.sqrt(counts) / widths)
+
+
+def _sticking_walls(frame: Frame) -> list[int]:
+    return sorted(int(name.rpartition("_")[2]) for name in frame.numbers if name.startswith("deposited_on_wall_"))
+
+
+def deposited(frame: Frame, wall: int | None = None) -> Flags:
+    """(N,) whether each particle stays on a sticking wall, or on any."""
+    walls = _sticking_walls(frame)
+    openings = sum(name.startswith("left_through_opening_") for name in frame.numbers)
+    if wall is not None and wall not in walls:
+        raise BadInput(f"wall {wall} does not hold particles; those that do: {walls or 'none'}")
+    left = np.asarray(frame.arrays["left"])
+    return np.asarray(left >= openings if wall is None else left == openings + walls.index(wall))
+
+
+class Deposition(NamedTuple):
+    """Particles on walls, by place."""
+
+    edges: Array
+    """m"""
+    density: Array
+    """(n,) 1/m"""
+    error: Array
+
+
+def deposition(frame: Frame, edges: Array, axis: int = 0, wall: int | None = None) -> Deposition:
+    """The number of deposited particles per length along an axis."""
+    counts, _ = np.histogram(frame.arrays["position"][deposited(frame, wall), axis], edges)
+    return Deposition(edges, counts / np.diff(edges), np.sqrt(counts) / np.diff(edges))
+
+
+class Efficiency(NamedTuple):
+    """The fraction of particles that a collector holds."""
+
+    value: float
+    error: float
+
+
+def collector_efficiency(frame: Frame, wall: int | None = None) -> Efficiency:
+    """Deposited particles over all that are deposited or have left."""
+    held, gone = int(deposited(frame, wall).sum()), int((~inside(frame)).sum())
+    if not gone:
+        raise BadInput("no particle is deposited or has left; expected a longer run")
+    share = held / gone
+    return Efficiency(share, float(np.sqrt(share * (1.0 - share) / gone)))
+
+
+def dataset(frames: Frames) -> Any:
+    """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, which `to_netcdf` writes by the CF
+    conventions; NaN where a particle is not inside. Raises BadInput without xarray.
+    """
+    try:
+        import xarray
+    except ImportError as error:
+        raise BadInput(f"datasets need xarray: {install('flows')}") from error
+    paths = tracks(frames)
+    rows = ("trajectory", "obs")
+    instants = np.tile(times(frames), (paths.shape[1], 1))
+    described = {"x": "position along x", "y": "position along y", "z": "height"}
+    names = ("x", "y") if paths.shape[2] == 2 else ("x", "y", "z")
+    values: dict[str, Any] = {
+        "time": (rows, instants, {"units": "s", "standard_name": "time", "axis": "T"}),
+        **{name: (rows, paths[:, :, axis].T, {"units": "m", "long_name": described[name], "axis": name.upper()})
+           for axis, name in enumerate(names)},
+    }  # fmt: skip
+    number = np.arange(paths.shape[1])
+    attributes = {"featureType": "trajectory", "Conventions": "CF-1.8", "source": "ecume"}
+    return xarray.Dataset(values, {"trajectory": ("trajectory", number, {"cf_role": "trajectory_id"})}, attributes)

@@ -1,0 +1,77 @@
+"""Spreading, residence, breakthrough, concentration and deposition, on made-up frames with known answers."""
+
+import numpy as np
+import pytest
+
+from ecume.analysis import dispersion
+from ecume.errors import BadInput
+from ecume.trajectories.frame import Frame
+
+DICE = np.random.default_rng(4)
+
+
+def frame(time, position, left=None, **numbers):
+    left = np.full(len(position), -1) if left is None else np.asarray(left)
+    return Frame(time, {"position": np.asarray(position, float), "left": left}, numbers, {})
+
+
+def spreading(drift=2.0, rate=0.5, count=4000):
+    """Random walks with a drift along x and different rates along both axes."""
+    position, found = np.zeros((count, 2)), []
+    for k in range(11):
+        found.append(frame(0.1 * k, position.copy()))
+        position += [[drift * 0.1, 0.0]] + DICE.normal(size=(count, 2)) * np.sqrt(2 * 0.1 * np.array([rate, 0.1]))
+    return found
+
+
+def test_displacements_are_those_of_a_random_walk_with_a_drift():
+    frames = spreading()
+    with_drift = dispersion.displacements(frames)
+    alone = dispersion.displacements(frames, without_drift=True)
+    assert with_drift.value[-1, 0] == pytest.approx(4.0 + 1.0, abs=5 * with_drift.error[-1, 0])
+    assert alone.value[-1] == pytest.approx([1.0, 0.2], abs=5 * alone.error[-1].max())
+    assert 0.005 < alone.error[-1, 0] < 0.06
+
+
+def test_the_dispersion_coefficient_is_half_the_growth_of_the_variance():
+    course = dispersion.dispersion_coefficient(spreading())
+    assert len(course.time) == 10
+    assert course.value.mean() == pytest.approx(0.5, abs=5 * course.error.mean() / np.sqrt(10))
+
+
+def test_residence_and_breakthrough_count_those_that_left():
+    start = np.zeros((4, 2))
+    frames = [frame(0.0, start), frame(1.0, start, [0, -1, -1, 1]), frame(2.0, start, [0, 0, -1, 1])]
+    stayed = dispersion.residence_times(frames)
+    assert sorted(stayed.times) == [0.5, 0.5, 1.5]
+    assert stayed.remaining == 1
+    assert dispersion.breakthrough(frames, 0).value.tolist() == [0.0, 0.25, 0.5]
+
+
+def test_concentration_counts_only_particles_inside():
+    one = frame(0.0, [[0.1, 0.0], [0.2, 0.0], [0.7, 0.0], [0.8, 0.0]], [-1, -1, -1, 0])
+    course = dispersion.concentration([one], np.array([0.0, 0.5, 1.0]))
+    assert course.value.tolist() == [[4.0, 2.0]]
+    assert course.error[0] == pytest.approx([2 * np.sqrt(2.0), 2.0])
+
+
+def test_deposits_are_counted_by_wall_and_place():
+    numbers = {"left_through_opening_0": 1.0, "deposited_on_wall_1": 2.0, "deposited_on_wall_3": 1.0}
+    one = frame(0.0, [[0.1, 0.0], [0.2, 0.0], [0.7, 0.0], [0.8, 0.0]], [1, 2, 1, 0], **numbers)
+    assert dispersion.deposited(one, 1).tolist() == [True, False, True, False]
+    assert dispersion.deposition(one, np.array([0.0, 0.5, 1.0]), wall=1).density.tolist() == [2.0, 2.0]
+    assert dispersion.collector_efficiency(one) == pytest.approx((0.75, np.sqrt(0.75 * 0.25 / 4)))
+    with pytest.raises(BadInput, match=r"wall 0 does not hold particles; those that do: \[1, 3\]"):
+        dispersion.deposited(one, 0)
+
+
+def test_a_dataset_is_read_back_with_its_conventions(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    frames = [frame(0.0, [[0.1, 0.2], [0.3, 0.4]]), frame(1.0, [[0.5, 0.6], [0.7, 0.8]], [-1, 0])]
+    dispersion.dataset(frames).to_netcdf(tmp_path / "paths.nc", engine="h5netcdf")
+    with xarray.open_dataset(tmp_path / "paths.nc", decode_times=False) as found:
+        assert found.attrs["featureType"] == "trajectory"
+        assert found.trajectory.attrs["cf_role"] == "trajectory_id"
+        assert found.x.values == pytest.approx(np.array([[0.1, 0.5], [0.3, np.nan]]), nan_ok=True)
+        assert found.y.attrs["units"] == "m"
