@@ -1,8 +1,8 @@
 """How particles spread, pass and stay: dispersion, residence times, breakthrough, concentration, deposition.
 
 Functions of the frames of a run. Errors are standard errors: of groups of particles for moments, of counts otherwise.
-Particles count while they are inside. `dataset` makes a dataset of xarray in which each particle is a trajectory, by the
-CF conventions.
+Particles count while they are inside. `dataset` makes a dataset of xarray in which each particle is a trajectory, by
+the CF conventions.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ def _of_groups(values: Array, measure: Any) -> tuple[Array, Array]:
 
 
 def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
-    """The mean square displacement since the first frame along each axis, (T, d) in m^2; `without_drift` less the square
-    of the mean one.
+    """The mean square displacement since the first frame along each axis, (T, d) in m^2; `without_drift` less the
+    square of the mean one.
     """
 
     def measure(way: Array) -> Array:
