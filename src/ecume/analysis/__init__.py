@@ -1,7 +1,8 @@
 """Analysis: plain functions from frames and arrays to numbers.
 
 Of floats and packings: `clusters` (also their topologies), `structure` (also close pairs and coordination),
-`rearrangements` (T1 events, non-affine motion) and `rheology`. Of tracers: `dispersion` (also residence, deposits). Of liquids: `fields` (gauges, grids, profiles,
+`rearrangements` (T1 events, non-affine motion) and `rheology`.
+Of tracers: `dispersion` (also residence and deposits). Of liquids: `fields` (gauges, grids, profiles,
 pressures, free surfaces). `series` and `boxes` (also sheared ones) serve all of them. Start with `series`: one number
 per frame.
 """

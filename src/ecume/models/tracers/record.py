@@ -365,8 +365,11 @@ def laws_of(scene: Any) -> list[Source]:
     around = DETOURS.get((scene.flow.around_obstacles, scene.dimensions))
     flow += [around.law] if around is not None else []
     given = scene.hydrodynamics
-    forces: dict[Source, bool] = {unsteady_forces.liquid_inertia: given.fluid_acceleration, unsteady_forces.faxen_velocity: given.faxen,
-              unsteady_forces.saffman_lift: given.lift}  # fmt: skip
+    forces: dict[Source, bool] = {
+        unsteady_forces.liquid_inertia: given.fluid_acceleration,
+        unsteady_forces.faxen_velocity: given.faxen,
+        unsteady_forces.saffman_lift: given.lift,
+    }
     flow += [law for law, used in forces.items() if used]
     grids: list[Source] = [gridded_flows.face_velocity] if scene.flow.field is not None else []
     return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip, *flow, *grids]
