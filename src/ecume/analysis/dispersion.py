@@ -172,7 +172,7 @@ def collector_efficiency(frame: Frame, wall: int | None = None) -> Efficiency:
 
 
 def dataset(frames: Frames) -> Any:
-    """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, which can be written as NetCDF by the CF
+    """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, to be written as NetCDF by the CF
     conventions; NaN where a particle is not inside. Raises BadInput without xarray.
     """
     try:
