@@ -235,7 +235,8 @@ class WallSpec:
     """The ratio C_T of tangential velocities after and before a collision with this wall; by default that of the tank.
     Effect: below 1 the wall slows down the motion along it."""
     sticking: Switch | None = None
-    """Whether particles that touch this wall stay there; by default as the tank says. Effect: collects particles."""
+    """Whether particles that touch this wall stay there; by default as the tank says. Example:
+    `true`. Effect: collects particles, which are counted."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -311,7 +312,8 @@ class ObstacleSpec:
     """The ratio C_T of tangential velocities after and before a collision with the obstacle; by default that of the
     tank. Effect: below 1 the obstacle slows down the motion along it."""
     sticking: Switch | None = None
-    """Whether particles that touch the obstacle stay there; by default as the tank says. Effect: collects particles."""
+    """Whether particles that touch the obstacle stay there; by default as the tank says. Example:
+    `true`. Effect: collects particles, which are counted."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
