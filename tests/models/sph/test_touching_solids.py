@@ -94,6 +94,7 @@ def test_sums_at_points_are_those_over_all_pairs():
         assert (nearest == np.where(there, apart.argmin(axis=1), -1)).all()
 
 
+@pytest.mark.compiled
 def test_the_energy_budget_takes_the_loads_that_moved_the_bodies(monkeypatch):
     scene = pool(bodies=[disc(RADIUS, density=2.0)], duration=0.5)
     *_, before = ecume.simulate(scene)
