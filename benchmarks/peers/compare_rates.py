@@ -48,7 +48,7 @@ def rates_in_ecume(there: dict[str, Any], alpha: float) -> tuple[Any, Any]:
     state.reference[...] = there["x"]
     run.workspace = run.model.workspace(run.parameters, state, 1.0)
     evaluate_rates(run.parameters, state, run.workspace, 0.0)
-    return state.acceleration.copy(), state.thickening.copy()
+    return state.acceleration.copy(), state.density_rate.copy()
 
 
 def differences() -> dict[str, float]:

@@ -182,7 +182,7 @@ evaluate_accelerations(parameters, state, workspace, parameters.time_step)
 loops = [taken.loop.alone for taken in (CONTINUITY[FIELD.density], PRESSURE)]
 print(json.dumps({
     "name": name,
-    "off": max(off(state.thickening, density_rate), off(state.acceleration, acceleration)),
+    "off": max(off(state.density_rate, density_rate), off(state.acceleration, acceleration)),
     "acceleration": float(np.abs(state.acceleration).max()),
     "compiled": sum(sum(loop.stats.cache_misses.values()) for loop in loops),
 }))

@@ -50,7 +50,7 @@ def test_forces_and_torques_of_the_integration_are_those_of_the_solver():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("mode", "slowest", "quickest"), [(2, 0.5, 0.8), (3, 0.8, 2.0)])
+@pytest.mark.parametrize(("mode", "slowest", "shortest_time"), [(2, 0.5, 0.8), (3, 0.8, 2.0)])
 def test_the_step_follows_the_stiffest_rotation_of_a_disc_and_its_six_neighbors(mode, slowest, shortest_time):
     scene = pair((0.0, 0.0), mode=mode, drag=False)
     parameters, liquid = FLOATING.parameters(scene), liquid_of(scene)

@@ -106,13 +106,21 @@ def test_walls_that_hold_the_liquid_have_its_viscosity():
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("walls", ["mirror", "dummy"])
 @pytest.mark.parametrize(
-    ("liquid", "close"),
-    [((1.0, 1.0, 0.0), 0.01), ((4.0, 0.5, 0.0), 0.03), ((1.0, 1.0, 4.0), 0.035), ((2.0, 0.6, 3.0), 0.055)],
+    ("liquid", "mirror", "dummy"),
+    [
+        ((1.0, 1.0, 0.0), 0.01, 0.01),
+        ((4.0, 0.5, 0.0), 0.025, 0.056),
+        ((1.0, 1.0, 4.0), 0.032, 0.047),
+        ((2.0, 0.6, 3.0), 0.05, 0.1),
+    ],
 )
-def test_a_channel_has_the_profile_of_its_liquid(walls, liquid, close):
-    """With twenty particles across: the error of the power law is 2.3 %, and 0.58 % with forty."""
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_a_channel_has_the_profile_of_its_liquid(liquid, mirror, dummy, walls):
+    """With twenty particles across. With forty, the errors of the power law are 0.6 instead of 2.3 % between mirrors,
+    and 2.4 instead of 5.3 % between walls of particles, whose viscosity is a mean over the liquid before them.
+    """
+    close = mirror if walls == "mirror" else dummy
     *_, last = simulate(channel(walls, *liquid))
     y, speed = last.arrays["position"][:, 1] - 0.01, last.arrays["velocity"][:, 0]
     exact = np.array([channel_speed(each, 0.01, 1000.0, *liquid) for each in y])
