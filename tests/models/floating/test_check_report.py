@@ -227,6 +227,30 @@ def test_fast_floats_are_told_what_their_drag_lacks():
         assert "Reynolds number" not in report({"liquid": milk, "particles": [CEREAL], **slow})
 
 
+def test_a_liquid_without_viscosity_needs_no_word_on_drag():
+    """The default law of drag was refused in it."""
+    rows = report({"liquid": {"viscosity": 0.0}, "particles": [CEREAL]})
+    assert "Reynolds number" not in rows
+    assert "added mass" in rows
+
+
+def test_what_lacks_drag_is_told_only_what_can_be_had():
+    """`schiller-naumann` is refused for shapes and in moving dishes: it was the remedy there, too."""
+    milk = {"density": 1030.0, "viscosity": 2e-3, "surface_tension": 0.045}
+    needle = CEREAL | {"radius": 5e-3, "shape": {"kind": "needle", "width": 3e-3}}
+    changes = {
+        "no other drag is known": {"particles": [needle]},
+        "moving dish": {"dish": {"radius": 0.05, "contact_angle": 1.0, "motion": {"velocity": [0.01, 0.0]}}},
+        "velocity-verlet": {"integration": {"integrator": "overdamped"}},
+    }
+    for words, change in changes.items():
+        remark = report({"liquid": milk, "particles": [CEREAL], **change})["Reynolds number"][1]
+        assert words in remark
+        assert ("schiller-naumann" in remark) == (words == "velocity-verlet")
+    stokes = {"hydrodynamics": {"drag": "stokes"}}
+    assert "integrator" not in report({"liquid": milk, "particles": [CEREAL], **stokes})["Reynolds number"][1]
+
+
 def test_fast_floats_are_told_what_their_inertia_lacks():
     milk = {"density": 1030.0, "viscosity": 2e-3, "surface_tension": 0.045}
     value, remark = report({"liquid": milk, "particles": [CEREAL]})["added mass"]

@@ -28,6 +28,7 @@ from ecume.models.liquids import liquid_of
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene
+from ecume.scenes.floating.scene import DRAG_BY_SPEED
 from ecume.units import duration_text, range_with_prefix, size_text, with_prefix
 
 SLOW = 1.0
@@ -143,8 +144,17 @@ def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     if reynolds < SLOW:
         return []
     more = f"Stokes's law, of which the drag is then {schiller_naumann_factor(reynolds):.2g} times as large"
-    remedy = 'hydrodynamics.drag = "schiller-naumann", with integrator = "velocity-verlet", grows with the speed'
-    return [("Reynolds number", f"up to {reynolds:.2g}", f"{more}; {remedy}")]
+    return [("Reynolds number", f"up to {reynolds:.2g}", f"{more}; {_remedy_of_drag(scene)}")]
+
+
+def _remedy_of_drag(scene: FloatingScene) -> str:
+    """What includes the drag that Stokes's law lacks, if there is something."""
+    if scene.shaped:
+        return "of floats with a shape no other drag is known"
+    if scene.dish is not None and scene.dish.motion is not None:
+        return "in a moving dish there is no other drag"
+    with_inertia = "" if scene.integration.integrator in DRAG_BY_SPEED else ', with integrator = "velocity-verlet",'
+    return f'hydrodynamics.drag = "schiller-naumann"{with_inertia} grows with the speed'
 
 
 def _summary_of_added_mass(parameters: Parameters, scene: FloatingScene) -> list[Row]:

@@ -486,7 +486,7 @@ def default_drag(scene: FloatingScene) -> str:
     Slow floats have Stokes's drag with either.
     """
     sways = scene.dish is not None and scene.dish.motion is not None
-    slow = scene.integration.integrator not in DRAG_BY_SPEED
+    slow = scene.integration.integrator not in DRAG_BY_SPEED or scene.liquid.viscosity == 0.0
     return "stokes" if slow or sways or scene.shaped else "schiller-naumann"
 
 
