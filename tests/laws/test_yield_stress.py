@@ -35,6 +35,14 @@ def test_below_the_rate_of_creep_the_viscosity_is_the_largest(liquid):
     assert apparent_viscosity(1.001 * rate, *liquid, largest) < largest
 
 
+def test_a_liquid_that_yields_and_thickens_creeps_below_the_lower_of_two_rates():
+    """Its viscosity is the largest beyond a high rate, too: the rate of creep was 1e30."""
+    liquid, largest = (1.0, 2.0, 100.0), 50.0
+    rate = creep_rate(*liquid, largest)
+    assert rate == pytest.approx(25.0 - math.sqrt(525.0), rel=1e-9)
+    assert creep_rate(*liquid, 19.0) == pytest.approx(10.0, rel=1e-9)  # everywhere: that of the smallest viscosity
+
+
 def test_a_newtonian_liquid_never_creeps():
     assert creep_rate(1.0, 1.0, 0.0, 1.0) == 0.0
     assert creep_rate(0.0, 1.0, 3.0, 6.0) == pytest.approx(0.5, rel=1e-12)

@@ -39,7 +39,8 @@ def apparent_viscosity(
 def creep_rate(consistency: Number, exponent: Number, yield_stress: Pressure, largest: Viscosity) -> Rate:
     """The rate of strain below which the viscosity is the largest: K g^n + tau_y = largest g.
 
-    The stress there exceeds the yield stress by K g^n. A liquid whose viscosity never reaches the largest has 0.
+    The stress there exceeds the yield stress by K g^n. A liquid whose viscosity never reaches the largest has 0. A
+    yield stress with n > 1 has the smallest viscosity at a rate beyond which the liquid only thickens.
 
     >>> round(creep_rate(3.0, 1.0, 8.0, 103.0), 12)
     0.08
@@ -47,6 +48,8 @@ def creep_rate(consistency: Number, exponent: Number, yield_stress: Pressure, la
     if consistency == 0.0:
         return yield_stress / largest
     below, above = SLOWEST, 1.0 / SLOWEST
+    if exponent > 1.0:
+        above = max((yield_stress / (consistency * (exponent - 1.0))) ** (1.0 / exponent), SLOWEST)
     if apparent_viscosity(below, consistency, exponent, yield_stress, math.inf) <= largest:
         return 0.0
     for _ in range(BISECTIONS):

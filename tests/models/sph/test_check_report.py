@@ -238,6 +238,17 @@ def test_the_decay_of_waves_is_reported_per_period_and_per_wavelength():
     assert completed == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_finer_spacing_is_a_remedy_only_where_viscosity_is_artificial():
+    """It was that of honey, too, and a liquid that yields had the waves of one that does not."""
+    assert said(wave_tank(9.0))["wave damping"][0] == "overdamped"
+    assert "finer spacing" in said(wave_tank(9.0))["wave damping"][1]
+    plain = to_plain(wave_tank(0.0))
+    thick = said(from_plain({**plain, "liquid": {**plain["liquid"], "viscosity": 5e3}}))
+    assert thick["wave damping"] == ("overdamped", "viscosity lets no wave swing")
+    bare = {key: value for key, value in plain["liquid"].items() if key != "viscosity"}
+    assert "wave damping" not in said(from_plain({**plain, "liquid": {**bare, "rheology": {"yield_stress": 9.0}}}))
+
+
 @pytest.mark.compiled
 @pytest.mark.parametrize(("depth", "deep"), [(1.0, 16), (0.25, 8)])
 def test_a_wave_decays_as_was_announced(depth, deep):

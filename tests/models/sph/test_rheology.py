@@ -135,6 +135,21 @@ def test_check_says_how_slowly_the_liquid_creeps():
     assert thin["rheology"] == "1 Pa s^0.5"
 
 
+def test_the_viscosity_of_a_named_liquid_does_not_limit_that_of_its_rheology():
+    """`water` with a yield stress had the viscosity of water."""
+    plain, named = channel(yield_stress=4.0), channel(yield_stress=4.0, **{"liquid.name": '"water"'})
+    bounds = [
+        SPH.parameters(dataclasses.replace(scene, liquid=dataclasses.replace(scene.liquid, rheology=free))).rheology
+        for scene in (plain, named)
+        for free in (dataclasses.replace(scene.liquid.rheology, largest_viscosity=None),)
+    ]
+    assert bounds[0] == bounds[1]
+    assert bounds[0].largest_viscosity > 1.0
+    rows = {name for name, *_ in SPH.summary(named)}
+    assert "rheology" in rows
+    assert "viscosity" not in rows
+
+
 @pytest.mark.parametrize(
     ("changes", "says"),
     [

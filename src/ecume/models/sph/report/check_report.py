@@ -103,10 +103,12 @@ def _effective_viscosity(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
-    """The rows on the decay of the longest standing wave along x, and on waves of moving sides."""
+    """The rows on the decay of the longest standing wave along x, and on waves of moving sides. None for a liquid with
+    a rheology, whose viscosity in small waves is another one.
+    """
     pull = gravity_of(scene)
     up = scene.up_axis
-    if not pull[up] < 0.0 or np.delete(pull, up).any() or not free_surface(scene):
+    if not pull[up] < 0.0 or np.delete(pull, up).any() or not free_surface(scene) or parameters.rheology is not None:
         return []
     length = scene.tank.high[0] - scene.tank.low[0]
     depth = max(float(part_of(region, scene.spacing).bounds()[1][up]) for region in scene.fluid) - scene.tank.low[up]
@@ -122,7 +124,8 @@ def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
         try:
             lost = lost_per_period(wavenumber, water)
         except BadInput:
-            return [("wave damping", "overdamped", "viscosity lets no wave swing; choose a finer spacing")]
+            numerical = 2.0 * numerical_viscosity(scene, parameters) > water.viscosity
+            return [("wave damping", "overdamped", f"viscosity lets no wave swing{FINER * numerical}")]
         if which.startswith("wavelength"):
             speed = wave_frequency(wavenumber, depth, water.gravity) / wavenumber
             lost = -math.expm1(math.log1p(-lost) * speed / group_velocity(wavenumber, depth, water.gravity))
@@ -131,6 +134,10 @@ def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
             remark += ", at most: so short waves were not measured"
         found.append(("wave damping", f"{100.0 * lost:.2g} %", remark))
     return found
+
+
+FINER = "; choose a finer spacing, since most of it is artificial"
+"""What helps where waves do not swing."""
 
 
 class Water(NamedTuple):

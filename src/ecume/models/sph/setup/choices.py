@@ -341,10 +341,11 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
 
 def filled(given: FluidSpec) -> FluidSpec:
     """The liquid with density, viscosity and surface tension: values in the scene take precedence over those of the
-    named liquid.
+    named liquid. One with a rheology has no other viscosity.
     """
     named = substance_of(given)
     density, viscosity, tension = (WATER, 0.0, 0.0) if named is None else [getattr(named, key) for key in FILLED]
+    viscosity = 0.0 if given.rheology is not None else viscosity
     return dataclasses.replace(
         given,
         density=density if given.density is None else given.density,
@@ -361,7 +362,7 @@ def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
     return [
         (key.replace("_", " "), f"{getattr(full, key):.5g} {units[key]}", origin if getattr(given, key) is None else "")
         for key in FILLED
-        if named is not None or getattr(full, key)
+        if getattr(full, key) or (named is not None and not (key == "viscosity" and given.rheology is not None))
     ]
 
 
