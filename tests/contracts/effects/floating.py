@@ -44,7 +44,7 @@ SHARED = {
 SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 1e-3, "spread": 0.1}}]}
 HISTOGRAM = {"particles": [{"sizes": {"distribution": "histogram", "radii": [9e-4, 1e-3], "weights": [1.0, 1.0]}}]}
 IMPACT = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [0.0, 0.0]]}]}
-WALL_IMPACT = {"particles": [{"velocity": [20.0, 2.0]}], **DISH}
+WALL_IMPACT = {"particles": [{"velocity": [20.0, 2.0]}], "hydrodynamics": {"drag": "stokes"}, **DISH}
 MOVED = {"dish": {"radius": 0.01, "contact_angle": 1.0, "motion": {"amplitude": 1e-3, "frequency": 2.0}}}
 FILMS = {
     "hydrodynamics": {"lubrication": {"roughness": 1e-6}},

@@ -487,7 +487,8 @@ def default_drag(scene: FloatingScene) -> str:
     """
     sways = scene.dish is not None and scene.dish.motion is not None
     slow = scene.integration.integrator not in DRAG_BY_SPEED or scene.liquid.viscosity == 0.0
-    return "stokes" if slow or sways or scene.shaped else "schiller-naumann"
+    films = scene.hydrodynamics.lubrication is not None
+    return "stokes" if slow or sways or films or scene.shaped else "schiller-naumann"
 
 
 def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:

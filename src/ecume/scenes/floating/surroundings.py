@@ -283,8 +283,8 @@ class HydrodynamicsSpec:
 
     drag: LawName | None = None
     """The drag law: `stokes` for slow floats, `schiller-naumann`, which grows with the Reynolds number, or `none`.
-    By default `schiller-naumann`; `stokes` for integrators that cannot, for shapes and in moving dishes; `none` in
-    `legacy-2022`. Effect: without drag floats oscillate around each other."""
+    By default `schiller-naumann`; `stokes` for integrators that cannot, for shapes, with films and in moving dishes;
+    `none` in `legacy-2022`. Effect: without drag floats oscillate around each other."""
     added_mass: Switch = False
     """Whether the inertia of spheres includes half the mass of the displaced liquid. Effect: makes floats slower to
     accelerate."""
