@@ -74,6 +74,22 @@ def test_the_mean_speeds_of_tubes_and_ducts_are_those_of_the_key():
     assert np.mean(duct) == pytest.approx(0.3, rel=1e-2)
 
 
+def test_a_duct_is_the_same_lying_and_standing():
+    """The series along a short side converges slowly, and cancels where the duct is a thin slot."""
+    for y, z in ((0.3, 2e-4), (0.0, 0.0), (0.49, -4e-4)):
+        lying = carrier_flows.duct_speed(y, z, 1.0, 1e-3, 0.3)
+        assert carrier_flows.duct_speed(z, y, 1e-3, 1.0, 0.3) == lying
+        assert 0.0 < lying <= 0.3
+    assert carrier_flows.duct_mean(1e-3, 1.0) == carrier_flows.duct_mean(1.0, 1e-3)
+
+
+def test_the_scales_of_a_flow_far_finer_than_the_tank_are_found():
+    """At a wavelength of 1e-4 of the tank differences over such a length would be zero."""
+    scene = scene_of({"name": "cellular", "speed": 0.1, "wavelength": 2e-4})
+    scales = varying_flow(scene, bounds(scene)).scales
+    assert scales.rate == pytest.approx(0.1 * 2.0 * math.pi / 2e-4, rel=0.05)
+
+
 def reference(scene, start, time):
     """The path of a particle of the liquid, by an integrator of order 8."""
     from scipy.integrate import solve_ivp
@@ -303,6 +319,19 @@ def test_a_function_of_place_and_time_is_a_flow():
     assert last.arrays["position"][0] == pytest.approx(expected, abs=2e-4)
 
 
+def shaken(position, time, constants):
+    """A uniform flow that swings fast."""
+    return constants[0] * math.sin(300.0 * time), 0.0 * position[0]
+
+
+def test_the_step_follows_a_function_that_changes_fast_in_time():
+    particles = [{"radius": 1e-6, "density": 1000.0, "positions": [[1.0, 0.5]]}]
+    laws = [{"law": "shaken", "constants": [2.0]}]
+    scene = scene_of({}, duration=0.1, frame_every=0.1, particles=particles, user_laws=laws)
+    *_, last = simulate(scene, extra_laws=[shaken])
+    assert last.arrays["position"][0, 0] == pytest.approx(1.0 + 2.0 / 300.0 * (1.0 - math.cos(30.0)), abs=1e-6)
+
+
 # --- Periodic sides and deposits
 
 
@@ -331,6 +360,13 @@ def test_an_obstacle_beside_a_periodic_side_is_met_from_the_other():
 def test_a_flow_that_differs_on_periodic_sides_is_refused():
     scene = scene_of({"name": "rotation", "rate": 1.0}, tank={"high": [2.0, 1.0], "periodic": ["x"]})
     with pytest.raises(SceneError, match=r"tank\.periodic: got x; the velocities of the liquid .* differ by 2 m/s"):
+        MODELS["tracers"].parameters(scene)
+
+
+def test_a_flow_that_differs_on_periodic_sides_only_later_is_refused():
+    flow = {"name": "double-gyre", "speed": 1.0, "swing": 0.2, "period": 2.0}
+    scene = scene_of(flow, tank={"high": [2.0, 1.0], "periodic": ["x"]})
+    with pytest.raises(SceneError, match=r"tank\.periodic: got x; the velocities of the liquid .* differ"):
         MODELS["tracers"].parameters(scene)
 
 

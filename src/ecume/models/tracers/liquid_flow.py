@@ -27,7 +27,9 @@ ACCURATE = 0.1
 NARROW = 0.1
 """Of the length over which the velocity changes: the longest random displacement of a step."""
 DIFFERENCE = 1e-4
-"""Step of differences, over the size of the box."""
+"""Step of differences, over the shortest length of the flow: a side of the box, a wavelength or a radius."""
+MOMENT = 1e-6
+"""Step of differences in time, over the duration."""
 
 
 class FlowScales(NamedTuple):
@@ -71,6 +73,10 @@ class LiquidFlow(NamedTuple):
         if self.loops is not None:
             self.loops.velocities(np.ascontiguousarray(places), time, self.current, found)
         return found
+
+    def instants(self, duration: float) -> list[float]:
+        """Times at which it is examined (s)."""
+        return [0.0] if self.steady else [duration * k / INSTANTS for k in range(INSTANTS)]
 
     @property
     def steady(self) -> bool:
@@ -127,13 +133,19 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
     pulse = flow.pulse
     turning = 2.0 * math.pi / pulse.period if pulse is not None and pulse.period else 0.0
     factor = (0.0, 0.0, 0.0) if pulse is None else (float(pulse.amplitude), turning, float(pulse.decay_rate))
-    size = max(b - a for a, b in zip(*box, strict=True))
     steps = getattr(shape, "step", None)
-    spacing = 0.1 * min(steps) if steps else DIFFERENCE * size
+    spacing = 0.1 * min(steps) if steps else DIFFERENCE * _shortest_length(flow, box)
     current = Current(shape, factor, (*uniform, flow.shear_rate), spacing)
     loops = own.loops if own is not None else loops_for(current, d)
     made = LiquidFlow(plain.uniform, flow.shear_rate, current, loops, UNIFORM, removed)
     return made._replace(scales=_scales(made, box, scene.duration, spacing))
+
+
+def _shortest_length(flow: FlowSpec, box: Corners) -> float:
+    """The shortest length over which a flow by name may vary (m)."""
+    corners = (flow.low or box[0], flow.high or box[1])
+    sides = [b - a for a, b in (*zip(*box, strict=True), *zip(*corners, strict=True))]
+    return min(*sides, *(each for each in (flow.wavelength, flow.radius) if each is not None))
 
 
 def _detour(scene: TracersScene, stream: tuple[float, float, float]) -> tuple[Any, Corners]:
@@ -202,9 +214,8 @@ def _scales(flow: LiquidFlow, box: Corners, duration: float, spacing: float) -> 
     """Speed, gradient and length of a flow in a box, from samples."""
     low, high = (np.array(corner, float) for corner in box)
     points = low + _even_points(SAMPLES, len(low)) * (high - low)
-    speed, rate, change = 0.0, 0.0, 0.0
-    instants = [0.0] if flow.steady else [duration * k / INSTANTS for k in range(INSTANTS)]
-    for time in instants:
+    speed, rate, change, growth = 0.0, 0.0, 0.0, 0.0
+    for time in flow.instants(duration):
         here = flow.velocity(points, time)
         if not np.isfinite(here).all():
             i = int(np.flatnonzero(~np.isfinite(here).all(axis=1))[0])
@@ -217,6 +228,10 @@ def _scales(flow: LiquidFlow, box: Corners, duration: float, spacing: float) -> 
             slope = np.sqrt(((flow.velocity(moved, time) - here) ** 2).sum(axis=1)) / spacing
             rate = max(rate, float(slope.max()))
         change = max(change, _rate_in_time(flow))
+        if isinstance(flow.current.shape, OwnShape):
+            late = flow.velocity(points, time + MOMENT * duration) - here
+            growth = max(growth, float(np.sqrt((late**2).sum(axis=1)).max()) / (MOMENT * duration))
+    change = max(change, growth / speed if speed > 0.0 else 0.0)
     length = speed / rate if rate > 0.0 else math.inf
     return FlowScales(speed, max(rate, change), length)
 
