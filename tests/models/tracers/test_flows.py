@@ -259,6 +259,9 @@ def test_velocities_change_linearly_between_instants(tmp_path):
         (lambda a: a.update(x=a["x"] ** 2), "uneven along axis 0"),
         (lambda a: a.update(u=a["u"][:, :5]), "its velocities|dimension|shape"),
         (lambda a: a.update(u=a["u"] + np.inf), "infinite velocity"),
+        (lambda a: a.update(y=np.ones(13)), "all nodes along axis 1 are at 0.01 m"),
+        (lambda a: a.update(x=np.outer(a["x"], np.ones(13))), "'x' has 2 dimensions; expected the nodes along one"),
+        (lambda a: a.update(x=a["x"][0]), "'x' has 0 dimensions"),
     ],
 )
 def test_a_file_that_is_no_grid_is_refused(tmp_path, change, words):
@@ -268,6 +271,31 @@ def test_a_file_that_is_no_grid_is_refused(tmp_path, change, words):
     with np.errstate(invalid="ignore"):
         np.savez(tmp_path / "gyre.npz", **arrays)
     (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
+    with pytest.raises(SceneError, match=words):
+        MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+
+
+def test_what_numpy_saved_alone_is_refused_as_no_archive(tmp_path):
+    with (tmp_path / "gyre.npz").open("wb") as file:
+        np.save(file, np.zeros((3, 3)))
+    (tmp_path / "scene.toml").write_text(TEXT.format(file="gyre.npz"))
+    with pytest.raises(SceneError, match=r"gyre\.npz is no NumPy archive"):
+        MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
+
+
+@pytest.mark.parametrize(
+    ("axes", "v", "words"),
+    [(("x",), ("y",), "v has no dimension x"), (("x", "y"), ("x", "y"), "'a' has 2 dimensions")],
+)
+def test_a_netcdf_file_of_another_grid_is_refused(tmp_path, axes, v, words):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    sizes = {"x": 5, "y": 3}
+    given = {"a": axes, "b": ("y",), "u": ("x", "y"), "v": v}
+    data = {name: (dims, np.ones([sizes[dim] for dim in dims])) for name, dims in given.items()}
+    xarray.Dataset(data).to_netcdf(tmp_path / "gyre.nc", engine="h5netcdf")
+    text = TEXT.format(file="gyre.nc").replace("length_unit", 'coordinates = ["a", "b"]\nlength_unit')
+    (tmp_path / "scene.toml").write_text(text)
     with pytest.raises(SceneError, match=words):
         MODELS["tracers"].parameters(load_scene(tmp_path / "scene.toml"))
 

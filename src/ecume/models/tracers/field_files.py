@@ -23,6 +23,8 @@ from ecume.units import Array
 EVEN = 1e-5
 """How far nodes may be from equal steps, over a step: files hold them in single precision."""
 EXTRA = "flows"
+MOST_NODES = 10**8
+"""Of the grid of a run, in all frames."""
 FINE = 50
 """Cells along a tank, by default."""
 REACH = 2.0
@@ -54,7 +56,14 @@ def grid_of(spec: FieldSpec, dimensions: int) -> Grid:
                ".vtk": _of_vtk}  # fmt: skip
     if path.suffix.lower() not in readers:
         raise BadInput(f"got {path.name!r}; expected {', '.join(readers)}, or the directory of a run", "file")
-    places, velocity, times = readers[path.suffix.lower()](path, names, spec.time_unit)
+    try:
+        places, velocity, times = readers[path.suffix.lower()](path, names, spec.time_unit)
+    except (ValueError, TypeError) as error:
+        if isinstance(error, BadInput):
+            raise
+        raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
+    for name, place in zip(names.coordinates, places, strict=True):
+        _require_line(path, name, place.ndim)
     if velocity.shape[1:-1] != tuple(map(len, places)):
         expected = "x".join(str(len(each)) for each in places)
         got = "x".join(map(str, velocity.shape[1:-1]))
@@ -74,6 +83,8 @@ def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid
         if place[0] > place[-1]:
             place, velocity = place[::-1], np.flip(velocity, axis + 1)
         width = float(place[-1] - place[0]) / (len(place) - 1)
+        if width == 0.0:
+            raise BadInput(f"{name}: all nodes along axis {axis} are at {place[0]:g} m", "file")
         off = np.abs(place - place[0] - width * np.arange(len(place))).max()
         if not off <= EVEN * width * len(place):
             raise BadInput(f"{name}: its nodes are uneven along axis {axis}; expected steps of {width:g} m", "file")
@@ -87,6 +98,8 @@ def _grid(name: str, places: list[Array], velocity: Array, times: Array) -> Grid
 
 
 def _of_numpy(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
+    if not zipfile.is_zipfile(path):
+        raise BadInput(f"{path.name} is no NumPy archive; expected one that numpy.savez wrote", "file")
     try:
         with np.load(path, allow_pickle=False) as file:
             _require(path, (*names.coordinates, *names.velocities), list(file))
@@ -106,23 +119,37 @@ def _require(path: Path, required: tuple[str, ...], there: list[str]) -> None:
         raise BadInput(f"{path.name}: has no {missing[0]!r}; it has {', '.join(sorted(map(str, there)))}", "file")
 
 
+def _require_line(path: Path, name: str, dimensions: int) -> None:
+    """Raise BadInput for coordinates that are no list of nodes along one axis, such as those of a mesh."""
+    if dimensions != 1:
+        raise BadInput(
+            f"{path.name}: {name!r} has {dimensions} dimensions; expected the nodes along one axis of a grid of equal "
+            "steps, of a mesh one row",
+            "coordinates",
+        )
+
+
 def _of_netcdf(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, Array]:
     try:
         import xarray
     except ImportError as error:
         raise BadInput(f"{path.name}: NetCDF needs xarray: {install(EXTRA)}", "file") from error
     try:
-        file = xarray.open_dataset(path)
+        file = xarray.open_dataset(path, decode_timedelta=False)
     except (ValueError, OSError) as error:
         raise BadInput(f"{path.name} cannot be read: {error}", "file") from error
     with file:
         _require(path, (*names.coordinates, *names.velocities), [str(name) for name in file.variables])
+        for name in names.coordinates:
+            _require_line(path, name, file[name].ndim)
         parts, steady = [], names.time not in file.variables
         axes = [file[name].dims[0] for name in names.coordinates]
         for name in names.velocities:
             array = file[name]
             order = [*(() if steady else file[names.time].dims[:1]), *axes]
             spare = [dim for dim in array.dims if dim not in order]
+            if lacking := [dim for dim in axes if dim not in array.dims]:
+                raise BadInput(f"{path.name}: {name} has no dimension {lacking[0]}; it has {array.dims}", "file")
             if any(array.sizes[dim] > 1 for dim in spare):
                 raise BadInput(f"{path.name}: {name} has a further dimension {spare[0]}; select one level", "file")
             array = array.squeeze(spare)
@@ -155,8 +182,11 @@ def _of_vtk(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, 
         raise BadInput(f"{path.name}: got no structured or rectilinear grid", "file")
     if hasattr(data, "GetXCoordinates"):
         every = [to_numpy(each) for each in (data.GetXCoordinates(), data.GetYCoordinates(), data.GetZCoordinates())]
+    elif not hasattr(data, "GetSpacing"):
+        raise BadInput(f"{path.name}: its grid is curvilinear; expected one of equal steps", "file")
     else:
-        spans = zip(data.GetOrigin(), data.GetSpacing(), counts, strict=True)
+        # Not the origin, which need not be a node.
+        spans = zip(data.GetBounds()[::2], data.GetSpacing(), counts, strict=True)
         every = [origin + step * np.arange(count) for origin, step, count in spans]
     points = data.GetPointData()
     found = [points.GetArray(k) for k in range(points.GetNumberOfArrays())]
@@ -186,6 +216,9 @@ def _of_run(path: Path, spec: FieldSpec, dimensions: int) -> Grid:
             high, frame.arrays["position"].max(axis=0))  # fmt: skip
     spacing = spec.spacing or float((high - low).max()) / FINE
     counts = [max(2, math.ceil(side / spacing) + 1) for side in high - low]
+    nodes = len(run) * math.prod(counts)
+    if nodes > MOST_NODES:
+        raise BadInput(f"got {spacing:g} m: {nodes:.2g} nodes; expected at most {MOST_NODES:.0e}", "spacing")
     places = [start + spacing * np.arange(count) for start, count in zip(low, counts, strict=True)]
     points = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, dimensions)
     instants = [_averaged(frame.arrays, points, REACH * spacing).reshape(*counts, dimensions) for frame in run]
