@@ -41,11 +41,30 @@ def test_the_dispersion_coefficient_is_half_the_growth_of_the_variance():
 
 def test_residence_and_breakthrough_count_those_that_left():
     start = np.zeros((4, 2))
-    frames = [frame(0.0, start), frame(1.0, start, [0, -1, -1, 1]), frame(2.0, start, [0, 0, -1, 1])]
+    numbers = {"left_through_opening_0": 0.0, "left_through_opening_1": 0.0}
+    frames = [
+        frame(0.0, start, **numbers),
+        frame(1.0, start, [0, -1, -1, 1], **numbers),
+        frame(2.0, start, [0, 0, -1, 1], **numbers),
+    ]
     stayed = dispersion.residence_times(frames)
     assert sorted(stayed.times) == [0.5, 0.5, 1.5]
     assert stayed.remaining == 1
     assert dispersion.breakthrough(frames, 0).value.tolist() == [0.0, 0.25, 0.5]
+    with pytest.raises(BadInput, match="got opening 2; the run has 2"):
+        dispersion.breakthrough(frames, 2)
+
+
+def test_particles_that_enter_between_frames_have_residence_times_without_a_bias():
+    """One stays for 1.2 s, one enters and leaves between two frames, one had left before."""
+    frames = [
+        frame(0.0, np.zeros((1, 2)), [0]),
+        frame(1.0, np.zeros((2, 2)), [0, -1]),
+        frame(2.0, np.zeros((3, 2)), [0, 1, 1]),
+    ]
+    stayed = dispersion.residence_times(frames)
+    assert sorted(stayed.times) == [0.0, 1.0]
+    assert stayed.remaining == 0
 
 
 def test_concentration_counts_only_particles_inside():

@@ -53,7 +53,7 @@ def _of_groups(values: Array, measure: Any) -> tuple[Array, Array]:
 
 def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
     """The mean square displacement since the first frame along each axis, (T, d) in m^2; `without_drift` less the
-    square of the mean one.
+    square of the mean one. Of the particles that are inside in all frames.
     """
 
     def measure(way: Array) -> Array:
@@ -66,7 +66,7 @@ def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
 
 def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
     """Half the rate at which the variance along an axis grows (m^2/s), at the middles between frames; in the end the
-    dispersion coefficient of Taylor and Aris in a channel.
+    dispersion coefficient of Taylor and Aris in a channel. Of the particles that are inside in all frames.
     """
     paths, instants = _paths(frames)[:, :, axis], times(frames)
     if len(frames) < 2:
@@ -80,7 +80,7 @@ def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
 
 
 class Residence(NamedTuple):
-    """How long particles stayed that have left; between frames they left half-way."""
+    """How long particles stayed that have left; between frames they entered and left half-way."""
 
     times: Array
     """(n,) s"""
@@ -91,16 +91,17 @@ class Residence(NamedTuple):
 
 
 def residence_times(frames: Frames) -> Residence:
-    """The times between the first frame of a particle and its exit."""
+    """The times between the entry of a particle, or the first frame, and its exit."""
     instants = times(frames)
     count = len(frames[-1].arrays["position"])
     entered, left = np.full(count, np.nan), np.full(count, np.nan)
     for k, frame in enumerate(frames):
         there = np.flatnonzero(np.isnan(entered[: len(frame.arrays["position"])]))
-        entered[there] = instants[k]
+        between = 0.5 * (instants[k] + instants[max(k - 1, 0)])
+        entered[there] = between
         gone = ~inside(frame)
         fresh = np.flatnonzero(gone & np.isnan(left[: len(gone)]))
-        left[fresh] = 0.5 * (instants[k] + instants[max(k - 1, 0)])
+        left[fresh] = between if k else -np.inf  # left before the first frame
     stayed = (left - entered)[np.isfinite(left)]
     error = float(stayed.std(ddof=1) / np.sqrt(len(stayed))) if len(stayed) > 1 else float("nan")
     mean = float(stayed.mean()) if len(stayed) else float("nan")
@@ -109,6 +110,9 @@ def residence_times(frames: Frames) -> Residence:
 
 def breakthrough(frames: Frames, opening: int = 0) -> Course:
     """The fraction of all particles so far that have left through an opening, over time."""
+    openings = _openings(frames[0]) if len(frames) else 0
+    if not 0 <= opening < openings:
+        raise BadInput(f"got opening {opening}; the run has {openings}, numbered from 0")
     shares, errors = [], []
     for frame in frames:
         left, count = np.asarray(frame.arrays["left"]), len(frame.arrays["left"])
@@ -125,6 +129,10 @@ def concentration(frames: Frames, edges: Array, axis: int = 0) -> Course:
     return Course(times(frames), counts / widths, np.sqrt(counts) / widths)
 
 
+def _openings(frame: Frame) -> int:
+    return sum(name.startswith("left_through_opening_") for name in frame.numbers)
+
+
 def _sticking_walls(frame: Frame) -> list[int]:
     return sorted(int(name.rpartition("_")[2]) for name in frame.numbers if name.startswith("deposited_on_wall_"))
 
@@ -132,7 +140,7 @@ def _sticking_walls(frame: Frame) -> list[int]:
 def deposited(frame: Frame, wall: int | None = None) -> Flags:
     """(N,) whether each particle stays on a sticking wall, or on any."""
     walls = _sticking_walls(frame)
-    openings = sum(name.startswith("left_through_opening_") for name in frame.numbers)
+    openings = _openings(frame)
     if wall is not None and wall not in walls:
         raise BadInput(f"wall {wall} does not hold particles; those that do: {walls or 'none'}")
     left = np.asarray(frame.arrays["left"])
