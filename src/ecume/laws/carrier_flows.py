@@ -16,6 +16,17 @@ DUCT_TERMS = 40
 """Terms of the series of a duct: the remainder is below 1e-4 of the mean speed at the sides, and far less inside."""
 
 
+def couette_speed(height: Length, width: Length, speed: Speed) -> Speed:
+    """Speed at a height above a wall at rest in steady flow below a wall that moves, U y/L.
+
+    U: the `speed` of the upper wall; L: `width`, the distance of the walls. [batchelor1967, sec. 4.2].
+
+    >>> couette_speed(0.25, 1.0, 2.0)
+    0.5
+    """
+    return speed * height / width
+
+
 def tube_speed(distance: Length, radius: Length, speed: Speed) -> Speed:
     """Speed at a distance from the axis of a tube in steady laminar flow, 2 U (1 - r^2/R^2).
 

@@ -82,6 +82,8 @@ class PulseSpec:
     def _periodic(self) -> Self:
         if self.amplitude and self.period is None:
             raise Inconsistent([(("period",), "is missing; expected the period of the oscillation")])
+        if self.period is not None and not self.amplitude:
+            raise Inconsistent([(("period",), "is not used without amplitude; expected both")])
         return self
 
 
@@ -131,8 +133,9 @@ class FlowSpec:
     """A flow that adds to these two: `channel`, `couette`, `tube`, `duct`, `stagnation`, `rotation`, `cellular`,
     `double-gyre`, `wave` or `abc`. Example: `"channel"`. Effect: particles follow this flow."""
     speed: Velocity | None = None
-    """The speed of the named flow (m/s): the mean one of a channel, tube or duct, that of the moving wall, otherwise
-    the largest one, in waves at the surface. Effect: scales the velocities."""
+    """The speed of the named flow (m/s): the mean one of a channel, tube or duct, that of the moving wall, the largest
+    one of cells, the largest one along x of gyres and at the surface of waves, and the smallest amplitude of `abc`.
+    Effect: scales the velocities."""
     rate: TurningRate | None = None
     """The rate of a stagnation flow (1/s), at which it approaches along the vertical, or the angular velocity of a
     rotation (rad/s). Effect: scales the velocities."""

@@ -116,6 +116,9 @@ def test_no_warning_where_the_liquid_goes_around(recwarn):
     scene = around("creeping", [-3.0, 0.5, 0.2])
     MODELS["tracers"].parameters(scene)
     assert not recwarn.list
+    rows = {row[0]: row[1:] for row in MODELS["tracers"].summary(scene)}
+    assert rows["flow"][1].startswith("creeping, around the obstacle")
+    assert float(rows["obstacle: Reynolds number"][0]) == pytest.approx(1e6)
 
 
 @pytest.mark.parametrize(

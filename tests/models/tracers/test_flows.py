@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.analysis.series import tracks
+from ecume.citing import papers_of
 from ecume.errors import SceneError
 from ecume.laws import carrier_flows
 from ecume.models import MODELS
@@ -145,11 +146,36 @@ def test_a_pulse_multiplies_the_velocity():
         ({"name": "channel", "speed": 1.0, "swing": 0.1}, r"flow\.swing: is not used by the flow channel"),
         ({"speed": 1.0}, r"flow\.speed: is not used by a uniform flow"),
         ({"name": "channel", "speed": 1.0, "pulse": {"amplitude": 1.0}}, r"flow\.pulse\.period: is missing"),
+        ({"name": "channel", "speed": 1.0, "pulse": {"period": 1.0}}, r"flow\.pulse\.period: is not used without"),
+        ({"name": "double-gyre", "speed": 1.0, "period": 1.0}, r"flow\.period: is not used without swing"),
     ],
 )
 def test_a_flow_that_cannot_be_is_refused_with_its_key(flow, words):
     with pytest.raises(SceneError, match=words):
         MODELS["tracers"].parameters(scene_of(flow))
+
+
+def rows_of(flow, dimensions=2, **changes):
+    """The rows of `ecume check` by name."""
+    return {row[0]: row[1:] for row in MODELS["tracers"].summary(scene_of(flow, dimensions, **changes))}
+
+
+def test_check_names_the_flow_and_what_does_not_act():
+    assert rows_of({"name": "rotation", "rate": 1.0})["flow"][1].startswith("rotation: largest speed")
+    lifted = rows_of({"shear_rate": 0.5}, hydrodynamics={"lift": True})
+    assert lifted["flow"][1].startswith("uniform or sheared")
+    assert lifted["forces of the flow"][0] == "none on 4 of 4 particles"
+    assert rows_of({"name": "tube", "speed": 0.1}, 3)["wall of the tube"][0] == "none"
+
+
+def test_the_papers_of_a_flow_are_its_own():
+    linear = set(papers_of(scene_of({"name": "rotation", "rate": 1.0}))) - {"stokes1851", "schiller1933"}
+    assert not linear
+    pulse = {"amplitude": 0.5, "period": 1.0}
+    assert {"batchelor1967", "womersley1955"} <= set(
+        papers_of(scene_of({"name": "channel", "speed": 1.0, "pulse": pulse}))
+    )
+    assert "pollock1988" not in papers_of(scene_of({"field": {"file": "gyre.npz"}}))
 
 
 # --- Grids

@@ -205,7 +205,7 @@ def channel_velocity(shape: Channel, x: float, y: float, z: float, time: float) 
 @compiled_inside
 def couette_velocity(shape: Couette, x: float, y: float, z: float, time: float) -> Point:
     """The velocity."""
-    return shape.speed * (z - shape.bottom) / shape.width, 0.0, 0.0
+    return carrier_flows.couette_speed(z - shape.bottom, shape.width, shape.speed), 0.0, 0.0
 
 
 @compiled_inside
@@ -330,6 +330,8 @@ def _cellular(request: Request) -> Cellular:
 
 def _double_gyre(request: Request) -> DoubleGyre:
     low, (length, _, height) = request.box[0], request.sides()
+    if request.flow.period is not None and not request.flow.swing:
+        raise BadInput("is not used without swing; remove it", "period")
     turning = 2.0 * math.pi / request.value("period") if request.flow.swing else 0.0
     return DoubleGyre(
         low[0], low[2], 0.5 * length, height, request.value("speed"), float(request.flow.swing or 0.0), turning
@@ -373,7 +375,7 @@ NAMED_FLOWS = {
         _channel, channel_velocity, (flows.channel_speed,), BOX | {"speed"}, needs_box=True, walls="z"
     ),
     "couette": NamedFlow(
-        _couette, couette_velocity, (flows.couette_start,), BOX | {"speed"}, needs_box=True, walls="z"
+        _couette, couette_velocity, (carrier_flows.couette_speed,), BOX | {"speed"}, needs_box=True, walls="z"
     ),
     "tube": NamedFlow(
         _tube, tube_velocity, (carrier_flows.tube_speed,), BOX | {"speed", "radius", "center"}, (3,), needs_box=True,
@@ -384,9 +386,9 @@ NAMED_FLOWS = {
         needs_box=True, walls="yz",
     ),
     "stagnation": NamedFlow(
-        _stagnation, stagnation_velocity, (flows.drop_strain_change,), frozenset({"rate", "center"})
+        _stagnation, stagnation_velocity, (), frozenset({"rate", "center"})
     ),
-    "rotation": NamedFlow(_rotation, rotation_velocity, (flows.patch_pressure,), frozenset({"rate", "center"})),
+    "rotation": NamedFlow(_rotation, rotation_velocity, (), frozenset({"rate", "center"})),
     "cellular": NamedFlow(
         _cellular, cellular_velocity, (carrier_flows.cellular_velocity,),
         frozenset({"speed", "wavelength", "center"}),

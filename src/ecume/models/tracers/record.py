@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian_motion, drag, gases, unsteady_forces
+from ecume.laws import brownian_motion, carrier_flows, drag, gases, unsteady_forces
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
 from ecume.models.gravity import gravity_text
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
@@ -281,13 +281,26 @@ def flow_rows(scene: TracersScene, parameters: Parameters) -> list[tuple[str, st
     """The flow that varies in place or time."""
     if parameters.current == ():
         return []
-    flow = varying_flow(scene, bounds(scene)) if not scene.user_laws else None
-    if flow is None or flow.current == ():
+    given = scene.flow
+    by_keys = given.name or given.field is not None or given.around_obstacles != "none"
+    if scene.user_laws and not by_keys:  # the flow may be one of the laws
         return []
-    scales, what = flow.scales, scene.flow.name or "from a file"
+    flow = varying_flow(scene, bounds(scene))
+    past = f"{given.around_obstacles}, around the obstacle"
+    plain = "uniform or sheared" if given.around_obstacles == "none" else past
+    scales, what = flow.scales, given.name or ("from a file" if given.field is not None else plain)
     length = with_prefix(scales.length, "m", 3) if math.isfinite(scales.length) else "infinity"
     rows = [("flow", with_prefix(scales.speed, "m/s", 3), f"{what}: largest speed; changes over {length}")]
     viscosity = parameters.fluid.viscosity / parameters.fluid.density
+    if given.around_obstacles == "creeping" and viscosity > 0.0:
+        reynolds = 2.0 * flow.current.shape.radius * float(np.sqrt((flow.uniform**2).sum())) / viscosity
+        rows.append(("obstacle: Reynolds number", f"{reynolds:.3g}", "the creeping flow is that at numbers below 1"))
+    if given.name == "tube" and not (scene.tank is not None and scene.tank.vertices):
+        rows.append(("wall of the tube", "none", "the tank alone turns particles back: beyond the radius they go on"))
+    slow = int(parameters.bodies.overdamped.sum())
+    if parameters.forces.any and slow:
+        remark = "fluid_acceleration, faxen and lift act on particles with inertia only"
+        rows.append(("forces of the flow", f"none on {slow} of {len(parameters.bodies.radius)} particles", remark))
     if viscosity > 0.0 and scales.rate > 0.0:
         ratio = unsteady_forces.history_ratio(float(parameters.bodies.radius.max()), viscosity, scales.rate)
         rows.append(("history force", f"{ratio:.2g}", "Basset's over Stokes's drag: not included"))
@@ -371,7 +384,10 @@ def laws_of(scene: Any) -> list[Source]:
         unsteady_forces.saffman_lift: given.lift,
     }
     flow += [law for law, used in forces.items() if used]
-    grids: list[Source] = [gridded_flows.face_velocity] if scene.flow.field is not None else []
+    flow += [carrier_flows.time_factor] if scene.flow.pulse is not None else []
+    field = scene.flow.field
+    faces = field is not None and field.interpolation == "divergence-free" and scene.dimensions == 3
+    grids: list[Source] = [gridded_flows.face_velocity] if faces else []
     return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *walls, *medium, *slip, *flow, *grids]
 
 
