@@ -411,6 +411,22 @@ def test_an_obstacle_beside_a_periodic_side_is_met_from_the_other():
     assert last.arrays["position"][0, 0] == pytest.approx(2.09 - 0.81, abs=1e-9)
 
 
+PASSING = {
+    "tank": {"high": [1.0, 1.0], "periodic": ["x"]}, "gravity": 0.0, "hydrodynamics": {"drag": "none"}, "duration": 9.0,
+    "frame_every": 9.0, "obstacles": [{"low": [0.5, 0.8], "high": [0.6, 1.0]}],
+    "particles": [{"radius": 1e-3, "density": 1000.0, "positions": [[0.1, 0.05]], "velocity": [1.0, 0.1]}],
+}  # fmt: skip
+
+
+def test_a_step_does_not_pass_an_obstacle_in_a_periodic_box_farther_away():
+    """The path meets it in the ninth box; copies are in the boxes beside the first only."""
+    *_, last = simulate(scene_of({}, **PASSING, integration={}))
+    assert last.numbers["hits"] == 1.0
+    assert last.arrays["position"][0, 0] == pytest.approx(0.1, abs=1e-9)
+    with pytest.raises(SceneError, match=r"integration\.time_step: got 9 s; expected at most 0\.995 s"):
+        MODELS["tracers"].parameters(scene_of({}, **PASSING, integration={"time_step": 9.0}))
+
+
 def test_a_flow_that_differs_on_periodic_sides_is_refused():
     scene = scene_of({"name": "rotation", "rate": 1.0}, tank={"high": [2.0, 1.0], "periodic": ["x"]})
     with pytest.raises(SceneError, match=r"tank\.periodic: got x; the velocities of the liquid .* differ by 2 m/s"):

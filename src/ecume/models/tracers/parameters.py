@@ -476,8 +476,13 @@ def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float]
 
 def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies, scales: FlowScales) -> float:
     """The time step (s): as given, or limited by relaxation and walls. A frame is a whole number of steps."""
-    asked = scene.integration.time_step
+    asked, crossing = scene.integration.time_step, crossing_time(scene, fluid, bodies, scales)
     if asked is not None:
+        if asked > crossing:
+            message = (
+                f"got {asked:g} s; expected at most {crossing:.3g} s, in which particles may cross the periodic box"
+            )
+            raise SceneError([Fault("integration.time_step", f"{message}: they would pass through obstacles")])
         steps = scene.frame_every / asked
         if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             fits = scene.frame_every / max(1, math.ceil(steps))
@@ -498,8 +503,28 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
             if fluid.thermal > 0.0:
                 longest = min(longest, scales.longest_diffusion(brownian_motion.diffusivity(fluid.thermal, friction)))
-    steps = math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
+    longest = min(max(longest, shortest), 0.5 * crossing)
+    steps = math.ceil(scene.frame_every / longest * (1 - 1e-12))
     return scene.frame_every / ending_on_a_step(scene, steps)
+
+
+def crossing_time(scene: TracersScene, fluid: Fluid, bodies: Bodies, scales: FlowScales) -> float:
+    """The shortest time in which a particle may cross a periodic box with obstacles (s), whose copies are in the boxes
+    beside it only; infinite in other scenes.
+    """
+    sides, (low, high) = periodic_of(scene).sides[: scene.dimensions], bounds(scene)
+    if not (max(sides) > 0.0 and scene.obstacles):
+        return math.inf
+    given = [each for species in scene.particles for each in (species.velocity, *species.velocities)]
+    given += [hole.velocity for hole in scene.openings]
+    first = max((math.hypot(*each) for each in given if each is not None), default=0.0)
+    sheared = abs(fluid.shear_rate) * max(abs(low[-1]), abs(high[-1]))
+    dragged, pull = bodies.friction > 0.0, float(np.abs(bodies.apparent_gravity).max())
+    fall = float(np.abs(bodies.settling[dragged]).max(initial=0.0))
+    if not dragged.all():
+        fall = pull * scene.duration if sides[-1] > 0.0 else math.sqrt(2.0 * pull * (high[-1] - low[-1]))
+    fastest = first + max(scales.speed, math.hypot(*fluid.flow) + sheared) + fall
+    return min(side for side in sides if side > 0.0) / fastest if fastest > 0.0 else math.inf
 
 
 def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
