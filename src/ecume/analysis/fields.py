@@ -220,7 +220,7 @@ TOGETHER = 1.6
 
 def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf) -> float:
     """The largest x of the liquid (m), measured at its edge; separate drops do not count. Only the part below the
-    height `below` is included.
+    height `below`, along y, is included.
     """
     position = frame.arrays["position"]
     near = largest_piece(position, spacing) & (position[:, 1] < below)
@@ -254,7 +254,7 @@ def level_by_column(frame: Frame, edges: Array) -> Array:
 
 
 def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
-    """The highest point of the liquid in each column (m), including spray; NaN in empty columns."""
+    """The highest point of the liquid along y in each column (m), including spray; NaN in empty columns."""
     position = frame.arrays["position"]
     column = np.digitize(position[:, 0], edges) - 1
     tops = np.full(len(edges) - 1, -np.inf)

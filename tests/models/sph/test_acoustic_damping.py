@@ -361,3 +361,15 @@ def test_late_damping_shortens_steps_where_lattices_have_faster_sound(method, ra
     """Expected: 0.7 h/(alpha c (kh)^2) over the step by sound, 0.25 h/(c + u), with kh = 1.30."""
     usual, late = (SPH.parameters(tank(integrator=name, **method)).time_step for name in ("symplectic", "verlet"))
     assert late / usual == pytest.approx(ratio, abs=0.08)
+
+
+def test_a_step_beyond_the_limit_of_late_damping_is_refused():
+    """It is divided by the speed of sound alone, and four times the limit was allowed."""
+    scenes = [tank(integrator=name, kernel="wendland-c4") for name in ("verlet", "symplectic")]
+    long = 1.5 * SPH.parameters(scenes[0]).time_step
+    late, prompt = (
+        dataclasses.replace(each, integration=dataclasses.replace(each.integration, time_step=long)) for each in scenes
+    )
+    with pytest.raises(SceneError, match="acoustic damping requires"):
+        SPH.parameters(late)
+    assert SPH.parameters(prompt).time_step > 1.4 * SPH.parameters(scenes[0]).time_step

@@ -180,7 +180,9 @@ def snapshot(frames: Frames, scene: SphScene) -> Figure:
 
 
 def velocity(frames: Frames, scene: SphScene) -> Figure:
-    """Velocities along two lines through the tank's middle: u along the vertical one, v along the level one."""
+    """Velocities along two lines through the tank's middle: u along the vertical one, v (in tanks in which z points up,
+    w) along the level one.
+    """
     chosen = _instants(frames, 3)
     level = [_along(frame, scene, axis=0) for frame in chosen]
     axis = scene.up_axis
@@ -201,8 +203,9 @@ def velocity(frames: Frames, scene: SphScene) -> Figure:
         middle, level_at = 0.5 * (scene.tank.low[0] + scene.tank.high[0]), level[-1].points[0, axis]
         left.set(xlabel=f"u ({u_scale.unit})", ylabel=f"{scene.up} ({lengths.unit})")
         left.set_title(f"u along the line x = {lengths.factor * middle:.3g} {lengths.unit}")
-        right.set(xlabel=f"x ({lengths.unit})", ylabel=f"v ({v_scale.unit})")
-        right.set_title(f"v along the line {scene.up} = {lengths.factor * level_at:.3g} {lengths.unit}")
+        rise = "v" if scene.up == "y" else "w"
+        right.set(xlabel=f"x ({lengths.unit})", ylabel=f"{rise} ({v_scale.unit})")
+        right.set_title(f"{rise} along the line {scene.up} = {lengths.factor * level_at:.3g} {lengths.unit}")
         drawn.suptitle(titled("Velocity", scene), x=0.01, ha="left", fontsize=10)
         legend_outside(right)
     return drawn

@@ -310,7 +310,9 @@ def background_of(scene: SphScene, material: Material) -> float:
 
 LENIENT = 4.0
 """The largest ratio of a specified time step to the limits, which are rules of thumb."""
-BODIES = "the lightest body"
+NEARLY = 1.01
+"""The same for a limit without a margin."""
+BODIES, DAMPING = "the lightest body", "acoustic damping"
 
 
 def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dict[str, float]:
@@ -321,7 +323,7 @@ def limits_of(scene: SphScene, material: Material, bulk_viscosity: float) -> dic
         **speed_limit(h, material, courant),
         "viscosity": viscous_limit(h, material.viscosity / material.density),
         "surface tension": tension_limit(h, material.density, tension),
-        "acoustic damping": damping_step(scene, material, bulk_viscosity),
+        DAMPING: damping_step(scene, material, bulk_viscosity),
         BODIES: min((body_limit(scene, spec, material, bulk_viscosity) for spec in scene.bodies), default=math.inf),
     }
 
@@ -398,8 +400,10 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     limits = limits_of(scene, material, bulk_viscosity_of(scene, material))
     longest = min(limits.values())
     step = scene.integration.time_step or longest
-    # The other limits are rules of thumb with a margin; a body that is too light for its time step diverges.
-    if step > min(LENIENT * longest, limits[BODIES]):
+    # The other limits are rules of thumb with a margin. A body that is too light for its time step diverges. So does
+    # late damping, since substeps follow from the speed of sound alone.
+    lenient = NEARLY if limiter(limits) == DAMPING else LENIENT
+    if step > min(lenient * longest, limits[BODIES]):
         message = f"got {step:g} s; {limiter(limits)} requires {longest:.3g} s or less"
         raise SceneError([Fault("integration.time_step", message)])
     per_frame = ending_on_a_step(scene, max(1, math.ceil(scene.frame_every / step * (1.0 - 1e-9))))
