@@ -89,7 +89,8 @@ def test_a_dataset_is_read_back_with_its_conventions(tmp_path):
     pytest.importorskip("h5netcdf")
     frames = [frame(0.0, [[0.1, 0.2], [0.3, 0.4]]), frame(1.0, [[0.5, 0.6], [0.7, 0.8]], [-1, 0])]
     dispersion.dataset(frames).to_netcdf(tmp_path / "paths.nc", engine="h5netcdf")
-    with xarray.open_dataset(tmp_path / "paths.nc", decode_times=False) as found:
+    with xarray.open_dataset(tmp_path / "paths.nc") as found:
+        assert (found.time.values[:, 1] == np.datetime64("1970-01-01T00:00:01")).all()
         assert found.attrs["featureType"] == "trajectory"
         assert found.trajectory.attrs["cf_role"] == "trajectory_id"
         assert found.x.values == pytest.approx(np.array([[0.1, 0.5], [0.3, np.nan]]), nan_ok=True)

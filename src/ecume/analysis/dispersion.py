@@ -23,6 +23,10 @@ GROUPS = 10
 """Groups of particles, between which moments are compared for their errors."""
 
 
+EPOCH = "1970-01-01"
+"""The date at time 0 in files: the CF conventions have no times without one."""
+
+
 class Course(NamedTuple):
     """A quantity over time, with its standard error."""
 
@@ -181,7 +185,7 @@ def collector_efficiency(frame: Frame, wall: int | None = None) -> Efficiency:
 
 def dataset(frames: Frames) -> Any:
     """The paths as a dataset of xarray with the dimensions `trajectory` and `obs`, to be written as NetCDF by the CF
-    conventions; NaN where a particle is not inside. Raises BadInput without xarray.
+    conventions; NaN where a particle is not inside. Times are seconds since 1970-01-01. Raises BadInput without xarray.
     """
     try:
         import xarray
@@ -193,7 +197,7 @@ def dataset(frames: Frames) -> Any:
     described = {"x": "position along x", "y": "position along y", "z": "height"}
     names = ("x", "y") if paths.shape[2] == 2 else ("x", "y", "z")
     values: dict[str, Any] = {
-        "time": (rows, instants, {"units": "s", "standard_name": "time", "axis": "T"}),
+        "time": (rows, instants, {"units": f"seconds since {EPOCH}", "standard_name": "time", "axis": "T"}),
         **{name: (rows, paths[:, :, axis].T, {"units": "m", "long_name": described[name], "axis": name.upper()})
            for axis, name in enumerate(names)},
     }  # fmt: skip

@@ -36,11 +36,6 @@ class Grid(NamedTuple):
     velocity: Array
     """(T, n_x, ..., d) m/s"""
 
-    def high(self) -> tuple[float, ...]:
-        """The last node."""
-        counts = self.velocity.shape[1:-1]
-        return tuple(a + h * (n - 1) for a, h, n in zip(self.low, self.step, counts, strict=True))
-
 
 class StreamField(NamedTuple):
     """A flow in 2D as a stream function."""
