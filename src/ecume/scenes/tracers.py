@@ -432,11 +432,13 @@ class TracersScene(Common):
 
     @property
     def dimensions(self) -> int:
-        """The number of dimensions, 2 or 3, of the tank, or else of the first position."""
+        """The number of dimensions, 2 or 3, of the tank, or else of the first position or corner of particles."""
         if self.tank is not None:
             return len(self.tank.high or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
-        placed = [species.positions[0] for species in self.particles if species.positions]
-        return len(placed[0]) if placed else 2
+        for species in self.particles:
+            if species.positions or species.low:
+                return len(species.positions[0] if species.positions else species.low or ())
+        return 2
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -121,6 +121,15 @@ def test_no_warning_where_the_liquid_goes_around(recwarn):
     assert float(rows["obstacle: Reynolds number"][0]) == pytest.approx(1e6)
 
 
+def test_particles_start_at_random_in_3d_without_a_tank():
+    low, high = [-3.0, -1.0, -1.0], [-2.0, 1.0, 1.0]
+    particles = [{"radius": 1e-6, "density": 1000.0, "count": 20, "low": low, "high": high}]
+    first, *_ = simulate(around("creeping", [0.0], 3, particles=particles))
+    assert first.arrays["position"].shape == (20, 3)
+    assert (first.arrays["position"] >= low).all()
+    assert (first.arrays["position"] <= high).all()
+
+
 @pytest.mark.parametrize(
     ("kind", "dimensions", "changes", "words"),
     [

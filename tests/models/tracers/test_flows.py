@@ -165,6 +165,8 @@ def test_check_names_the_flow_and_what_does_not_act():
     lifted = rows_of({"shear_rate": 0.5}, hydrodynamics={"lift": True})
     assert lifted["flow"][1].startswith("uniform or sheared")
     assert lifted["forces of the flow"][0] == "none on 4 of 4 particles"
+    assert lifted["time step"][1] == "of fourth order in a flow that varies"
+    assert rows_of({"velocity": [0.1, 0.0]})["time step"][1] == "exact between walls for linear drag"
     assert rows_of({"name": "tube", "speed": 0.1}, 3)["wall of the tube"][0] == "none"
 
 

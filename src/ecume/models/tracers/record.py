@@ -164,12 +164,20 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
         *through_solids(scene, parameters),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
-        ("time step", with_prefix(parameters.time_step, "s"), "exact between walls for linear drag"),
+        ("time step", with_prefix(parameters.time_step, "s"), accuracy_of(parameters)),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         ("memory", size_text(count * BYTES_PER_PARTICLE), f"{count} particles"),
         ("time on this machine", duration_text(stepping + cost.seconds), f"roughly{cost.remark(stepping)}"),
     ]
+
+
+def accuracy_of(parameters: Parameters) -> str:
+    """What a time step is accurate to."""
+    if parameters.current == ():
+        return "exact between walls for linear drag"
+    smooth = parameters.fluid.thermal == 0.0 and bool(parameters.bodies.overdamped.all())
+    return f"of {'fourth' if smooth else 'second'} order in a flow that varies"
 
 
 def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
