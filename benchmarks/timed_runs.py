@@ -22,16 +22,14 @@ sys.path.insert(0, str(Path(__file__).parent / "peers"))
 ROOMIER = 1.6
 HEAVY = 'radius = "1 mm"\ndensity = 1300.0\ncontact_angle = "90 deg"\n'
 WATER = '[liquid]\ndensity = 1000.0\nviscosity = "1 mPa*s"\nsurface_tension = "72.8 mN/m"\n'
+STOKES = ("hydrodynamics.drag=stokes", "hydrodynamics.added_mass=false")
+"""The drag that LAMMPS has, too, and that recorded times are of."""
 
 
 def heavy_spheres(placement: str) -> Any:
-    """A scene of heavy spheres on open water; `placement` is the rest of their table."""
+    """A scene of heavy spheres on open water, with Stokes's drag; `placement` is the rest of their table."""
     head = 'model = "floating"\nduration = "1000 s"\nframe_every = "0.1 s"\n'
-    return load_scene(f"{head}{WATER}[[particles]]\n{HEAVY}{placement}")
-
-
-STOKES = ("hydrodynamics.drag=stokes", "hydrodynamics.added_mass=false")
-"""The drag that LAMMPS has, too, and that recorded times are of."""
+    return load_scene(f"{head}{WATER}[[particles]]\n{HEAVY}{placement}", STOKES)
 
 
 def cereal_bowl(count: int) -> Any:
