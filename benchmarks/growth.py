@@ -47,7 +47,8 @@ def neighbors_inside(run: TimedRun) -> float:
     place = fields.position[:3].astype(float)
     found = 0
     for i in chosen:
-        away = place[:, lists.neighbor[i, : lists.counts[i]]] - place[:, i : i + 1]
+        first = lists.start[i]
+        away = place[:, lists.neighbor[first : first + lists.counts[i]]] - place[:, i : i + 1]
         found += int(((away**2).sum(axis=0) < support**2).sum())
     return found / len(chosen)
 
