@@ -111,7 +111,8 @@ def test_forces_cancel_and_so_do_torques():
 @pytest.mark.compiled
 def test_a_round_ellipsoid_floats_and_moves_as_a_sphere():
     places = "positions = [[-1e-3, 0.0], [1e-3, 0.0]]\n"
-    body = f'[[particles]]\nradius = 0.5e-3\ndensity = 1300.0\ncontact_angle = "90 deg"\n{places}'
+    drag = '[hydrodynamics]\ndrag = "stokes"\n'
+    body = f'{drag}[[particles]]\nradius = 0.5e-3\ndensity = 1300.0\ncontact_angle = "90 deg"\n{places}'
     shape = 'shape = { kind = "ellipsoid", width = "1 mm" }\n'
     one, other = (
         scene_of(LIQUID.format(viscosity=5.0) + body + extra, duration=0.2, frame_every=0.1) for extra in ("", shape)
