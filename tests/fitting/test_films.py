@@ -8,7 +8,7 @@ import pytest
 from ecume.engine.ffmpeg import pictures_of
 from ecume.errors import BadInput, StorageError
 from ecume.fitting import Camera, fit, read_tracks
-from ecume.fitting.films import Search, film_tracks, table_of_tracks
+from ecume.fitting.films import Search, _centered, film_tracks, table_of_tracks
 from ecume.scenes.load import from_plain
 from ecume.show.floating.bowl import Bowl
 from ecume.show.movies import encode
@@ -68,6 +68,15 @@ def test_discs_are_found_where_they_are_and_keep_their_names(tmp_path, dark):
 def keep(path, text):
     path.write_text(text)
     return path
+
+
+def test_water_that_is_darker_on_one_side_moves_no_center():
+    """Menisci shade the water between two floats; to half of the brightness of a disc over its width here."""
+    place = np.array([60.3, 48.6])
+    rows, columns = np.mgrid[0:100, 0:120]
+    cover = np.clip(20.5 - np.hypot(columns - place[0], rows - place[1]), 0.0, 1.0)
+    water = 130.0 - 1.2 * (columns - place[0]) + 0.7 * (rows - place[1])
+    assert _centered(-(1.0 - cover) * water, place + 3.0, 40.0) == pytest.approx(place, abs=0.02)
 
 
 def test_a_part_of_the_picture_has_its_objects_alone(tmp_path):

@@ -29,6 +29,8 @@ MASK = 1.25
 """Diameters: the part of the picture whose center of brightness is taken."""
 USUAL = 11
 """Pixels: larger objects are looked for in a picture that is made smaller until they have this diameter."""
+LEAST_AROUND = 12
+"""Pixels around an object from which the slope of the brightness follows; with fewer it has none."""
 ROUNDS, STILL = 20, 1e-3
 """Centers are taken again until they move less than this (pixels)."""
 MOST_PICTURES = 20_000
@@ -114,7 +116,11 @@ def _shrunk(light: Array, shrink: int) -> Array:
 
 
 def _centered(light: Array, place: Array, diameter: float) -> Array:
-    """The center of the brightness above the threshold half way between what is around an object and its middle."""
+    """The center of the brightness above the threshold half way between what is around an object and its middle.
+
+    The brightness around an object may have a slope: one threshold for both sides moves the center to the side that is
+    more like the object.
+    """
     reach = MASK * 0.5 * diameter
     for _ in range(ROUNDS):
         low = np.maximum(np.ceil(place - reach).astype(np.int64), 0)
@@ -125,8 +131,9 @@ def _centered(light: Array, place: Array, diameter: float) -> Array:
         rim, core = (away > 0.55 * diameter) & (away < reach), away < 0.25 * diameter
         if not rim.any() or not core.any():
             return place
-        around, inside = float(np.median(part[rim])), float(np.median(part[core]))
-        height = (part - around) / max(inside - around, 1e-9)
+        inside = float(np.median(part[core]))
+        around = _around(part, rim, inside, (x, y))
+        height = (part - around) / np.maximum(inside - around, 1e-9)
         weight = np.clip(2.0 * height - 0.5, 0.0, 1.0) * (away < reach)
         total = float(weight.sum())
         if total <= 0.0:
@@ -136,6 +143,17 @@ def _centered(light: Array, place: Array, diameter: float) -> Array:
         if float(np.abs(shift).max()) < STILL:
             break
     return place
+
+
+def _around(part: Array, rim: Any, inside: float, away: tuple[Array, Array]) -> Array:
+    """The brightness around an object, as a plane through the rim; pixels of other objects are omitted."""
+    level = float(np.median(part[rim]))
+    free = rim & (np.abs(part - level) < 0.5 * abs(inside - level))
+    if np.count_nonzero(free) < LEAST_AROUND:
+        return np.full(part.shape, level)
+    terms = np.stack(np.broadcast_arrays(1.0, *away))
+    slopes = np.linalg.lstsq(terms[:, free].T, part[free], rcond=None)[0]
+    return np.asarray(np.tensordot(slopes, terms, 1))
 
 
 def _linked(found: list[Array], search: Search) -> Array:
