@@ -12,6 +12,7 @@ from ecume.models.sph.integration import time_stepping
 from ecume.models.sph.rates.right_hand_side import _sum_pressure, evaluate_accelerations, evaluate_density_rate, fill
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import power_of_dummies
+from ecume.models.sph.setup.building import DAMPING, bulk_viscosity_of, limiter, limits_of, material_of
 from ecume.models.sph.setup.choices import acoustic_damping_of
 from ecume.scenes.load import from_plain, to_plain
 from ecume.validation import random_tanks
@@ -346,21 +347,35 @@ def growth_of_sound(swing, decay):
 
 
 @pytest.mark.parametrize("swing", [0.05, 0.1, 0.2, 0.3])
-def test_the_limit_of_late_damping_is_that_of_the_eigenvalues_of_a_step(swing):
+def test_the_limit_of_late_damping_is_within_that_of_the_eigenvalues_of_a_step(swing):
+    """By the factor 2: gradients are larger than those of a lattice near surfaces and where impacts press liquid."""
     wavenumber, dense = 10.0, 1000.0
     most = late_damping_limit(dense, 1.0, wavenumber) * wavenumber**2 / dense
     assert all(growth_of_sound(swing, part * most) <= 1.0 for part in (0.1, 0.5, 0.9, 1.0))
-    assert growth_of_sound(swing, 1.2 * most) > 1.0
+    assert growth_of_sound(swing, 2.0 * most) <= 1.0
+    assert growth_of_sound(swing, 2.4 * most) > 1.0
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("kernel", ["wendland-c2", "wendland-c4", "wendland-c6", "cubic-spline"])
+def test_a_shallow_pool_stays_at_rest_with_the_longest_steps_of_late_damping(kernel):
+    """Two rows over the mirrored floor, in which gradients are largest; with 0.7 for 0.35 they burst, at 1 and more."""
+    plain = to_plain(tank(jitter=0.1, integrator="verlet", courant_number=0.5, kernel=kernel))
+    plain["fluid"][0]["high"] = [1.0, 0.25]
+    pool = from_plain(plain)
+    material = material_of(pool)
+    assert limiter(limits_of(pool, material, bulk_viscosity_of(pool, material))) == DAMPING
+    assert max(frame.numbers["largest_speed"] for frame in ecume.simulate(pool)) < 0.1
 
 
 @pytest.mark.parametrize(
     ("method", "ratio"),
-    [({}, 1.0), ({"kernel": "wendland-c4"}, 0.87), ({"kernel": "wendland-c4", "acoustic_damping": 1.0}, 1.0)],
+    [({}, 0.60), ({"kernel": "wendland-c4"}, 0.45), ({"kernel": "wendland-c4", "acoustic_damping": 1.0}, 0.90)],
 )
 def test_late_damping_shortens_steps_where_lattices_have_faster_sound(method, ratio):
-    """Expected: 0.7 h/(alpha c (kh)^2) over the step by sound, 0.25 h/(c + u), with kh = 1.30."""
+    """Expected: 0.35 h/(alpha c (kh)^2) over the step by sound, 0.25 h/(c + u), with kh = 1.14 and 1.30."""
     usual, late = (SPH.parameters(tank(integrator=name, **method)).time_step for name in ("symplectic", "verlet"))
-    assert late / usual == pytest.approx(ratio, abs=0.08)
+    assert late / usual == pytest.approx(ratio, abs=0.02)
 
 
 def test_a_step_beyond_the_limit_of_late_damping_is_refused():
