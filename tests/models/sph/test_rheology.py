@@ -8,11 +8,12 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.laws.yield_stress import apparent_viscosity, channel_speed
-from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, fill
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
 from ecume.models.sph.record import SPH
 from ecume.scenes.load import from_plain, load_scene, to_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import free_blob
+from tests.models.sph.test_turbulence import in_a_flow
 
 BINGHAM = {"consistency": 2.0, "yield_stress": 30.0, "largest_viscosity": 400.0}
 THINNING = {"consistency": 4.0, "exponent": 0.5, "largest_viscosity": 400.0}
@@ -47,14 +48,7 @@ def sheared(rheology, gradient, dimension=2):
     kept = to_plain(plain)
     liquid = {key: value for key, value in kept["liquid"].items() if key != "viscosity"}
     scene = from_plain({**kept, "liquid": {**liquid, "rheology": rheology}})
-    parameters = SPH.parameters(scene)
-    state = SPH.start(scene, parameters)
-    state.velocity[...] = np.array(gradient) @ state.position
-    state.density[...] = parameters.material.density
-    workspace = SPH.workspace(parameters, state, 1.0)
-    fill(parameters, state, workspace)
-    evaluate_accelerations(parameters, state, workspace, parameters.time_step)
-    return workspace.fields.viscosity[: state.position.shape[1]], state
+    return in_a_flow(scene, gradient)
 
 
 @pytest.mark.parametrize("rheology", [BINGHAM, THINNING])

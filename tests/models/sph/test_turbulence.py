@@ -10,7 +10,11 @@ from tests.models.sph.scenes import free_blob
 
 def stirred(gradient):
     """The liquid's viscosities and accelerations in a flow of this gradient, in surroundings without a wall."""
-    scene = free_blob(2, turbulence="smagorinsky", artificial_viscosity=0.0)
+    return in_a_flow(free_blob(2, turbulence="smagorinsky", artificial_viscosity=0.0), gradient)
+
+
+def in_a_flow(scene, gradient):
+    """The viscosities of a scene's liquid in a flow of this gradient, and its state with accelerations."""
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     state.velocity[...] = np.array(gradient) @ state.position

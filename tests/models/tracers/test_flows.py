@@ -15,6 +15,7 @@ from ecume.models.tracers.gridded_flows import Grid
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
 from ecume.models.tracers.parameters import bounds
+from ecume.run import run
 from ecume.scenes.load import from_plain, load_scene
 from ecume.simulation import simulate
 
@@ -470,3 +471,24 @@ def test_diffusing_particles_are_absorbed_as_often_as_the_exact_solution_says():
     expected = float((8.0 / n**2 * np.exp(-(n**2) * spread * 8.0 / width**2)).sum())
     share = last.numbers["particles_inside"] / 20000
     assert share == pytest.approx(expected, abs=4.0 * math.sqrt(expected * (1 - expected) / 20000) + 0.004)
+
+
+@pytest.mark.compiled
+def test_a_recorded_tank_carries_tracers_at_its_speed(tmp_path):
+    """Along both axes: y of the tank is up, as z of the tracers is."""
+    box, speed = {"low": [0.0, 0.0], "high": [0.4, 0.2]}, np.array([0.1, 0.04])
+    periodic = {side: {"kind": "periodic"} for side in ("left", "right", "bottom", "top")}
+    tank = {
+        "model": "sph", "duration": 0.2, "frame_every": 0.1, "spacing": 0.02, "gravity": [0.0, 0.0],
+        "tank": {**box, **periodic}, "fluid": [{**box, "velocity": speed.tolist()}], "liquid": {"maximum_speed": 0.2},
+    }  # fmt: skip
+    run(from_plain(tank), tmp_path / "tank")
+    places = [[0.1, 0.05], [0.2, 0.1]]
+    tracers = {
+        "model": "tracers", "duration": 0.2, "frame_every": 0.1, "gravity": 0.0, "liquid": {"viscosity": 1e-3},
+        "particles": [{"positions": places, "radius": 1e-6, "density": 1000.0}], "tank": {"high": box["high"]},
+        "flow": {"field": {"file": str(tmp_path / "tank"), "spacing": 0.02}},
+        "integration": {"integrator": "overdamped"},
+    }  # fmt: skip
+    *_, last = simulate(from_plain(tracers))
+    assert last.arrays["position"] == pytest.approx(np.array(places) + 0.2 * speed, rel=1e-6)
