@@ -143,7 +143,7 @@ def test_a_short_name_means_the_particles_before_the_liquid():
         ("viscocity", "did you mean viscosity"),
         ("title", "got ''; expected a parameter that is a number"),
         ("liquid.gas_density", "starts at 0"),
-        ("hydrodynamics.drag", "got 'schiller-naumann'; expected a parameter that is a number"),
+        ("interaction.law", "got 'capillary'; expected a parameter that is a number"),
         ("count", "got 2; expected a parameter that is a number, and no whole one"),
     ],
 )

@@ -129,7 +129,7 @@ FLOATS = (
                 f"at most {MOST_GROUPS} kinds of overdamped floats", "each kind has a group, and LAMMPS has no more"),
     Expressible("user_laws", lambda scene: len(scene.user_laws), _zero,
                 "none", "its function is not part of the scene"),
-    Expressible("hydrodynamics.drag", lambda scene: str(scene.hydrodynamics.drag), _names("stokes", "none"),
+    Expressible("hydrodynamics.drag", lambda scene: scene.drag, _names("stokes", "none"),
                 "stokes or none", "fix viscous is proportional to the velocity"),
     Expressible("hydrodynamics.lubrication", _films, NONE, "none",
                 "the films of LAMMPS are those of spheres deep in a liquid"),

@@ -18,8 +18,12 @@ from ecume.scenes.common import PALETTE as PALETTE
 from ecume.trajectories.records import replacing
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
+STEPS = 2048
+"""Colors of a height scale: with 256 each step changes a channel by up to three of its 256 values, which shows as edges
+on a smooth surface.
+"""
 HEIGHT_COLORS = LinearSegmentedColormap.from_list(
-    "height", ["#8c4a1f", "#d99a63", "#f1d3b2", "#f6f7f5", "#b9d3e3", "#5d93bd", "#1f4e79"]
+    "height", ["#8c4a1f", "#d99a63", "#f1d3b2", "#f6f7f5", "#b9d3e3", "#5d93bd", "#1f4e79"], STEPS
 )
 
 STYLE: dict[str, Any] = {
@@ -142,7 +146,7 @@ def height_colormap(liquid: str | None = None) -> Colormap:
     low, high = (WARM, COOL) if luminance(liquid) > 0.5 else (BLACK, WHITE)
     lower, higher = ([mixed(liquid, end, part) for part in TINTS] for end in (low, high))
     colors = [*lower, liquid, *reversed(higher)]
-    return LinearSegmentedColormap.from_list("height", colors)
+    return LinearSegmentedColormap.from_list("height", colors, STEPS)
 
 
 def mixed(one: str, other: str, part: float) -> str:

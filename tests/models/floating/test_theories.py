@@ -1,5 +1,6 @@
 """Which laws a scene's theory brings, and what walls do by table."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -14,6 +15,7 @@ from ecume.models.floating.frames import observe
 from ecume.models.floating.parameters import make_state
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.floating.time_integration.integrators import INTEGRATORS
+from ecume.scenes.floating import IntegrationSpec
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -48,20 +50,24 @@ def test_a_theory_brings_its_laws_and_what_is_named_overrules_it():
 
 def test_drag_grows_with_the_reynolds_number_wherever_it_can():
     for name, row in INTEGRATORS.items():
-        by_speed = in_a_dish(ROUND, head=f'integration.integrator = "{name}"').hydrodynamics.drag == "schiller-naumann"
+        by_speed = in_a_dish(ROUND, head=f'integration.integrator = "{name}"').drag == "schiller-naumann"
         assert by_speed == ("fast drag" in row.gives)
     moving = in_a_dish(f"{ROUND}\n[dish.motion]\nfrequency = 1.0\namplitude = 1e-3")
     needle = in_a_dish(ROUND, kind=f'{HEAVY}shape = {{kind = "needle", width = 5e-4}}\n')
-    assert (moving.hydrodynamics.drag, needle.hydrodynamics.drag) == ("stokes", "stokes")
+    assert (moving.drag, needle.drag) == ("stokes", "stokes")
     for scene in (moving, needle):
         FLOATING.parameters(scene)
+    # The default is no part of the scene: another integrator, or floats of a shape, change it.
+    slow = dataclasses.replace(in_a_dish(ROUND), integration=IntegrationSpec(integrator="overdamped"))
+    assert slow.drag == "stokes"
+    FLOATING.parameters(slow)
     asked = in_a_dish(ROUND, head='hydrodynamics.drag = "stokes"')
     assert FLOATING.parameters(asked).drift.thickness == 0.0
     assert FLOATING.parameters(in_a_dish(ROUND)).drift.thickness == pytest.approx(1e6)
 
 
 def test_the_default_theory_is_the_one_that_was_there_before():
-    named = '[interaction]\nlaw = "capillary"\ncharge = "nonlinear"\n[hydrodynamics]\ndrag = "schiller-naumann"\n'
+    named = '[interaction]\nlaw = "capillary"\ncharge = "nonlinear"\n'
     old = in_a_dish(f'{ROUND}\nlaw = "meniscus"\n{named}')
     assert in_a_dish(ROUND) == old
     parameters = FLOATING.parameters(old)

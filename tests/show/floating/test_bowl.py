@@ -168,11 +168,17 @@ def test_the_level_surface_has_the_color_of_the_liquid(liquid, level):
 @pytest.mark.parametrize("liquid", ["#fbf8f0", "#4f9fd8"])
 def test_high_and_low_surfaces_differ_from_the_level_one(liquid):
     colors = height_colormap(liquid)
-    assert min(contrast(colors(end)[:3], liquid) for end in (0, 255)) > 1.8
+    assert min(contrast(colors(end)[:3], liquid) for end in (0.0, 1.0)) > 1.8
 
 
 def test_high_surfaces_of_a_dark_liquid_are_bright():
-    assert contrast(height_colormap("#14305c")(255)[:3], "#14305c") > 5.0
+    assert contrast(height_colormap("#14305c")(1.0)[:3], "#14305c") > 5.0
+
+
+@pytest.mark.parametrize("liquid", [None, "#fbf8f0", "#14305c"])
+def test_a_smooth_surface_has_no_edges_between_its_colors(liquid):
+    shades = height_colormap(liquid)(np.linspace(0.0, 1.0, 20_000), bytes=True).astype(int)
+    assert np.abs(np.diff(shades, axis=0)).max() <= 1
 
 
 def test_headings_have_arrowheads(frames):

@@ -138,7 +138,7 @@ def _summary_of_noise(parameters: Parameters) -> list[Row]:
 def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     """By how much Stokes's drag is too small for the fastest floats; nothing if they are slow."""
     liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
-    if scene.hydrodynamics.drag != DRAG_LAWS[0] or liquid.viscosity == 0.0:
+    if scene.drag != DRAG_LAWS[0] or liquid.viscosity == 0.0:
         return []
     reynolds = particle_reynolds(meeting_speed(parameters), radius, liquid.density, liquid.viscosity)
     if reynolds < SLOW:

@@ -456,6 +456,13 @@ class FloatingScene(Common):
         return (*self.particles, *self.rows)
 
     @property
+    def drag(self) -> str:
+        """The drag law: that of `hydrodynamics.drag`, or the default. It is no part of the scene, so that a changed
+        integrator changes it, too.
+        """
+        return default_drag(self) if self.hydrodynamics.drag is None else self.hydrodynamics.drag
+
+    @property
     def shaped(self) -> bool:
         """Whether any float is longer than wide, or has corners."""
         return any(one.shape is not None for one in self.given)
@@ -472,8 +479,6 @@ class FloatingScene(Common):
             left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
             if left_out:
                 object.__setattr__(self, part, dataclasses.replace(given, **left_out))
-        if self.hydrodynamics.drag is None:
-            object.__setattr__(self, "hydrodynamics", dataclasses.replace(self.hydrodynamics, drag=default_drag(self)))
         complaints = [*_population(self), *_boundary(self), *_steps(self), *_doubles(self)]
         if complaints:
             raise Inconsistent(complaints)

@@ -25,7 +25,7 @@ def _driven(scene: FloatingScene) -> bool:
 def drift_of(scene: FloatingScene) -> Drift:
     """The flow and the noise of a scene; both need drag."""
     flow, liquid = scene.flow, liquid_of(scene)
-    fast = scene.hydrodynamics.drag == DRAG_LAWS[1]
+    fast = scene.drag == DRAG_LAWS[1]
     rates = np.zeros(6)
     if flow is not None:
         turning, apart = flow.rotation_rate, flow.extension_rate

@@ -205,7 +205,7 @@ def _check_names(scene: FloatingScene) -> None:
     """Raise SceneError for names of laws that are not in the tables."""
     choices = [
         ("integration.integrator", scene.integration.integrator, SCHEMES),
-        ("hydrodynamics.drag", str(scene.hydrodynamics.drag), (*DRAG_LAWS, "none")),
+        ("hydrodynamics.drag", scene.drag, (*DRAG_LAWS, "none")),
         ("hydrodynamics.interaction", scene.hydrodynamics.interaction, tuple(HYDRODYNAMICS)),
         ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
         ("interaction.law", str(scene.interaction.law), NAMES),
@@ -312,7 +312,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
     surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene), chosen.hydrodynamics]
     active = [
         (hydrodynamics.brownian, NOISE),
-        (hydrodynamics.drag == DRAG_LAWS[1], FAST_DRAG),
+        (scene.drag == DRAG_LAWS[1], FAST_DRAG),
         (scene.flow is not None, FLOW),
         (scene.dish is not None and scene.dish.motion is not None, SWAY),
         (bool(hydrodynamics.added_mass), ADDED_MASS),
@@ -393,9 +393,9 @@ def _drag_of(scene: FloatingScene) -> Option:
     """The drag of a scene, with its capabilities."""
     there = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
     gives = {"drag"} if there else set()
-    gives |= {"stokes"} if scene.hydrodynamics.drag != DRAG_LAWS[1] else set()
+    gives |= {"stokes"} if scene.drag != DRAG_LAWS[1] else set()
     return Option(
-        slot="drag", path="hydrodynamics.drag", name=repr(scene.hydrodynamics.drag) if there else "no drag",
+        slot="drag", path="hydrodynamics.drag", name=repr(scene.drag) if there else "no drag",
         gives=frozenset(gives),
         needs={},
     )  # fmt: skip
