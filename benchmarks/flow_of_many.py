@@ -16,7 +16,7 @@ from ecume.laws.pair_mobility import compact_raft, surface_mobility
 from ecume.models import MODELS
 from ecume.models.floating.coupled.many_floats import flow_product, place_flow_grid
 from ecume.models.model import CROWDED
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 RADIUS = 3e-4
 STEPS = sized(10, 1)

@@ -27,7 +27,7 @@ from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.contact_list import update_contact_list
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import CLOCK
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import SoftScene
 
 FILLED = {2: 0.80, 3: 0.58}

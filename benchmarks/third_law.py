@@ -17,7 +17,7 @@ from ecume._quick import parser_of, sized
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.units import Array
 
 RATIOS, GAPS = sized(((1.0, 2.0, 3.0), (0.01, 0.05, 0.2)), ((2.0,), (0.05,)))

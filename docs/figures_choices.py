@@ -22,7 +22,8 @@ from ecume.laws.liquids import liquid as named_liquid
 from ecume.models.sph.record import SPH, start
 from ecume.models.sph.setup.building import bulk_viscosity_of, limits_of, material_of
 from ecume.run import run
-from ecume.scenes.load import from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.show.style import INK, PALETTE, figure
 from ecume.trajectories.frame import Frame
 

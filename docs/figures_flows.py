@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.laws.yield_stress import channel_speed
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -107,7 +107,7 @@ def _ellipse(duration: float) -> tuple[np.ndarray, np.ndarray]:
     """Times, and both axes there."""
     from scipy.integrate import solve_ivp
 
-    from ecume.laws.flows import drop_strain_change
+    from ecume.laws.drops import drop_strain_change
 
     def rate(_: float, y: np.ndarray) -> list[float]:
         return [drop_strain_change(y[0], 1.0, y[1], y[2]), y[0] * y[1], -y[0] * y[2]]

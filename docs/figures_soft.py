@@ -20,7 +20,8 @@ from ecume.laws.soft_pair import PREFACTORS, SoftPair, passage_time, surface_for
 from ecume.laws.surfaces import bubble_force
 from ecume.models.soft import t1_process
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside

@@ -15,10 +15,11 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from ecume.laws import states
+from ecume.laws import hydrostatics, states
 from ecume.laws.flows import channel_speed
 from ecume.laws.kernels import Kernel, kernel
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size
 from ecume.show.sph.liquid import Water
 from ecume.show.sph.picture import liquid_picture
@@ -91,21 +92,21 @@ def pressure() -> Figure:
     drawn = figure(9.0, 3.6)
     left, right = drawn.subplots(1, 2)
     height = np.linspace(0.0, 1.0, 101)
-    top = states.column_height(1.0, 1.0, 1.0, 10.0)
+    top = hydrostatics.column_height(1.0, 1.0, 1.0, 10.0)
     depth = [max(top - y, 0.0) for y in height]
-    density = np.array([states.hydrostatic_density(d, 1.0, 1.0, 10.0) for d in depth])
+    density = np.array([hydrostatics.hydrostatic_density(d, 1.0, 1.0, 10.0) for d in depth])
     tait = states.tait_pressure(density, 1.0, 10.0)
-    both = states.absolute_pressure(density, height, 1.0, reference_density=1.0, sound_speed=10.0, gravity=1.0)
+    both = hydrostatics.absolute_pressure(density, height, 1.0, reference_density=1.0, sound_speed=10.0, gravity=1.0)
     left.plot(tait, height, color=PALETTE[1], label="Tait's law only")
     left.plot(both, height, "--", color=PALETTE[0], label="with ρ g (H − y) added")
-    exact = states.hydrostatic_pressure(height, 1.0, 1.0, 1.0)
+    exact = hydrostatics.hydrostatic_pressure(height, 1.0, 1.0, 1.0)
     left.plot(exact, height, ":", color=INK, linewidth=2.2, label="ρ₀ g (H − y)")
     left.set(xlabel="pressure / ρ₀ g H", ylabel="height / H", xlim=(0, 2.05), ylim=(0, 1))
     left.set_title("Tank at rest")
     left.legend()
     speeds = np.geomspace(5.0, 50.0, 60)
     for exponent, dashes in ((7.0, "-"), (1.0, "--")):
-        short = [100.0 * (1.0 - states.column_height(1.0, 1.0, 1.0, c, exponent)) for c in speeds]
+        short = [100.0 * (1.0 - hydrostatics.column_height(1.0, 1.0, 1.0, c, exponent)) for c in speeds]
         right.plot(speeds, short, dashes, color=PALETTE[1], label=f"γ = {exponent:g}")
     right.set(xscale="log", yscale="log", xlabel="c₀ / √(gH)", ylabel="compression (%)")
     right.set_xticks([5, 10, 20, 50], labels=["5", "10", "20", "50"])

@@ -14,7 +14,7 @@ from figures_sph import liquid, scale_to
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ecume.laws.flows import viscous_decay
+from ecume.laws.water_waves import viscous_decay
 from ecume.show.style import INK, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.validation import dam_break as dam

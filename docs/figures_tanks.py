@@ -18,7 +18,7 @@ from matplotlib.transforms import Affine2D
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import packed, unevenness
 from ecume.models.sph.setup.shapes import obstacle_dummies, shape_of
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.scenes.sph import SphScene
 from ecume.show.picture import Size
 from ecume.show.sph.liquid import surface_of

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.analysis.fields import front_position
+from ecume.analysis.free_surface import front_position
 from ecume.laws.drag import stokes_friction
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl

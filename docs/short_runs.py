@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import ecume.simulation
-from ecume.scenes.load import Scene
+from ecume.scenes.schema import Scene
 from ecume.simulation import Moment, moments
 
 LESS = 200

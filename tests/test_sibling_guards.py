@@ -10,7 +10,9 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.scenes.load import from_plain, load_and_examine, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
+from ecume.scenes.valid_part import load_and_examine
 from ecume.sweep.spec import load_sweep
 
 PACKAGE = Path(ecume.__file__).parent
@@ -22,7 +24,8 @@ REVIEWED = {
     "lammps/rank.py": {"json.loads": "a scene that the starting process wrote into its own folder"},
     "models/tracers/field_files.py": {"np.load": "a user's archive of velocities, without pickles, after its kind"},
     "scenes/faults.py": {"tomllib.loads": "one value after `--set`, its keys bounded before"},
-    "scenes/load.py": {"tomllib.loads": "all texts of scenes: depth and keys are bounded before"},
+    "scenes/overrides.py": {"tomllib.loads": "one value of `--set`, its length and keys bounded before"},
+    "scenes/toml.py": {"tomllib.loads": "all texts of scenes: depth and keys are bounded before"},
     "show/play/pages.py": {"json.loads": "a request with a token, of bounded size"},
     "trajectories/gsd.py": {"json.loads": "a chunk with a checksum, of bounded size"},
     "trajectories/records.py": {"json.loads": "all records of runs and sweeps, of bounded size"},

@@ -23,7 +23,7 @@ def report(seconds: float, processor: float, steps: float, front: dict[float, fl
 
 def main(pressure: str, deep: int) -> None:
     """Run the dam in ecume; the first steps, which may compile, are not timed."""
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
     from ecume.simulation import simulate
 
     def scene(end: float) -> object:

@@ -26,7 +26,7 @@ class Chapter(NamedTuple):
 
 CHAPTERS = {
     "scenes": Chapter("Scenes, runs, trajectories", "Scene files, simulations, run directories and stored frames.", (
-        "ecume.scenes.load", "ecume.simulation", "ecume.run", "ecume.trajectories.frame",
+        "ecume.scenes.load", "ecume.scenes.schema", "ecume.simulation", "ecume.run", "ecume.trajectories.frame",
         "ecume.trajectories.reader", "ecume.trajectories.exports", "ecume.sweep", "ecume.fitting", "ecume.citing",
         "ecume.errors", "ecume.units",
     )),

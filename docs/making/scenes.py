@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import writing
 from writing import cell, docstrings, toctree
 
-from ecume.scenes.load import SCENES
 from ecume.scenes.quantities import ByDimension
+from ecume.scenes.schema import SCENES
 from ecume.scenes.starts import StartSpec
 from ecume.scenes.templates import templates
 from ecume.units import example

@@ -17,7 +17,7 @@ from ecume.analysis.clusters import touching_clusters
 from ecume.laws.capillarity import pair_force
 from ecume.models import MODELS
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, STRENGTH
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 

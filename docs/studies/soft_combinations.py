@@ -15,7 +15,7 @@ from typing import Any
 
 from ecume._quick import folder_of, parser_of, sized
 from ecume.errors import EcumeError
-from ecume.scenes.load import Scene, from_plain
+from ecume.scenes.schema import Scene, from_plain
 from ecume.simulation import simulate
 
 RECORDED = Path(__file__).parent / "recorded-combinations.csv"

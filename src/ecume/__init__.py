@@ -33,7 +33,8 @@ if TYPE_CHECKING:
         LiquidSpec,
         SurfaceEnergies,
     )
-    from ecume.scenes.load import Scene, from_plain, load_scene, scene_hash, to_plain
+    from ecume.scenes.load import load_scene
+    from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
     from ecume.scenes.writing import scene, to_toml, write_scene
     from ecume.simulation import simulate
     from ecume.sweep import open_sweep
@@ -84,7 +85,8 @@ _HOMES = {
     "ecume.run": "resume",
     "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene HydrodynamicsSpec"
     " IntegrationSpec InteractionSpec LiquidSpec SurfaceEnergies",
-    "ecume.scenes.load": "Scene from_plain load_scene scene_hash to_plain",
+    "ecume.scenes.load": "load_scene",
+    "ecume.scenes.schema": "Scene from_plain scene_hash to_plain",
     "ecume.scenes.writing": "scene to_toml write_scene",
     "ecume.simulation": "simulate",
     "ecume.sweep": "open_sweep",
@@ -111,14 +113,14 @@ def _html_of(subject: Any) -> str | None:
 
 def _scene_of(plain: dict[str, Any]) -> Any:
     """A scene from plain data; the scene modules are imported at the first call."""
-    return importlib.import_module("ecume.scenes.load").from_plain(plain)
+    return importlib.import_module("ecume.scenes.schema").from_plain(plain)
 
 
 def _derived_arrays(scene: Any) -> Any:
     """The arrays that follow from the recorded ones: the other pressures of a tank."""
     if scene.model != "sph":
         return lambda frame: frame
-    return importlib.import_module("ecume.analysis.fields").with_pressures(scene)
+    return importlib.import_module("ecume.analysis.pressures").with_pressures(scene)
 
 
 def _scenes_of_models(_: None) -> Any:

@@ -20,7 +20,7 @@ from ecume._version import __version__
 from ecume.models import MODELS
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
 

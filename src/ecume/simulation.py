@@ -12,13 +12,14 @@ import numpy as np
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
-from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Engine, Model, misfit
+from ecume.models.layouts import misfit
+from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Engine, Model
 from ecume.models.step_counts import BEFORE, last_step, sample_clock
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:
     from ecume.scenes.common import Common
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 ROOMIER = 1.6
 """A workspace that overflowed is made again with every capacity times this."""

@@ -3,20 +3,9 @@
 import numpy as np
 import pytest
 
-from ecume.analysis.fields import (
-    Walls,
-    energy_budget,
-    free_surface,
-    front_position,
-    grid_over,
-    level_by_column,
-    linear_on_grid,
-    mirrored,
-    on_grid,
-    profile_along,
-    top_by_column,
-    velocity_profile,
-)
+from ecume.analysis.energies import energy_budget
+from ecume.analysis.free_surface import Walls, free_surface, front_position, level_by_column, mirrored, top_by_column
+from ecume.analysis.grids import grid_over, linear_on_grid, on_grid, profile_along, velocity_profile
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.analysis.boxes import Box, box_of
-from ecume.analysis.structure import branches, coordination, films, gap_distribution, near_pairs, volume_fraction
+from ecume.analysis.close_pairs import branches, coordination, films, gap_distribution, near_pairs, volume_fraction
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.output import INTERRUPTED, say, warned
+from ecume.cli.endings import INTERRUPTED, say, warned
 from ecume.errors import Diverged, EcumeError, RunExists, Stopped, StorageError
 
 cli = CliRunner()

@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.output import ThermoTable, WithExpectation, thermo_table
+from ecume.cli.progress import WithExpectation
+from ecume.cli.thermo import ThermoTable, thermo_table
 from ecume.run import Progress, RunResult
 from ecume.scenes.templates import copy_template
 from ecume.trajectories.frame import Frame

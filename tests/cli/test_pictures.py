@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 import ecume.trajectories.exports
 from ecume.cli import app
-from ecume.cli.output import counted
 from ecume.cli.pictures import ENDINGS, Format
+from ecume.cli.progress import counted
 from ecume.errors import BadInput
 from ecume.show.curves import ONE_FRAME
 from ecume.show.floating.figures import FLOATING_FIGURES

@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume._compiler_events import watch
-from ecume.cli import app, output, runs
-from ecume.cli.output import Lines, ahead, lasting, line, place, shown, waiting
+from ecume.cli import app, progress, runs
+from ecume.cli.progress import Lines, ahead, lasting, line, place, shown, waiting
 from ecume.cli.runs import summary, use_at_most
 from ecume.run import Progress, RunOptions, RunResult
 from ecume.scenes.templates import copy_template
@@ -45,7 +45,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     monkeypatch.setattr(ecume.run, "run", run)
     # Whatever ran before in this process: its first command would count all of its time, and set variables for Numba.
-    monkeypatch.setattr(output, "_began", [0.0])
+    monkeypatch.setattr(progress, "_began", [0.0])
     monkeypatch.setattr(runs, "use_at_most", lambda threads: None)
     return calls
 
@@ -103,7 +103,7 @@ def test_a_log_gets_a_plain_line_now_and_then(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = iter([0.0, 1.0, 10.5, 11.0])
-    monkeypatch.setattr("ecume.cli.output.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(clock))
     lines = Lines()
     for _ in range(3):
         lines(HALF)
@@ -187,10 +187,10 @@ def test_a_scene_starts_from_the_end_of_a_run() -> None:
 
 
 def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    from ecume.run.recording import Pace
+    from ecume.run.progress import Pace
 
     clock = iter([0.0, 60.0, 60.5, 61.0])
-    monkeypatch.setattr("ecume.run.recording.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("ecume.run.progress.time.monotonic", lambda: next(clock))
     pace = Pace(duration=10.0)
     reported = [pace.progress(moment_at(step, 1001), 1) for step in (0, 1, 2, 101)]
     # A first half second of small steps would say a quarter of an hour.
@@ -223,10 +223,10 @@ def test_the_last_line_names_setup_where_it_takes_much_of_the_time(monkeypatch: 
 
 def test_a_command_is_timed_from_its_start(monkeypatch: pytest.MonkeyPatch) -> None:
     now = iter([100.0, 103.5])
-    monkeypatch.setattr("ecume.cli.output.time.monotonic", lambda: next(now))
-    monkeypatch.setattr("ecume.cli.output._began", [50.0])
-    output.start()
-    assert output.elapsed() == 3.5
+    monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(now))
+    monkeypatch.setattr("ecume.cli.progress._began", [50.0])
+    progress.start()
+    assert progress.elapsed() == 3.5
 
 
 def test_a_total_that_is_unknown_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:

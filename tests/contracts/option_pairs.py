@@ -10,7 +10,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.invariants import NumberHistory, with_own
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 DOCS = Path(__file__).parents[2] / "docs" / "physics"

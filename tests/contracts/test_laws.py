@@ -14,7 +14,8 @@ import numpy as np
 import pint
 import pytest
 from tests import oracles
-from tests.oracles import dam_breaks, liquids, soft_contacts, swirls
+from tests.oracles import dam_breaks, liquids, swirls
+from tests.oracles import soft_contacts as soft_oracles
 
 import ecume.laws
 from ecume import _jit
@@ -25,13 +26,17 @@ from ecume.laws import (
     contact_lines,
     density_diffusion,
     drag,
+    drops,
     flotation,
     flows,
     friction,
+    hydrostatics,
     interfaces,
     kernels,
     long_range,
     meniscus,
+    moving_dish,
+    soft_contacts,
     soft_pair,
     special,
     states,
@@ -41,6 +46,7 @@ from ecume.laws import (
     unsteady_forces,
     viscous,
     wall_forces,
+    water_waves,
 )
 from ecume.laws.surfaces import Body
 from ecume.units import Unit
@@ -59,9 +65,12 @@ COMPILED = (
     friction,
     kernels,
     states,
+    hydrostatics,
+    moving_dish,
     viscous,
     tension,
     time_step_limits,
+    soft_contacts,
     soft_pair,
     long_range,
     contact_lines,
@@ -74,8 +83,8 @@ COMPILED = (
 RESCALED = (
     carrier_flows, density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies,
     flotation.balance, flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
-    time_step_limits, flows, long_range, soft_pair, contact_lines, surfaces, interfaces, wall_forces, dam_breaks,
-    liquids, soft_contacts, swirls, unsteady_forces,
+    time_step_limits, drops, flows, hydrostatics, long_range, moving_dish, soft_contacts, soft_pair, contact_lines,
+    surfaces, interfaces, wall_forces, water_waves, dam_breaks, liquids, soft_oracles, swirls, unsteady_forces,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -100,7 +109,7 @@ SAMPLES = {
     "approach": -0.8, "distance_squared": 0.4, "smoothing_length": 0.6, "alpha": 0.1,
     "dimensions": 3.0, "viscosity_i": 0.3, "viscosity_j": 0.7, "volume_i": 0.02, "volume_j": 0.03, "strain_rate": 5.0,
     "spacing": 0.4, "strain_component": 1.3, "divergence": 0.2, "diagonal": 1.0, "excess": 0.3, "delta": 0.1,
-    "tank": flows.Tank(1.7, 0.9, 1.9, 0.01), "excitation": flows.BaseExcitation(0.2, 1.1, 0.3),
+    "tank": water_waves.Tank(1.7, 0.9, 1.9, 0.01), "excitation": water_waves.BaseExcitation(0.2, 1.1, 0.3),
     "slope": -2.5, "reach": 0.05, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
     "turning": -0.4, "spread": 0.6,
@@ -194,19 +203,19 @@ PLAIN = {
     capillarity.truncation_radius, contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction,
     soft_pair.crossover_gap, soft_pair.optimal_force, soft_pair.passage_time, soft_pair.reduced_force,
     soft_pair.size_under_force, soft_pair.steepness, soft_pair.surface_energy, soft_pair.surface_force,
-    soft_pair.viscous_time, states.absolute_pressure, states.hydrostatic_fault,
+    soft_pair.viscous_time, hydrostatics.absolute_pressure, hydrostatics.hydrostatic_fault,
 }  # fmt: skip
 """What compiled code does not call, or calls with the names of arguments."""
 UNSCALED = {
     brownian_motion.thermal_energy,
-    states.absolute_pressure,
-    states.hydrostatic_fault,
-    flows.viscous_decay,
+    hydrostatics.absolute_pressure,
+    hydrostatics.hydrostatic_fault,
+    water_waves.viscous_decay,
     dam_breaks.stoker_bore,
 }
 """Defaults in SI, words, or results of several units: they cannot be asked in other units."""
 LAWS = [law for module in RESCALED for law in public(module).values() if law not in UNSCALED]
-SWAY = (flows.sway_place, flows.sway_velocity, flows.sway_acceleration, flows.left_behind)
+SWAY = (moving_dish.sway_place, moving_dish.sway_velocity, moving_dish.sway_acceleration, moving_dish.left_behind)
 SCALARS = [*SWAY, *(law for module in COMPILED for law in public(module).values() if law not in PLAIN)]
 
 
@@ -290,8 +299,8 @@ TABLES = {
     ],
     "remote": [law for row in long_range.REMOTE.values() for law in (row.energy, row.force, row.slope)],
     "interfaces": list(interfaces.INTERFACES.values()),
-    "tangential": [law for row in soft_pair.TANGENTIAL.values() for law in row.papers],
-    "tension": [law for row in soft_pair.TENSION.values() for law in row.papers],
+    "tangential": [law for row in soft_contacts.TANGENTIAL.values() for law in row.papers],
+    "tension": [law for row in soft_contacts.TENSION.values() for law in row.papers],
 }
 UNCITED = {
     "no_wall_energy", "no_wall_force", "nonlinear_charge", "no_remote_energy", "no_remote_force", "no_remote_slope",

@@ -27,12 +27,12 @@ from tests.contracts.effects import (
     tracers,
 )
 
-from ecume.analysis.fields import with_pressures
+from ecume.analysis.pressures import with_pressures
 from ecume.errors import Diverged, EcumeError
 from ecume.models import MODELS
 from ecume.models.invariants import Invariant
 from ecume.run import run
-from ecume.scenes.load import SCENES, from_plain
+from ecume.scenes.schema import SCENES, from_plain
 from ecume.show.curves import titled
 from ecume.show.view.page import looks
 from ecume.show.view.scenery import STAGES

@@ -9,7 +9,8 @@ import pytest
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
-from ecume.laws.soft_pair import TENSION, Prefactors
+from ecume.laws.soft_contacts import TENSION
+from ecume.laws.soft_pair import Prefactors
 from ecume.laws.surfaces import SURFACES, Body
 from ecume.models import MODELS
 from ecume.models.soft.contacts.contact import (
@@ -23,7 +24,7 @@ from ecume.models.soft.contacts.contact import (
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import elastic_energy
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 SOFT = MODELS["soft"]
 BODY = Body(2.0, 0.5, 1.0, 0.0, 0.0)

@@ -22,7 +22,7 @@ from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evalu
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark
 from ecume.models.sph.setup.choices import smoothing_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(ecume.__file__).parent

@@ -7,7 +7,8 @@ from tests.models.sph.test_rigid_bodies import blob
 
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.rates.methods import FRICTIONS, PRESSURE_FORCES
-from ecume.models.sph.rates.right_hand_side import SHIFTINGS, evaluate_accelerations
+from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
+from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS, surface_energy
 from ecume.models.sph.record import SPH
 

@@ -14,14 +14,14 @@ from ecume.laws.kernels import KERNELS
 from ecume.models.model import DONE, EXCHANGE
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, PRESSURES
-from ecume.models.sph.rates.right_hand_side import SHIFTINGS
+from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.observation import invariants
 from ecume.models.sph.setup.choices import TURBULENCES
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 
 PAGE = Path(__file__).parents[2] / "docs" / "physics" / "sph-options.md"
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"

@@ -17,7 +17,8 @@ from tests.torture.regression import SCENES as EXAMPLES
 
 from ecume.models import MODELS
 from ecume.models.model import CROWDED, DONE, EXCHANGE
-from ecume.scenes.load import from_plain, load_scene, to_plain, unit_of
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain, unit_of
 
 pytestmark = pytest.mark.compiled
 

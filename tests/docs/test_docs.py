@@ -26,7 +26,8 @@ from ecume.models import MODELS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes import floating
 from ecume.scenes.floating.sources import SOURCES
-from ecume.scenes.load import SCENES, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import SCENES
 from ecume.units import Unit
 
 pytestmark = pytest.mark.sampled(2)

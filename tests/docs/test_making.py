@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.contracts.test_laws import MODULES
 
-from ecume.scenes.load import SCENES
+from ecume.scenes.schema import SCENES
 from ecume.validation import CASES
 
 pytestmark = pytest.mark.sampled(2)

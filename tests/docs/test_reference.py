@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from ecume.scenes.load import SCENES
+from ecume.scenes.schema import SCENES
 from ecume.scenes.starts import StartSpec
 from ecume.units import Unit
 

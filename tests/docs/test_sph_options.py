@@ -10,7 +10,7 @@ import pytest
 from ecume.laws.kernels import KERNELS
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
-from ecume.models.sph.rates.right_hand_side import SHIFTINGS
+from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.choices import PRECISIONS, TURBULENCES
 from ecume.scenes import sph

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ecume.scenes.floating.sources import SOURCES
-from ecume.scenes.load import SCENES
+from ecume.scenes.schema import SCENES
 
 PAGE = (Path(__file__).parents[2] / "docs" / "vocabulary.md").read_text(encoding="utf-8")
 ROWS = [[cell.strip() for cell in line.strip("|").split("|")] for line in PAGE.splitlines() if line.startswith("| ")]

@@ -12,7 +12,8 @@ import ecume
 from ecume.analysis.clusters import touching_pairs
 from ecume.analysis.rearrangements import neighbor_swaps
 from ecume.laws.drag import stokes_settling_speed
-from ecume.laws.flows import drop_strain_change, taylor_green_decay
+from ecume.laws.drops import drop_strain_change
+from ecume.laws.flows import taylor_green_decay
 from ecume.scenes.templates import templates
 from tests.torture.regression import differing, recorded
 

@@ -9,7 +9,7 @@ from ecume.engine.ffmpeg import pictures_of
 from ecume.errors import BadInput, StorageError
 from ecume.fitting import Camera, fit, read_tracks
 from ecume.fitting.films import Search, _centered, film_tracks, table_of_tracks
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.show.floating.bowl import Bowl
 from ecume.show.movies import encode
 from ecume.show.overlay import Scale, overlay

@@ -11,7 +11,8 @@ from ecume.fitting import Tracks, picked
 from ecume.fitting.estimation import Problem, outlier, swapped
 from ecume.fitting.parameters import Free, free_parameters, with_values
 from ecume.fitting.tracks import start_at
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 
 pytestmark = pytest.mark.sampled(2)
 

@@ -14,7 +14,8 @@ from ecume.fitting import Camera, Tracks, read_tracks
 from ecume.fitting.estimation import certainty, positions_at, solved
 from ecume.fitting.parameters import free_parameters
 from ecume.fitting.tracks import matched
-from ecume.scenes.load import load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame
 
 BEADS = """

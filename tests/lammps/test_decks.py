@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from ecume.errors import BadInput, SceneError
-from ecume.lammps import numbers
+from ecume.lammps import numbers, pair_tables, walls
 from ecume.lammps.decks import DECKS, write_deck
 from ecume.lammps.expressible import FLOATS, LEAST_RESTITUTION, MOST_GROUPS, MOST_KINDS, faults_of
 from ecume.lammps.numbers import nominal, numbers_of
@@ -77,12 +77,12 @@ def test_tables_hold_the_pair_law() -> None:
     for name, (i, j) in zip(found, ((0, 0), (0, 2), (2, 2)), strict=True):
         distance, energy, force = found[name]
         near = float(floats.radius[i] + floats.radius[j])
-        assert distance[0] == pytest.approx((1.0 - numbers.OVERLAP) * near)
+        assert distance[0] == pytest.approx((1.0 - pair_tables.OVERLAP) * near)
         assert distance[-1] > cutoff
         strength = capillarity.pair_strength(deck.scene.liquid.surface_tension, floats.charge[i], floats.charge[j])
         places = np.geomspace(near, cutoff, 777)
         law = np.array([capillarity.pair_force(float(each), strength, length) for each in places])
-        assert np.abs(CubicSpline(distance, force)(places) / law - 1.0).max() < numbers.ACCURACY
+        assert np.abs(CubicSpline(distance, force)(places) / law - 1.0).max() < pair_tables.ACCURACY
         # The force is minus the slope of the energy, and the energy ends at the cutoff.
         assert CubicSpline(distance, energy)(places[:-1], 1) == pytest.approx(-law[:-1], rel=1e-4)
         assert CubicSpline(distance, energy)(cutoff) == pytest.approx(0.0, abs=1e-9 * abs(energy[0]))
@@ -124,7 +124,7 @@ def evaluated(lines: tuple[str, ...], x: float, y: float, own: dict[str, float])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (1e-4, -2e-4), (0.012, 0.009), (0.0, -0.0185)])
 def test_the_meniscus_of_a_round_dish_is_the_law(place: tuple[float, float]) -> None:
     deck = numbers_of(scene_of(DISH))
-    formula, r = numbers.meniscus_of(deck), math.hypot(*place)
+    formula, r = walls.meniscus_of(deck), math.hypot(*place)
     length = float(deck.parameters.pair[CAPILLARY_LENGTH])
     for kind, first in enumerate(deck.first):
         found = evaluated(formula.lines, *place, {formula.properties[0]: formula.values[0][kind]})
@@ -135,7 +135,7 @@ def test_the_meniscus_of_a_round_dish_is_the_law(place: tuple[float, float]) -> 
 
 @pytest.mark.parametrize("ratio", [0.1, 5.0, 60.0, 400.0])
 def test_the_fit_of_a_dish_has_the_value_one_at_the_wall(ratio: float) -> None:
-    fit, s = numbers.dish_fit(ratio, 1.0), math.hypot(ratio, numbers.ROUNDED)
+    fit, s = walls.dish_fit(ratio, 1.0), math.hypot(ratio, walls.ROUNDED)
     k = fit.slope / s + fit.shift
     assert k == pytest.approx(-1.0, abs=1e-12)
     value = s**-1.5 * np.polynomial.Polynomial(fit.coefficients)(k)
@@ -145,7 +145,7 @@ def test_the_fit_of_a_dish_has_the_value_one_at_the_wall(ratio: float) -> None:
 
 def test_the_menisci_of_facing_walls_are_the_law() -> None:
     deck, (x, y) = numbers_of(scene_of(BASIN)), (0.017, -0.013)
-    formula, length = numbers.meniscus_of(deck), float(deck.parameters.pair[CAPILLARY_LENGTH])
+    formula, length = walls.meniscus_of(deck), float(deck.parameters.pair[CAPILLARY_LENGTH])
     for kind, first in enumerate(deck.first):
         own = {name: of[kind] for name, of in zip(formula.properties, formula.values, strict=True)}
         found = evaluated(formula.lines, x, y, own)
@@ -158,12 +158,12 @@ def test_the_menisci_of_facing_walls_are_the_law() -> None:
 def test_the_drag_of_a_flow_is_the_law() -> None:
     flow = "[flow]\nvelocity = [0.01, -0.02]\nshear_rate = 0.3\nrotation_rate = 0.5\nextension_rate = 0.7\n"
     deck, (x, y) = numbers_of(scene_of(flow)), (0.011, -0.004)
-    formula, floats = numbers.flow_of(deck), deck.parameters.floats
+    formula, floats = walls.flow_of(deck), deck.parameters.floats
     found = evaluated(formula.lines, x, y, {"d_friction": formula.values[0][1]})
     friction = floats.mass[2] / floats.relaxation_time[2]
     assert found["v_flow_x"] / friction == pytest.approx(0.01 + 0.7 * x + (0.3 - 0.5) * y)
     assert found["v_flow_y"] / friction == pytest.approx(-0.02 + 0.5 * x - 0.7 * y)
-    assert numbers.flow_of(numbers_of(scene_of())) is None
+    assert walls.flow_of(numbers_of(scene_of())) is None
 
 
 @pytest.mark.parametrize("restitution", [1.0, 0.5, 0.2, LEAST_RESTITUTION])

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import iv
 
 from ecume.errors import BadInput
-from ecume.laws.flows import drop_decay, drop_period
+from ecume.laws.drops import drop_decay, drop_period
 
 
 def test_drops_swing_slower_when_they_are_large():

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from tests.oracles import liquids
 
-from ecume.laws import density_diffusion, incompressible, states, tension, time_step_limits, viscous
+from ecume.laws import density_diffusion, hydrostatics, incompressible, tension, time_step_limits, viscous
 from ecume.laws.kernels import kernel
 
 
@@ -94,7 +94,7 @@ C0, G, RHO = 10.0, 9.81, 1000.0
 
 @pytest.mark.parametrize("exponent", [1.0, 1.4, 7.0])
 def test_in_a_column_at_rest_the_exact_excess_is_nothing(exponent):
-    density = [states.hydrostatic_density(depth, G, RHO, C0, exponent) for depth in DEPTHS]
+    density = [hydrostatics.hydrostatic_density(depth, G, RHO, C0, exponent) for depth in DEPTHS]
     local = liquids.tait_sound_speed(density[0], RHO, C0, exponent)
     for depth, other in zip(DEPTHS, density, strict=True):
         excess = density_diffusion.fourtakas_excess(density[0], other, G * (depth - DEPTHS[0]), local, exponent)
@@ -105,7 +105,7 @@ def test_in_a_column_at_rest_the_exact_excess_is_nothing(exponent):
 def test_the_linear_excess_is_exact_for_a_linear_profile_only():
     step = density_diffusion.fourtakas_linear_excess(1000.0, 1000.0 + 1000.0 * G * 0.05 / C0**2, G * 0.05, RHO, C0)
     assert step == pytest.approx(0.0, abs=1e-9)
-    density = [states.hydrostatic_density(depth, G, RHO, C0) for depth in (0.9, 0.95)]
+    density = [hydrostatics.hydrostatic_density(depth, G, RHO, C0) for depth in (0.9, 0.95)]
     assert density_diffusion.fourtakas_linear_excess(*density, G * 0.05, RHO, C0) < -1.0
 
 

@@ -8,7 +8,6 @@ from scipy.integrate import quad
 from scipy.special import j0, struve, yv
 
 from ecume.errors import BadInput
-from ecume.laws.flows import wave_frequency
 from ecume.laws.radiated_waves import (
     mean_force,
     ripples,
@@ -18,6 +17,7 @@ from ecume.laws.radiated_waves import (
     struve_minus_bessel,
     surface_per_force,
 )
+from ecume.laws.water_waves import wave_frequency
 
 BATH = {"density": 1149.5, "tension": 0.067, "viscosity": 0.01, "gravity": 9.81}
 """A mixture of water and glycerol."""

@@ -9,7 +9,7 @@ from scipy.linalg import eig
 from tests.oracles import dam_breaks
 
 from ecume.errors import BadInput
-from ecume.laws import flows
+from ecume.laws import water_waves
 
 
 @pytest.mark.parametrize(
@@ -18,14 +18,14 @@ from ecume.laws import flows
      (0.9, 0.093, 1, 9.81, 3.277461), (1.0, 1.0, 1, 1.0, 1.769147)],
 )  # fmt: skip
 def test_standing_waves_have_the_known_frequencies(length, depth, mode, gravity, expected):
-    assert flows.wave_frequency(mode * math.pi / length, depth, gravity) == pytest.approx(expected, abs=6e-7)
+    assert water_waves.wave_frequency(mode * math.pi / length, depth, gravity) == pytest.approx(expected, abs=6e-7)
 
 
 def test_surface_tension_hurries_short_waves():
     short, long = 2 * math.pi / 5e-3, 2 * math.pi / 0.5
-    assert flows.wave_frequency(short, 1.0, 9.81, 7.2e-5) > 1.5 * flows.wave_frequency(short, 1.0, 9.81)
-    assert flows.wave_frequency(long, 1.0, 9.81, 7.2e-5) == pytest.approx(
-        flows.wave_frequency(long, 1.0, 9.81), rel=2e-3
+    assert water_waves.wave_frequency(short, 1.0, 9.81, 7.2e-5) > 1.5 * water_waves.wave_frequency(short, 1.0, 9.81)
+    assert water_waves.wave_frequency(long, 1.0, 9.81, 7.2e-5) == pytest.approx(
+        water_waves.wave_frequency(long, 1.0, 9.81), rel=2e-3
     )
 
 
@@ -39,7 +39,7 @@ ROOTS = [
 
 @pytest.mark.parametrize(("ratio", "reynolds", "rate", "frequency"), ROOTS)
 def test_viscous_waves_decay_as_the_tabled_roots(ratio, reynolds, rate, frequency):
-    found = flows.viscous_decay(2 * math.pi / ratio, 1.0, 1.0, 1.0 / reynolds)
+    found = water_waves.viscous_decay(2 * math.pi / ratio, 1.0, 1.0, 1.0 / reynolds)
     assert found.rate == pytest.approx(rate, abs=6e-8)
     assert found.frequency == pytest.approx(frequency, abs=6e-8)
 
@@ -71,18 +71,18 @@ def test_the_decay_is_an_eigenvalue_of_the_linear_equations():
     left[n + 1, 0], right[n + 1, n + 1] = 1.0, 1.0
     values = eig(left, right, right=False)
     swinging = values[np.isfinite(values) & (values.imag > 0.3) & (np.abs(values) < 10.0)]
-    found = flows.viscous_decay(k, 1.0, g, nu, sigma)
+    found = water_waves.viscous_decay(k, 1.0, g, nu, sigma)
     assert np.min(np.abs(swinging - complex(-found.rate, found.frequency))) < 1e-7
 
 
 def test_thin_liquids_decay_by_two_nu_k_squared():
-    assert flows.viscous_decay(3.0, 5.0, 9.81, 1e-9).rate == pytest.approx(2 * 1e-9 * 9.0, rel=1e-3)
-    assert flows.viscous_decay(3.0, 5.0, 9.81, 0.0) == (0.0, flows.wave_frequency(3.0, 5.0, 9.81))
+    assert water_waves.viscous_decay(3.0, 5.0, 9.81, 1e-9).rate == pytest.approx(2 * 1e-9 * 9.0, rel=1e-3)
+    assert water_waves.viscous_decay(3.0, 5.0, 9.81, 0.0) == (0.0, water_waves.wave_frequency(3.0, 5.0, 9.81))
 
 
 def test_a_wave_in_honey_is_overdamped():
     with pytest.raises(BadInput, match="overdamped"):
-        flows.viscous_decay(2 * math.pi, 1.0, 1.0, 5.0)
+        water_waves.viscous_decay(2 * math.pi, 1.0, 1.0, 5.0)
 
 
 def test_ritters_water_is_neither_made_nor_lost():

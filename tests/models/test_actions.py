@@ -9,7 +9,7 @@ import pytest
 import ecume
 from ecume.errors import BadInput
 from ecume.models import MODELS
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import moments, simulate
 from tests.models.floating.bowls import bowl
 from tests.models.soft.clusters import pull_apart

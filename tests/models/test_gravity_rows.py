@@ -3,7 +3,7 @@
 import pytest
 
 from ecume.models import MODELS
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 TANK = {
     "model": "sph", "duration": 0.01, "frame_every": 0.01, "spacing": 0.25, "liquid": {"maximum_speed": 3.0},

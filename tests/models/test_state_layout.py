@@ -8,7 +8,7 @@ import pytest
 import ecume
 from ecume.errors import BadInput
 from ecume.models import MODELS
-from ecume.models.model import misfit
+from ecume.models.layouts import misfit
 from ecume.simulation import moments
 
 TEMPLATES = Path(ecume.__file__).parent / "templates"

@@ -14,7 +14,7 @@ import toy
 
 from ecume.models import MODELS
 from ecume.run import RunDirectory, checkpoints
-from ecume.scenes.load import SCENES
+from ecume.scenes.schema import SCENES
 
 
 @pytest.fixture(autouse=True)

@@ -79,7 +79,7 @@ def test_injected_work_may_raise_the_energy_and_is_not_dissipated(tmp_path: Path
 
 
 def test_a_law_without_an_energy_has_no_line_of_it() -> None:
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
 
     beads = [{"radius": 1e-3, "density": 600, "contact_angle": 1.2, "count": 2}]
     common = {"model": "floating", "duration": 1.0, "frame_every": 0.1, "particles": beads, "dish": {"radius": 0.03}}
@@ -146,7 +146,7 @@ def test_the_scene_may_say_what_becomes_of_it_and_the_caller_overrides_it(tmp_pa
 
 def test_a_policy_that_there_is_not_is_refused_in_a_scene_too() -> None:
     from ecume.errors import SceneError
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
 
     with pytest.raises(SceneError, match="on_violation: got 'panic'; expected one of warn, stop"):
         from_plain({"model": "tracers", "duration": 1.0, "frame_every": 1.0, "on_violation": "panic"})

@@ -21,7 +21,7 @@ from ecume.cli.runs import described
 from ecume.errors import Stopped, StorageError
 from ecume.models import MODELS
 from ecume.run import RunDirectory, RunOptions, checkpoints, constants, info, manifest, repair, resume, run
-from ecume.run.recording import difference
+from ecume.run.comparison import difference
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory

@@ -176,7 +176,7 @@ def test_what_is_not_finite_is_null_in_the_lines_and_exact_in_the_frames(
 
 @pytest.mark.long
 def test_a_run_that_would_take_longer_than_allowed_is_refused_by_its_first_steps(tmp_path, scene, monkeypatch):
-    monkeypatch.setattr("ecume.run.recording.SETTLED", 0.0)
+    monkeypatch.setattr("ecume.run.progress.SETTLED", 0.0)
     with pytest.raises(
         BadInput, match=r"200[01] steps would take about .* days .* more than 1e-07 days; .* --max-days"
     ):

@@ -19,8 +19,9 @@ from ecume.errors import BadInput, SceneError, Stopped, StorageError
 from ecume.models import MODELS
 from ecume.models.step_counts import sample_clock
 from ecume.run import RunDirectory, RunOptions, checkpoints, info, resume, run
+from ecume.run.comparison import difference
 from ecume.run.lock import ask_to_stop
-from ecume.run.recording import difference, lines_of
+from ecume.run.scalars import lines_of
 from ecume.simulation import simulate
 from ecume.trajectories.exports import export
 from ecume.trajectories.reader import open_trajectory

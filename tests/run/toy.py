@@ -21,10 +21,11 @@ from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 
 from ecume.models import MODELS
-from ecume.models.model import Layout, Model
+from ecume.models.layouts import Layout
+from ecume.models.model import Model
 from ecume.scenes.common import Common
-from ecume.scenes.load import SCENES
 from ecume.scenes.quantities import STRICT
+from ecume.scenes.schema import SCENES
 from ecume.trajectories.frame import Frame
 
 TIME_STEP = 0.001

@@ -12,10 +12,11 @@ import pytest
 from ecume.errors import EcumeError, SceneError
 from ecume.run import RunDirectory
 from ecume.run.archives import arrays_of
-from ecume.run.recording import lines_of
-from ecume.scenes.load import load_and_examine, load_scene
+from ecume.run.scalars import lines_of
+from ecume.scenes.load import load_scene
 from ecume.scenes.sph.sources import _triangles, _vertices
 from ecume.scenes.tables import lines_of as lines_of_table
+from ecume.scenes.valid_part import load_and_examine
 from ecume.show.publishing import read_measured
 from ecume.sweep.directory import json_at, written
 from ecume.sweep.spec import load_sweep
@@ -23,8 +24,9 @@ from ecume.trajectories import gsd
 from ecume.trajectories.foreign import dcd, dumps, lammps, xyz
 from ecume.trajectories.foreign import gsd as foreign_gsd
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import Samples, open_trajectory
+from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import json_of, sealed_line
+from ecume.trajectories.samples import Samples
 from ecume.trajectories.segments import NAMES_LOCATION, Recorder
 
 HEAD = 'model = "floating"\nduration = "1 s"\nframe_every = "0.1 s"\n'

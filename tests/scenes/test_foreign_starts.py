@@ -11,7 +11,7 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.trajectories.foreign import gsd as gsd_files
 from ecume.trajectories.foreign import lammps, xyz
 from ecume.trajectories.foreign.particles import MOST_PARTICLES

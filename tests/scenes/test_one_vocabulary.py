@@ -4,7 +4,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models.liquids import liquid_of, material_of
-from ecume.scenes.load import SCENES, from_plain, to_plain
+from ecume.scenes.schema import SCENES, from_plain, to_plain
 
 RUN = {"duration": 1.0, "frame_every": 0.5}
 FLOATING = {"model": "floating", **RUN, "particles": [{"radius": 1e-3, "density": 600.0, "contact_angle": 1.2}]}

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from ecume.errors import SceneError
-from ecume.scenes.load import load_scene, split
+from ecume.scenes.load import load_scene
+from ecume.scenes.overrides import split
 
 SCENE = """\
 model = "floating"

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ecume.errors import Fault, SceneError
-from ecume.scenes.load import QUICK, load_and_examine
+from ecume.scenes.valid_part import QUICK, load_and_examine
 
 GOOD = """model = "floating"
 duration = "1 s"

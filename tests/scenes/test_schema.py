@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from ecume.errors import SceneError
 from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
-from ecume.scenes.load import SCENES, from_plain, load_scene, scene_hash, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import SCENES, from_plain, scene_hash, to_plain
 from ecume.scenes.writing import to_toml
 
 lengths = st.floats(1e-8, 1e3)

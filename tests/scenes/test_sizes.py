@@ -8,7 +8,8 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.soft.report.check_report import jamming_fraction
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.sizes import SizeSpec, quantiles
 from ecume.simulation import simulate
 

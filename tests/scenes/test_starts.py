@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.scenes.load import Scene, from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.scenes.writing import scene as made
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

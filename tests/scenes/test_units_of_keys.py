@@ -8,8 +8,8 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from ecume.errors import SceneError
-from ecume.scenes.load import SCENES, from_plain
 from ecume.scenes.quantities import ByDimension, Measured
+from ecume.scenes.schema import SCENES, from_plain
 from ecume.units import Unit
 
 UNITS = {

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import ecume
 from ecume.errors import BadInput, SceneError
 from ecume.scenes import writing
-from ecume.scenes.load import Scene, from_plain, scene_hash, to_plain
+from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
 from ecume.scenes.templates import folder
 from ecume.scenes.writing import spelled, to_toml, write_scene
 from ecume.units import Unit

@@ -6,7 +6,7 @@ import pytest
 
 import ecume
 from ecume.errors import BadInput
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.show.figures import FIGURES
 
 MOST = 2

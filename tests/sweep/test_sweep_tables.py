@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from tests.sweep.four_bowls import ALONE, BOWLS
 
-from ecume.cli.output import counted
+from ecume.cli.progress import counted
 from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import laid_out, remaining, standing
@@ -88,7 +88,7 @@ def test_a_pace_is_of_the_last_points_and_none_without_workers():
 
 def test_words_on_the_way_are_for_logs_too(monkeypatch, capsys):
     clock = iter([0.0, 0.0, 0.0, 1.0, 1.0, 20.0, 20.0])
-    monkeypatch.setattr("ecume.cli.output.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(clock))
     with counted("points", quiet=False, lines=True) as output:
         output(10, 300)
         output(11, 300)

@@ -19,7 +19,8 @@ from typer.testing import CliRunner
 from ecume.cli import app
 from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
-from ecume.scenes.load import SCENES, from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import SCENES, from_plain
 from ecume.scenes.templates import folder as templates
 
 from .trials import Outcome, Trial, ended, forked, scene_of, times
@@ -194,7 +195,7 @@ def absurd(scale: float, folder: Path) -> Outcome:
 
 def _prepared(model: str, changes: dict[str, Any]) -> None:
     """All that comes before the first step, with bounded memory and time."""
-    from ecume.scenes.load import to_plain
+    from ecume.scenes.schema import to_plain
 
     plain = {key: value for key, value in {**to_plain(scene_of(model)), **changes}.items() if value is not None}
     psutil.virtual_memory = lambda: SimpleNamespace(total=MACHINE)  # a common machine, whichever this is

@@ -19,7 +19,7 @@ from ecume._jit import FEW
 from ecume.errors import Diverged
 from ecume.models.floating.time_integration.integrators import SCHEMES as FLOATING_SCHEMES
 from ecume.models.soft.integration.dirk_schemes import SCHEMES as SOFT_SCHEMES
-from ecume.run.recording import difference
+from ecume.run.comparison import difference
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments
 

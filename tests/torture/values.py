@@ -21,8 +21,8 @@ from ecume import _variants
 from ecume._jit import use_threads
 from ecume.errors import EcumeError
 from ecume.models import MODELS
-from ecume.scenes.load import load_and_examine
 from ecume.scenes.templates import folder as templates
+from ecume.scenes.valid_part import load_and_examine
 from ecume.simulation import Integration
 
 from .inputs import VALUES, mutant

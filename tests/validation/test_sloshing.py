@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ecume.laws.flows import BaseExcitation, Tank, sloshing_height, sloshing_mode, wave_frequency
+from ecume.laws.water_waves import BaseExcitation, Tank, sloshing_height, sloshing_mode, wave_frequency
 from ecume.validation import sloshing as case
 from ecume.validation.runner import case_scene
 

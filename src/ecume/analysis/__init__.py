@@ -1,8 +1,7 @@
 """Analysis: plain functions from frames and arrays to numbers.
 
-Of floats and packings: `clusters` (also their topologies), `structure` (also close pairs and coordination),
-`rearrangements` (T1 events, non-affine motion) and `rheology`.
-Of tracers: `dispersion` (also residence and deposits). Of liquids: `fields` (gauges, grids, profiles,
-pressures, free surfaces). `series` and `boxes` (also sheared ones) serve all of them. Start with `series`: one number
-per frame.
+Of floats and packings: `clusters` (also their topologies), `structure`, `close_pairs` (also coordination),
+`rearrangements` (T1 events, non-affine motion) and `rheology`. Of tracers: `dispersion` (also residence and deposits).
+Of liquids: `gauges`, `grids` (also profiles), `pressures`, `free_surface` and `energies`. `series` and `boxes` (also
+sheared ones) serve all of them. Start with `series`: one number per frame.
 """

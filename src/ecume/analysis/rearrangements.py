@@ -22,7 +22,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from ecume.analysis.boxes import Box, Integers, box_of, copies, nearest
-from ecume.analysis.structure import near_pairs
+from ecume.analysis.close_pairs import near_pairs
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Length

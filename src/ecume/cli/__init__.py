@@ -1,8 +1,8 @@
 """The command line: verbs, their help, and the end of each.
 
 Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `comparisons`; each lists its own in `VERBS`.
-`output` prints, reports progress, and turns errors into messages and exit codes. Nothing heavy is imported before a
-verb runs, so that `ecume --help` answers at once.
+`output` prints, `progress` reports, and `endings` turns errors into messages and exit codes. Nothing heavy is imported
+before a verb runs, so that `ecume --help` answers at once.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import browser, comparisons, output, pictures, runs, scenes, sweeps
-from ecume.cli.output import Ending, echo, warned
+from ecume.cli import browser, comparisons, pictures, progress, runs, scenes, sweeps
+from ecume.cli.endings import Ending, warned
+from ecume.cli.output import echo
 from ecume.cli.scenes import own_process
 
 app = typer.Typer(
@@ -70,7 +71,7 @@ def _options(
     ] = False,
 ) -> None:
     """Particles on, in and between liquids: from a scene file to a movie."""
-    output.start()
+    progress.start()
 
 
 def main() -> None:

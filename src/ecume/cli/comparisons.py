@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from ecume.cli.output import Json, Record, echo, keep, lasting, print_json, print_table, say
+from ecume.cli.endings import say
+from ecume.cli.output import Json, Record, echo, keep, print_json, print_table
+from ecume.cli.progress import lasting
 from ecume.errors import BadInput, EcumeError, install
 
 if TYPE_CHECKING:

@@ -13,7 +13,9 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from ecume.cli.output import counted, echo, say
+from ecume.cli.endings import say
+from ecume.cli.output import echo
+from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.cli.scenes import Overrides, placed, without_compiler, without_compiler_for
 from ecume.errors import BadInput, install

@@ -13,23 +13,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume._compiler_events import watch
-from ecume.cli.output import (
-    Columns,
-    Json,
-    Thermo,
-    ThermoEvery,
-    ahead,
-    counted,
-    echo,
-    elapsed,
-    lasting,
-    print_json,
-    print_table,
-    say,
-    shown,
-    thermo_table,
-)
+from ecume.cli.endings import say
+from ecume.cli.output import Json, echo, print_json, print_table
+from ecume.cli.progress import ahead, counted, elapsed, lasting, shown
 from ecume.cli.scenes import Actions, EngineName, Laws, Overrides, Ranks, SceneFile, integrating, placed
+from ecume.cli.thermo import Columns, Thermo, ThermoEvery, thermo_table
 from ecume.errors import StorageError
 
 if TYPE_CHECKING:

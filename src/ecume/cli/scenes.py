@@ -21,7 +21,7 @@ from ecume.errors import BadInput
 
 if TYPE_CHECKING:
     from ecume.models.model import Engine
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 EngineName = Annotated[
     str | None,
@@ -190,11 +190,11 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set particles[0].count=60`
     """
-    from ecume.scenes.load import load_and_examine
+    from ecume.scenes.valid_part import load_and_examine
 
     changes = overrides or []
     asked = load_and_examine(scene, changes, examine)
-    from ecume.run.recording import names_quantities
+    from ecume.run.selection import names_quantities
 
     if not laws and not names_quantities(asked):
         without_compiler(asked)
@@ -223,7 +223,8 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
 def odd_values(file: Path, changes: Sequence[str]) -> list[tuple[str, str, str]]:
     """A row for each value of a scene file that matter does not have."""
-    from ecume.scenes.load import overridden, parsed, source_of
+    from ecume.scenes.load import parsed, source_of
+    from ecume.scenes.overrides import overridden
     from ecume.scenes.plausible import remarks
 
     raw = parsed(source_of(file))
@@ -241,7 +242,7 @@ def examine(scene: Scene) -> None:
 
 def _require_known(scene: Scene) -> None:
     """Raise SceneError for quantities that the frames of a scene do not have."""
-    from ecume.run.recording import names_quantities, require_known
+    from ecume.run.selection import names_quantities, require_known
 
     if names_quantities(scene):
         from ecume.simulation import simulate

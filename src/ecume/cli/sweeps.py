@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.output import Json, counted, echo, lasting, print_json, print_table, say
+from ecume.cli.endings import say
+from ecume.cli.output import Json, echo, print_json, print_table
+from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
 from ecume.cli.scenes import Laws
 from ecume.errors import BadInput, Stopped

@@ -36,7 +36,8 @@ from ecume.fitting.tracks import (
 )
 from ecume.models import MODELS
 from ecume.scenes.faults import suggestion
-from ecume.scenes.load import Scene, from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, with_prefix

@@ -16,11 +16,12 @@ from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.liquids import liquid_of
 from ecume.scenes.faults import Path, echo, read_path, suggestion, value_at, written
-from ecume.scenes.load import ANGLE, KEY, put, unit_of
+from ecume.scenes.overrides import KEY, put
+from ecume.scenes.schema import ANGLE, unit_of
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
     from ecume.scenes.tracers import TracersScene
 
 MOST = 20

@@ -28,7 +28,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array, factor
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 
 LEAST = 3

@@ -11,7 +11,8 @@ from ecume._plain_files import content_of
 from ecume.errors import BadInput
 from ecume.lammps import tanks
 from ecume.lammps.expressible import require_expressible
-from ecume.lammps.numbers import ACCURACY, DRAG_STEP, OVERLAP, DeckNumbers, PairTable, numbers_of, pair_tables, text_of
+from ecume.lammps.numbers import DRAG_STEP, DeckNumbers, numbers_of
+from ecume.lammps.pair_tables import ACCURACY, OVERLAP, PairTable, pair_tables, text_of
 from ecume.lammps.script import DATA, TABLES, data_text, script_text
 from ecume.lammps.tanks import TANKS, tank_of
 from ecume.models.floating.contacts.springs import SHALLOW
@@ -22,7 +23,7 @@ from ecume.units import with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
     from ecume.scenes.sph import SphScene
 
 

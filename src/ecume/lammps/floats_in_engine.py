@@ -13,7 +13,8 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.lammps.expressible import calls_us, require_simulable
-from ecume.lammps.numbers import numbers_of, pair_tables, parameters_for, text_of
+from ecume.lammps.numbers import numbers_of, parameters_for
+from ecume.lammps.pair_tables import pair_tables, text_of
 from ecume.lammps.process import SCENE
 from ecume.lammps.script import DATA, TABLES, data_text, external_text, setup_text
 from ecume.models.costs import within_steps
@@ -22,7 +23,7 @@ from ecume.models.floating.record import workspace
 from ecume.models.floating.setup.initial_state import with_parts
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
-from ecume.scenes.load import to_plain
+from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 

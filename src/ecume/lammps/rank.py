@@ -20,7 +20,7 @@ import numpy as np
 
 from ecume.lammps.floats_in_engine import ExternalForces, parameters
 from ecume.lammps.process import OPTIONS, SCENE
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.units import Array
 
 CHARACTERS, ALL_RANKS = 0x4C000101, 0x44000000

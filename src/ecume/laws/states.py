@@ -1,4 +1,4 @@
-"""Equations of state of weakly compressible liquids: pressure, density and enthalpy, and the exact column at rest.
+"""Equations of state of weakly compressible liquids: pressure, density and enthalpy.
 
 `tait_pressure` and `tait_density` are Tait's law and its inverse. Pressures are gauge pressures, zero at the reference
 density. The hydrostatic part is rho_0 g (H - y); an equation of state in a liquid that feels its weight contains that
@@ -7,10 +7,6 @@ part already, and adding it again would count it twice: see `absolute_pressure`.
 The enthalpy h is the integral of dp/rho. At rest it balances the potential of gravity exactly, grad h = g: in this
 quantity a compressible column is a straight line, whatever Tait's exponent. Density diffusion that acts on the
 difference of h less g . x leaves a liquid at rest alone.
-
-`column_pressure` and `column_height` solve dp/dy = -rho g with Tait's law and p = 0 at the top: what a tank must look
-like after a long time. With c_0 = 10 sqrt(g H) the column is 0.487 % shorter than H, so that no comparison with rho_0 g
-(H - y) can be closer than that.
 """
 
 from __future__ import annotations
@@ -20,15 +16,12 @@ from typing import Annotated
 
 import numpy as np
 
-from ecume.errors import BadInput
-from ecume.laws.arguments import require_not_negative, require_positive
 from ecume.units import Acceleration, Density, Length, Number, Pressure, Real, Speed, Unit, Value
 
 WATER_EXPONENT = 7.0
 Densities = Annotated[Value, Unit("kg/m^3")]
 Pressures = Annotated[Value, Unit("Pa")]
 Speeds = Annotated[Value, Unit("m/s")]
-Heights = Annotated[Value, Unit("m")]
 Pure = Annotated[Value, Unit("1")]
 
 
@@ -108,99 +101,6 @@ def numerical_sound_speed(depth: Length, largest_speed: Speed, gravity: Accelera
     return 10.0 * max(math.sqrt(gravity * depth), largest_speed)
 
 
-def hydrostatic_pressure(
-    height: Heights[Value], surface_height: Length, reference_density: Density, gravity: Acceleration
-) -> Pressures[Value]:
-    """rho_0 g (H - y): what the liquid between the height y and a surface at H weighs; negative above H.
-
-    Its gradient cancels the weight of a liquid of density rho_0 exactly, which that of rho_i g (H - y) does not.
-    [batchelor1967].
-
-    >>> round(hydrostatic_pressure(0.25, 1.0, 1000.0, 9.81), 6)
-    7357.5
-    """
-    return reference_density * gravity * (surface_height - height)
-
-
-def absolute_pressure(
-    density: Densities[Value],
-    height: Heights[Value],
-    surface_height: Length,
-    *,
-    reference_density: Density = 1000.0,
-    sound_speed: Speed | None = None,
-    stiffness: Pressure | None = None,
-    exponent: Number = WATER_EXPONENT,
-    gravity: Acceleration = 9.81,
-    atmospheric_pressure: Pressure = 0.0,
-) -> Pressures[Value]:
-    """Pressure b ((rho/rho_0)^gamma - 1) + rho g (H - y) + p_atm of a particle, as texts on reservoirs write it.
-
-    rho, y: the particle's own density and height; H: surface_height; b from stiffness, or from sound_speed. Without
-    p_atm it is no absolute pressure but a gauge one. Which forces moved the particles decides whether the sum means
-    anything [batchelor1967]:
-
-    1. Gravity acts, forces come from Tait's part alone (the usual scheme): at rest Tait's part is rho_0 g (H - y)
-       already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Take `tait_pressure`.
-    2. No gravity acts, forces come from Tait's part alone: the sum is the pressure, in tanks that are closed or full,
-       where no surface moves. On a free surface it lets no wave fall and no dam break.
-    3. Gravity acts, forces come from the whole sum: right while the surface stays at H, wrong where it leaves it.
-
-    In 2 and 3 the second term should have rho_0, see `hydrostatic_pressure`; with rho, as here, the forces at rest are
-    off by drho/rho_0. `hydrostatic_fault` says which case a run is.
-
-    >>> round(absolute_pressure(1000.0, 0.0, 1.0, sound_speed=40.0, atmospheric_pressure=101325.0), 6)
-    111135.0
-    """
-    c0 = _sound_speed(sound_speed, stiffness, reference_density, exponent)
-    require_not_negative("atmospheric_pressure", atmospheric_pressure)
-    compressed = tait_pressure(density, reference_density, c0, exponent)
-    return compressed + density * gravity * (surface_height - height) + atmospheric_pressure
-
-
-def hydrostatic_fault(*, added: bool, gravity_acts: bool, in_forces: bool, free_surface: bool) -> str:
-    """Why a run that adds rho_0 g (H - y) to Tait's pressure would be wrong; empty when it would be right.
-
-    added: the term is part of the pressure reported; gravity_acts: particles feel their weight; in_forces: the term is
-    part of the pressure that pushes them; free_surface: some of the liquid's surface can move. The cases are those of
-    `absolute_pressure`.
-
-    >>> hydrostatic_fault(added=True, gravity_acts=False, in_forces=False, free_surface=False)
-    ''
-    """
-    if not added:
-        return ""
-    if gravity_acts and not in_forces:
-        return (
-            "the particles feel gravity, so that Tait's pressure at rest is rho_0 g (H - y) already: adding the "
-            "hydrostatic part counts it twice; leave it out"
-        )
-    if not gravity_acts and in_forces:
-        return (
-            "the hydrostatic part would push particles up that feel no gravity; let gravity act, or keep it out of "
-            "the forces"
-        )
-    if free_surface:
-        return (
-            "a hydrostatic part measured from a level H is right only where the surface stays at H: on a moving "
-            "surface waves would feel no gravity; leave it out, or close the tank"
-        )
-    return ""
-
-
-def _sound_speed(speed: Speed | None, stiff: Pressure | None, reference_density: Density, exponent: Number) -> Speed:
-    require_positive("reference_density", reference_density)
-    require_positive("exponent", exponent)
-    if (speed is None) == (stiff is None):
-        raise BadInput("give either sound_speed or stiffness: each follows from the other")
-    if speed is not None:
-        require_positive("sound_speed", speed)
-        return speed
-    assert stiff is not None  # noqa: S101  # for the type checker: one of the two is there
-    require_positive("stiffness", stiff)
-    return speed_of_stiffness(stiff, reference_density, exponent)
-
-
 SpecificEnergy = Annotated[float, Unit("m^2/s^2")]
 SpecificEnergies = Annotated[Real, Unit("m^2/s^2")]
 RealDensities = Annotated[Real, Unit("kg/m^3")]
@@ -252,56 +152,3 @@ def tait_energy(
     if exponent == 1.0:
         return square * (np.log(ratio) + 1.0 / ratio - 1.0)
     return square / exponent * ((ratio ** (exponent - 1.0) - 1.0) / (exponent - 1.0) + 1.0 / ratio - 1.0)
-
-
-Load = Annotated[float, Unit("kg/m^2")]
-
-
-def hydrostatic_density(
-    depth: Length, gravity: Acceleration, reference_density: Density, sound_speed: Speed,
-    exponent: Number = WATER_EXPONENT,
-) -> Density:  # fmt: skip
-    """Density rho = rho_0 (1 + (gamma-1) g d/c_0^2)^(1/(gamma-1)) at the depth d below the column's own top.
-
-    From dp/dy = -rho g with dp = c^2 drho and Tait's c^2 = c_0^2 (rho/rho_0)^(gamma-1); an exponential for gamma = 1.
-    [monaghan1994].
-
-    >>> round(hydrostatic_density(1.0, 1.0, 1000.0, 10.0, 1.0), 6)
-    1010.050167
-    """
-    head = gravity * depth / (sound_speed * sound_speed)
-    if exponent == 1.0:
-        return reference_density * math.exp(head)
-    return float(reference_density * (1.0 + (exponent - 1.0) * head) ** (1.0 / (exponent - 1.0)))
-
-
-def column_pressure(
-    depth: Length, gravity: Acceleration, reference_density: Density, sound_speed: Speed,
-    exponent: Number = WATER_EXPONENT,
-) -> Pressure:  # fmt: skip
-    """Gauge pressure at the depth d below the top: Tait's at the `hydrostatic_density`. [monaghan1994].
-
-    >>> column_pressure(1.0, 10.0, 1000.0, 1e4) / 10000.0 - 1.0 < 1e-6
-    True
-    """
-    density = hydrostatic_density(depth, gravity, reference_density, sound_speed, exponent)
-    return tait_pressure(density, reference_density, sound_speed, exponent)
-
-
-def column_height(
-    load: Load, gravity: Acceleration, reference_density: Density, sound_speed: Speed,
-    exponent: Number = WATER_EXPONENT,
-) -> Length:  # fmt: skip
-    """Height of a column that has this mass on each square meter, a little less than load / rho_0.
-
-    The pressure at the bottom is exactly load times g; density there follows from Tait, height from its profile.
-    [monaghan1994].
-
-    >>> f"{1.0 - column_height(1.0, 1.0, 1.0, 10.0):.5%}"
-    '0.48715%'
-    """
-    ratio = tait_density(load * gravity, reference_density, sound_speed, exponent) / reference_density
-    scale = sound_speed * sound_speed / gravity
-    if exponent == 1.0:
-        return scale * math.log(ratio)
-    return float(scale / (exponent - 1.0) * (ratio ** (exponent - 1.0) - 1.0))

@@ -18,7 +18,7 @@ from ecume.models.model import LONGEST_RUN, Row
 from ecume.scenes.common import Common
 from ecume.scenes.quantities import MOST_STEPS
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import STATISTICS
+from ecume.trajectories.samples import STATISTICS
 from ecume.trajectories.segments import Recorder
 from ecume.units import duration_text, size_text
 

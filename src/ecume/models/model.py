@@ -1,25 +1,16 @@
-"""What a model is: a record of functions that the driver calls; with engines, diagnosis and layouts of states.
-
-Whether a state fits the parameters of a scene: sizes and indices, which compiled loops trust. States come from
-checkpoints, and run directories may come from anyone. A state that does not fit would be read beyond the ends of its
-arrays.
-
-From a table of laws to compiled code, which knows a row by its code: its place in the table.
-"""
+"""What a model is: a record of functions that the driver calls; and the engines that integrate its states."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeVar
-
-import numpy as np
+from typing import Any
 
 from ecume.errors import BadInput
 from ecume.models.actions import Access
 from ecume.models.invariants import Invariant, nothing
+from ecume.models.layouts import Layout
 from ecume.trajectories.frame import Frame
-from ecume.units import Array
 
 Row = tuple[str, str, str]
 """Name, value with unit, remark."""
@@ -27,11 +18,7 @@ LONG = 86400.0
 """Seconds of a run from which on `ecume check` suggests how to shorten it."""
 LONGEST_RUN = 30.0 * 86400.0
 """Seconds of wall time, 30 days: runs that are expected to take longer are refused unless their user allows it."""
-
-
 DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
-
-
 Source = Callable[..., Any]
 """A law whose docstring cites its paper."""
 
@@ -108,7 +95,7 @@ class Model:
     extended: Callable[[Any], Model] = field(kw_only=True, default=_no_extra_laws)
     """extended(laws): the same model with the user's laws, `user_laws.BoundLaw`, compiled into it. Raises BadInput."""
     scene: Any = field(kw_only=True, default=None)
-    """The type of its scenes, for a model that has no row in `ecume.scenes.load.SCENES`."""
+    """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
     constant: frozenset[str] = field(kw_only=True, default=frozenset())
     """The arrays of frames that never change while no particle is added or removed."""
     main_numbers: tuple[str, ...] = field(kw_only=True, default=("kinetic_energy", "total_energy"))
@@ -147,81 +134,3 @@ class Engine:
     """whether frames that are computed again have the same bits"""
     facts: Callable[[], Mapping[str, str | int]] = _no_facts
     """version and number of ranks, for the manifest; called after the first step"""
-
-
-DEEP = 0.1
-"""The overlap, in radii, that is reported; larger ones do not occur in a correct run."""
-
-
-def when(parameters: Any, state: Any) -> str:
-    """The time of a state with equal steps."""
-    step = int(state.step[0])
-    return f"at t = {step * parameters.time_step:.6g} s (step {step})"
-
-
-class Broken(NamedTuple):
-    """A number that is NaN or infinite."""
-
-    particle: int
-    term: str
-
-
-def first_broken(terms: Mapping[str, Array]) -> Broken | None:
-    """The particle with NaN or infinity in the first of these terms that contains one; rows are particles.
-
-    >>> first_broken({"position": np.zeros((3, 2)), "velocity": np.array([0.0, 1.0, np.nan])})
-    Broken(particle=2, term='velocity')
-    """
-    for term, numbers in terms.items():
-        broken = ~np.isfinite(numbers.reshape(len(numbers), -1)).all(axis=1)
-        if broken.any():
-            return Broken(int(np.argmax(broken)), term)
-    return None
-
-
-class Layout(NamedTuple):
-    """The arrays of a state of a scene."""
-
-    blank: Any
-    """a state with as many particles and as much room; its values do not matter"""
-    indices: Mapping[str, tuple[float, float]] = {}
-    """lowest and highest value of the fields whose values are counts or indices"""
-    sets: Mapping[str, int] = {}
-    """fields that contain each number below this one once"""
-
-
-def misfit(state: Any, layout: Layout) -> str:
-    """The first fault of a state, with its field; empty if it fits."""
-    return next(_faults(state, layout), "")
-
-
-def _faults(state: Any, layout: Layout) -> Iterator[str]:
-    for name, expected in layout.blank._asdict().items():
-        got = getattr(state, name)
-        if got.shape != expected.shape or got.dtype != expected.dtype:
-            yield f"{name} is {got.dtype}{list(got.shape)}; expected {expected.dtype}{list(expected.shape)}"
-    for name, (low, high) in layout.indices.items():
-        values = getattr(state, name)
-        wrong = values[(values < low) | (values > high)]
-        if len(wrong):
-            yield f"{name} contains {wrong.flat[0]:g}; expected {low:g} to {high:g}"
-    for name, count in layout.sets.items():
-        if not np.array_equal(np.sort(getattr(state, name)), np.arange(count)):
-            yield f"{name} does not number the particles; expected each number below {count} once"
-
-
-LawRow = TypeVar("LawRow")
-
-
-def code_of(table: Mapping[str, object], name: str) -> int:
-    """The code of a row. Raises ValueError for a name without a row.
-
-    >>> code_of({"none": None, "coulomb": None}, "coulomb")
-    1
-    """
-    return list(table).index(name)
-
-
-def codes(table: Mapping[str, LawRow], part: Callable[[LawRow], Callable[..., Any]]) -> dict[int, Callable[..., Any]]:
-    """A function of each row by the row's code, for `ecume._jit.selection`."""
-    return {code: part(row) for code, row in enumerate(table.values())}

@@ -21,7 +21,7 @@ from ecume._jit import compiled, compiled_once, plainly
 from ecume.errors import BadInput, Fault, SceneError, nearest
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 PAIR, FLOW, EXTERNAL = 2, 3, 4
 """The number of arguments of a law, which determines its kind."""

@@ -4,14 +4,15 @@ ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")
 ecume.run.info("runs/bowl").frames
 
-Start with `runner`. `directory` names the files; `recording` (also progress), `checkpoints`, `constants` and `manifest`
-write and read them, in `archives` of arrays or as records; `lock` deals with other processes and signals;
+Start with `runner`. `directory` names the files. `recording` writes frames (what: `selection`), numbers (`scalars`) and
+`samples`; `progress`, `checkpoints`, `constants` and `manifest` write and read the other files, in `archives` of arrays
+or as records; `lock` deals with other processes and signals;
 `invariant_monitor` checks each frame; `reports` and `verification` look at one or several runs from outside;
 `user_code` identifies a user's laws and actions. `research_object` describes a run as an RO-Crate.
 """
 
 from ecume.run.directory import RunDirectory
-from ecume.run.recording import Progress
+from ecume.run.progress import Progress
 from ecume.run.reports import Comparison, Info, RunSummary, compare, info, list_runs, repair
 from ecume.run.runner import RunOptions, RunResult, resume, run
 from ecume.run.verification import Verification, verify

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ecume._plain_files import opened, place_of
 from ecume.run.archives import arrays_of, require_sealed, seal, with_present_names
 from ecume.run.directory import RunDirectory, identity_of
-from ecume.run.recording import NOTHING, Kept, missing_rows
+from ecume.run.samples import NOTHING, Kept, missing_rows
 from ecume.trajectories.gsd import checksum
 from ecume.trajectories.records import replacing, storing
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, RunExists, StorageError
-from ecume.trajectories import reader
+from ecume.trajectories import samples
 from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, storing, write_record
 
 MOST_NAMED = 5
@@ -66,12 +66,12 @@ class RunDirectory:
     @property
     def samples(self) -> Path:
         """The numbers sampled between frames, a line per block; only if the scene has samples."""
-        return self.path / reader.FILE
+        return self.path / samples.FILE
 
     @property
     def sums(self) -> Path:
         """The checksums of the samples: for each frame, that of the table up to there."""
-        return self.path / reader.SUMS
+        return self.path / samples.SUMS
 
     @property
     def crate(self) -> Path:

@@ -22,9 +22,11 @@ from ecume.models import MODELS
 from ecume.models.model import DONE, EXCHANGE, Engine, Model
 from ecume.run.directory import RunDirectory, refuse_existing
 from ecume.run.lock import put_in_place
-from ecume.run.recording import Progress
+from ecume.run.progress import Progress
 from ecume.run.runner import RunOptions, RunResult, run
-from ecume.scenes.load import Scene, load_scene, overridden, parsed, source_of
+from ecume.scenes.load import load_scene, parsed, source_of
+from ecume.scenes.overrides import overridden
+from ecume.scenes.schema import Scene
 from ecume.scenes.starts import RUN, all_frames
 from ecume.trajectories.foreign.particles import Particles
 from ecume.trajectories.foreign.series import Series

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ecume.errors import Diverged
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, Numbers, with_own
 from ecume.run.directory import RunDirectory, read, write
-from ecume.run.recording import lines_of
+from ecume.run.scalars import lines_of
 from ecume.trajectories.records import WATCH
 
 POLICIES = ("warn", "stop")

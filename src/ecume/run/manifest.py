@@ -19,7 +19,7 @@ from ecume.run.directory import RunDirectory, identity_of, manifest_of, write
 from ecume.trajectories.records import clean, storing
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
 FORMAT = 3

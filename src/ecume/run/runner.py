@@ -34,19 +34,10 @@ from ecume.run.directory import (
 )
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
 from ecume.run.lock import PATIENT, StopRequest, held, stop_requests
-from ecume.run.recording import (
-    NOTHING,
-    Kept,
-    Pace,
-    Progress,
-    Recording,
-    SampleFile,
-    StatusFile,
-    note,
-    require_known,
-    require_numbers,
-    selection_of,
-)
+from ecume.run.progress import Pace, Progress, StatusFile, note
+from ecume.run.recording import Recording
+from ecume.run.samples import NOTHING, Kept, SampleFile
+from ecume.run.selection import require_known, require_numbers, selection_of
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same, warn_of_uncovered
 from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
 from ecume.trajectories.records import DONE, as_json, clean, identity, scene_at, storing, write_whole
@@ -55,7 +46,7 @@ from ecume.trajectories.segments import good_frames, repair, set_foreign_aside
 if TYPE_CHECKING:
     from ecume.models.actions import Action
     from ecume.models.model import Model
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
     from ecume.simulation import Moment
     from ecume.trajectories.frame import Frame
 
@@ -178,7 +169,7 @@ def resume(
     actions needs the same `extra_laws` and `actions` again: their text and the numbers they use are compared with those
     it was begun with.
     """
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
 
     home = existing(directory)
     with stop_requests(PATIENT) as request, held(home):
@@ -269,7 +260,7 @@ def _model(scene: Scene, engine: Engine | None = None) -> Model:
 
 def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, options: RunOptions) -> None:
     """Write the files of a new run; the manifest is the last one, and completes it."""
-    from ecume.scenes.load import to_plain
+    from ecume.scenes.schema import to_plain
     from ecume.scenes.writing import to_toml
 
     plain = as_json(to_plain(scene))

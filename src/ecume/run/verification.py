@@ -18,6 +18,7 @@ from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.models.model import LOCAL, Engine
 from ecume.run import checkpoints, constants, lock
 from ecume.run.checkpoints import set_aside
+from ecume.run.comparison import difference
 from ecume.run.constants import is_sound
 from ecume.run.directory import (
     RunDirectory,
@@ -30,9 +31,10 @@ from ecume.run.directory import (
     write,
 )
 from ecume.run.manifest import changed, digest, digests
-from ecume.run.recording import difference, lines_of, selection_of, split
+from ecume.run.scalars import lines_of, split
+from ecume.run.selection import selection_of
 from ecume.run.user_code import Law, UserCode, require_same
-from ecume.trajectories.reader import Trajectory, rows_of
+from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.records import (
     DONE,
     FAILED,
@@ -48,6 +50,7 @@ from ecume.trajectories.records import (
     table,
     write_whole,
 )
+from ecume.trajectories.samples import rows_of
 from ecume.trajectories.segments import Repaired, set_foreign_aside
 from ecume.trajectories.segments import check as check_trajectory
 from ecume.trajectories.segments import repair as repair_trajectory
@@ -82,7 +85,7 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
 
 def _scene_file(home: RunDirectory) -> Iterator[str]:
     """Write a damaged scene file again from the resolved scene; yields what was done."""
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
     from ecume.scenes.writing import to_toml
 
     try:
@@ -114,7 +117,8 @@ def _constants_file(home: RunDirectory) -> Iterator[str]:
 
 def _from_the_scene(home: RunDirectory) -> bytes:
     """The resolved scene derived from the scene file; empty if that cannot be read."""
-    from ecume.scenes.load import load_scene, to_plain
+    from ecume.scenes.load import load_scene
+    from ecume.scenes.schema import to_plain
 
     try:
         return as_json(to_plain(load_scene(home.scene))).encode()
@@ -377,7 +381,7 @@ def _recomputed(
 ) -> tuple[int, list[str]]:
     """The number of frames computed again, and the first that differs."""
     from ecume.models import MODELS
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
     from ecume.simulation import moments
 
     require_same(home, code)

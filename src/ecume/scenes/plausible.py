@@ -12,7 +12,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ecume.scenes.faults import Path, written
-from ecume.scenes.load import SCENES, below, item_unit, name_liquid
+from ecume.scenes.load import name_liquid
+from ecume.scenes.schema import SCENES, below, item_unit
 from ecume.units import Unit, same_dimension, with_prefix
 
 Remark = tuple[str, str, str]

@@ -1,6 +1,6 @@
 """Scenes as the text of scene files: only what differs from the defaults, and units as in the templates.
 
->>> from ecume.scenes.load import from_plain
+>>> from ecume.scenes.schema import from_plain
 >>> print(to_toml(from_plain({"model": "tracers", "duration": 2, "frame_every": 0.1, "tank": {"high": [0.01, 0.02]},
 ...     "particles": [{"radius": 5e-6, "density": 2500}]})))
 model = "tracers"
@@ -42,8 +42,10 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.scenes.common import Common, Given
 from ecume.scenes.faults import Path, as_faults, read_path, value_at
 from ecume.scenes.floating import FloatingScene
-from ecume.scenes.load import KEY, Scene, assembled, below, from_plain, item_unit, put, to_plain
+from ecume.scenes.load import assembled
+from ecume.scenes.overrides import KEY, put
 from ecume.scenes.quantities import COLORS
+from ecume.scenes.schema import Scene, below, from_plain, item_unit, to_plain
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
 from ecume.scenes.tracers import TracersScene

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
-from ecume.analysis.fields import ENERGIES
+from ecume.analysis.energies import ENERGIES
 from ecume.analysis.series import number, series, times, tracks
 from ecume.analysis.structure import mean_square_displacement
 from ecume.errors import BadInput
@@ -25,12 +25,13 @@ from ecume.models.invariants import INJECTED
 from ecume.scenes.faults import suggestion
 from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import Samples, Trajectory
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.samples import Samples
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.fitting import Fit
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 FEWEST = 20
 """The number of values below which none counts as an outlier."""

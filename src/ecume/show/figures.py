@@ -22,7 +22,7 @@ from ecume.show.tracers import TRACER_FIGURES
 from ecume.trajectories.reader import open_trajectory
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "floating": {**FLOATING_FIGURES, "sizes": sizes, "samples": samples},

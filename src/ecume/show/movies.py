@@ -35,7 +35,7 @@ from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import partial_of, remove_abandoned, replaceable
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 
 CODECS = {

@@ -32,7 +32,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 
 FARTHEST = 0.45

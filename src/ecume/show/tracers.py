@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import inside, number, series, times
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
-from ecume.models.tracers.parameters import body_of, copies_of, inside_of
+from ecume.models.tracers.tank import body_of, copies_of, inside_of
 from ecume.show.curves import Frames, displacement, energies, evolution, over_time, titled
 from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style

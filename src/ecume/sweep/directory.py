@@ -22,7 +22,8 @@ from ecume.models.model import LOCAL
 from ecume.run.directory import RunDirectory
 from ecume.run.lock import is_held
 from ecume.scenes.faults import echo, read_path, value_at
-from ecume.scenes.load import OVERRIDDEN, Scene, load_scene, scene_hash, to_plain
+from ecume.scenes.load import OVERRIDDEN, load_scene
+from ecume.scenes.schema import Scene, scene_hash, to_plain
 from ecume.scenes.tables import beside, require_there
 from ecume.scenes.templates import folder as templates_folder
 from ecume.sweep.spec import Asked, Point, SweepSpec, load_sweep, points_of, require_arguments, require_settings, varied

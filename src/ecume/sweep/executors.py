@@ -77,7 +77,7 @@ def _process(job: Job, plan: dict[str, object]) -> None:
 def _scene(job: Job, plan: dict[str, object], laws: Sequence[str]) -> None:
     from ecume.run import RunOptions, resume, run
     from ecume.run.user_code import laws_from
-    from ecume.scenes.load import from_plain
+    from ecume.scenes.schema import from_plain
 
     own = laws_from(laws)
     with engine_of(plan) as engine:

@@ -22,7 +22,7 @@ from ecume.errors import BadInput, Stopped, StorageError
 from ecume.run.lock import handled
 from ecume.run.user_code import entries, laws_from
 from ecume.scenes.faults import read_path, suggestion
-from ecume.scenes.load import from_plain, unit_of
+from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import (
     Job,
     Sweeping,

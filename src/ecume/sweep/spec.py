@@ -23,7 +23,8 @@ from pydantic.dataclasses import dataclass
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import LAMMPS, LOCAL
 from ecume.scenes.faults import Complaints, Inconsistent, echo, faults_of, suggestion
-from ecume.scenes.load import KEY, parsed, placed, source_in
+from ecume.scenes.load import parsed, placed, source_in
+from ecume.scenes.overrides import KEY
 from ecume.scenes.quantities import STRICT, Seed, Switch, Text
 from ecume.scenes.templates import templates
 from ecume.sweep.measures import read_measure

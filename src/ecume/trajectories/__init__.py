@@ -1,7 +1,7 @@
 """Frames, and how they are stored; no model is known here.
 
 `frame.Frame` is one instant. `segments.Recorder` writes frames into append-only GSD files (`gsd`), and
- `reader.open_trajectory` reads them as a sequence; start there. `segments` also keeps
-the whole frames of a damaged file, `exports` writes other formats, `records` makes files whole or
+`reader.open_trajectory` reads them as a sequence; start there. `samples` reads the numbers between frames. `segments`
+also keeps the whole frames of a damaged file, `exports` writes other formats, `records` makes files whole or
 absent. `foreign` reads files of other programs.
 """

@@ -287,7 +287,7 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
     csv is one long table, a row a particle and frame, the unit in each heading; xyz is extended XYZ, for OVITO and ASE;
     vtk is VTKHDF, which ParaView opens as a series in time, pvd the same for its older versions, with a folder of
     frames beside it; npz holds one array a quantity, for `numpy.load`. Frames of tanks have all pressures: see
-    `ecume.analysis.fields`.
+    `ecume.analysis.pressures`.
     """
     if kind not in (*EXPORTS, "pvd"):
         raise BadInput(f"a trajectory cannot be written as {kind}; expected one of {', '.join((*EXPORTS, 'pvd'))}")

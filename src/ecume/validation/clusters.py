@@ -17,7 +17,7 @@ from ecume.laws.capillarity import pair_energy, pair_strength
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.models.liquids import liquid_of
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.units import Array
 from ecume.validation.runner import Row, above, within

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.analysis.fields import filled, points_along, values_at, water_level
+from ecume.analysis.gauges import filled, points_along, values_at, water_level
 from ecume.engine.interpolation import THIN
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

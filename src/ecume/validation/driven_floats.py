@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from ecume.analysis.structure import mean_square_displacement
-from ecume.laws.flows import wave_frequency
 from ecume.laws.radiated_waves import ripples
+from ecume.laws.water_waves import wave_frequency
 from ecume.models import MODELS
 from ecume.models.floating.forces.activity import Activity
 from ecume.models.floating.forces.waves import Waves
 from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.scenes.floating import FloatingScene
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.units import Array, Length
 from ecume.validation.hydrodynamics import Run

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import curve_fit
 
-from ecume.laws.flows import drop_decay, drop_period
+from ecume.laws.drops import drop_decay, drop_period
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.laws.flows import couette_start, patch_pressure, poiseuille_start, taylor_green_decay, taylor_green_velocity
+from ecume.laws.drops import patch_pressure
+from ecume.laws.flows import couette_start, poiseuille_start, taylor_green_decay, taylor_green_velocity
 from ecume.laws.kernels import kernel
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -18,7 +18,7 @@ from ecume.models import MODELS
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.models.model import CROWDED, DONE
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.units import Array
 from ecume.validation.runner import Row, below, within
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.units import Array

@@ -24,7 +24,8 @@ from ecume.analysis.rheology import (
     viscous_number,
 )
 from ecume.analysis.series import Mean
-from ecume.scenes.load import Scene, from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.validation.runner import Row, above, below, kept_values, read_table, within

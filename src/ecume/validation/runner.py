@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ecume.scenes.floating import FloatingScene
-from ecume.scenes.load import Scene, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import Scene, to_plain
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

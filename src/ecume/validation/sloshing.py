@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.analysis.fields import water_level
-from ecume.laws.flows import BaseExcitation, Tank, sloshing_height
+from ecume.analysis.gauges import water_level
+from ecume.laws.water_waves import BaseExcitation, Tank, sloshing_height
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ecume.analysis.rheology import FEWEST_POINTS, CurveFit, power_fit
-from ecume.scenes.load import Scene
+from ecume.scenes.schema import Scene
 from ecume.validation import rheology
 from ecume.validation.rheology import Piece, fitted, friction, kept, sheared
 from ecume.validation.runner import Row, above, below, within

@@ -18,7 +18,8 @@ from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft.setup import prefactors_of
 from ecume.models.soft.t1.cluster import T1
 from ecume.models.soft.t1.process import t1_process
-from ecume.scenes.load import Scene, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import Scene
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import curve_fit
 
-from ecume.analysis.fields import wave_amplitude
-from ecume.laws.flows import Decay, viscous_decay
+from ecume.analysis.gauges import wave_amplitude
+from ecume.laws.water_waves import Decay, viscous_decay
 from ecume.simulation import simulate
 from ecume.units import Array
 from ecume.validation.runner import Row, above, sph_scene, within

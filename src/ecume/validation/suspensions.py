@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume.analysis.rheology import Divergence, viscosity_divergence
 from ecume.analysis.series import Mean
-from ecume.scenes.load import Scene
+from ecume.scenes.schema import Scene
 from ecume.validation import rheology
 from ecume.validation.rheology import Piece, kept, sheared
 from ecume.validation.runner import Row, above, below, within

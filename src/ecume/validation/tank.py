@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.laws.states import column_height, column_pressure
+from ecume.laws.hydrostatics import column_height, column_pressure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -9,7 +9,7 @@ import numpy as np
 from ecume.engine import walls
 from ecume.engine.walls import Surfaces
 from ecume.laws import brownian_motion, drag
-from ecume.scenes.load import Scene
+from ecume.scenes.schema import Scene
 from ecume.scenes.tracers import (
     ParticleSpec,
     TankSpec,

@@ -15,7 +15,7 @@ import numpy as np
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import good_step
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 LENGTH = 2.7e-3

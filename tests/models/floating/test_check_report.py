@@ -14,7 +14,7 @@ from ecume.models.floating.forces.pair_forces import CutoffWarning
 from ecume.models.floating.setup.hydrodynamic_interaction import GasWarning
 from ecume.models.floating.setup.kinds import floats_of
 from ecume.models.floating.setup.scene_parameters import checked_parameters
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.units import Unit
 

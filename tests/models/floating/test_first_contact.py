@@ -8,7 +8,7 @@ import pytest
 from ecume.models.floating.check_report import summary
 from ecume.models.floating.first_contact import first_contact
 from ecume.models.floating.record import FLOATING
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 TWO = {

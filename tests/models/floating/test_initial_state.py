@@ -3,7 +3,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models import MODELS, costs
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 

@@ -6,7 +6,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.floating.record import FLOATING
 from ecume.models.floating.setup.initial_state import separated
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 RADIUS = 1e-3
 

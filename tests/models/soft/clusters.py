@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from ecume.laws.soft_pair import TANGENTIAL, TENSION
-from ecume.models.model import CROWDED, code_of
+from ecume.laws.soft_contacts import TANGENTIAL, TENSION
+from ecume.models.law_codes import code_of
+from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, contact_response, make_responses
 from ecume.models.soft.contacts.user_forces import no_laws

@@ -19,7 +19,7 @@ from ecume.analysis.rheology import stress_tensor
 from ecume.errors import Diverged, EcumeError, SceneError
 from ecume.models.soft import SOFT
 from ecume.models.soft.integration.dirk_schemes import error_of_run
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import SIDES, dimensions_of, sides_of
 from ecume.simulation import moments
 

@@ -16,7 +16,7 @@ from ecume.models.soft.report.check_report import (
     strain_of,
     typical_pair,
 )
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.validation import rheology
 

@@ -8,7 +8,7 @@ from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.contact_list import update_contact_list
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import FORCE_RESIDUAL
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from tests.models import begun
 

@@ -13,7 +13,7 @@ from ecume.models.soft.integration.dirk_schemes import ROUNDED, error_of_run
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, energy_of_faded
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force

@@ -17,7 +17,7 @@ from ecume.models.soft.cell import (
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.record import SOFT
 from ecume.models.soft.report.observation import velocity_at_home
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 SIDES = np.array([2.0, 3.0, 5.0])
 OLD, NEW = np.array([0.1, 0.02, -0.03, 0.05, 0.4]), np.array([0.3, 0.05, 0.04, -0.02, 0.6])

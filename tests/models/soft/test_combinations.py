@@ -9,7 +9,7 @@ from ecume.analysis.rheology import stress_tensor
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
 from ecume.models.soft.report.balance_report import windings
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 pytestmark = [pytest.mark.compiled]

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
+from ecume.analysis.close_pairs import contact_table
 from ecume.analysis.rheology import stress_tensor
-from ecume.analysis.structure import contact_table
 from ecume.errors import BadInput, Diverged
 from ecume.models.soft import SOFT
 from ecume.models.soft.report.observation import Deflections, remedy, worst_contact

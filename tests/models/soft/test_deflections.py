@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.laws.soft_pair import (
+from ecume.laws.soft_contacts import (
     DEFINITE,
     TANGENTIAL,
     TENSION,

@@ -8,7 +8,8 @@ import pytest
 from ecume.errors import Diverged, SceneError
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import SOFT
-from ecume.scenes.load import from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 SPHERE = {"radius": 1.0, "modulus": 1.0}

@@ -14,7 +14,7 @@ from ecume.laws.soft_pair import SoftPair, contact_size, pair_modulus, passage_t
 from ecume.laws.surfaces import SURFACES, Body
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import ACCEPTED, FAILED
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import FilmSpec
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force

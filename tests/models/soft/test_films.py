@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ecume.laws.interfaces import INTERFACES
-from ecume.models.model import code_of
+from ecume.models.law_codes import code_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 
 from .clusters import LOPSIDED, PAPER, contacts, one_contact

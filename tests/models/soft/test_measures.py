@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ecume.analysis.boxes import box_of, nearest
+from ecume.analysis.close_pairs import coordination, films
 from ecume.analysis.rearrangements import nonaffine_displacement
 from ecume.analysis.rheology import stress_tensor
-from ecume.analysis.structure import coordination, films
 from ecume.laws.long_range import steric_force
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 pytestmark = pytest.mark.compiled

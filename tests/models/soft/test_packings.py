@@ -10,10 +10,11 @@ from ecume.errors import SceneError
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.cell import Box
-from ecume.models.soft.contacts import contact_list, neighbor_search
-from ecume.models.soft.contacts.contact_list import neighbors, new_pairs
+from ecume.models.soft.contacts import neighbor_search, tree_search
+from ecume.models.soft.contacts.contact_list import new_pairs
+from ecume.models.soft.contacts.tree_search import neighbors
 from ecume.models.soft.state import ACCEPTED
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from tests.models import begun
 
@@ -139,7 +140,7 @@ def test_cells_find_the_pairs_of_the_tree_in_its_order_with_its_bits(monkeypatch
     for tilt in (0.0, 0.4, -1.7):
         box = Box(parameters.box[:dimensions], tilt * parameters.box[0])
         by_tree = neighbors(parameters, position, box)
-        monkeypatch.setattr(contact_list, "CELL_SEARCH_FROM", 1)
+        monkeypatch.setattr(tree_search, "CELL_SEARCH_FROM", 1)
         monkeypatch.setattr(neighbor_search, "ROOM", 2)
         by_cells = neighbors(parameters, position, box)
         monkeypatch.undo()

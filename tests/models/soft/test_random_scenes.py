@@ -5,7 +5,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.soft.random_scenes import draw, explicit, outcome, reordered, run, turned, unlike
 
 pytestmark = [pytest.mark.compiled]

@@ -13,7 +13,7 @@ from ecume.models.soft.contacts.rotation import carry, remove_free_rotation, tur
 from ecume.models.soft.integration.dirk import first_stage
 from ecume.models.soft.integration.newton import assemble_jacobian, imbalance
 from ecume.models.soft.protocol import drive_at
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 from .clusters import integrated

@@ -18,7 +18,7 @@ from ecume.models.soft.integration.linear_solvers import balance
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.protocol import Drive, drive_at, next_stop, protocol_of
 from ecume.models.soft.state import ACCEPTED, CLOCK
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import RateStepsSpec, StageSpec
 from ecume.simulation import simulate
 from tests.models import begun

@@ -6,7 +6,7 @@ import pytest
 
 from ecume import _jit
 from ecume.models.soft import SOFT
-from ecume.models.soft.contacts import contact_list
+from ecume.models.soft.contacts import tree_search
 from ecume.models.soft.contacts.contact_list import update_contact_list
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import LENGTH
@@ -36,7 +36,7 @@ def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation
     scene = packing(count=300, strain=0.2, hydrodynamics={"drag": "stokes"}, rotation=rotation)
     alone = integrated(scene, iterations=iterations)
     monkeypatch.setattr(_jit, "FEW", 1)
-    monkeypatch.setattr(contact_list, "CELL_SEARCH_FROM", 1)
+    monkeypatch.setattr(tree_search, "CELL_SEARCH_FROM", 1)
     many = numba.get_num_threads()
     try:
         for threads in (1, 2):

@@ -10,7 +10,8 @@ from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.model import DONE
 from ecume.models.soft import SOFT
 from ecume.models.soft.state import CLOCK
-from ecume.scenes.load import from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.scenes.templates import copy_template
 from ecume.simulation import simulate
 from tests.oracles.soft_contacts import deflection_under_force, relaxation_passage

@@ -18,7 +18,7 @@ from ecume.models.soft.contacts.user_forces import (
     user_force,
 )  # fmt: skip
 from ecume.models.user_laws import bind
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]

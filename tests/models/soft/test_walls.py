@@ -19,7 +19,8 @@ from ecume.models.soft.integration.dirk import first_stage
 from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.state import CLOCK
-from ecume.scenes.load import from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from tests.models import begun
 

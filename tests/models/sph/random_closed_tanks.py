@@ -10,7 +10,7 @@ import numpy as np
 
 import ecume
 from ecume.errors import Diverged
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 OPEN = {"kind": "open"}
 PERIODIC = {"kind": "periodic"}

@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from ecume.errors import BadInput, SceneError
 from ecume.models.sph import SPH
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 
 CASES = Path(__file__).parent / "cases"

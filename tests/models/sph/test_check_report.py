@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 import ecume
-from ecume.analysis.fields import wave_amplitude
+from ecume.analysis.gauges import wave_amplitude
 from ecume.errors import SceneError
 from ecume.laws.liquids import liquid
 from ecume.models.sph.record import SPH
@@ -17,7 +17,7 @@ from ecume.models.sph.report.check_report import (
 )
 from ecume.models.sph.setup.building import material_of
 from ecume.models.sph.setup.choices import artificial_viscosity_of, tension_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 
 from .scenes import OPEN, free_blob, tank
 

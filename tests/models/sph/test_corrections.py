@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from ecume.laws.flows import viscous_decay
+from ecume.laws.water_waves import viscous_decay
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, evaluate_density_rate, fill
 from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.energy_budget import energies, spreading_energy
 from ecume.models.sph.setup.choices import USUAL_DAMPING, acoustic_damping_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from ecume.validation import standing_wave
 from tests.models.sph.random_closed_tanks import gained

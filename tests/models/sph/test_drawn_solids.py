@@ -7,7 +7,7 @@ import ecume
 from ecume.errors import SceneError
 from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.engine.test_meshes import corner_mesh
 from tests.models.sph.test_solids import integrated
 from tests.models.sph.test_sources import ball, stl

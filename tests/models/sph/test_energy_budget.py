@@ -24,7 +24,7 @@ from ecume.models.sph.report.observation import invariants
 from ecume.models.sph.state import WORK
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, PERIODIC, tank
 from tests.models.sph.test_open_boundaries import channel
 from tests.models.sph.test_prescribed_motion import PUSH, with_side

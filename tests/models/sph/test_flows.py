@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.laws import flows
+from ecume.laws import drops, flows
 from ecume.laws.kernels import kernel
 from ecume.models.sph.setup.initial_particles import velocity_in
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
 pytestmark = [pytest.mark.compiled, pytest.mark.sampled(2)]
@@ -134,7 +134,7 @@ def test_a_drop_swings_as_its_equation_says():
     case = drop(duration=0.6, frame_every=0.6, method={"artificial_viscosity": 0.0})
     rate, width, height, step = 0.5, 1.0, 1.0, 1e-4
     for _ in range(6000):
-        change = flows.drop_strain_change(rate, 1.0, width, height)
+        change = drops.drop_strain_change(rate, 1.0, width, height)
         rate, width, height = rate + step * change, width * (1.0 + step * rate), height * (1.0 - step * rate)
     first, last = list(ecume.simulate(case))
     size = [np.sqrt((frame.arrays["position"] ** 2).mean(axis=0)) for frame in (first, last)]

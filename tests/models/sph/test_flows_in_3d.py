@@ -7,7 +7,7 @@ import pytest
 
 import ecume
 from ecume.laws import flows
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import PERIODIC
 from tests.oracles.swirls import beltrami_pressure, beltrami_velocity
 

@@ -12,7 +12,7 @@ from ecume.models.sph import SPH
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.setup.choices import free_surface, full
 from ecume.models.sph.setup.shapes import dummies_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN
 
 SIZE = [1.0, 0.5]

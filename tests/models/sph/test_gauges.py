@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ecume.analysis import fields as readers
+from ecume.analysis import gauges as readers
 from ecume.errors import SceneError
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.record import SPH, start
 from ecume.models.sph.report.observation import gauges_of, readings, sensing_area
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.sph.tank import TankSpec
 
 from .scenes import tank

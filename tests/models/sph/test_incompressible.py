@@ -13,9 +13,10 @@ from ecume.models.sph import SPH
 from ecume.models.sph import projection as equations
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.projection import Problem, solve
-from ecume.models.sph.rates.right_hand_side import fill, shifts_needed, take_shift
+from ecume.models.sph.rates.right_hand_side import fill, take_shift
+from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.state import ITERATIONS, RESIDUAL
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
 pytestmark = pytest.mark.sampled(2)

@@ -10,7 +10,7 @@ from ecume.models.model import EXCHANGE
 from ecume.models.sph.boundaries.open_boundaries import speed_at
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import ENTERED, LEFT, LOST, NEXT
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
 from tests.models.sph.test_runs import copy_of
 

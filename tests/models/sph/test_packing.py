@@ -10,7 +10,7 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import packed, unevenness
 from ecume.models.sph.setup.shapes import gaps_to, solids_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 
 DISC = {"center": [0.52, 0.4], "radius": 0.17}
 WEDGE = {"vertices": [[0.6, 0.0], [1.0, 0.0], [1.0, 0.45]]}

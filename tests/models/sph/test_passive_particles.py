@@ -11,7 +11,7 @@ from ecume.models.sph.integration.passive_particles import move_passive_particle
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations, fill
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.sph import PassiveTracerSpec
 from tests.models.sph.scenes import free_blob
 

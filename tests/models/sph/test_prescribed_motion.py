@@ -13,7 +13,7 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.report.observation import invariants
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import tank
 from tests.models.sph.test_runs import copy_of, integrated
 from tests.models.sph.test_solids import changed

@@ -5,11 +5,11 @@ import csv
 import numpy as np
 import pytest
 
-from ecume.analysis.fields import with_pressures
+from ecume.analysis.pressures import with_pressures
 from ecume.models.sph.record import SPH, start
 from ecume.models.sph.report.observation import PRESSURES, readings, reference_of
 from ecume.run import run
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from ecume.trajectories.exports import export
 

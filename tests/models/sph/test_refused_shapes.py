@@ -6,9 +6,9 @@ import random
 import pytest
 
 from ecume.errors import BadInput, SceneError
-from ecume.laws.flows import standing_wave_velocity
+from ecume.laws.water_waves import standing_wave_velocity
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.contracts.effects import merged
 from tests.contracts.effects.sph import BASE
 

@@ -10,7 +10,8 @@ from ecume.errors import SceneError
 from ecume.laws.yield_stress import apparent_viscosity, channel_speed
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import free_blob
 from tests.models.sph.test_turbulence import in_a_flow

@@ -11,7 +11,7 @@ from ecume.laws.kernels import kernel
 from ecume.models.sph.boundaries.rigid_bodies import apparent_gravity, delay, expel_liquid, with_moved_solids
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob
 
 pytestmark = pytest.mark.sampled(2)

@@ -12,7 +12,7 @@ from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, collide, 
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.shapes import dummies_of
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_runs import copy_of, integrated
 

@@ -11,7 +11,7 @@ from ecume.models.sph.rates.sum_evaluation import evaluate_sum
 from ecume.models.sph.rates.sums import RADIAL_FRICTION
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import likely_neighbors
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 
 

@@ -12,7 +12,7 @@ from ecume.laws.tension import cohesion_energy, cohesion_kernel
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import COUNTED, STRENGTHS, add_surface_tension, surface_energy
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import OPEN
 

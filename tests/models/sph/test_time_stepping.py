@@ -6,7 +6,7 @@ import pytest
 from ecume.models.sph.integration.time_stepping import displacement_of_solids, divisions_needed, move, renew
 from ecume.models.sph.rates.right_hand_side import evaluate_accelerations
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import free_blob
 from tests.models.sph.test_rigid_bodies import blob
 from tests.models.sph.test_runs import copy_of

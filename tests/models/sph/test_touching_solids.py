@@ -11,7 +11,7 @@ from ecume.models.sph import SPH
 from ecume.models.sph.boundaries import touching_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads, kernel_sums
 from ecume.models.sph.setup.walls_and_bodies import PANEL
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN
 
 RADIUS, SPACING = 0.15, 0.05

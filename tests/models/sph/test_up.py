@@ -8,8 +8,8 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.scenes.load import from_plain
 from ecume.scenes.quantities import SIDES
+from ecume.scenes.schema import from_plain
 
 VECTORS = ("low", "high", "center", "position", "velocity", "axis")
 """Keys that hold vectors."""

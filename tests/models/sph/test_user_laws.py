@@ -10,7 +10,7 @@ from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.user_laws import bind
 from ecume.scenes.common import UserLawSpec
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import OPEN, PERIODIC
 

@@ -12,7 +12,7 @@ import ecume
 from ecume.laws.kernels import kernel
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.initial_particles import cells_of
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 
 
 def random_tank(seed, dimension=2, layers=(8, 18), obstacles=True):
@@ -91,7 +91,7 @@ def test_liquid_over_round_and_slanted_obstacles_has_the_volume_that_is_left():
             {"center": [0.5 * width, 0.5 * depth], "radius": small},
             {"vertices": [[0.8 * width, 0.0], [width, 0.0], [width, 0.2 * depth]]},
         ]
-        plain = ecume.scenes.load.to_plain(scene)
+        plain = ecume.scenes.schema.to_plain(scene)
         [(cells, _)] = cells_of(from_plain({**plain, "obstacles": solids}))
         left = width * depth - math.pi * small**2 - 0.5 * 0.2 * width * 0.2 * depth
         assert cells.volumes.sum() == pytest.approx(left, rel=1e-12)
@@ -113,7 +113,7 @@ def test_a_region_that_an_earlier_one_covers_adds_nothing():
 def test_liquid_in_two_regions_that_overlap_counts_once():
     scene = random_tank(3, obstacles=False)
     width, depth = scene.fluid[0].high
-    plain = ecume.scenes.load.to_plain(scene)
+    plain = ecume.scenes.schema.to_plain(scene)
     regions = [
         {"low": [0.0, 0.0], "high": [0.37 * width, depth]},
         {"low": [0.0, 0.0], "high": [width, 0.61 * depth]},

@@ -9,7 +9,7 @@ from ecume.laws.wall_forces import impact_braking
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.boundaries.walls import all_braked, weight_at
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
 
 SOUND = 20.0

@@ -7,7 +7,7 @@ import ecume
 from ecume.laws import wall_forces
 from ecume.models.sph.boundaries.walls import add_impulses, reflect_particles
 from ecume.models.sph.record import SPH
-from ecume.scenes.load import from_plain, to_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
 from tests.models.sph.test_sums import at_start
 

@@ -9,7 +9,8 @@ import ecume
 from ecume.engine import walls
 from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
-from ecume.scenes.load import from_plain, load_scene, to_plain
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.tracers import (
     FlowSpec,
     OpeningSpec,

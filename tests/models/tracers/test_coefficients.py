@@ -5,7 +5,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models.tracers.parameters import parameters_of
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 FREE = {"drag": "none", "added_mass": False}

@@ -8,7 +8,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import drag
 from ecume.models import MODELS
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 RADIUS = 2e-4

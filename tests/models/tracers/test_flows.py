@@ -14,9 +14,10 @@ from ecume.models.tracers import gridded_flows
 from ecume.models.tracers.gridded_flows import Grid
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
-from ecume.models.tracers.parameters import bounds
+from ecume.models.tracers.tank import bounds
 from ecume.run import run
-from ecume.scenes.load import from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 NAMED = {

@@ -8,7 +8,7 @@ import ecume
 from ecume.errors import Diverged, SceneError
 from ecume.laws import brownian_motion, drag
 from ecume.models import MODELS, costs
-from ecume.models.tracers.parameters import bounds
+from ecume.models.tracers.tank import bounds
 from ecume.models.tracers.time_stepping import UNBOUNDED, all_finite
 from ecume.scenes.tracers import (
     FlowSpec,

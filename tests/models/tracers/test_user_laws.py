@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput, SceneError
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
 MASS = 4.0 / 3.0 * np.pi * 1e-9 * 2000.0

@@ -8,7 +8,8 @@ from ecume.errors import SceneError
 from ecume.laws import brownian_motion
 from ecume.models import MODELS
 from ecume.models.tracers.record import FlowWarning
-from ecume.scenes.load import from_plain, load_scene
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.scenes.tracers import (
     FluidSpec,
     ParticleSpec,

@@ -13,7 +13,7 @@ from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.laws import meniscus
 from ecume.models.liquids import liquid_of
-from ecume.scenes.load import to_plain
+from ecume.scenes.schema import to_plain
 from ecume.show.floating.heights import export_heights, height_field
 from ecume.trajectories.segments import Recorder
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from ecume.laws.states import hydrostatic_density, tait_pressure
-from ecume.scenes.load import from_plain
+from ecume.laws.hydrostatics import hydrostatic_density
+from ecume.laws.states import tait_pressure
+from ecume.scenes.schema import from_plain
 from ecume.trajectories.frame import Frame
 
 SPACING = 0.05

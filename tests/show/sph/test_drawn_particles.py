@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.show.sph.picture import liquid_picture
 from ecume.trajectories.frame import Frame
 

@@ -5,7 +5,7 @@ import pytest
 
 import ecume
 from ecume.models.sph.boundaries.rigid_bodies import rotations
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.sph.solids import movers_of, turned
 

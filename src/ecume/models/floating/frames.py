@@ -11,7 +11,7 @@ from ecume._jit import compiled
 from ecume.engine.cells import Integers, images_in, into_box
 from ecume.engine.contact.contacts import Candidates, apart
 from ecume.engine.walls import Walls, wall_count, wall_distance
-from ecume.laws.flows import sway_place
+from ecume.laws.moving_dish import sway_place
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of

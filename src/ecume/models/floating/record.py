@@ -11,6 +11,7 @@ import numpy as np
 
 from ecume.laws import brownian_motion, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
 from ecume.models.actions import Access
+from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.check_report import summary
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.frames import OVERLAP, invariants, observe
@@ -19,7 +20,7 @@ from ecume.models.floating.setup.initial_state import layout, position_faults, s
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.time_integration.integration import advance, fill_lists, forces_at, make_scratch
 from ecume.models.floating.user_laws import interaction_of
-from ecume.models.model import DEEP, Model, Source, first_broken, when
+from ecume.models.model import Model, Source
 from ecume.models.user_laws import BoundLaw
 from ecume.units import Array, with_prefix
 

@@ -10,7 +10,7 @@ from ecume.engine.walls import Surfaces
 from ecume.laws.friction import ContactFriction
 from ecume.laws.interfaces import Resistance
 from ecume.laws.long_range import Remote
-from ecume.laws.soft_pair import TangentialLaw, TensionLaw
+from ecume.laws.soft_contacts import TangentialLaw, TensionLaw
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.contacts.user_forces import Tables
 from ecume.models.soft.protocol import Protocol
@@ -63,9 +63,9 @@ class Contacts(NamedTuple):
     critical_load: float
     """N: the compression above which there is contact friction"""
     tangential_law: int
-    """the code of a row of `ecume.laws.soft_pair.TANGENTIAL`"""
+    """the code of a row of `ecume.laws.soft_contacts.TANGENTIAL`"""
     tension_law: int
-    """the code of a row of `ecume.laws.soft_pair.TENSION`"""
+    """the code of a row of `ecume.laws.soft_contacts.TENSION`"""
     cavitation_pressure: float
     """Pa: the largest pressure difference by which a film is below the outside"""
 

@@ -9,12 +9,14 @@ import numpy as np
 
 from ecume._portable import exp
 from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
-from ecume.laws.soft_pair import TANGENTIAL, TENSION
+from ecume.laws.soft_contacts import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.costs import require_memory
+from ecume.models.diagnosis import DEEP, first_broken
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, part_of
-from ecume.models.model import DEEP, Layout, Model, Row, Source, first_broken
-from ecume.models.soft.contacts.contact_list import box_in
+from ecume.models.layouts import Layout
+from ecume.models.model import Model, Row, Source
+from ecume.models.soft.contacts.tree_search import box_in
 from ecume.models.soft.integration import dirk_schemes
 from ecume.models.soft.integration.dirk_schemes import error_of_run
 from ecume.models.soft.integration.time_stepping import advance

@@ -16,13 +16,15 @@ from ecume.laws.drag import stokes_friction
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
-from ecume.laws.soft_pair import PREFACTORS, TANGENTIAL, TENSION, Prefactors
+from ecume.laws.soft_contacts import TANGENTIAL, TENSION
+from ecume.laws.soft_pair import PREFACTORS, Prefactors
 from ecume.laws.surfaces import SURFACES
+from ecume.models.law_codes import code_of
 from ecume.models.liquids import material_of
-from ecume.models.model import code_of
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.contacts.connected_pieces import UNBALANCED, loose_spheres, pieces
-from ecume.models.soft.contacts.contact_list import box_in, neighbors, new_pairs, open_all, wall_gaps
+from ecume.models.soft.contacts.contact_list import new_pairs, open_all, wall_gaps
+from ecume.models.soft.contacts.tree_search import box_in, neighbors
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance

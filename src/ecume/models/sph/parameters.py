@@ -293,7 +293,7 @@ class Parameters(NamedTuple):
     integrator: str
     """a name of `time_stepping.INTEGRATORS`"""
     shifting: str
-    """a name of `right_hand_side.SHIFTINGS`"""
+    """a name of `shifting.SHIFTINGS`"""
     shifting_limit: float
     """m^2: the largest product of the shifting coefficient and the time of a shift that does not overshoot; infinite
     without shifting"""

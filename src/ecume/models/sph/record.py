@@ -14,7 +14,9 @@ from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
 from ecume.models.actions import Access
 from ecume.models.costs import within_steps
-from ecume.models.model import Layout, Model, Row, first_broken, when
+from ecume.models.diagnosis import first_broken, when
+from ecume.models.layouts import Layout
+from ecume.models.model import Model, Row
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.rigid_bodies import at_reference, with_moved_solids
 from ecume.models.sph.boundaries.walls import flag_outside

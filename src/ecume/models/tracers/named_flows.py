@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ecume._jit import admit, compiled_inside
 from ecume.errors import BadInput
-from ecume.laws import carrier_flows, flows
+from ecume.laws import carrier_flows, flows, water_waves
 from ecume.scenes.tracers import FlowSpec
 
 admit(carrier_flows, flows)
@@ -342,7 +342,7 @@ def _wave(request: Request) -> Wave:
     depth, k = request.sides()[2], 2.0 * math.pi / request.value("wavelength")
     if request.gravity == 0.0:
         raise BadInput("got wave without gravity; expected gravity above 0", "name")
-    turning = flows.wave_frequency(k, depth, request.gravity)
+    turning = water_waves.wave_frequency(k, depth, request.gravity)
     return Wave(request.box[0][2], depth, k, turning, request.value("speed"))
 
 
@@ -398,7 +398,7 @@ NAMED_FLOWS = {
         BOX | {"speed", "period", "swing"}, needs_box=True, walls="xz",
     ),
     "wave": NamedFlow(
-        _wave, surface_wave_velocity, (carrier_flows.wave_velocity, flows.wave_frequency),
+        _wave, surface_wave_velocity, (carrier_flows.wave_velocity, water_waves.wave_frequency),
         BOX | {"speed", "wavelength"}, needs_box=True,
     ),
     "abc": NamedFlow(

@@ -11,13 +11,15 @@ import numpy as np
 
 from ecume.laws import brownian_motion, carrier_flows, drag, gases, unsteady_forces
 from ecume.models.costs import Content, frame_cost, require_memory, within_steps
+from ecume.models.diagnosis import first_broken, when
 from ecume.models.gravity import gravity_text
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
 from ecume.models.liquids import correlations_of
-from ecume.models.model import Model, Source, first_broken, when
+from ecume.models.model import Model, Source
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
 from ecume.models.tracers import gridded_flows
+from ecume.models.tracers.drag_laws import DRAGS
 from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy
 from ecume.models.tracers.flow_loops import loops_for
 from ecume.models.tracers.flow_steps import advance
@@ -27,22 +29,18 @@ from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
     AIR,
     CAPPED,
-    DRAGS,
     Fluid,
     Parameters,
     State,
     Workspace,
-    around,
-    body_of,
-    bounds,
     entered_count,
     fluid_of,
-    layout,
     parameters_of,
-    start,
     workspace,
 )
 from ecume.models.tracers.parameters import TRACERS as ACCESS
+from ecume.models.tracers.start import layout, start
+from ecume.models.tracers.tank import around, body_of, bounds
 from ecume.models.tracers.time_stepping import UNBOUNDED
 from ecume.scenes.tracers import ObstacleSpec, TracersScene
 from ecume.trajectories.frame import Frame

@@ -16,13 +16,15 @@ from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import Sheet, reflect_all
 from ecume.engine.walls.sheets import axpy, hole_at, inward_normal, load, piece_gap, scaled, store
 from ecume.laws import brownian_motion, drag
-from ecume.models.model import DIVERGED, DONE, EXCHANGE, codes
-from ecume.models.tracers import parameters
+from ecume.models.law_codes import codes
+from ecume.models.model import DIVERGED, DONE, EXCHANGE
+from ecume.models.tracers import drag_laws
+from ecume.models.tracers.drag_laws import DRAGS, DragChoice
 from ecume.models.tracers.energy_budget import INACTIVE, has_budget, work_of_drifts, work_of_flights, work_of_noise
-from ecume.models.tracers.parameters import CAPPED, DRAGS, DragChoice, Parameters, State, Workspace
+from ecume.models.tracers.parameters import CAPPED, Parameters, State, Workspace
 from ecume.units import Array
 
-admit(brownian_motion, drag, parameters)
+admit(brownian_motion, drag, drag_laws)
 
 
 STARTED_OUTSIDE = -2

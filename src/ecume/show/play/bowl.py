@@ -21,7 +21,7 @@ import numpy as np
 
 from ecume.engine.walls import surfaces
 from ecume.errors import BadInput, Diverged, SceneError
-from ecume.laws.flows import wave_frequency
+from ecume.laws.water_waves import wave_frequency
 from ecume.models import MODELS
 from ecume.models.floating.dishes import sloshing_wavenumber, walls_of
 from ecume.models.liquids import liquid_of

@@ -31,7 +31,7 @@ from ecume.show.view.page import PLAY, TANK, Parts, color_map, data_of, filled, 
 from ecume.units import Array
 
 if TYPE_CHECKING:
-    from ecume.scenes.load import Scene
+    from ecume.scenes.schema import Scene
 
 
 TICK = 1.0 / 60.0

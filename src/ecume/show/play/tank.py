@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput, Diverged
-from ecume.laws.flows import wave_frequency
+from ecume.laws.water_waves import wave_frequency
 from ecume.models import MODELS
 from ecume.models.sph.parameters import Drive, Liquid, Material
 from ecume.models.sph.setup.building import material_of

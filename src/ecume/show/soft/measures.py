@@ -10,9 +10,9 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
 from ecume.analysis.boxes import copies
+from ecume.analysis.close_pairs import films, gap_distribution
 from ecume.analysis.rearrangements import Swaps, local_deformation, neighbor_swaps, nonaffine_displacement
 from ecume.analysis.series import number, series, times
-from ecume.analysis.structure import films, gap_distribution
 from ecume.errors import BadInput
 from ecume.scenes.soft import SoftScene
 from ecume.show.curves import Frames, evolution, scaling, span, steps, titled

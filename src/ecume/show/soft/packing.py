@@ -20,7 +20,7 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from ecume.analysis.boxes import Box, box_of, copies, nearest
-from ecume.analysis.structure import films
+from ecume.analysis.close_pairs import films
 from ecume.errors import BadInput
 from ecume.show.picture import (
     DPI,

@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ecume.analysis.fields import Profile, velocity_profile, with_pressures
+from ecume.analysis.grids import Profile, velocity_profile
+from ecume.analysis.pressures import with_pressures
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
-from ecume.laws.states import column_height, column_pressure
+from ecume.laws.hydrostatics import column_height, column_pressure
 from ecume.show.curves import (
     Frames,
     cut_spikes,

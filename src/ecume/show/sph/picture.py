@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba_array
 
-from ecume.analysis.fields import with_pressures
+from ecume.analysis.pressures import with_pressures
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
@@ -62,7 +62,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
 }
 """By the name that `ecume movie --color` takes; `region` colors by the [[fluid]] table of a particle."""
 DERIVED = ("hydrostatic_pressure", "dynamic_pressure", "absolute_pressure")
-"""Pressures that follow from the gauge pressure, see `ecume.analysis.fields`."""
+"""Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`."""
 
 
 def colorings_of(scene: SphScene) -> dict[str, Coloring | None]:

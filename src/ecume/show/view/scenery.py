@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ecume.analysis.boxes import box_of
-from ecume.analysis.fields import with_pressures
+from ecume.analysis.pressures import with_pressures
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import walls_of
 from ecume.scenes.soft.scene import SIDES as WALL_SIDES

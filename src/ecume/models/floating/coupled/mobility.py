@@ -33,7 +33,7 @@ from ecume.engine.contact.mobility_contacts import DenseRows, make_dense_rows
 from ecume.engine.linear_solvers.lanczos import root_product
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import pair_mobility
-from ecume.laws.flows import sway_velocity
+from ecume.laws.moving_dish import sway_velocity
 from ecume.laws.pair_mobility import rotne_prager, spin_by_force, spin_by_torque, surface_divergence
 from ecume.models.floating.contacts.collisions import (
     Friction,

@@ -29,7 +29,7 @@ from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, WORK, Parameters, State, is_driven, make_state
 from ecume.models.floating.setup.places import given_places, region_of
 from ecume.models.floating.time_integration.integration import WIDEST, inertia_of
-from ecume.models.model import Layout
+from ecume.models.layouts import Layout
 from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:

@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 from ecume._jit import admit, compiled, compiled_inside, composed, selected
 from ecume._tables import by_constants
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import brownian_motion, drag, flows
+from ecume.laws import brownian_motion, drag, moving_dish
 from ecume.laws.brownian_motion import diffusivity
 from ecume.laws.drag import schiller_naumann_factor
-from ecume.laws.flows import left_behind, sway_acceleration, sway_velocity
+from ecume.laws.moving_dish import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.coupled.many_floats import (
     GridKicks,
     add_work_on_grid,
@@ -70,7 +70,7 @@ from ecume.models.floating.shaped.bodies import (
 from ecume.models.model import DONE
 from ecume.units import Array
 
-admit(brownian_motion, drag, flows)
+admit(brownian_motion, drag, moving_dish)
 
 
 @compiled

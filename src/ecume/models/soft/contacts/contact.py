@@ -15,16 +15,17 @@ import math
 from typing import NamedTuple
 
 from ecume._jit import admit, compiled_inside, selection
-from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
+from ecume.laws import friction, interfaces, long_range, soft_contacts, soft_pair, surfaces
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES, Resistance
 from ecume.laws.long_range import REMOTE
-from ecume.laws.soft_pair import TANGENTIAL, TENSION, Bending, Draw, Prefactors, Widening
+from ecume.laws.soft_contacts import TANGENTIAL, TENSION, Bending, Draw, Widening
+from ecume.laws.soft_pair import Prefactors
 from ecume.laws.surfaces import SURFACES, Body, Surface
-from ecume.models.model import codes
+from ecume.models.law_codes import codes
 from ecume.models.soft.parameters import Contacts
 
-admit(soft_pair, long_range, surfaces, interfaces, friction)
+admit(soft_contacts, soft_pair, long_range, surfaces, interfaces, friction)
 
 FAINTEST = 1e-3
 """The fraction of its friction that a faded film keeps: its surfaces relax at once, so that no force jumps."""

@@ -1,4 +1,4 @@
-"""Neighbor search among many spheres by cells, with threads: the pairs of `contact_list.neighbors`, in the same order,
+"""Neighbor search among many spheres by cells, with threads: the pairs of `tree_search.neighbors`, in the same order,
 with the same bits. Each sphere writes its own row, so that nothing depends on the number of threads.
 """
 

@@ -9,7 +9,8 @@ import numpy as np
 from ecume.errors import Diverged
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.models.soft.cell import box_of
-from ecume.models.soft.contacts.contact_list import PairList, new_pairs, update_contact_list, wall_gaps
+from ecume.models.soft.contacts.contact_list import new_pairs, update_contact_list, wall_gaps
+from ecume.models.soft.contacts.tree_search import PairList
 from ecume.models.soft.contacts.walls import Walls, all_walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept, reset_to_start

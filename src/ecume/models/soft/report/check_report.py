@@ -12,8 +12,9 @@ from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import LARGE, SURFACES, Expected
 from ecume.models.costs import Content, frame_cost
 from ecume.models.gravity import gravity_text
+from ecume.models.law_codes import code_of
 from ecume.models.liquids import material_of
-from ecume.models.model import LONG, Row, code_of
+from ecume.models.model import LONG, Row
 from ecume.models.size_report import sizes_rows
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW

@@ -16,11 +16,11 @@ import numpy as np
 
 from ecume._portable import exp, log
 from ecume.engine.cells import Integers
-from ecume.laws.soft_pair import DEFINITE, TANGENTIAL, TENSION
+from ecume.laws.soft_contacts import DEFINITE, TANGENTIAL, TENSION
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
-from ecume.models.soft.contacts.contact_list import box_in, image_indices, wrapped
+from ecume.models.soft.contacts.tree_search import box_in, image_indices, wrapped
 from ecume.models.soft.contacts.user_forces import forces_across
 from ecume.models.soft.contacts.walls import all_walls
 from ecume.models.soft.integration.linear_solvers import begin_step

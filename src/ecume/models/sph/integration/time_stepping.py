@@ -41,10 +41,10 @@ from ecume.models.sph.rates.right_hand_side import (
     evaluate_accelerations,
     evaluate_density_rate,
     evaluate_rates,
-    shifts_needed,
     take_other_forces,
     take_shift,
 )
+from ecume.models.sph.rates.shifting import shifts_needed
 from ecume.models.sph.report.energy_budget import (
     add_diffusion_work,
     add_work,

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.laws.flows import group_velocity, viscous_decay, wave_frequency
 from ecume.laws.kernels import KERNELS
 from ecume.laws.states import density_at_enthalpy
 from ecume.laws.viscous import viscosity_of_alpha
+from ecume.laws.water_waves import group_velocity, viscous_decay, wave_frequency
 from ecume.laws.yield_stress import apparent_viscosity, creep_rate
 from ecume.models.costs import Content, frame_cost
 from ecume.models.gravity import gravity_text

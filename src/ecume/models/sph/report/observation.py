@@ -23,8 +23,9 @@ import numpy as np
 
 from ecume._portable import dot, product
 from ecume.engine.interpolation import added, dry, near, planes
+from ecume.laws.hydrostatics import hydrostatic_pressure
 from ecume.laws.kernels import kernel
-from ecume.laws.states import hydrostatic_pressure, tait_pressure
+from ecume.laws.states import tait_pressure
 from ecume.laws.wall_forces import between_planes, covered_part, smeared
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.boundaries.forces_on_solids import loads

@@ -25,9 +25,9 @@ from ecume.laws import (
     wall_forces,
     yield_stress,
 )
+from ecume.laws.hydrostatics import hydrostatic_fault
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.laws.liquids import ICE_POINT, LiquidProperties
-from ecume.laws.states import hydrostatic_fault
 from ecume.models.liquids import correlations_of, named_liquid
 from ecume.models.model import Source
 from ecume.models.sph.fields import Constants, Precision, constants_from
@@ -41,7 +41,7 @@ from ecume.models.sph.rates.methods import (
     PressureForce,
     PressureMethod,
 )
-from ecume.models.sph.rates.right_hand_side import SHIFTINGS
+from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of, solid_of
 from ecume.scenes.faults import suggestion

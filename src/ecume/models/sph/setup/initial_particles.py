@@ -14,15 +14,10 @@ import numpy as np
 from ecume.engine.outlines import Cloud
 from ecume.engine.shapes import Box, Cells, Flags, Part, Shape, apart, bounds_meet, covered_volume, scaled_to
 from ecume.errors import Fault, SceneError
-from ecume.laws.flows import (
-    ball_pressure,
-    channel_speed,
-    patch_pressure,
-    standing_wave_velocity,
-    taylor_green_pressure,
-    taylor_green_velocity,
-)
+from ecume.laws.drops import ball_pressure, patch_pressure
+from ecume.laws.flows import channel_speed, taylor_green_pressure, taylor_green_velocity
 from ecume.laws.states import density_at_enthalpy
+from ecume.laws.water_waves import standing_wave_velocity
 from ecume.models.sph.parameters import Liquid, Material
 from ecume.models.sph.setup.choices import held_pull, modified
 from ecume.models.sph.setup.packing import packed

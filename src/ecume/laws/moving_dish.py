@@ -1,0 +1,57 @@
+"""A dish that moves, as floats see it from inside: its position, velocity and acceleration."""
+
+from __future__ import annotations
+
+import math
+
+from ecume.units import (
+    Acceleration,
+    Force,
+    Friction,
+    Length,
+    Mass,
+    Number,
+    Rate,
+    Speed,
+    Time,
+)
+
+
+def sway_place(amplitude: Length, turning: Rate, time: Time) -> Length:
+    """Where a dish is that swings about A, from rest at 0: x = A (1 - cos(Omega t)).
+
+    >>> round(sway_place(2.0, math.pi, 1.0), 12)
+    4.0
+    """
+    return amplitude * (1.0 - math.cos(turning * time))
+
+
+def sway_velocity(amplitude: Length, turning: Rate, time: Time) -> Speed:
+    """Its velocity, A Omega sin(Omega t): the slope of `sway_place` in time.
+
+    >>> sway_velocity(2.0, 3.0, 0.0)
+    0.0
+    """
+    return amplitude * turning * math.sin(turning * time)
+
+
+def sway_acceleration(amplitude: Length, turning: Rate, time: Time) -> Acceleration:
+    """Its acceleration, A Omega^2 cos(Omega t): the slope of `sway_velocity` in time.
+
+    >>> sway_acceleration(2.0, 3.0, 0.0)
+    18.0
+    """
+    return amplitude * turning**2 * math.cos(turning * time)
+
+
+def left_behind(mass: Mass, friction: Friction, acceleration: Acceleration, velocity: Speed, slip: Number) -> Force:
+    """What a dish in motion does to a float, as seen from the dish: F = -s (m a + zeta V).
+
+    The liquid goes along with the part 1 - s of the dish's velocity V and acceleration a: what it is carried by at
+    s = 0 it does not feel, since liquid that is moved as a whole is in an even gravity, only a tilted one. At s = 1 the
+    liquid rests, and the float lags by its own inertia and by all of its drag.
+
+    >>> left_behind(2.0, 0.5, 3.0, 4.0, 0.0) == 0.0, left_behind(2.0, 0.5, 3.0, 4.0, 1.0)
+    (True, -8.0)
+    """
+    return -slip * (mass * acceleration + friction * velocity)
