@@ -1,5 +1,4 @@
-"""Liquids at rest under gravity: hydrostatic pressure, the exact compressible column, and pressures that contain
-weight.
+"""Liquids at rest under gravity: hydrostatic and absolute pressure, and the exact compressible column.
 
 `column_pressure` and `column_height` solve dp/dy = -rho g with Tait's law and p = 0 at the top: the exact state of a
 tank at rest. With c_0 = 10 sqrt(g H) the column is 0.487 % shorter than H, so that no comparison with rho_0 g (H - y)
