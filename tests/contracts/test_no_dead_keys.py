@@ -225,8 +225,8 @@ WAYS = {
 OF_TABLES = "particles.", "rows.", "fluid."
 ELSEWHERE = {
     "count": ("contacts.", "hydrodynamics.lubrication."),  # floats at random do not meet in so short a run
-    # It draws the places; and walls that no tracer meets in so short a run.
-    "placed": ("seed", "cell.minimum_gap", "tank.low", "tank.high", "tank.radius", "tank.vertices"),
+    # It draws the places; the first frame of what was compressed overlaps; and walls that no tracer meets.
+    "placed": ("seed", "cell.minimum_gap", "preparation.", "tank.low", "tank.high", "tank.radius", "tank.vertices"),
     # They place the particles, or give them densities.
     "particles": ("seed", "spacing", "method.jitter", "method.packing", "method.initial_pressure"),
 }

@@ -17,6 +17,7 @@ TABLES = {
     "[films]": soft.FilmSpec,
     "[long_range_forces]": soft.LongRangeSpec,
     "[cell]": soft.CellSpec,
+    "[preparation]": soft.PreparationSpec,
     "[hydrodynamics]": soft.SoftHydrodynamicsSpec,
     "[[walls]]": soft.WallSpec,
     "[[protocol]]": soft.StageSpec,

@@ -34,6 +34,8 @@ SHARED = {"particles": [{**LOOSE, "count": None, "volume_share": 0.5}, LOOSE], "
 SIZES = {"particles": [{"sizes": {"distribution": "normal", "mean": 0.98, "spread": 0.02}}]}
 HISTOGRAM = {"particles": [{"sizes": {"distribution": "histogram", "radii": [0.9, 0.98], "weights": [1.0, 1.0]}}]}
 
+PREPARED = {**SCATTERED, "preparation": {"volume_fraction": 0.65, "rate": 20.0, "relaxed": 0.5}}
+
 SAMPLES = {"output": {"samples": {"every": 2e-4, "block": 2, "numbers": ["elastic_energy"]}}}
 
 EFFECTS = {
@@ -104,6 +106,10 @@ EFFECTS = {
     "cell.size": of([4.2, 3.93], **SHEAR),
     "cell.volume_fraction": of(0.5, **SCATTERED),
     "cell.minimum_gap": of(0.1, **SCATTERED),
+    "preparation.volume_fraction": of(0.66, **PREPARED),
+    "preparation.pressure": of(2e-3, **{**PREPARED, "preparation": {"pressure": 1e-3, "rate": 20.0}}),
+    "preparation.rate": of(10.0, **PREPARED),
+    "preparation.relaxed": of(1e-3, **PREPARED),
     "walls.side": of("top", walls=[{"side": "bottom"}]),
     "walls.position": of(-0.1, **WALLS),
     "walls.modulus": of(2.0, **WALLS),

@@ -7,28 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume._portable import exp
 from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
 from ecume.laws.soft_contacts import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.costs import require_memory
-from ecume.models.diagnosis import DEEP, first_broken
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, NumberHistory, part_of
 from ecume.models.layouts import Layout
 from ecume.models.model import Model, Row, Source
-from ecume.models.soft.contacts.tree_search import box_in
 from ecume.models.soft.integration import dirk_schemes
 from ecume.models.soft.integration.dirk_schemes import error_of_run
 from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.protocol import interval_at, rules_at
-from ecume.models.soft.report.balance_report import remedies, unborne
+from ecume.models.soft.preparation import start, unprepared
 from ecume.models.soft.report.check_report import advice, bytes_of
-from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, deflections, observe, remedy, worst_contact
-from ecume.models.soft.setup import parameters_of, start
-from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, NO_BUDGET, State, make_state, workspace
+from ecume.models.soft.report.diagnosis import diagnosis
+from ecume.models.soft.report.observation import LARGE, SIZE_WORK, STAKE, observe
+from ecume.models.soft.setup import parameters_of
+from ecume.models.soft.state import ACCEPTED, NO_BUDGET, State, make_state, workspace
 from ecume.scenes.soft import SoftScene, tension_law_of
-from ecume.units import with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
@@ -53,46 +49,6 @@ def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
     return Layout(blank, indices, {"order": count})
 
 
-def diagnosis(parameters: Parameters, state: State) -> str:
-    """The sphere that left the range of validity, the time, and the remedy."""
-    when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
-    broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
-    report = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
-    found = deflections(parameters, state)
-    rules = rules_at(parameters.protocol, interval_at(parameters.protocol, float(state.pace[CLOCK])))
-    if not broken and (cause := unborne(parameters, state, rules)):
-        return f"{when} no step is short enough; {cause}"
-    if broken or not np.isfinite(found.magnitude).all():
-        cure = "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
-    else:
-        report = "; ".join(filter(None, (report, worst_contact(found))))
-        cure = remedy(found, parameters.contacts)
-    if any(rules) and not parameters.drag.any():
-        cure += f"; a packing too loose for its stress: {remedies(parameters)}"
-    return f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {report}: {cure}"
-
-
-def _closest(parameters: Parameters, state: State) -> str:
-    """The film whose gap is no number, the spheres that are in one another, or the narrowest gap."""
-    contacts, box = int(state.contacts[0]), box_in(parameters, state)
-    if contacts == 0:
-        return "no sphere has a film with another"
-    pair, image = state.pair[:contacts], state.image[:contacts]
-    with np.errstate(over="ignore"):
-        gap = exp(state.log_gap[:contacts])
-    between = state.position[pair[:, 1]] - state.position[pair[:, 0]] + image * box.sides
-    between[:, 0] += box.tilt * image[:, 1]
-    depth = parameters.radius[pair].sum(axis=1) - np.linalg.norm(between, axis=1)
-    none, deepest = first_broken({"gap": gap}), int(np.argmax(depth))
-    if none is None and depth[deepest] > DEEP * parameters.radius.min():
-        return f"spheres {pair[deepest, 0]} and {pair[deepest, 1]} overlap by {with_prefix(depth[deepest], 'm', 3)}"
-    at = int(np.argmin(gap)) if none is None else none.particle
-    what = (
-        f"the narrowest gap, {with_prefix(gap[at], 'm', 3)}, is" if none is None else "there is no finite gap any more"
-    )
-    return f"{what} between spheres {pair[at, 0]} and {pair[at, 1]}"
-
-
 def extended(laws: Sequence[BoundLaw]) -> Model:
     """Soft spheres with laws of the user."""
     from ecume.models.soft import user_laws
@@ -103,7 +59,7 @@ def extended(laws: Sequence[BoundLaw]) -> Model:
 def summary(scene: SoftScene) -> list[Row]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
     parameters = checked_parameters(scene)
-    return advice(scene, parameters, start(scene, parameters))
+    return advice(scene, parameters, unprepared(scene, parameters))
 
 
 # --- What soft spheres must not lose: the balance of forces on each, the films between them, and energy

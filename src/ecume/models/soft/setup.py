@@ -283,7 +283,9 @@ def parameters_of(scene: SoftScene) -> Parameters:
 
 
 def start(scene: SoftScene, parameters: Parameters) -> State:
-    """The state at time 0: spheres in place, films without flow, and the first forces balanced by deflections."""
+    """The state without a preparation: spheres in place, films without flow, and the first forces balanced by
+    deflections.
+    """
     position = places(scene, parameters)
     drive = drive_at(parameters.protocol, 0.0)
     require_gaps(parameters, position, box_of(parameters.box, shape_at(parameters.box, drive), parameters.dimensions))
@@ -294,18 +296,18 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     state = make_state(parameters, position, room)
     state.cell[:] = shape_at(parameters.box, drive_at(parameters.protocol, 0.0))
     open_all(parameters, state)
-    state.pace[LENGTH] = _first_length(scene, parameters, state)
+    state.pace[LENGTH] = first_length(scene, parameters, state)
     if not parameters.drag.any():
         require_hold(parameters, state)
         require_no_torque(parameters, state)
     if cause := unmet_wall(parameters, state):
         raise SceneError([Fault("walls", cause)])
     if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)) or len(parameters.walls.free):
-        _balance(parameters, state)
+        balance_first(parameters, state)
     return state
 
 
-def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> float:
+def first_length(scene: SoftScene, parameters: Parameters, state: State) -> float:
     """The first step (s)."""
     longest = min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
     drive, wave = drive_at(parameters.protocol, 0.0), parameters.protocol.waves[0]
@@ -320,7 +322,7 @@ def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> flo
     return float(min(max(FIRST_STEP * longest, part * math.exp(gaps.min()) / speed), longest))
 
 
-def _balance(parameters: Parameters, state: State) -> None:
+def balance_first(parameters: Parameters, state: State) -> None:
     """Balance the first state. Raises SceneError with the reason where there is no balance."""
     drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
     at, scratch = (drive, drive, rules), workspace(parameters, state, 1.0)

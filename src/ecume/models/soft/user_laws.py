@@ -18,6 +18,7 @@ from ecume.errors import BadInput
 from ecume.models.model import Model
 from ecume.models.soft.contacts.user_forces import INTERVALS, Tables, log_gaps, table_of
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.preparation import unprepared
 from ecume.models.soft.report.check_report import advice
 from ecume.models.user_laws import PAIR, BoundLaw, compiled_for_laws, masks_of, require_force, require_kinds
 from ecume.scenes.soft import SoftScene
@@ -49,7 +50,7 @@ def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
 
     def summary(scene: SoftScene) -> list[tuple[str, str, str]]:
         parameters = parameters_of(scene)
-        return advice(scene, parameters, model.start(scene, parameters))
+        return advice(scene, parameters, unprepared(scene, parameters))
 
     return dataclasses.replace(model, parameters=parameters_of, summary=summary)
 

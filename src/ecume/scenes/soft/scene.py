@@ -35,7 +35,7 @@ from ecume.scenes.soft.protocol import (
     end_of,
     protocol_faults,
 )
-from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity, with_prefix
+from ecume.units import ROOM, Energy, Force, Number, Pressure, Rate, SurfaceTension, Unit, Viscosity, with_prefix
 
 Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]
 Side = Literal["left", "right", "bottom", "top", "front", "back"]
@@ -121,6 +121,7 @@ Coefficient = Annotated[Number, Field(ge=0.0, le=100.0)]
 Prefactor = Annotated[Number, Field(gt=1e-6, le=1e6)]
 Weight = Annotated[Number, Field(ge=1e-6, le=1e6)]
 Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
+CompressionRate = Annotated[Rate, Field(gt=0.0, le=1e9)]
 Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 """Two coordinates in 2D, three in 3D."""
 ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
@@ -328,6 +329,32 @@ class CellSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class PreparationSpec:
+    """How a random packing is made before time 0: compressed alike along all axes, and left alone until its forces are
+    nearly constant. Loads, torques and gravity act from time 0 on.
+    """
+
+    volume_fraction: Filling | None = None
+    """The volume fraction to which the packing is compressed; that of the cell is where it begins. The sides at time 0
+    are those of this fraction. Example: `0.86`. Effect: denser packings bear larger stresses."""
+    pressure: Stress | None = None
+    """The pressure to which the packing is compressed, and at which it is left (Pa; N/m in 2D), instead of a fraction.
+    Example: `"10 Pa"`. Effect: higher pressures leave denser packings."""
+    rate: CompressionRate
+    """The rate at which the sides are shortened (1/s). Effect: slower compression leaves time for rearrangements, and
+    costs time."""
+    relaxed: Annotated[Number, Field(ge=1e-6, le=1.0)] = 0.01
+    """The part of the forces on contacts by which they still change within a time of 1/rate when time 0 begins; both
+    are root mean squares. Effect: smaller values leave the packing to itself for longer."""
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.volume_fraction is None) == (self.pressure is None):
+            raise Inconsistent([((), "expected either volume_fraction or pressure")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class IntegrationSpec:
     """The time integration: implicit, with steps as long as the tolerance allows."""
 
@@ -366,6 +393,8 @@ class SoftScene(Common):
     densities. Effect: spheres settle or rise in proportion to it."""
     cell: CellSpec | None = None
     """The periodic cell; without it space is infinite. Effect: allows homogeneous shear and compression."""
+    preparation: PreparationSpec | None = None
+    """How the packing is compressed and relaxed before time 0. Effect: the run begins with a packing at rest."""
     walls: tuple[WallSpec, ...] = ()
     """Plane walls; the cell is not periodic across them. Effect: spheres rest on them or are compressed between
     them."""
@@ -389,6 +418,7 @@ class SoftScene(Common):
         object.__setattr__(self, "particles", shared_out(self.particles, dimensions_of(self)))
         complaints = [
             *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_too_dense(self), *_cutoff(self),
+            *_preparation(self),
         ]  # fmt: skip
         if complaints:
             raise Inconsistent(complaints)
@@ -396,16 +426,31 @@ class SoftScene(Common):
 
 
 def sides_of(scene: SoftScene) -> tuple[float, ...]:
-    """The sides of the box at scale 1 (m), from the volume fraction; empty without a box."""
+    """The sides of the box at scale 1 (m), from the volume fraction, after a preparation from its own; empty without a
+    box.
+    """
     if scene.cell is None:
         return ()
     size, expected = scene.cell.size, scene.cell.volume_fraction
+    if scene.preparation is not None:
+        expected = scene.preparation.volume_fraction or expected
     if expected is None:
         return size
-    unit, power = (math.pi, 2) if len(size) == 2 else (4.0 / 3.0 * math.pi, 3)
-    volume = sum(one.number * unit * mean_power(one, power, one.number) for one in scene.particles)
-    factor = (volume / expected / math.prod(size)) ** (1.0 / len(size))
+    factor = (volume_of(scene) / expected / math.prod(size)) ** (1.0 / len(size))
     return tuple(factor * side for side in size)
+
+
+def volume_of(scene: SoftScene) -> float:
+    """The volume of all undeformed spheres (m^3); in 2D the area of their sections (m^2)."""
+    unit, power = (math.pi, 2) if dimensions_of(scene) == 2 else (4.0 / 3.0 * math.pi, 3)
+    return sum(one.number * unit * mean_power(one, power, one.number) for one in scene.particles)
+
+
+def first_fraction(scene: SoftScene) -> float:
+    """The volume fraction at which spheres are placed at random; 0 without a box."""
+    if scene.cell is None:
+        return 0.0
+    return scene.cell.volume_fraction or volume_of(scene) / math.prod(scene.cell.size)
 
 
 def tension_law_of(scene: SoftScene) -> str:
@@ -487,6 +532,28 @@ def _protocol(scene: SoftScene) -> Complaints:
         if end_of(stage) > max(scene.duration * (1.0 + 1e-9), stage.time)
     ]
     return [(("protocol", *path), message) for path, message in found]
+
+
+def _preparation(scene: SoftScene) -> Complaints:
+    """The faults of a preparation: without a periodic cell, of the wrong unit, or to a size that is not the first."""
+    spec = scene.preparation
+    if spec is None:
+        return []
+    if scene.cell is None or scene.walls:
+        return [(("preparation",), "is that of a [cell] without walls; walls have a pressure")]
+    if fault := STRESS.fault(spec.pressure, dimensions_of(scene)):
+        return [(("preparation", "pressure"), fault)]
+    found: Complaints = []
+    goal, begin = spec.volume_fraction, first_fraction(scene)
+    if goal is not None and goal <= begin:
+        found.append((("preparation", "volume_fraction"), f"got {goal:g}; expected more than the cell's {begin:.4g}"))
+    for index, stage in enumerate(scene.protocol):
+        if stage.time == 0.0 and (stage.strain or (stage.scale or 1.0) != 1.0):
+            found.append((("protocol", index), "expected neither a strain nor a scale at time 0, after a preparation"))
+        elif stage.scale is not None and spec.pressure is not None:
+            cause = "cannot be reached after a preparation to a pressure; expected height_rate, normal_stress, pressure"
+            found.append((("protocol", index, "scale"), cause))
+    return found
 
 
 def _cutoff(scene: SoftScene) -> Complaints:

@@ -180,6 +180,8 @@ def missed_work(parameters: Parameters, state: State, step: Step, before: float)
     grown = elastic_energy_at_end(contacts, step) + remote_energy(contacts, step) - before
     dissipated = line[FILMS] + line[DRAG]
     missing = abs(line[INJECTED] - dissipated - line[SIZE] - grown)
+    if not math.isfinite(missing):
+        return math.inf
     spent = float(state.budget[FILMS] + state.budget[DRAG])
     moved = abs(dissipated) + abs(grown) + PART_OF_RUN * (spent + stake(step))
     rounding = LEAST_WORK * float((parameters.modulus * parameters.radius**3).sum())

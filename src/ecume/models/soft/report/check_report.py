@@ -20,10 +20,10 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR
-from ecume.models.soft.report.observation import widths
+from ecume.models.soft.report.observation import STRESS, widths
 from ecume.models.soft.setup import fillings, prefactors_of
 from ecume.models.soft.state import State
-from ecume.scenes.soft import SoftScene, sides_of, tension_law_of
+from ecume.scenes.soft import SoftScene, dimensions_of, first_fraction, sides_of, tension_law_of
 from ecume.units import Array, duration_text, size_text, with_prefix
 
 JAMMED = {2: 0.84, 3: 0.64}
@@ -134,6 +134,11 @@ def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> li
         jammed = jamming_fraction(parameters.radius, parameters.dimensions)
         remark = f"at most; random packings of these sizes jam at {jammed:.3g}"
         rows.append(("volume fraction", f"{filled:.4g}", remark))
+    if (spec := scene.preparation) is not None:
+        unit, fraction = STRESS[parameters.dimensions], spec.volume_fraction or 0.0
+        goal = f"{fraction:g}" if spec.pressure is None else with_prefix(spec.pressure, unit, 3)
+        remark = f"before time 0, from a volume fraction of {first_fraction(scene):.4g} at {spec.rate:g}/s"
+        rows.append(("compressed to", goal, remark))
     gaps = log_gaps_of(state)
     narrowest = math.exp(gaps.min()) if len(gaps) else math.inf
     return [
@@ -276,7 +281,7 @@ def steps_of(scene: SoftScene, parameters: Parameters) -> float:
     scheme = SCHEMES[parameters.scheme]
     finer = (1e-3 / parameters.tolerance) ** scheme.refinement
     straining = scheme.straining * math.sqrt(min(len(parameters.radius) / SATURATED, 1.0))
-    strain = strain_of(parameters, end)
+    strain = strain_of(parameters, end) + prepared_strain(scene)
     steps = finer * (scheme.relaxing * turns + straining * strain**2 / (strain + THINNED))
     return float(max(steps, scene.frames))
 
@@ -291,6 +296,14 @@ def strain_of(parameters: Parameters, end: float) -> float:
         total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])
     moving = np.abs(parameters.walls.surfaces.velocity).max(initial=0.0)
     return float(total + moving * end / (10.0 * parameters.radius.max()))
+
+
+def prepared_strain(scene: SoftScene) -> float:
+    """By how much the sides are shortened before time 0, in search of a pressure up to random packing at least."""
+    if scene.preparation is None:
+        return 0.0
+    goal = scene.preparation.volume_fraction or JAMMED[dimensions_of(scene)]
+    return max(math.log(goal / first_fraction(scene)) / dimensions_of(scene), 0.0)
 
 
 def shear_of(parameters: Parameters, end: float) -> float:
