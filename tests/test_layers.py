@@ -110,6 +110,47 @@ def test_circles_are_found_wherever_the_import_stands(line):
     assert circle_in({**graph, "ecume.b": set()}) == []
 
 
+def trees_on_the_page() -> dict[str, list[str]]:
+    """The modules of each tree on the page about the architecture, by their package and in their order."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```\n([a-z/]+)/\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return {
+        f"ecume.{folder.replace('/', '.')}": [line.split()[0].replace("/", ".") for line in lines.splitlines()]
+        for folder, lines in blocks
+        if folder.startswith(("models/", "scenes"))
+    }
+
+
+def imports_below(package: str, order: list[str]) -> list[str]:
+    """The imports of a package's modules of others that do not come earlier in this order."""
+    places = {f"{package}.{name}": place for place, name in enumerate(order)}
+    texts = {name: files()[name].read_text(encoding="utf-8") for name in places}
+    return [
+        f"{name} imports {other}"
+        for name, text in texts.items()
+        for other in sorted(imports_in(text, name, files().keys()))
+        if places.get(other, -1) > places[name]
+    ]
+
+
+@pytest.mark.parametrize("package", ["models.floating", "models.sph", "models.soft", "models.tracers", "scenes"])
+def test_the_tree_of_a_package_on_the_page_has_its_files_in_the_order_of_imports(package):
+    order = trees_on_the_page()[f"ecume.{package}"]
+    modules = {
+        name.removeprefix(f"ecume.{package}.")
+        for name, path in files().items()
+        if name.startswith(f"ecume.{package}.") and path.name != "__init__.py"
+    }
+    assert sorted(order) == sorted(modules), "docs/architecture.md has a line for each file of the package"
+    assert imports_below(f"ecume.{package}", order) == []
+
+
+def test_an_import_of_a_later_line_is_found():
+    assert imports_below("ecume.models.floating", ["record", "parameters"]) == [
+        "ecume.models.floating.record imports ecume.models.floating.parameters"
+    ]
+
+
 def test_no_module_imports_a_higher_layer_by_a_string():
     found = {path.relative_to(PACKAGE).as_posix(): names for path in PACKAGE.rglob("*.py") if (names := upward(path))}
     assert found == {}

@@ -122,8 +122,11 @@ def test_a_name_of_a_module_that_is_gone_is_found():
     assert found == ["walls.menisci", "walls.menisci.table_of", "dish_outlines"]
 
 
-def test_files_and_names_on_the_page_about_architecture_exist():
-    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize(
+    "page", ["architecture", *sorted(f"decisions/{page.stem}" for page in (ROOT / "docs" / "decisions").glob("*.md"))]
+)
+def test_files_and_names_on_pages_about_architecture_exist(page):
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
     files = set(re.findall(r"`([\w./]+\.py)`", text))
     folders = [ROOT / name for name in ("src", "tests", "docs", "benchmarks")]
     there = [path.as_posix() for folder in folders for path in folder.rglob("*.py")]
