@@ -1,6 +1,7 @@
-"""No test asserts what cannot fail."""
+"""No test asserts what cannot fail, and each asserts something, itself or by a helper."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -40,3 +41,51 @@ def test_no_assertion_of_the_tests_is_empty():
         for line in empty_assertions(ast.parse(file.read_text(encoding="utf-8")))
     }
     assert found == set()
+
+
+OF_PYTEST = re.compile(r"raises|warns|assert_\w+")
+"""Calls that assert."""
+
+
+def called_by(function):
+    """The names of what a function calls."""
+    names = (node.func for node in ast.walk(function) if isinstance(node, ast.Call))
+    return {getattr(name, "attr", getattr(name, "id", "")) for name in names}
+
+
+def asserts(function, helpers):
+    """Whether a function asserts something, itself, by pytest or NumPy, by a child process, or by one of these."""
+    called = called_by(function)
+    return (
+        any(isinstance(node, ast.Assert) for node in ast.walk(function))
+        or any(OF_PYTEST.fullmatch(name) for name in called)
+        or bool(called & helpers)
+        or any(
+            each.arg == "check" for node in ast.walk(function) if isinstance(node, ast.Call) for each in node.keywords
+        )
+    )
+
+
+def helpers_among(functions):
+    """The names of functions that assert, some of them by others."""
+    found, before = set(), None
+    while before != found:
+        before = set(found)
+        found |= {each.name for each in functions if asserts(each, found)}
+    return found
+
+
+def test_each_test_asserts_something():
+    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in HERE.rglob("*.py")}
+    functions = [node for tree in trees.values() for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    helpers = helpers_among([each for each in functions if not each.name.startswith("test_")])
+    silent = {each.name for each in functions if each.name.startswith("test_") and not asserts(each, helpers)}
+    assert silent == set()
+
+
+def test_a_test_that_asserts_nothing_is_found():
+    tree = ast.parse(
+        "def sure():\n    assert x()\ndef surer():\n    sure()\ndef test_a():\n    surer()\ndef test_b():\n    run(1)\n"
+    )
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    assert [each.name for each in functions if not asserts(each, helpers_among(functions[:2]))] == ["test_b"]

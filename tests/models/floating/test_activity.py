@@ -84,7 +84,7 @@ def test_all_work_of_active_forces_is_injected(integrator):
     assert numbers["injected_work"] > 0.0
 
 
-def test_only_the_active_species_moves_and_a_resumed_run_has_the_same_bits():
+def test_only_the_active_species_moves():
     floats = "".join(
         f'[[particles]]\nname = "{name}"\nradius = {RADIUS}\ndensity = 1500.0\ncontact_angle = 1.2\n'
         f"positions = [[{place}, 0.0]]\n"
@@ -94,12 +94,8 @@ def test_only_the_active_species_moves_and_a_resumed_run_has_the_same_bits():
     scene = scene_of(WATER + floats + activity + SLOW + ALONE, duration=1.0, frame_every=0.1)
     parameters, whole, workspace = begun(scene)
     assert FLOATING.advance(parameters, whole, workspace, 10) == 0
-    state = FLOATING.start(scene, parameters)
-    for _ in range(2):
-        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 5) == 0
-    assert all(np.array_equal(one, other) for one, other in zip(state, whole, strict=True))
-    assert np.hypot(*state.position[0]) > 0.0
-    assert state.position[1].tolist() == [1e-3, 0.0]
+    assert np.hypot(*whole.position[0]) > 0.0
+    assert whole.position[1].tolist() == [1e-3, 0.0]
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ from ecume.errors import SceneError
 from ecume.laws.drag import sphere_inertia, sphere_turning_friction, turning_factor
 from ecume.models import MODELS
 from ecume.models.floating.setup.kinds import float_kinds
-from ecume.simulation import moments, simulate
+from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, WATER, scene_of
-from tests.models.floating.test_rafts import copied, digest, end_of
+from tests.models.floating.test_rafts import digest, end_of
 
 CROWD = (
     f'[[particles]]\nname = "a"\ncount = 25\n{HEAVY}'
@@ -95,26 +95,6 @@ def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among
     # With so much friction a braced raft may have no solution that sweeps find: rarely, and never without.
     assert last["unconverged_steps"] <= (5 if among == 1.0 else 0)
     assert last["deepest_overlap"] < 1e-3 * 1e-3
-
-
-@pytest.mark.long
-@pytest.mark.compiled
-@pytest.mark.parametrize(
-    ("integrator", "duration"),
-    [("velocity-verlet", 0.5), ("semi-implicit-euler", 0.5), pytest.param("overdamped", 0.1, marks=pytest.mark.long)],
-)
-def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, duration):
-    body = f"{WATER}[[particles]]\ncount = 25\n{HEAVY}[dish]\nradius = 0.012\nfriction = 0.2\n"
-    scene = scene_of(
-        f'{body}[contacts]\nfriction = 0.4\n[integration]\nintegrator = "{integrator}"\n',
-        duration=duration,
-        frame_every=0.05,
-    )
-    whole = end_of(scene)
-    halves = [copied(moment.state) for moment in moments(scene, patience=1e-3) if moment.step % 37 == 1]
-    assert len(halves) > 0
-    for half in halves[:: max(1, len(halves) // 3)]:
-        assert end_of(scene, state=half) == whole
 
 
 @pytest.mark.long

@@ -98,21 +98,6 @@ def test_the_drift_is_the_divergence_of_the_matrix(spins):
     assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("contacts", ["friction = 0.3", 'law = "none"'])
-def test_half_a_run_and_half_a_run_with_noise_are_a_run(contacts):
-    """With a new workspace in the middle, bit for bit."""
-    places = 2e-6 * 1.02 / 2.0 * compact_raft(4)
-    body = f"[[particles]]\nradius = 1e-6\ndensity = 2000.0\ncontact_angle = 1.2\npositions = {places.tolist()}\n"
-    scene = scene_of(f"{WATER}{body}{MOTION}brownian = true\n[contacts]\n{contacts}\n", duration=1.0, frame_every=1.0)
-    parameters, whole, workspace = begun(scene)
-    assert FLOATING.advance(parameters, whole, workspace, 8) == 0
-    state = FLOATING.start(scene, parameters)
-    for _ in range(2):
-        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 4) == 0
-    assert all(np.array_equal(one, other) for one, other in zip(state, whole, strict=True))
-    assert np.ptp(whole.position - places) > 0.0
-
-
 def test_the_step_follows_the_speed_of_rafts_within_the_range_of_the_forces():
     """In a dish of many rafts the step is shorter than without the interaction, but not by all floats' number."""
     found = {}

@@ -89,18 +89,6 @@ def test_the_work_of_the_field_closes_the_energy_budget(integrator):
     assert abs(numbers["injected_work"]) > 0.3 * scale
 
 
-def test_a_resumed_run_has_the_same_bits():
-    field = "amplitude = [2e-3, 2e-3, 0.0]\nfrequency = 5.0\nphase = [0.0, -1.5707963, 0.0]\n"
-    scene = beads([(0.0, 0.0), (1.4e-3, 2e-4)], field)
-    parameters, whole, workspace = begun(scene)
-    assert FLOATING.advance(parameters, whole, workspace, 10) == 0
-    state = FLOATING.start(scene, parameters)
-    for _ in range(2):
-        assert FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 5) == 0
-    assert all(np.array_equal(one, other) for one, other in zip(state, whole, strict=True))
-    assert not np.array_equal(whole.position, [[0.0, 0.0], [1.4e-3, 2e-4]])
-
-
 def test_what_cannot_be_is_refused_with_the_reason():
     with pytest.raises(SceneError, match="fish"):
         FLOATING.parameters(beads([(0.0, 0.0)], 'species = ["fish"]\n'))

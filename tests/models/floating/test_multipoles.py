@@ -22,7 +22,7 @@ from ecume.scenes.floating import (
     InteractionSpec,
 )
 from ecume.scenes.load import load_scene
-from ecume.simulation import moments, simulate
+from ecume.simulation import simulate
 from tests.models import begun
 
 SMALL = 0.27e-3
@@ -96,19 +96,6 @@ def test_a_raft_of_seven_small_discs_is_held_six_times_as_hard_as_superposition_
     }
     assert pull["multipole"] / pull["superposition"] == pytest.approx(5.74, abs=0.1)
     assert pull["superposition"] < pull["pair-corrected"] < pull["multipole"]
-
-
-@pytest.mark.long
-@pytest.mark.compiled
-@pytest.mark.parametrize("method", ["multipole", "pair-corrected"])
-def test_half_a_run_and_half_a_run_are_a_run_to_the_bit(method):
-    scene = discs(np.array([[0.0, 0.0], [3.1e-3, 0.0], [1.0e-3, 3.0e-3]]), method, dish=DishSpec(radius=8e-3), order=5)
-    *_, whole = moments(scene, patience=0.0)
-    halfway = next(moment for moment in moments(scene) if moment.step * 2 >= moment.steps)
-    half = type(halfway.state)(*(array.copy() for array in halfway.state))
-    *_, resumed = moments(scene, state=half)
-    for name, a, b in zip(half._fields, whole.state, resumed.state, strict=True):
-        assert np.array_equal(a, b), name
 
 
 @pytest.mark.long

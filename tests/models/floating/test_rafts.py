@@ -10,9 +10,6 @@ from tests.models.floating.bowls import HEAVY, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]
 
-OTHERS = ("explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4")
-"""Integrators beside the default one, each of which is compiled by itself."""
-
 
 @pytest.mark.long
 @pytest.mark.compiled
@@ -39,33 +36,11 @@ def digest(state):
     return hashlib.sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state)).hexdigest()
 
 
-def copied(state):
-    return type(state)(*[array.copy() for array in state])
-
-
 def end_of(scene, **how):
     moment = None
     for moment in moments(scene, **how):  # noqa: B007  # the last one counts
         pass
     return digest(moment.state)
-
-
-@pytest.mark.compiled
-@pytest.mark.parametrize(
-    "integrator", ["velocity-verlet", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)]
-)
-def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
-    scene = scene_of(
-        f"{WATER}[[particles]]\ncount = 30\n{HEAVY}[dish]\nradius = 0.012\n"
-        f'[integration]\nintegrator = "{integrator}"\n',
-        duration=1.0,
-        frame_every=0.05,
-    )
-    whole = end_of(scene)
-    halves = [copied(moment.state) for moment in moments(scene, patience=1e-3) if moment.step % 37 == 1]
-    assert len(halves) > 0
-    for half in halves[:: max(1, len(halves) // 4)]:
-        assert end_of(scene, state=half) == whole
 
 
 @pytest.mark.compiled

@@ -243,19 +243,6 @@ def test_overdamped_and_inertial_shapes_go_the_same_way_in_syrup():
 
 @pytest.mark.long
 @pytest.mark.compiled
-def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_shapes():
-    scene = ellipsoid_pair(0.5, -0.4, apart=1.05e-3, duration=0.2, frame_every=0.1)
-    *_, whole = moments_of(scene, patience=0.0)
-    halfway = next(moment for moment in moments_of(scene) if moment.step * 2 >= moment.steps)
-    half = type(halfway.state)(*(array.copy() for array in halfway.state))
-    *_, resumed = moments_of(scene, state=half)
-    assert whole.state.touches[0] > 0
-    for name, a, b in zip(half._fields, whole.state, resumed.state, strict=True):
-        assert np.array_equal(a, b), name
-
-
-@pytest.mark.long
-@pytest.mark.compiled
 def test_threads_change_no_bit_of_shapes():
     scene, found = billiard(0.5, duration=0.02), []
     try:

@@ -8,9 +8,8 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws.friction import dashpot_restitution
 from ecume.models import MODELS
-from ecume.simulation import moments, simulate
+from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, WATER, colliding, scene_of, two_floats
-from tests.models.floating.test_rafts import copied, end_of
 
 SOFT = 'law = "spring-dashpot"\n'
 
@@ -73,20 +72,6 @@ def test_a_pair_rests_where_the_spring_holds_its_pull():
     assert 2e-3 - apart == pytest.approx(pull / parameters.parts.contacts.stiffness, rel=1e-3)
     assert 0.0 < 2e-3 - apart < 1e-6
     assert last.numbers["largest_speed"] < 1e-8
-
-
-@pytest.mark.long
-@pytest.mark.compiled
-def test_soft_contacts_resume_bit_for_bit():
-    scene = scene_of(
-        f"{WATER}[[particles]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.009\n[contacts]\n{SOFT}",
-        duration=0.2,
-        frame_every=0.02,
-    )
-    whole = end_of(scene)
-    halves = [copied(moment.state) for moment in moments(scene, patience=1e-3) if moment.step % 37 == 1]
-    assert len(halves) > 0
-    assert {end_of(scene, state=half) for half in halves[:: max(1, len(halves) // 3)]} == {whole}
 
 
 def test_a_dashpot_takes_more_the_stiffer_it_is():

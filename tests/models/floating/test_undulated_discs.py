@@ -11,7 +11,7 @@ from ecume.models.floating import FLOATING
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, FloatingScene, FloatSpec, HydrodynamicsSpec, InteractionSpec, LiquidSpec
-from ecume.simulation import moments, simulate
+from ecume.simulation import simulate
 from tests.models import begun
 
 RADIUS, HEIGHT = 0.3e-3, 15e-6
@@ -98,18 +98,6 @@ def test_energy_and_both_momenta_last_while_two_turn_and_nothing_drags():
     assert moving == pytest.approx(-lost, rel=5e-3)
     spun = np.sum(inertia * np.abs(arrays["spin"]))
     assert frames[-1].numbers["angular_momentum"] == pytest.approx(0.0, abs=1e-5 * spun)
-
-
-@pytest.mark.long
-@pytest.mark.compiled
-def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_what_turns():
-    scene = pair((0.5, None), mode=3)
-    *_, whole = moments(scene, patience=0.0)
-    halfway = next(moment for moment in moments(scene) if moment.step * 2 >= moment.steps)
-    half = type(halfway.state)(*(array.copy() for array in halfway.state))
-    *_, resumed = moments(scene, state=half)
-    for name, a, b in zip(half._fields, whole.state, resumed.state, strict=True):
-        assert np.array_equal(a, b), name
 
 
 def test_what_turns_needs_multipoles():

@@ -207,17 +207,6 @@ def test_threads_do_not_change_bits():
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
 
 
-@pytest.mark.compiled
-def test_half_a_run_and_half_a_run_are_a_run():
-    scene = tank(8)
-    whole = after(scene, 12)[1]
-    parameters, state, _ = after(scene, 6)
-    state = type(state)(*(array.copy() for array in state))
-    assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 6) == DONE
-    for one, other in zip(whole, state, strict=True):
-        np.testing.assert_array_equal(one, other)
-
-
 def test_a_step_without_convergence_is_an_error_that_says_so():
     parameters, state, workspace = begun(tank(integration={"pressure_iterations": 1, "pressure_tolerance": 1e-9}))
     assert SPH.advance(parameters, state, workspace, 1) == DIVERGED

@@ -12,7 +12,6 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.state import ENTERED, LEFT, LOST, NEXT
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, tank
-from tests.models.sph.test_runs import copy_of
 
 
 def channel(**more):
@@ -113,15 +112,6 @@ def test_what_leaves_through_an_outflow_leaves_along_it():
     (now,) = np.flatnonzero(state.identity == name)
     assert state.zone[now] > 0
     assert state.velocity[:, now].tolist() == [0.7, 0.0]
-
-
-@pytest.mark.compiled
-def test_half_a_run_of_a_channel_and_half_a_run_are_a_run():
-    scene = channel()
-    whole = integrated_through(scene, 80)
-    again = integrated_through(scene, 43, copy_of(integrated_through(scene, 37)))
-    for name, one, other in zip(whole._fields, whole, again, strict=True):
-        assert np.array_equal(one, other), name
 
 
 def test_profiles_have_the_mean_that_was_asked_for():

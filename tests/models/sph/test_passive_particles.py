@@ -75,18 +75,6 @@ def test_a_light_grain_rises_and_a_grain_stays_above_the_bottom():
     assert last.arrays["mass"][-2:].tolist() == [0.0, 0.0]
 
 
-def test_eddies_scatter_the_same_way_on_resume():
-    spec = {"count": 20, "low": [0.01, 0.01], "high": [0.02, 0.02], "turbulent_dispersion": True}
-    scene = cup(spec, turbulence="smagorinsky", jitter=0.2)
-    parameters = SPH.parameters(scene)
-    whole, half = SPH.start(scene, parameters), SPH.start(scene, parameters)
-    SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 6)
-    SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 3)
-    SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 3)
-    assert np.array_equal(whole.passive_position, half.passive_position)
-    assert np.abs(whole.passive_position - parameters.passive_tracers.position).max() > 0.0
-
-
 @pytest.mark.parametrize(
     "spec",
     [

@@ -15,7 +15,6 @@ from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import tank
-from tests.models.sph.test_runs import copy_of, integrated
 from tests.models.sph.test_solids import changed
 
 SHAKE = {"amplitude": [0.05, 0.0], "frequency": 0.2}
@@ -91,17 +90,6 @@ def test_a_wall_that_starts_moving_does_work_on_the_liquid():
     gained = frames[-1].numbers["total_energy"] - frames[0].numbers["total_energy"]
     assert work > 0.02
     assert gained == pytest.approx(work, rel=0.25)
-
-
-@pytest.mark.compiled
-def test_half_a_run_that_is_shaken_and_half_a_run_are_a_run():
-    scene = with_side(changed(tank(), base_excitation=SHAKE), "right", motion=PUSH)
-    parameters, whole = integrated(scene, 40)
-    _, half = integrated(scene, 17)
-    again = copy_of(half)
-    SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 23)
-    for name, one, other in zip(whole._fields, whole, again, strict=True):
-        assert np.array_equal(one, other), name
 
 
 @pytest.mark.parametrize(

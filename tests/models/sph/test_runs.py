@@ -27,17 +27,6 @@ def copy_of(state):
     return type(state)(*(array.copy() for array in state))
 
 
-@pytest.mark.parametrize("integrator", ["symplectic", "verlet"])
-def test_half_a_run_and_half_a_run_are_a_run(integrator):
-    scene = tank(integrator=integrator)
-    parameters, whole = integrated(scene, 60)
-    _, half = integrated(scene, 30)
-    again = copy_of(half)
-    SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
-    for name, one, other in zip(whole._fields, whole, again, strict=True):
-        assert np.array_equal(one, other), name
-
-
 def test_frames_keep_every_particle_at_its_place():
     frames = list(ecume.simulate(tank()))
     first, last = frames[0].arrays, frames[-1].arrays

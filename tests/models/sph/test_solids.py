@@ -14,7 +14,7 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.shapes import dummies_of
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
-from tests.models.sph.test_runs import copy_of, integrated
+from tests.models.sph.test_runs import integrated
 
 pytestmark = pytest.mark.sampled(2)
 
@@ -165,17 +165,6 @@ def test_what_a_body_gets_the_liquid_loses(force):
     moved = np.abs(mass * (state.motion[:2, 0] - alone)).max()
     assert moved > 1.0
     np.testing.assert_allclose(momentum(), before, atol=1e-10 * moved)
-
-
-@pytest.mark.compiled
-def test_half_a_run_with_a_body_and_half_a_run_are_a_run():
-    scene = changed(tank(), bodies=[{"center": [0.5, 1.1], "radius": 0.2, "density": 0.5, "velocity": [0.0, -1.0]}])
-    parameters, whole = integrated(scene, 60)
-    _, half = integrated(scene, 30)
-    again = copy_of(half)
-    SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
-    for name, one, other in zip(whole._fields, whole, again, strict=True):
-        assert np.array_equal(one, other), name
 
 
 @pytest.mark.long

@@ -16,11 +16,9 @@ from ecume.scenes.tracers import (
     OpeningSpec,
     ParticleSpec,
     TankSpec,
-    TracerHydrodynamicsSpec,
     TracerIntegrationSpec,
     TracersScene,
 )
-from ecume.simulation import moments
 
 DUST = ParticleSpec(name="dust", radius=1e-5, density=1000.0, positions=((0.5, 0.5),))
 SAND = ParticleSpec(name="sand", radius=1e-3, density=2500.0, positions=((0.5, 0.2),))
@@ -77,31 +75,6 @@ def test_newcomers_are_as_many_everywhere_as_there_are_in_what_flows_in():
     assert len(place) > 2500
     np.testing.assert_allclose(cells, 4000.0, rtol=5.0 / np.sqrt(200.0))
     assert cells.mean() == pytest.approx(4000.0, rel=0.02)
-
-
-@pytest.mark.compiled
-def test_half_a_run_with_newcomers_and_half_a_run_are_a_run_bit_for_bit():
-    scene = channel(
-        gravity=9.81,
-        flow=FlowSpec(velocity=(0.5, 0.0)),
-        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
-        integration=TracerIntegrationSpec(time_step=0.01),
-        duration=1.0,
-        frame_every=0.25,
-        openings=(
-            OpeningSpec(wall=0, low=(0.0, 0.1), high=(0.0, 0.6), rate=37.0),
-            OpeningSpec(wall=3, low=(0.2, 0.8), high=(0.4, 0.8), rate=11.0, species="sand"),
-        ),
-    )
-    kept = None
-    for moment in moments(scene):
-        whole = moment.state
-        if kept is None and moment.step >= 50:
-            kept = type(whole)(*(array.copy() for array in whole))
-    assert len(kept.position) < len(whole.position) == 2 + 37 + 11
-    for moment in moments(scene, state=kept, patience=1e-9):
-        again = moment.state
-    assert all(np.array_equal(one, other) for one, other in zip(whole, again, strict=True))
 
 
 @pytest.mark.compiled

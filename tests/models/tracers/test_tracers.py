@@ -13,7 +13,6 @@ from ecume.models.tracers.time_stepping import UNBOUNDED, all_finite
 from ecume.scenes.tracers import (
     FlowSpec,
     FluidSpec,
-    ObstacleSpec,
     OpeningSpec,
     ParticleSpec,
     TankSpec,
@@ -215,29 +214,6 @@ def test_more_tracers_than_the_memory_holds_are_refused_before_they_are_laid_out
     scene = TracersScene(particles=(many,), tank=TankSpec(high=(1.0, 1.0)), **STILL)
     with pytest.raises(SceneError, match="50000000 particles need about 47 GB"):
         MODELS["tracers"].parameters(scene)
-
-
-@pytest.mark.compiled
-def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit():
-    grains = ParticleSpec(radius=2e-6, density=2500.0, count=300)
-    scene = TracersScene(
-        duration=0.1,
-        frame_every=0.025,
-        particles=(grains, dataclasses.replace(grains, radius=1e-5)),
-        tank=TankSpec(high=(1e-4, 1e-4), restitution=0.5),
-        obstacles=(ObstacleSpec(center=(5e-5, 5e-5), radius=2e-5),),
-        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
-        integration=TracerIntegrationSpec(time_step=1e-4),
-        seed=4,
-    )
-    whole, kept = None, None
-    for moment in moments(scene):
-        whole = moment.state
-        if moment.step == 250 or (kept is None and moment.frame is not None and moment.step > 0):
-            kept = type(whole)(*(array.copy() for array in whole))
-    for moment in moments(scene, state=kept):
-        again = moment.state
-    assert all(np.array_equal(one, other) for one, other in zip(whole, again, strict=True))
 
 
 def test_what_makes_no_sense_is_refused_with_its_place():
