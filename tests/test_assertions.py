@@ -43,8 +43,8 @@ def test_no_assertion_of_the_tests_is_empty():
     assert found == set()
 
 
-OF_PYTEST = re.compile(r"raises|warns|assert_\w+")
-"""Calls that assert."""
+ASSERTING = re.compile(r"raises|warns|assert_\w+|require_\w+")
+"""Calls that assert: of pytest and NumPy, and functions of the package that raise."""
 
 
 def called_by(function):
@@ -58,7 +58,7 @@ def asserts(function, helpers):
     called = called_by(function)
     return (
         any(isinstance(node, ast.Assert) for node in ast.walk(function))
-        or any(OF_PYTEST.fullmatch(name) for name in called)
+        or any(ASSERTING.fullmatch(name) for name in called)
         or bool(called & helpers)
         or any(
             each.arg == "check" for node in ast.walk(function) if isinstance(node, ast.Call) for each in node.keywords
