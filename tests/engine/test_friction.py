@@ -7,9 +7,9 @@ from tests.engine.test_contacts import a_raft, all_candidates
 from ecume.engine.cells import no_periods
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rough
-from ecume.engine.contact import impulse_solvers
+from ecume.engine.contact import impulse_solvers, sweeps
 from ecume.engine.contact.contacts import Bodies, Memory
-from ecume.engine.contact.friction import Motion
+from ecume.engine.contact.friction import FrictionalContacts, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.walls import box, enclosed_by, no_walls
 
@@ -38,6 +38,15 @@ def shaken_raft(count=37, seed=0, spread=0.3):
     return position, mass, motion
 
 
+def sliding(contacts, rubbing, motion):
+    """The relative tangential velocity of the two surfaces of each contact."""
+    rows = slice(contacts.total[0])
+    i, j, arm = contacts.first[rows], contacts.second[rows], rubbing.arm[rows]
+    apart, normal = motion.velocity[j] - motion.velocity[i], contacts.normal[rows]
+    along = normal[:, 0] * apart[:, 1] - normal[:, 1] * apart[:, 0]
+    return along - arm[:, 0] * motion.spin[i] - arm[:, 1] * motion.spin[j]
+
+
 def energy(mass, motion):
     return 0.5 * np.sum(mass * np.sum(motion.velocity**2, axis=1)) + 0.5 * np.sum(DISC * mass * motion.spin**2)
 
@@ -46,10 +55,12 @@ def energy(mass, motion):
 def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     position, _, motion = shaken_raft()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), friction, no_walls())
-    assert rough.solve(contacts, rubbing, motion, Tolerance(1e-10, 0.0)) <= impulse_solvers.MOST_SWEEPS
-    rows, sliding = contacts.total[0], np.zeros(len(contacts.gap))
-    rough.tangential_velocities(contacts, rubbing, motion, sliding)
-    p, q, s = contacts.impulse[:rows], rubbing.impulse[:rows], sliding[:rows]
+    assert (
+        sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-10, 0.0))
+        <= impulse_solvers.MOST_SWEEPS
+    )
+    rows = contacts.total[0]
+    p, q, s = contacts.impulse[:rows], rubbing.impulse[:rows], sliding(contacts, rubbing, motion)
     assert np.all(np.abs(q) <= friction * p)
     slides = (p > 1e-9) & (np.abs(s) > 1e-9)
     assert np.allclose(q[slides], -friction * p[slides] * np.sign(s[slides]), atol=1e-9)
@@ -62,9 +73,9 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     """Rounding keeps the residual above zero."""
     position, _, motion = shaken_raft(7)
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.3, no_walls())
-    sweeps = rough.solve(contacts, rubbing, motion, Tolerance(0.0, 1e-6))
-    assert sweeps % impulse_solvers.PATIENCE == 0
-    assert sweeps < impulse_solvers.MOST_SWEEPS
+    most = sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(0.0, 1e-6))
+    assert most % impulse_solvers.PATIENCE == 0
+    assert most < impulse_solvers.MOST_SWEEPS
 
 
 @pytest.mark.parametrize(
@@ -82,7 +93,7 @@ def test_friction_keeps_momentum_and_angular_momentum_and_adds_no_energy(seed):
     scale, turned = np.sum(mass * np.abs(motion.velocity).sum(axis=1)), turning()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.4, no_walls(), reach=0.01)
     contacts.bound[:] = -np.maximum(contacts.gap, 0.0)
-    rough.solve(contacts, rubbing, motion, Tolerance(1e-9, 0.0))
+    sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-9, 0.0))
     assert np.count_nonzero(rubbing.impulse) > 10
     assert mass @ motion.velocity == pytest.approx(momentum, abs=1e-13 * scale)
     assert turning() == pytest.approx(turned, abs=1e-12 * scale)
@@ -94,7 +105,7 @@ def test_without_friction_the_solution_is_that_of_smooth_contacts():
     smooth = motion.velocity.copy()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.0, no_walls())
     spin = motion.spin.copy()
-    rough.solve(contacts, rubbing, motion, Tolerance(1e-11, 0.0))
+    sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-11, 0.0))
     contacts.impulse[:] = 0.0
     impulse_solvers.solve(contacts, smooth, motion.mobility, Tolerance(1e-11, 0.0))
     assert motion.velocity == pytest.approx(smooth, abs=1e-9)
@@ -106,7 +117,7 @@ def test_an_oblique_collision_slides_or_sticks_as_coulomb_says(friction, slide):
     # Two equal discs; the reduced tangential mass is 1/6 of one's mass, the normal one half of it.
     motion = Motion(np.array([[1.0, 0.5], [-1.0, 0.0]]), np.array([0.3, 0.0]), np.ones(2), np.full(2, 1.0 / DISC))
     contacts, rubbing = pressed(np.array([[0.0, 0.0], [2.0, 0.0]]), motion, np.ones(2), friction, no_walls())
-    rough.solve(contacts, rubbing, motion, Tolerance(1e-13, 0.0))
+    sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-13, 0.0))
     sticking = (0.5 + 0.3) / 6.0
     assert (friction * 1.0 < sticking) == slide
     pushed = min(sticking, friction * 1.0)
@@ -123,7 +134,7 @@ def on_a_slope(angle, friction, ease, steps=100):
         motion.velocity[0, 0] += math.sin(angle) / steps
         motion.velocity[0, 1] -= math.cos(angle) / steps
         contacts, rubbing = pressed(np.array([[0.0, 1.0]]), motion, np.ones(1), friction, floor)
-        rough.solve(contacts, rubbing, motion, Tolerance(1e-13, 0.0))
+        sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-13, 0.0))
     return motion.velocity[0, 0], motion.spin[0]
 
 
@@ -151,7 +162,7 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = motion._replace(velocity=motion.velocity.copy(), spin=motion.spin.copy())
     tangential_impulse = np.zeros(300)
-    first = rough.solve(contacts, rubbing, cold, Tolerance(1e-9, 0.0))
+    first = sweeps.solve(FrictionalContacts(contacts, rubbing), cold, Tolerance(1e-9, 0.0))
     found = rubbing.impulse.copy()
     touching.remember(touching.contact_keys(contacts), memory)
     rough.remember(contacts, rubbing, memory, tangential_impulse)
@@ -159,4 +170,22 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     touching.recall(touching.contact_keys(contacts), memory)
     rough.recall(contacts, rubbing, memory, tangential_impulse)
     assert np.array_equal(rubbing.impulse, found)
-    assert rough.solve(contacts, rubbing, motion, Tolerance(1e-8, 0.0)) < 0.2 * first
+    assert sweeps.solve(FrictionalContacts(contacts, rubbing), motion, Tolerance(1e-8, 0.0)) < 0.2 * first
+
+
+def test_rough_islands_are_solved_as_if_there_were_no_others():
+    motions, places, size = [], [], 19
+    for seed in range(4):
+        position, _, motion = shaken_raft(size, seed)
+        places.append(position + np.array([200.0 * seed, 0.0]))
+        motions.append(motion)
+    whole = Motion(*(np.concatenate(parts) for parts in zip(*motions, strict=True)))
+    contacts, rubbing = pressed(np.concatenate(places), whole, np.ones(4 * size), 0.3, no_walls())
+    assert contacts.total[0] > impulse_solvers.LEAST_FOR_ISLANDS
+    sweeps.solve(FrictionalContacts(contacts, rubbing), whole, Tolerance(1e-11, 0.0))
+    for k, (place, alone) in enumerate(zip(places, motions, strict=True)):
+        few = FrictionalContacts(*pressed(place, alone, np.ones(size), 0.3, no_walls()))
+        sweeps.solve(few, alone, Tolerance(1e-11, 0.0))
+        own = slice(k * size, (k + 1) * size)
+        assert whole.velocity[own] == pytest.approx(alone.velocity, abs=1e-8)
+        assert whole.spin[own] == pytest.approx(alone.spin, abs=1e-8)

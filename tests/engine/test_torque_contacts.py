@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from tests.engine.test_outlines import needle, outlines, square
 
-from ecume.engine.contact import contacts
+from ecume.engine.contact import contacts, sweeps
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.contacts import Memory, deepest_overlap, make_candidates
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
+from ecume.engine.contact.impulse_solvers import LEAST_FOR_ISLANDS, MOST_SWEEPS, PATIENCE, Tolerance
+from ecume.engine.contact.separation import separate
 from ecume.engine.outlines import Stance
 from ecume.engine.walls import box, enclosed_by, no_walls
 
@@ -61,12 +62,12 @@ def test_a_solve_keeps_both_momenta_and_takes_energy(seed):
     levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3))
     before = totals(stance, velocity)
     levers.bound[:] = 0.0
-    touching.solve(levers, velocity, GOAL)
+    sweeps.solve(levers, velocity, GOAL)
     after = totals(stance, velocity)
     assert levers.total[0] > 4
     assert after[:3] == pytest.approx(before[:3], abs=1e-12)
     assert after[3] < before[3]
-    assert touching.residual(levers, velocity) < 1e-9
+    assert sweeps.residual(levers, velocity, np.arange(levers.total[0])) < 1e-9
 
 
 def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
@@ -76,17 +77,57 @@ def test_a_solve_that_no_longer_improves_ends_where_it_is_acceptable():
     levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3))
     velocity[:, :2] += 1e6
     levers.bound[:] = 0.0
-    sweeps = touching.solve(levers, velocity, Tolerance(1e-14, 1e-6))
-    assert PATIENCE < sweeps < MOST_SWEEPS
-    assert sweeps % PATIENCE == 0
-    assert touching.residual(levers, velocity) < 1e-6
+    most = sweeps.solve(levers, velocity, Tolerance(1e-14, 1e-6))
+    assert PATIENCE < most < MOST_SWEEPS
+    assert most % PATIENCE == 0
+    assert sweeps.residual(levers, velocity, np.arange(levers.total[0])) < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_exact_solution_is_that_of_the_sweeps(seed):
+    chance = np.random.default_rng(seed)
+    bodies, stance = crowd(9, chance)
+    inside = party(bodies, walls=enclosed_by(box((-1.0, -1.0), (7.0, 7.0))))
+    inside.mobility[:] *= chance.uniform(0.5, 2.0, (9, 3))
+    levers, given = gathered(inside, stance), chance.normal(size=(13, 3))
+    given[9:] = 0.0
+    levers.bound[:] = -np.maximum(levers.gap, 0.0)
+    swept, every = given.copy(), np.arange(levers.total[0])
+    sweeps.solve(levers, swept, GOAL)
+    levers.impulse[:] = 0.0
+    exact = given.copy()
+    assert touching.solve_exactly(levers, exact, every, GOAL) == 1
+    assert exact == pytest.approx(swept, abs=1e-9)
+    assert np.count_nonzero(levers.impulse) > 2
+    # Without a solution nothing changes.
+    kept, exact[levers.first[0]] = levers.impulse.copy(), math.nan
+    assert touching.solve_exactly(levers, exact, every, GOAL) == 0
+    assert np.array_equal(levers.impulse, kept)
+
+
+def test_islands_are_solved_as_if_there_were_no_others():
+    """Far from one another, so that their contacts are those of each alone."""
+    chance, parts = np.random.default_rng(3), 10
+    groups = [crowd(9, chance) for _ in range(parts)]
+    speeds = [chance.normal(size=(9, 3)) for _ in range(parts)]
+    places = [one.position + np.array([100.0 * k, 0.0]) for k, (_, one) in enumerate(groups)]
+    angles, bodies = [one.angle for _, one in groups], [body for all_of, _ in groups for body in all_of]
+    stance = Stance(np.concatenate(places), np.concatenate(angles), np.zeros_like(outlines(*bodies).corner))
+    levers, velocity = gathered(party(bodies), stance), np.concatenate(speeds)
+    assert levers.total[0] > LEAST_FOR_ISLANDS
+    sweeps.solve(levers, velocity, GOAL)
+    for k, (own, alone) in enumerate(groups):
+        alone.position[:] = places[k]
+        few = gathered(party(own), alone)
+        sweeps.solve(few, speeds[k], GOAL)
+        assert velocity[9 * k : 9 * k + 9] == pytest.approx(speeds[k], abs=1e-9)
 
 
 def test_contacts_never_pull_and_separating_ones_have_no_impulse():
     stance = Stance(np.array([(0.0, 0.0), (2.0, 0.0)]), np.zeros(2), np.zeros((0, 2)))
     levers = gathered(party([(1.0, 1.0), (1.0, 1.0)]), stance)
     velocity = np.array([(-1.0, 0.0, 0.3), (1.0, 0.0, -0.2)])
-    touching.solve(levers, velocity, GOAL)
+    sweeps.solve(levers, velocity, GOAL)
     assert velocity.tolist() == [[-1.0, 0.0, 0.3], [1.0, 0.0, -0.2]]
 
 
@@ -95,7 +136,7 @@ def test_a_blow_beside_the_middle_turns_what_is_hit():
     stance = Stance(np.array([(0.0, 0.0), (2.0, 1.3)]), np.array([0.0, 0.0]), np.zeros((2, 2)))
     levers = gathered(party([needle(0.3), (1.0, 1.0)], mass=2.0, inertia=5.0), stance, reach=0.01)
     velocity = np.array([(0.0, 0.0, 0.0), (0.0, -1.0, 0.0)])
-    touching.solve(levers, velocity, GOAL)
+    sweeps.solve(levers, velocity, GOAL)
     impulse = 1.0 / (0.5 + 0.5 + 2.0**2 / 5.0)
     assert velocity[0] == pytest.approx([0.0, -0.5 * impulse, -2.0 * impulse / 5.0], abs=1e-12)
     assert velocity[1] == pytest.approx([0.0, -1.0 + 0.5 * impulse, 0.0], abs=1e-12)
@@ -107,7 +148,7 @@ def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
     stance = Stance(np.array([(0.0, 0.0), (aside, 2.4)]), np.zeros(2), np.zeros((8, 2)))
     levers = gathered(party([square(0.2), square(0.2)]), stance, reach=0.01)
     velocity = np.array([(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
-    touching.solve(levers, velocity, GOAL)
+    sweeps.solve(levers, velocity, GOAL)
     # Smooth edges glide: of the distance of the two centers only what lies along the edge is held.
     spin = -aside / (2.0 * 0.8 + 0.5 * aside**2)
     assert velocity[:, 2] == pytest.approx([spin, spin], abs=1e-9)
@@ -117,11 +158,12 @@ def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
 
 def test_what_glides_along_itself_gives_way_along_itself():
     """Mobilities along and across differ: a push on the flank moves it less than one on the tip."""
-    mobility, lever, give = np.array([2.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.zeros(3)
-    assert touching.impulse_response(mobility, 0.0, lever, give) == pytest.approx(2.0)
-    assert touching.impulse_response(mobility, 0.5 * math.pi, lever, give) == pytest.approx(1.0)
-    assert touching.impulse_response(mobility, 0.25 * math.pi, lever, give) == pytest.approx(1.5)
+    mobility, lever, give, root = np.array([2.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.zeros(3), np.zeros(3)
+    assert touching.impulse_response(mobility, 0.0, lever, give, root) == pytest.approx(2.0)
+    assert touching.impulse_response(mobility, 0.5 * math.pi, lever, give, root) == pytest.approx(1.0)
+    assert touching.impulse_response(mobility, 0.25 * math.pi, lever, give, root) == pytest.approx(1.5)
     assert give[:2] == pytest.approx([1.5, 0.5])
+    assert root @ root == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -132,7 +174,7 @@ def test_overlaps_are_undone_by_shifts_and_turns_about_one_center_of_mass(seed):
     who = party(bodies)
     levers, middle = gathered(who, stance), stance.position.mean(axis=0)
     assert deepest_overlap(levers.total, levers.gap) > 1e-2
-    rounds = touching.separate(levers, all_pairs(6), stance, who, 1e-4)
+    rounds = separate(levers, all_pairs(6), stance, who, 1e-4)
     assert rounds < 30
     apart = gathered(who, stance)
     assert deepest_overlap(apart.total, apart.gap) <= 1e-4
@@ -145,7 +187,7 @@ def test_walls_stop_tips_and_stay():
     levers = gathered(who, stance, reach=0.1)
     velocity = np.zeros((5, 3))
     velocity[0, 0] = -1.0
-    touching.solve(levers, velocity, GOAL)
+    sweeps.solve(levers, velocity, GOAL)
     assert velocity == pytest.approx(np.zeros((5, 3)), abs=1e-12)
 
 

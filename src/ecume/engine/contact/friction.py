@@ -2,8 +2,7 @@
 
 Signorini's and Coulomb's conditions for all contacts at once, as in Moreau's time stepping [moreau1988]: surfaces in
 contact stick if an impulse inside the cone can stop them, and otherwise slide against an impulse on its edge. The
-solver is that of frictionless contacts (`impulse_solvers`), the same sweeps and conjugate directions, with one
-normal and one tangential row for each contact.
+solver is in `sweeps`; each contact has one normal and one tangential row.
 
 The tangent is the normal rotated counterclockwise, (-n_y, n_x). Both impulses act at the middle of the gap, so that the
 angular momentum of a pair, spins included, is conserved to rounding.
@@ -16,15 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
+from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Contacts, Memory, contact_keys, recall_each, remember_each
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
+from ecume.engine.contact.impulse_solvers import Islands, islands_among
 from ecume.units import Array
-
-RELAXATION, LEAST_RELAXATION, STALLS = 0.7, 0.1, 8
-"""Friction has no potential: in overconstrained rafts with mu near 1 the sweeps may cycle. After STALLS checks without
-progress the relaxation factor of the tangential rows is multiplied by RELAXATION, down to LEAST_RELAXATION, and then
-reset to 1: slow convergence needs a large factor, cycles need a small one, and the residual does not distinguish them.
-"""
 
 
 class FrictionRows(NamedTuple):
@@ -41,6 +35,13 @@ class FrictionRows(NamedTuple):
     change: Array
     direction: Array
     scratch: Array
+
+
+class FrictionalContacts(NamedTuple):
+    """The normal and the tangential rows of all contacts."""
+
+    contacts: Contacts
+    tangential: FrictionRows
 
 
 class Motion(NamedTuple):
@@ -79,24 +80,14 @@ def prepare(
 
 
 @compiled
-def tangential_velocities(contacts: Contacts, rows: FrictionRows, motion: Motion, speed: Array) -> None:
-    """Relative tangential velocity of the two surfaces of each contact, spins included."""
-    first, second, normal, arm = contacts.first, contacts.second, contacts.normal, rows.arm
-    velocity, spin = motion.velocity, motion.spin
-    for row in range(contacts.total[0]):
-        i, j = np.uint64(first[row]), np.uint64(second[row])
-        along = normal[row, 0] * (velocity[j, 1] - velocity[i, 1])
-        along -= normal[row, 1] * (velocity[j, 0] - velocity[i, 0])
-        speed[row] = along - arm[row, 0] * spin[i] - arm[row, 1] * spin[j]
-
-
-@compiled
-def apply_impulses(contacts: Contacts, rows: FrictionRows, impulses: tuple[Array, Array], motion: Motion) -> None:
-    """Apply the normal and tangential impulses to both bodies of each contact, equal and opposite, with torques."""
+def apply_impulses(
+    contacts: Contacts, rows: FrictionRows, some: Integers, impulses: tuple[Array, Array], motion: Motion
+) -> None:
+    """Apply normal and tangential impulses of some contacts to both bodies, equal and opposite, with torques."""
     first, second, normal, arm = contacts.first, contacts.second, contacts.normal, rows.arm
     velocity, spin, mobility, spin_mobility = motion.velocity, motion.spin, motion.mobility, motion.spin_mobility
     along, across = impulses
-    for row in range(contacts.total[0]):
+    for row in some:
         i, j = np.uint64(first[row]), np.uint64(second[row])
         p, q, x, y = along[row], across[row], normal[row, 0], normal[row, 1]
         push_x, push_y = p * x - q * y, p * y + q * x
@@ -109,17 +100,27 @@ def apply_impulses(contacts: Contacts, rows: FrictionRows, impulses: tuple[Array
 
 
 @compiled
-def _sweep(contacts: Contacts, rows: FrictionRows, motion: Motion, relaxation: float) -> float:
-    """One projected Gauss-Seidel sweep over all contacts; returns the largest change, as a relative velocity.
+def start(system: FrictionalContacts, motion: Motion) -> int:
+    """Change the motion by the initial impulses; return the number of contacts."""
+    contacts, rows = system
+    total = int(contacts.total[0])
+    apply_impulses(contacts, rows, np.arange(total), (contacts.impulse, rows.impulse), motion)
+    return total
+
+
+@compiled
+def sweep(system: FrictionalContacts, motion: Motion, some: Integers, relaxation: float) -> float:
+    """One projected Gauss-Seidel sweep over some contacts; returns the largest change, as a relative velocity.
 
     `relaxation` is the relaxation factor of the tangential rows.
     """
+    contacts, rows = system
     first, second, normal, arm = contacts.first, contacts.second, contacts.normal, rows.arm
     impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
     tangential, tangential_mass, friction, tangential_change = rows.impulse, rows.weight, rows.friction, rows.change
     velocity, spin, mobility, spin_mobility = motion.velocity, motion.spin, motion.mobility, motion.spin_mobility
     largest = 0.0
-    for row in range(contacts.total[0]):
+    for row in some:
         i, j = np.uint64(first[row]), np.uint64(second[row])
         x, y, arm_i, arm_j = normal[row, 0], normal[row, 1], arm[row, 0], arm[row, 1]
         apart_x, apart_y = velocity[j, 0] - velocity[i, 0], velocity[j, 1] - velocity[i, 1]
@@ -143,33 +144,34 @@ def _sweep(contacts: Contacts, rows: FrictionRows, motion: Motion, relaxation: f
 
 
 @compiled
-def residual(contacts: Contacts, rows: FrictionRows, motion: Motion) -> float:
-    """The largest violation of the conditions (m/s): the change by one more local solve of the contact."""
-    from_normal, sliding = contacts.scratch, rows.scratch
-    tangential_velocities(contacts, rows, motion, sliding)
-    first, second, normal, velocity = contacts.first, contacts.second, contacts.normal, motion.velocity
-    for row in range(contacts.total[0]):
+def residual(system: FrictionalContacts, motion: Motion, some: Integers) -> float:
+    """The largest violation of the conditions (m/s): the change by one more local solve of a contact."""
+    contacts, rows = system
+    first, second, normal, arm = contacts.first, contacts.second, contacts.normal, rows.arm
+    impulse, bound, weight = contacts.impulse, contacts.bound, contacts.weight
+    tangential, tangential_mass, friction = rows.impulse, rows.weight, rows.friction
+    velocity, spin, worst = motion.velocity, motion.spin, 0.0
+    for row in some:
         i, j = np.uint64(first[row]), np.uint64(second[row])
-        along = normal[row, 0] * (velocity[j, 0] - velocity[i, 0])
-        from_normal[row] = along + normal[row, 1] * (velocity[j, 1] - velocity[i, 1])
-    worst = 0.0
-    for row in range(contacts.total[0]):
-        p, q = contacts.impulse[row], rows.impulse[row]
-        if contacts.weight[row] > 0.0:
-            excess = from_normal[row] - contacts.bound[row]
-            worst = max(worst, -excess, min(excess, p / contacts.weight[row]))
-        if rows.weight[row] > 0.0:
-            edge = rows.friction[row] * p
-            better = min(max(q - rows.weight[row] * sliding[row], -edge), edge)
-            worst = max(worst, abs(better - q) / rows.weight[row])
+        x, y, p, q = normal[row, 0], normal[row, 1], impulse[row], tangential[row]
+        apart_x, apart_y = velocity[j, 0] - velocity[i, 0], velocity[j, 1] - velocity[i, 1]
+        if weight[row] > 0.0:
+            excess = x * apart_x + y * apart_y - bound[row]
+            worst = max(worst, -excess, min(excess, p / weight[row]))
+        if tangential_mass[row] > 0.0:
+            sliding = x * apart_y - y * apart_x - arm[row, 0] * spin[i] - arm[row, 1] * spin[j]
+            edge = friction[row] * p
+            better = min(max(q - tangential_mass[row] * sliding, -edge), edge)
+            worst = max(worst, abs(better - q) / tangential_mass[row])
     return worst
 
 
 @compiled
-def _accelerate(contacts: Contacts, rows: FrictionRows, motion: Motion, ratio: float) -> None:
+def accelerate(system: FrictionalContacts, motion: Motion, some: Integers, ratio: float) -> None:
     """Step along the conjugate direction; p is projected to p >= 0 and q to the friction cone."""
+    contacts, rows = system
     step, tangential_step = contacts.scratch, rows.scratch
-    for row in range(contacts.total[0]):
+    for row in some:
         along, across = ratio * contacts.direction[row], ratio * rows.direction[row]
         old, tangential_impulse = contacts.impulse[row], rows.impulse[row]
         contacts.impulse[row] = max(old + along, 0.0)
@@ -179,39 +181,33 @@ def _accelerate(contacts: Contacts, rows: FrictionRows, motion: Motion, ratio: f
         contacts.direction[row] = along + contacts.change[row]
         rows.direction[row] = across + rows.change[row]
     if ratio > 0.0:
-        apply_impulses(contacts, rows, (step, tangential_step), motion)
+        apply_impulses(contacts, rows, some, (step, tangential_step), motion)
 
 
 @compiled
-def solve(contacts: Contacts, rows: FrictionRows, motion: Motion, tolerance: Tolerance) -> int:
-    """Solve for the impulses and change velocities and spins by them, until the residual is below the goal.
+def restart(system: FrictionalContacts, some: Integers) -> None:
+    """Set the conjugate direction of some contacts to zero."""
+    for row in some:
+        system.contacts.direction[row], system.tangential.direction[row] = 0.0, 0.0
 
-    The initial guess is in `contacts` and `rows`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
-    """
-    apply_impulses(contacts, rows, (contacts.impulse, rows.impulse), motion)
-    for row in range(contacts.total[0]):
-        contacts.direction[row], rows.direction[row] = 0.0, 0.0
-    square_before, residual_before, relaxation, stalls = 0.0, np.inf, 1.0, 0
-    for sweep in range(1, MOST_SWEEPS + 1):
-        largest = _sweep(contacts, rows, motion, relaxation)
-        if largest <= tolerance.target and residual(contacts, rows, motion) <= tolerance.target:
-            return sweep
-        if sweep % PATIENCE == 0:
-            left = residual(contacts, rows, motion)
-            if left > 0.5 * residual_before:
-                if left <= tolerance.acceptable:
-                    return sweep
-                stalls += 1
-                if stalls % STALLS == 0:
-                    relaxation = RELAXATION * relaxation if relaxation > LEAST_RELAXATION else 1.0
-            residual_before = left
-        square = 0.0
-        for row in range(contacts.total[0]):
-            square += contacts.change[row] ** 2 + rows.change[row] ** 2
-        ratio = square / square_before if relaxation == 1.0 and 0.0 < square <= square_before else 0.0
-        _accelerate(contacts, rows, motion, ratio)
-        square_before = square
-    return MOST_SWEEPS + 1
+
+@compiled
+def square(system: FrictionalContacts, some: Integers) -> float:
+    """The square of the last changes of some impulses."""
+    total = 0.0
+    for row in some:
+        total += system.contacts.change[row] ** 2 + system.tangential.change[row] ** 2
+    return total
+
+
+@compiled
+def islands(system: FrictionalContacts, motion: Motion) -> Islands:
+    """The islands with an impulse or a change. A tangential impulse requires a normal one."""
+    contacts = system.contacts
+    busy = np.empty(contacts.total[0], np.bool_)
+    for row in range(len(busy)):
+        busy[row] = contacts.impulse[row] != 0.0 or contacts.change[row] != 0.0
+    return islands_among(contacts.first, contacts.second, busy, motion.mobility)
 
 
 @compiled

@@ -44,6 +44,7 @@ LEAST_FOR_ISLANDS = 64
 """Fewer contacts are treated as one island."""
 
 
+Choice = NDArray[np.bool_]
 Span = tuple[int, int]
 """A range of contacts."""
 ContactBodies = tuple[Integers, Integers, Array]
@@ -84,10 +85,20 @@ class Islands(NamedTuple):
 def islands_of(contacts: Contacts, mobility: Array) -> Islands:
     """Connected components of the contact graph, in the order of their lowest bodies."""
     total, impulse, change = contacts.total[0], contacts.impulse, contacts.change
-    island = _island_of_each(contacts.first[:total], contacts.second[:total], mobility)
+    busy = np.empty(total, np.bool_)
+    for row in range(total):
+        busy[row] = impulse[row] != 0.0 or change[row] != 0.0
+    return islands_among(contacts.first, contacts.second, busy, mobility)
+
+
+@compiled
+def islands_among(first_body: Integers, second_body: Integers, busy: Choice, mobility: Array) -> Islands:
+    """The islands of the first len(busy) contacts in which one at least is busy; fixed bodies connect no contacts."""
+    total = len(busy)
+    island = _island_of_each(first_body[:total], second_body[:total], mobility)
     active, ends = np.zeros(len(mobility), np.bool_), np.zeros(len(mobility) + 1, np.int64)
     for row in range(total):
-        if impulse[row] != 0.0 or change[row] != 0.0:
+        if busy[row]:
             active[island[row]] = True
     for row in range(total):
         ends[island[row] + 1] += 1 if active[island[row]] else 0
@@ -346,8 +357,6 @@ def scatter_impulses(contacts: Contacts, rows: Integers, some: Contacts) -> None
         impulse[rows[place]] = solved[place]
 
 
-Choice = NDArray[np.bool_]
-
 LARGEST = 128
 """The largest number of contacts of an island for the active-set method, which takes about a tenth of a second for it;
 larger islands are left to sweeps.
@@ -368,14 +377,28 @@ def nearest_velocity(
     False, without a change, if no solution was found.
     """
     pair = first, second, normal
-    place, bodies = _numbered(pair, len(mobility))
+    place, bodies = numbered(first, second, len(mobility))
     matrix, strength = _columns(pair, place, bodies, mobility)
-    if not strength > 0.0:
-        return False
     free = velocity.copy()
     _push(pair, impulse, -1.0, free, mobility)
-    need, scale = _needs(pair, bound, free)
-    if not 0.0 < scale < np.inf:
+    if not least_distance(matrix, strength, _needs(pair, bound, free), impulse):
+        return False
+    for body in range(len(velocity)):
+        velocity[body, 0], velocity[body, 1] = free[body, 0], free[body, 1]
+    _push(pair, impulse, 1.0, velocity, mobility)
+    return True
+
+
+@compiled
+def least_distance(matrix: Array, strength: float, need: Array, impulse: Array) -> bool:
+    """Solve for the impulses of the least change of the velocities, in the norm of kinetic energy, that closes the
+    `need` of each contact (m/s). The columns of `matrix` are the responses to unit impulses in this norm over
+    `strength`, its last row is empty; `impulse` is the initial guess. False, without a change, without a solution.
+    """
+    scale = 0.0
+    for k in range(len(need)):
+        scale = max(scale, abs(need[k]) if need[k] == need[k] else np.inf)
+    if not strength > 0.0 or not 0.0 < scale < np.inf:
         return False
     right, guess = np.zeros(len(matrix)), np.empty(len(need), np.bool_)
     right[len(right) - 1] = 1.0
@@ -391,16 +414,12 @@ def nearest_velocity(
         return False
     for k in range(len(need)):
         impulse[k] = solution[k] * (scale / (rest * strength * strength))
-    for body in range(len(velocity)):
-        velocity[body, 0], velocity[body, 1] = free[body, 0], free[body, 1]
-    _push(pair, impulse, 1.0, velocity, mobility)
     return True
 
 
 @compiled
-def _numbered(pair: tuple[Integers, Integers, Array], count: int) -> tuple[Integers, int]:
+def numbered(first: Integers, second: Integers, count: int) -> tuple[Integers, int]:
     """The new index of each body that takes part, in ascending order, and the number of these bodies."""
-    first, second, _ = pair
     place, bodies = np.zeros(count, np.int64), 0
     for k in range(len(first)):
         place[first[k]] = place[second[k]] = 1
@@ -446,18 +465,15 @@ def _push(
 
 
 @compiled
-def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array) -> tuple[Array, float]:
-    """The difference between the bound and the normal velocity of each contact (m/s), zero if it is fulfilled, and the
-    largest magnitude of both; infinite if one is NaN.
-    """
+def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array) -> Array:
+    """The difference between the bound and the normal velocity of each contact (m/s)."""
     first, second, normal = pair
-    need, scale = np.empty(len(first)), 0.0
+    need = np.empty(len(first))
     for k in range(len(first)):
         i, j = first[k], second[k]
         along_x = normal[k, 0] * (velocity[j, 0] - velocity[i, 0])
         need[k] = bound[k] - along_x - normal[k, 1] * (velocity[j, 1] - velocity[i, 1])
-        scale = max(scale, abs(need[k]) if need[k] == need[k] else np.inf)
-    return need, scale
+    return need
 
 
 @compiled

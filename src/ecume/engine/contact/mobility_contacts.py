@@ -3,8 +3,8 @@
 Contacts of bodies whose mobility is a full matrix: each impulse changes the velocities of all bodies. The conditions
 are those of `impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
 mobility M. Each row of the Jacobian J has at most six numbers. A change of an impulse adds its column of M J^T to all
-velocities; columns are computed when an impulse first becomes positive. Sweeps and conjugate directions are those of
-the other solvers.
+velocities; columns are computed when an impulse first becomes positive. The solver is in `sweeps`. All bodies move one
+another, so that all contacts are one island.
 
 Contacts of bodies whose mobility is known by its products only: projected gradients. The conditions are those of
 `impulse_solvers`. Gauss-Seidel sweeps require the response to each single impulse; with the flow of ten
@@ -24,8 +24,7 @@ from ecume._jit import compiled, compiled_inside
 from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Contacts, normal_velocities
-from ecume.engine.contact.friction import LEAST_RELAXATION, RELAXATION, STALLS
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
+from ecume.engine.contact.impulse_solvers import Islands, Tolerance
 from ecume.units import Array
 
 ENTRIES = 6
@@ -52,6 +51,14 @@ class DenseRows(NamedTuple):
     impulse: Array
     change: Array
     direction: Array
+
+
+class CoupledContacts(NamedTuple):
+    """Rows of contacts, and the mobility of all bodies."""
+
+    rows: DenseRows
+    mobility: Array
+    """(M, M)"""
 
 
 @compiled
@@ -104,11 +111,23 @@ def add_impulse(rows: DenseRows, row: int, impulse: float, mobility: Array, moti
 
 
 @compiled
-def _sweep(rows: DenseRows, mobility: Array, motion: Array, relaxation: float) -> float:
+def start(system: CoupledContacts, motion: Array) -> int:
+    """Compute the effective masses, and change the motion by the initial impulses; return the number of contacts."""
+    rows, mobility = system
+    set_weights(rows, mobility)
+    for row in range(len(rows.impulse)):
+        if rows.impulse[row] != 0.0:
+            add_impulse(rows, row, rows.impulse[row], mobility, motion)
+    return len(rows.bound)
+
+
+@compiled
+def sweep(system: CoupledContacts, motion: Array, some: Integers, relaxation: float) -> float:
     """One projected Gauss-Seidel sweep; returns the largest change, as a velocity."""
+    rows, mobility = system
     place, value, impulse, change, weight = rows.place, rows.value, rows.impulse, rows.change, rows.weight
     contacts, largest = len(rows.bound), 0.0
-    for row in range(contacts):
+    for row in some:
         speed = row_speed(place, value, row, motion)
         new = max(impulse[row] + weight[row] * (rows.bound[row] - speed), 0.0)
         change[row], impulse[row] = new - impulse[row], new
@@ -127,25 +146,28 @@ def _sweep(rows: DenseRows, mobility: Array, motion: Array, relaxation: float) -
 
 
 @compiled
-def residual(rows: DenseRows, motion: Array) -> float:
+def residual(system: CoupledContacts, motion: Array, some: Integers) -> float:
     """The largest violation of the conditions (m/s): see `friction.residual`."""
+    rows = system.rows
     place, value, impulse, weight = rows.place, rows.value, rows.impulse, rows.weight
     contacts, worst = len(rows.bound), 0.0
-    for row in range(contacts):
+    for row in some:
         if weight[row] > 0.0:
             excess = row_speed(place, value, row, motion) - rows.bound[row]
             worst = max(worst, -excess, min(excess, impulse[row] / weight[row]))
-    for row in range(contacts, len(impulse)):
-        if weight[row] > 0.0:
-            edge = rows.friction[row - contacts] * impulse[row - contacts]
-            better = min(max(impulse[row] - weight[row] * row_speed(place, value, row, motion), -edge), edge)
-            worst = max(worst, abs(better - impulse[row]) / weight[row])
+        across = contacts + row
+        if across < len(impulse) and weight[across] > 0.0:
+            edge = rows.friction[row] * impulse[row]
+            sliding = row_speed(place, value, across, motion)
+            better = min(max(impulse[across] - weight[across] * sliding, -edge), edge)
+            worst = max(worst, abs(better - impulse[across]) / weight[across])
     return worst
 
 
 @compiled
-def _accelerate(rows: DenseRows, mobility: Array, motion: Array, ratio: float) -> None:
+def accelerate(system: CoupledContacts, motion: Array, some: Integers, ratio: float) -> None:
     """Step along the conjugate direction: see `impulse_solvers`."""
+    rows, mobility = system
     impulse, direction, contacts = rows.impulse, rows.direction, len(rows.bound)
     for row in range(len(impulse)):
         along, old = ratio * direction[row], impulse[row]
@@ -161,36 +183,26 @@ def _accelerate(rows: DenseRows, mobility: Array, motion: Array, ratio: float) -
 
 
 @compiled
-def solve(rows: DenseRows, mobility: Array, motion: Array, tolerance: Tolerance) -> int:
-    """Solve for the impulses and change velocities and spins by them, until the residual is below the goal.
+def restart(system: CoupledContacts, some: Integers) -> None:
+    """Set the conjugate direction to zero."""
+    for row in range(len(system.rows.direction)):
+        system.rows.direction[row] = 0.0
 
-    The initial guess is `rows.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
-    """
-    set_weights(rows, mobility)
-    for row in range(len(rows.impulse)):
-        if rows.impulse[row] != 0.0:
-            add_impulse(rows, row, rows.impulse[row], mobility, motion)
-    square_before, residual_before, relaxation, stalls = 0.0, np.inf, 1.0, 0
-    for sweep in range(1, MOST_SWEEPS + 1):
-        largest = _sweep(rows, mobility, motion, relaxation)
-        if largest <= tolerance.target and residual(rows, motion) <= tolerance.target:
-            return sweep
-        if sweep % PATIENCE == 0:
-            left = residual(rows, motion)
-            if left > 0.5 * residual_before:
-                if left <= tolerance.acceptable:
-                    return sweep
-                stalls += 1
-                if stalls % STALLS == 0:
-                    relaxation = RELAXATION * relaxation if relaxation > LEAST_RELAXATION else 1.0
-            residual_before = left
-        square = 0.0
-        for row in range(len(rows.impulse)):
-            square += rows.change[row] ** 2
-        ratio = square / square_before if relaxation == 1.0 and 0.0 < square <= square_before else 0.0
-        _accelerate(rows, mobility, motion, ratio)
-        square_before = square
-    return MOST_SWEEPS + 1
+
+@compiled
+def square(system: CoupledContacts, some: Integers) -> float:
+    """The square of the last changes of all impulses."""
+    total = 0.0
+    for row in range(len(system.rows.change)):
+        total += system.rows.change[row] ** 2
+    return total
+
+
+@compiled
+def islands(system: CoupledContacts, motion: Array) -> Islands:
+    """All contacts as one island."""
+    total = len(system.rows.bound)
+    return Islands(np.arange(total), np.array([0, total]))
 
 
 MOST_PRODUCTS = 400

@@ -1,9 +1,9 @@
-"""Contacts of bodies that rotate: Jacobian rows for velocities and spins, and their projected Gauss-Seidel solver.
+"""Contacts of bodies that rotate: Jacobian rows for velocities and spins, their sweeps and their exact solution.
 
-The conditions and the solver are those of `contacts`, for generalized velocities w = (v_x, v_y, spin): each contact is
-a Jacobian row J of six numbers, three for each body, with J w >= bound, and the response M^-1 J^T of both bodies to a
-unit impulse. In a viscous liquid a body has different mobilities along and across itself. Impulses act along the line
-through both nearest points, so that momentum and angular momentum are conserved to rounding.
+The conditions are those of `contacts`, for generalized velocities w = (v_x, v_y, spin): each contact is a Jacobian row
+J of six numbers, three for each body, with J w >= bound, and the response M^-1 J^T of both bodies to a unit impulse.
+The solver is in `sweeps`. In a viscous liquid a body has different mobilities along and across itself. Impulses act
+along the line through both nearest points, so that momentum and angular momentum are conserved to rounding.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled
+from ecume._jit import compiled, compiled_apart
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Candidates, ContactKeys, deepest_overlap
-from ecume.engine.contact.impulse_solvers import MOST_SWEEPS, PATIENCE, Tolerance
+from ecume.engine.contact.contacts import Candidates, ContactKeys
+from ecume.engine.contact.impulse_solvers import LARGEST, Islands, Tolerance, islands_among, least_distance, numbered
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
@@ -41,6 +41,8 @@ class TorqueContacts(NamedTuple):
     """(capacity, 6) J: the rate of the gap per velocity and spin of i and j"""
     response: Array
     """(capacity, 6) M^-1 J^T: the change of these by a unit impulse"""
+    root: Array
+    """(capacity, 6) M^(-1/2) J^T, whose square is J M^-1 J^T: in the axes of each body"""
     bound: Array
     """lower bound of J w"""
     weight: Array
@@ -76,18 +78,21 @@ def make_torque_contacts(capacity: int, places: int) -> TorqueContacts:
         place=np.zeros(capacity, np.int64),
         jacobian=np.zeros((capacity, 6)),
         response=np.zeros((capacity, 6)),
+        root=np.zeros((capacity, 6)),
         near=np.zeros((places, NEARNESS)),
         **{name: np.zeros(capacity) for name in of_row},
     )
 
 
 @compiled
-def impulse_response(mobility: Array, angle: float, jacobian: Array, response: Array) -> float:
-    """Write the response M^-1 J^T of one body to a unit impulse; return its part of J M^-1 J^T."""
+def impulse_response(mobility: Array, angle: float, jacobian: Array, response: Array, root: Array) -> float:
+    """Write the response M^-1 J^T of one body to a unit impulse, and its root; return its part of J M^-1 J^T."""
     c, s = math.cos(angle), math.sin(angle)
     along, across = c * jacobian[0] + s * jacobian[1], c * jacobian[1] - s * jacobian[0]
     fast, slow = mobility[0] * along, mobility[1] * across
     response[0], response[1], response[2] = c * fast - s * slow, s * fast + c * slow, mobility[2] * jacobian[2]
+    root[0], root[1] = math.sqrt(mobility[0]) * along, math.sqrt(mobility[1]) * across
+    root[2] = math.sqrt(mobility[2]) * jacobian[2]
     return float(fast * along + slow * across + mobility[2] * jacobian[2] * jacobian[2])
 
 
@@ -99,15 +104,16 @@ def write_row(
     i, j = pair
     contacts.first[row], contacts.second[row], contacts.place[row] = i, j, j * FEATURES + int(near[7])
     contacts.gap[row] = near[0]
-    jacobian, response = contacts.jacobian[row], contacts.response[row]
+    jacobian, response, root = contacts.jacobian[row], contacts.response[row], contacts.root[row]
     to_x, to_y = near[1], near[2]
     jacobian[0], jacobian[1], jacobian[2] = -to_x, -to_y, near[4] * to_x - near[3] * to_y
-    way = impulse_response(mobility[i], stance.angle[i], jacobian[:3], response[:3])
+    way = impulse_response(mobility[i], stance.angle[i], jacobian[:3], response[:3], root[:3])
     jacobian[3:] = 0.0
     response[3:] = 0.0
+    root[3:] = 0.0
     if j < len(stance.angle):
         jacobian[3], jacobian[4], jacobian[5] = to_x, to_y, near[5] * to_y - near[6] * to_x
-        way += impulse_response(mobility[j], stance.angle[j], jacobian[3:], response[3:])
+        way += impulse_response(mobility[j], stance.angle[j], jacobian[3:], response[3:], root[3:])
     contacts.weight[row] = 1.0 / way if way > 0.0 else 0.0
 
 
@@ -160,10 +166,10 @@ def normal_velocities(contacts: TorqueContacts, velocity: Array, speed: Array) -
 
 
 @compiled
-def apply_impulses(contacts: TorqueContacts, impulse: Array, velocity: Array) -> None:
-    """Apply each contact's impulse to both bodies."""
+def apply_impulses(contacts: TorqueContacts, some: Integers, impulse: Array, velocity: Array) -> None:
+    """Apply the impulses of some contacts to both bodies."""
     first, second, response = contacts.first, contacts.second, contacts.response
-    for row in range(contacts.total[0]):
+    for row in some:
         i, j, push = first[row], second[row], impulse[row]
         for axis in range(3):
             velocity[i, axis] += response[row, axis] * push
@@ -171,12 +177,20 @@ def apply_impulses(contacts: TorqueContacts, impulse: Array, velocity: Array) ->
 
 
 @compiled
-def _sweep(contacts: TorqueContacts, velocity: Array) -> float:
-    """One projected Gauss-Seidel sweep over all contacts; returns the largest change, as a relative velocity."""
+def start(contacts: TorqueContacts, velocity: Array) -> int:
+    """Change the velocities by the initial impulses; return the number of contacts."""
+    total = int(contacts.total[0])
+    apply_impulses(contacts, np.arange(total), contacts.impulse, velocity)
+    return total
+
+
+@compiled
+def sweep(contacts: TorqueContacts, velocity: Array, some: Integers, relaxation: float) -> float:
+    """One projected Gauss-Seidel sweep over some contacts; returns the largest change, as a relative velocity."""
     first, second, jac, response = contacts.first, contacts.second, contacts.jacobian, contacts.response
     impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
     largest = 0.0
-    for row in range(contacts.total[0]):
+    for row in some:
         i, j = first[row], second[row]
         speed = jac[row, 0] * velocity[i, 0] + jac[row, 1] * velocity[i, 1] + jac[row, 2] * velocity[i, 2]
         speed += jac[row, 3] * velocity[j, 0] + jac[row, 4] * velocity[j, 1] + jac[row, 5] * velocity[j, 2]
@@ -192,80 +206,136 @@ def _sweep(contacts: TorqueContacts, velocity: Array) -> float:
 
 
 @compiled
-def residual(contacts: TorqueContacts, velocity: Array) -> float:
+def residual(contacts: TorqueContacts, velocity: Array, some: Integers) -> float:
     """The largest violation of the complementarity conditions (m/s): penetration, or impulse on separating bodies."""
-    speed, worst = contacts.scratch, 0.0
-    normal_velocities(contacts, velocity, speed)
-    for row in range(contacts.total[0]):
+    first, second, jac, worst = contacts.first, contacts.second, contacts.jacobian, 0.0
+    for row in some:
+        i, j = first[row], second[row]
+        speed = jac[row, 0] * velocity[i, 0] + jac[row, 1] * velocity[i, 1] + jac[row, 2] * velocity[i, 2]
+        speed += jac[row, 3] * velocity[j, 0] + jac[row, 4] * velocity[j, 1] + jac[row, 5] * velocity[j, 2]
         if contacts.weight[row] > 0.0:
-            excess = speed[row] - contacts.bound[row]
+            excess = speed - contacts.bound[row]
             worst = max(worst, -excess, min(excess, contacts.impulse[row] / contacts.weight[row]))
     return worst
 
 
 @compiled
-def _accelerate(contacts: TorqueContacts, velocity: Array, ratio: float) -> None:
+def accelerate(contacts: TorqueContacts, velocity: Array, some: Integers, ratio: float) -> None:
     """Step along the conjugate direction: see `impulse_solvers`."""
     impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
-    for row in range(contacts.total[0]):
+    for row in some:
         along, old = ratio * direction[row], impulse[row]
         impulse[row] = max(old + along, 0.0)
         step[row] = impulse[row] - old
         direction[row] = along + change[row]
     if ratio > 0.0:
-        apply_impulses(contacts, step, velocity)
+        apply_impulses(contacts, some, step, velocity)
 
 
 @compiled
-def solve(contacts: TorqueContacts, velocity: Array, tolerance: Tolerance) -> int:
-    """Solve for the impulses and change `velocity` by them: see `impulse_solvers.solve`.
-
-    The initial guess is `contacts.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
-    """
-    apply_impulses(contacts, contacts.impulse, velocity)
-    for row in range(contacts.total[0]):
+def restart(contacts: TorqueContacts, some: Integers) -> None:
+    """Set the conjugate direction of some contacts to zero."""
+    for row in some:
         contacts.direction[row] = 0.0
-    square_before, residual_before = 0.0, np.inf
-    for sweep in range(1, MOST_SWEEPS + 1):
-        largest = _sweep(contacts, velocity)
-        if largest <= tolerance.target and residual(contacts, velocity) <= tolerance.target:
-            return sweep
-        if sweep % PATIENCE == 0:
-            left = residual(contacts, velocity)
-            if left <= tolerance.acceptable and left > 0.5 * residual_before:
-                return sweep
-            residual_before = left
-        square = 0.0
-        for row in range(contacts.total[0]):
-            square += contacts.change[row] ** 2
-        ratio = square / square_before if 0.0 < square <= square_before else 0.0
-        _accelerate(contacts, velocity, ratio)
-        square_before = square
-    return MOST_SWEEPS + 1
 
 
 @compiled
-def separate(
-    contacts: TorqueContacts, candidates: Candidates, stance: Stance, bodies: OutlinedBodies, slop: float
-) -> int:
-    """Position projection: move and rotate overlapping bodies until no overlap exceeds `slop`; velocities stay.
+def square(contacts: TorqueContacts, some: Integers) -> float:
+    """The square of the last changes of some impulses."""
+    total = 0.0
+    for row in some:
+        total += contacts.change[row] ** 2
+    return total
 
-    Each iteration linearizes the gaps and finds the least displacements that open all overlaps, by the impulse solver.
-    Returns the number of iterations; `contacts` are those of the final positions.
+
+@compiled
+def islands(contacts: TorqueContacts, velocity: Array) -> Islands:
+    """The islands with an impulse or a change."""
+    busy, moves = np.empty(contacts.total[0], np.bool_), np.zeros(len(velocity))
+    for row in range(len(busy)):
+        busy[row] = contacts.impulse[row] != 0.0 or contacts.change[row] != 0.0
+        for axis in range(3):
+            moves[contacts.first[row]] += abs(contacts.response[row, axis])
+            moves[contacts.second[row]] += abs(contacts.response[row, 3 + axis])
+    return islands_among(contacts.first, contacts.second, busy, moves)
+
+
+@compiled
+def solve_exactly(contacts: TorqueContacts, velocity: Array, some: Integers, tolerance: Tolerance) -> int:
+    """Solve an island by the active-set method of `impulse_solvers`: 1 if the result is accepted. Nothing changes
+    otherwise.
     """
-    position, angle = stance.position, stance.angle
-    shift = np.zeros((len(position) + wall_count(bodies.walls), 3))
-    for turn in range(50):
-        if deepest_overlap(contacts.total, contacts.gap) <= slop:
-            return turn
-        shift[:] = 0.0
-        for row in range(contacts.total[0]):
-            contacts.impulse[row] = 0.0
-            contacts.bound[row] = -contacts.gap[row] - 0.25 * slop
-        solve(contacts, shift, Tolerance(1e-3 * slop, 1e-2 * slop))
-        for i in range(len(position)):
-            position[i, 0] += shift[i, 0]
-            position[i, 1] += shift[i, 1]
-            angle[i] += shift[i, 2]
-        gather(contacts, candidates, stance, bodies, 4.0 * slop)
-    return 50
+    if len(some) > LARGEST:
+        return 0
+    before, slower, count = np.empty(len(some)), velocity.copy(), 0
+    rows = np.empty(len(some), np.int64)
+    for row in some:
+        if contacts.bound[row] > -np.inf and contacts.weight[row] > 0.0:
+            rows[count], before[count] = row, contacts.impulse[row]
+            count += 1
+    if not nearest_motion(
+        rows[:count], contacts.first, contacts.second, contacts.jacobian, contacts.response, contacts.root,
+        contacts.bound, contacts.impulse, velocity,
+    ):  # fmt: skip
+        return 0
+    if residual(contacts, velocity, some) <= max(tolerance.target, tolerance.acceptable):
+        return 1
+    for place in range(count):
+        contacts.impulse[rows[place]] = before[place]
+    for body in range(len(velocity)):
+        for axis in range(3):
+            velocity[body, axis] = slower[body, axis]
+    return 0
+
+
+@compiled_apart(
+    "int64[:]", "int64[:]", "int64[:]", "float64[:,:]", "float64[:,:]", "float64[:,:]", "float64[:]", "float64[:]",
+    "float64[:,:]",
+)  # fmt: skip
+def nearest_motion(
+    rows: Integers,
+    first: Integers,
+    second: Integers,
+    jacobian: Array,
+    response: Array,
+    root: Array,
+    bound: Array,
+    impulse: Array,
+    velocity: Array,
+) -> bool:
+    """Solve some contacts exactly, starting from impulses that are already included in `velocity`; change both. Return
+    False, without a change, if no solution was found.
+    """
+    place, bodies = numbered(first[rows], second[rows], len(velocity))
+    matrix, need, given = np.zeros((3 * bodies + 1, len(rows))), np.empty(len(rows)), np.empty(len(rows))
+    free, longest = velocity.copy(), 0.0
+    for k in range(len(rows)):
+        row, length = rows[k], 0.0
+        given[k] = impulse[row]
+        for axis in range(3):
+            matrix[3 * place[first[row]] + axis, k] = root[row, axis]
+            matrix[3 * place[second[row]] + axis, k] += root[row, 3 + axis]
+            length += root[row, axis] ** 2 + root[row, 3 + axis] ** 2
+            free[first[row], axis] -= response[row, axis] * impulse[row]
+            free[second[row], axis] -= response[row, 3 + axis] * impulse[row]
+        longest = max(longest, length)
+    strength = math.sqrt(longest)
+    for k in range(len(rows)):
+        row, speed = rows[k], 0.0
+        for axis in range(3):
+            speed += jacobian[row, axis] * free[first[row], axis] + jacobian[row, 3 + axis] * free[second[row], axis]
+        need[k] = bound[row] - speed
+        for entry in range(len(matrix)):
+            matrix[entry, k] /= strength
+    if not least_distance(matrix, strength, need, given):
+        return False
+    for k in range(len(rows)):
+        row = rows[k]
+        impulse[row] = given[k]
+        for axis in range(3):
+            free[first[row], axis] += response[row, axis] * given[k]
+            free[second[row], axis] += response[row, 3 + axis] * given[k]
+    for body in range(len(velocity)):
+        for axis in range(3):
+            velocity[body, axis] = free[body, axis]
+    return True

@@ -23,9 +23,9 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as coulomb
-from ecume.engine.contact import impulse_solvers
+from ecume.engine.contact import impulse_solvers, sweeps
 from ecume.engine.contact.contacts import Bodies, Contacts, Memory
-from ecume.engine.contact.friction import FrictionRows, Motion
+from ecume.engine.contact.friction import FrictionalContacts, FrictionRows, Motion
 from ecume.engine.contact.impulse_solvers import Tolerance
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.laws import drag, flotation
@@ -100,7 +100,7 @@ def solve_with_friction(
     """Solve contacts with friction for these velocities and spins; return the number of sweeps."""
     touching.set_effective_masses(contacts, bodies.mobility)
     coulomb.prepare(contacts, friction_rows, bodies.radius, part.friction, motion)
-    return coulomb.solve(contacts, friction_rows, motion, goal)
+    return sweeps.solve(FrictionalContacts(contacts, friction_rows), motion, goal)
 
 
 @compiled
@@ -124,7 +124,7 @@ def push_with_friction(
         contacts.impulse[row] *= contacts.scratch[row]
         friction_rows.impulse[row] *= contacts.scratch[row]
     motion = Motion(midstep_velocity, scratch.spin, bodies.mobility, part.spin_mobility)
-    coulomb.apply_impulses(contacts, friction_rows, (contacts.impulse, friction_rows.impulse), motion)
+    coulomb.start(FrictionalContacts(contacts, friction_rows), motion)
 
 
 @compiled
@@ -455,13 +455,13 @@ def solve_contacts(
     touching.recall(touching.contact_keys(contacts), memory)
     touching.normal_velocities(contacts, velocity, contacts.scratch)
     goal = goal_of(parameters, contacts)
-    sweeps = 0
+    most = 0
     if goal.target > 0.0:
-        sweeps = solve(part, scratch, contact_bodies(parameters), contacts, velocity, goal)
+        most = solve(part, scratch, contact_bodies(parameters), contacts, velocity, goal)
     else:
         clear_impulses(contacts)
-    state.tally[SWEEPS] += sweeps
-    state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
+    state.tally[SWEEPS] += most
+    state.tally[UNCONVERGED] += 1.0 if most > impulse_solvers.MOST_SWEEPS else 0.0
     touching.remember(touching.contact_keys(contacts), memory)
     remember(part, scratch, state, workspace)
 

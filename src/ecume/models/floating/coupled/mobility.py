@@ -27,9 +27,10 @@ from ecume._jit import admit, compiled, compiled_inside, composed
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import impulse_solvers, mobility_contacts
+from ecume.engine.contact import sweeps as solver
 from ecume.engine.contact.contacts import Contacts, Memory
 from ecume.engine.contact.impulse_solvers import Tolerance
-from ecume.engine.contact.mobility_contacts import DenseRows, make_dense_rows
+from ecume.engine.contact.mobility_contacts import CoupledContacts, DenseRows, make_dense_rows
 from ecume.engine.linear_solvers.lanczos import root_product
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import pair_mobility
@@ -378,7 +379,7 @@ def collide_coupled(
         rows = dense_rows_of(part, contacts, parameters, len(scratch.motion))
         if turning:
             recall_friction(rows, contacts, memory, state.friction_impulse, parameters.time_step)
-        sweeps = mobility_contacts.solve(rows, scratch.mobility, scratch.motion, goal)
+        sweeps = solver.solve(CoupledContacts(rows, scratch.mobility), scratch.motion, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
         keep_impulses(rows, contacts, parameters, scratch)

@@ -15,8 +15,10 @@ import numpy as np
 from ecume._jit import admit, compiled, composed
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts, impulse_solvers
+from ecume.engine.contact import sweeps as solver
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.contacts import Memory, deepest_overlap
+from ecume.engine.contact.separation import separate
 from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts, make_torque_contacts
 from ecume.engine.neighbors import NeighborLists
 from ecume.engine.outlines import Outlines, Stance
@@ -421,13 +423,13 @@ def bounce(scratch: ShapedScratch, parameters: Parameters, state: State, workspa
         return
     clear_impulses(levers)
     goal = goal_for(parameters, fastest)
-    state.tally[SWEEPS] += touching.solve(levers, scratch.before, goal)
+    state.tally[SWEEPS] += solver.solve(levers, scratch.before, goal)
     share_restitution(parameters, levers, of_float)
     for row in range(levers.total[0]):
         if levers.impulse[row] > 0.0:
             state.tally[COLLISIONS] += 1.0
             levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
-    touching.apply_impulses(levers, levers.impulse, scratch.midstep_velocity)
+    touching.start(levers, scratch.midstep_velocity)
 
 
 @compiled
@@ -438,7 +440,7 @@ def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts,
     touching.normal_velocities(levers, velocity, levers.scratch)
     goal = goal_of(parameters, levers)
     if goal.target > 0.0:
-        sweeps = touching.solve(levers, velocity, goal)
+        sweeps = solver.solve(levers, velocity, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > impulse_solvers.MOST_SWEEPS else 0.0
     else:
@@ -468,7 +470,7 @@ def separate_outlines(
     deepest = deepest_overlap(levers.total, levers.gap)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
-        touching.separate(levers, workspace.candidates, stance, bodies, parameters.slop)
+        separate(levers, workspace.candidates, stance, bodies, parameters.slop)
         touching.gather(levers, workspace.candidates, stance, bodies, reach)
     store_angles(scratch, state)
 
