@@ -1,11 +1,16 @@
 """Figures of a sweep show the numbers of its table."""
 
+import csv
+
 import numpy as np
 import pytest
 
+from ecume.analysis.series import Mean
 from ecume.errors import BadInput
 from ecume.show.style import figure
-from ecume.sweep.figures import Column, edges, scatter, sweep_figure
+from ecume.sweep import figures
+from ecume.sweep.figures import Column, edges, plot_sweep, scatter, sweep_figure
+from ecume.sweep.fits import Points, fit_of
 
 
 class Made:
@@ -162,3 +167,53 @@ def test_too_many_curves_are_refused():
 def test_what_there_is_not_is_refused(kind, measure, says):
     with pytest.raises(BadInput, match=says):
         sweep_figure(Made(), kind, measure)
+
+
+class Curve(Made):
+    """Stresses 2 + 3 rate^0.5 of three repeats, which scatter symmetrically, in two liquids."""
+
+    axes = ("rate", "liquid", "repeat")
+    ways = ("rate", "liquid")
+
+    def table(self):
+        return [
+            {"rate": rate, "liquid": liquid, "repeat": n, "state": "done", "stress": part * law + 0.01 * (n - 1)}
+            for rate, law in ((rate, 2.0 + 3.0 * rate**0.5) for rate in (0.1, 0.4, 1.0, 4.0, 9.0))
+            for liquid, part in (("oil", 1.0), ("water", 0.5))
+            for n in range(3)
+        ]  # fmt: skip
+
+
+def test_a_fit_finds_the_law_of_each_curve_and_states_its_interval(tmp_path, monkeypatch):
+    monkeypatch.setattr(figures, "open_sweep", lambda directory: Curve())
+    picture = plot_sweep(tmp_path, "fit", "stress")
+    with picture.with_suffix(".csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    for curve, factor in (("liquid oil", 1.0), ("liquid water", 0.5)):
+        mine = {row["quantity"]: row for row in rows if row["curve"] == curve}
+        for name, true in (("offset", 2.0 * factor), ("factor", 3.0 * factor), ("exponent", 0.5)):
+            assert float(mine[name]["value"]) == pytest.approx(true, rel=1e-4)
+            # Two degrees of freedom: 4.30 standard errors.
+            half = 0.5 * (float(mine[name]["high"]) - float(mine[name]["low"]))
+            assert half == pytest.approx(4.3027 * float(mine[name]["error"]), rel=1e-3)
+        measured = [row for row in rows if row["curve"] == curve and row["quantity"] == "measured"]
+        assert [row["runs"] for row in measured] == ["3"] * 5
+        assert [float(row["error"]) for row in measured] == pytest.approx([0.01 / 3**0.5] * 5)
+
+
+def test_the_interval_of_a_fit_contains_the_true_law_as_often_as_it_says():
+    """Five points of noise with a known error, 400 times: 95 % of the curve's intervals contain it."""
+    dice, rates, inside = np.random.default_rng(3), np.geomspace(0.1, 10.0, 12), []
+    true = 1.0 + 2.0 * rates**0.5
+    for _ in range(400):
+        means = [Mean(value + 0.05 * dice.normal(), 0.05) for value in true]
+        points = Points("", rates, tuple(means), (1,) * len(rates))
+        fit = fit_of(points)
+        inside.append(np.abs(fit(rates) - true) < points.width * fit.error(rates))
+    # Errors of the fit grow with a misfit above 1, and do not shrink with one below.
+    assert 0.94 < np.mean(inside) < 0.99
+
+
+def test_a_fit_that_too_few_points_determine_is_refused():
+    with pytest.raises(BadInput, match="a fit of three parameters takes 4 points or more; got 3"):
+        sweep_figure(Made(), "fit", "time")

@@ -207,10 +207,19 @@ class CurveFit(NamedTuple):
     exponent: Mean
     misfit: float
     """chi^2 per degree of freedom: about 1 where the curve and the errors are right"""
+    covariance: Array
+    """(3, 3) of offset, factor and exponent"""
 
     def __call__(self, argument: Array) -> Array:
         """The fitted power law, offset + factor x^exponent."""
         return np.asarray(self.offset.value + self.factor.value * np.asarray(argument) ** self.exponent.value)
+
+    def error(self, argument: Array) -> Array:
+        """The standard error of the fitted curve, from the covariance of its parameters."""
+        x = np.asarray(argument, dtype=float)
+        power = x**self.exponent.value
+        slopes = np.stack([np.ones_like(x), power, self.factor.value * power * np.log(x)])
+        return np.asarray(np.sqrt(np.maximum(np.einsum("a...,ab,b...->...", slopes, self.covariance, slopes), 0.0)))
 
 
 EXPONENTS = np.geomspace(0.05, 4.0, 80)
@@ -232,10 +241,11 @@ def power_fit(argument: Array, values: Sequence[Mean]) -> CurveFit:
     middle = float(np.exp(np.log(x).mean()))
     fit = _separable(lambda power: (x / middle) ** power, values, EXPONENTS)
     # The factor of x instead of x over its mean: f m^-n, with the error of both.
-    scale = middle ** -fit.best[2]
-    slope = np.array([0.0, scale, -fit.best[1] * scale * math.log(middle)])
-    factor = Mean(float(fit.best[1] * scale), math.sqrt(max(float(slope @ fit.covariance @ slope), 0.0)))
-    return CurveFit(fit.mean(0), factor, fit.mean(2), fit.misfit)
+    scale, turn = middle ** -fit.best[2], np.eye(3)
+    turn[1] = 0.0, scale, -fit.best[1] * scale * math.log(middle)
+    covariance = turn @ fit.covariance @ turn.T
+    factor = Mean(float(fit.best[1] * scale), math.sqrt(max(float(covariance[1, 1]), 0.0)))
+    return CurveFit(fit.mean(0), factor, fit.mean(2), fit.misfit, covariance)
 
 
 def herschel_bulkley(rates: Array, stresses: Sequence[Mean]) -> CurveFit:

@@ -424,7 +424,7 @@ def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
 
 
 def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
-    """Figures of a sweep: `curves`, `map` or `scatter`, or `curves:duration` for a measure that is not its first."""
+    """Figures of a sweep: `curves`, `map`, `scatter` or `fit`, or `curves:duration` for a measure not its first."""
     from ecume.sweep.figures import kinds_of, plot_sweep
 
     asked = names or kinds_of(directory)

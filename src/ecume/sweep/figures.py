@@ -1,4 +1,6 @@
-"""Figures of a sweep: a measure over one axis, a curve for each value of the others, a map of two, or a scatter."""
+"""Figures of a sweep: a measure over one axis, a curve for each value of the others, a power law fitted to each, a
+map of two, or a scatter.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.show.style import PALETTE, Scale, figure, legend_outside, plain, save, scale_for, style
+from ecume.sweep.fits import Points, draw_fits, points_of, write_fits
 from ecume.sweep.results import Row, Sweep, open_sweep
 from ecume.units import Array
 
-KINDS = ("curves", "map", "scatter")
+KINDS = ("curves", "map", "scatter", "fit")
 WIDE = 30.0
 """The ratio of the largest to the least positive value from which on an axis is logarithmic."""
 DASHES = ("-", "--", ":")
@@ -49,16 +53,21 @@ class Column(NamedTuple):
 
 
 def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path | None = None) -> Path:
-    """Draw a figure of a sweep into `out`; by default into its directory."""
-    drawn = sweep_figure(open_sweep(directory), kind, measure)
+    """Draw a figure of a sweep into `out`; by default into its directory. The table of a fit is written beside it."""
+    sweep = open_sweep(directory)
+    drawn = sweep_figure(sweep, kind, measure)
     name = f"{kind}-{re.sub(r'[^A-Za-z0-9]+', '-', measure).strip('-')}" if measure else kind
-    return save(drawn, out or directory / f"{name}.png")
+    target = save(drawn, out or directory / f"{name}.png")
+    if kind == "fit":
+        axes, shown = _columns(sweep, measure)
+        write_fits(target.with_suffix(".csv"), fitted_points(axes, shown))
+    return target
 
 
 def kinds_of(directory: Path) -> list[str]:
-    """The figures that a sweep has something for."""
+    """The figures that a sweep has something for; a fit is drawn only if it is asked for."""
     sweep = open_sweep(directory)
-    fits = {"curves": not sweep.drawn, "map": len(sweep.ways) > 1, "scatter": True}
+    fits = {"curves": not sweep.drawn, "map": len(sweep.ways) > 1, "scatter": True, "fit": False}
     return [kind for kind in KINDS if fits[kind]]
 
 
@@ -68,6 +77,16 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
         raise BadInput(f"no such figure of a sweep as {kind!r}; {suggestion(kind, KINDS)}")
     if kind == "curves" and sweep.drawn:
         raise BadInput(f"{sweep.directory}: its points were drawn, and lie on no curves; --what scatter draws them")
+    axes, shown = _columns(sweep, measure)
+    with style():
+        drawn = figure()
+        on = drawn.add_subplot(title=plain(sweep.title))
+        DRAWN[kind](on, axes, shown)
+    return drawn
+
+
+def _columns(sweep: Sweep, measure: str | None) -> tuple[list[Column], Column]:
+    """What varies among the finished points, and the measure."""
     rows = [row for row in sweep.table() if row["state"] == "done"]
     if not rows:
         raise BadInput(f"{sweep.directory}: no point is finished; nothing to draw")
@@ -76,11 +95,7 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
     axes = [column for name in sweep.ways if len(np.unique((column := column_of(rows, name, units)).values)) > 1]
     if not axes:
         raise BadInput(f"{sweep.directory}: no parameter varies among the finished points; nothing to draw")
-    with style():
-        drawn = figure()
-        on = drawn.add_subplot(title=plain(sweep.title))
-        DRAWN[kind](on, axes, column_of(rows, shown, units))
-    return drawn
+    return axes, column_of(rows, shown, units)
 
 
 def measured_column(rows: Sequence[Row], axes: Sequence[str], asked: str | None) -> str:
@@ -117,23 +132,48 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
     """Over the axis of numbers with most values, a curve for each combination of the others; means and standard errors
     of what repeats.
     """
-    x, *others = sorted(axes, key=lambda column: (bool(column.words), -len(np.unique(column.values))))
+    x, *others = by_length(axes)
+    groups = groups_of(x, others)
+    for (label, mine), (dash, color) in zip(groups, itertools.product(DASHES, PALETTE), strict=False):
+        at = np.unique(x.values[mine])
+        means, errors = zip(*(_mean(measure.values[mine & (x.values == value)]) for value in at), strict=True)
+        bars = errors if np.any(errors) else None
+        on.errorbar(at, means, yerr=bars, fmt="o", ls=dash, ms=4, color=color, label=label or None)
+    _scaled(on, x, measure)
+    if others:
+        legend_outside(on)
+
+
+def by_length(axes: Sequence[Column]) -> list[Column]:
+    """The axis of numbers with most values, and the others."""
+    return sorted(axes, key=lambda column: (bool(column.words), -len(np.unique(column.values))))
+
+
+def groups_of(x: Column, others: Sequence[Column]) -> list[tuple[str, NDArray[np.bool_]]]:
+    """The combinations of the values of all axes but that of x: their label, and which rows are theirs."""
     names = short_names(others)
     groups = sorted(set(zip(*(column.values for column in others), strict=True))) if others else [()]
     if len(groups) > MOST_CURVES:
         raise BadInput(f"{len(groups)} curves are too many to distinguish; use --what map or --what scatter")
-    for group, (dash, color) in zip(groups, itertools.product(DASHES, PALETTE), strict=False):
-        mine = np.logical_and.reduce(
-            [np.isfinite(x.values), *(c.values == v for c, v in zip(others, group, strict=True))]
-        )
-        at = np.unique(x.values[mine])
-        means, errors = zip(*(_mean(measure.values[mine & (x.values == value)]) for value in at), strict=True)
-        label = ", ".join(f"{name} {c.at(v)}" for name, c, v in zip(names, others, group, strict=True)) or None
-        bars = errors if np.any(errors) else None
-        on.errorbar(at, means, yerr=bars, fmt="o", ls=dash, ms=4, color=color, label=label)
-    _scaled(on, x, measure)
-    if others:
-        legend_outside(on)
+    found = []
+    for group in groups:
+        pairs = list(zip(others, group, strict=True))
+        label = ", ".join(f"{name} {column.at(value)}" for name, (column, value) in zip(names, pairs, strict=True))
+        same = [column.values == value for column, value in pairs]
+        found.append((label, np.logical_and.reduce([np.isfinite(x.values), *same])))
+    return found
+
+
+def fitted_points(axes: Sequence[Column], measure: Column) -> list[Points]:
+    """The points of each curve to which a power law is fitted."""
+    x, *others = by_length(axes)
+    return [points_of(label, x.values[mine], measure.values[mine]) for label, mine in groups_of(x, others)]
+
+
+def fits(on: Axes, axes: Sequence[Column], measure: Column) -> None:
+    """As curves, with a power law and its interval."""
+    draw_fits(on, fitted_points(axes, measure))
+    _scaled(on, by_length(axes)[0], measure)
 
 
 def short_names(columns: Sequence[Column]) -> list[str]:
@@ -228,7 +268,7 @@ def scatter(on: Axes, axes: Sequence[Column], measure: Column) -> None:
 
 
 MARKERS = "os^Dv<>*"
-DRAWN = {"curves": curves, "map": colored_map, "scatter": scatter}
+DRAWN = {"curves": curves, "map": colored_map, "scatter": scatter, "fit": fits}
 
 
 def wide(values: Array) -> bool:

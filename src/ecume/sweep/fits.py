@@ -1,0 +1,103 @@
+"""The power law of a measure over an axis of a sweep, such as a flow curve, with 95 % intervals over its repeats."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from scipy.stats import t
+
+from ecume.analysis.rheology import CurveFit, power_fit
+from ecume.analysis.series import Mean
+from ecume.errors import BadInput
+from ecume.show.style import PALETTE
+from ecume.units import Array
+
+LIKELY = 0.95
+"""The probability of an interval."""
+PARAMETERS = ("offset", "factor", "exponent")
+COLUMNS = ("curve", "quantity", "x", "value", "error", "low", "high", "runs")
+
+
+class Points(NamedTuple):
+    """A measure over an axis, in all runs of a curve."""
+
+    label: str
+    at: Array
+    """(P,) the values of the axis, ascending"""
+    means: tuple[Mean, ...]
+    """over the repeats, with standard errors; 0 for single runs"""
+    runs: tuple[int, ...]
+    """how many of them"""
+
+    @property
+    def width(self) -> float:
+        """The half width of an interval in standard errors, by the degrees of freedom of a fit: Student's t."""
+        return float(t.ppf(0.5 + 0.5 * LIKELY, len(self.at) - len(PARAMETERS)))
+
+
+def points_of(label: str, x: Array, values: Array) -> Points:
+    """The means of finite values at each place."""
+    good = np.isfinite(x) & np.isfinite(values)
+    at = np.unique(x[good])
+    groups = [values[good & (x == one)] for one in at]
+    means = tuple(
+        Mean(float(one.mean()), float(one.std(ddof=1) / np.sqrt(len(one))) if len(one) > 1 else 0.0) for one in groups
+    )
+    return Points(label, at, means, tuple(map(len, groups)))
+
+
+def fit_of(points: Points) -> CurveFit:
+    """The fit of offset + factor x^exponent: of flow curves, the law of Herschel and Bulkley. Raises BadInput where the
+    points do not determine it.
+    """
+    try:
+        return power_fit(points.at, points.means)
+    except BadInput as fault:
+        raise BadInput(f"{points.label or 'the points'}: {fault}") from None
+
+
+def draw_fits(on: Axes, curves: Sequence[Points]) -> None:
+    """Means with their errors, the fitted curves and their intervals."""
+    for points, color in zip(curves, itertools.cycle(PALETTE)):
+        fit, values = fit_of(points), [one.value for one in points.means]
+        errors = [one.error for one in points.means]
+        on.errorbar(
+            points.at, values, yerr=errors if any(errors) else None, fmt="o", markersize=4, capsize=2, color=color,
+            label=points.label or None,
+        )  # fmt: skip
+        x = np.geomspace(points.at[0], points.at[-1], 200)
+        away = points.width * fit.error(x)
+        offset, power = (f"{one.value:.3g} ± {points.width * one.error:.2g}" for one in (fit.offset, fit.exponent))
+        on.plot(x, fit(x), color=color, linewidth=1.0, label=f"{offset} + K x$^n$, n = {power}")
+        on.fill_between(x, fit(x) - away, fit(x) + away, color=color, alpha=0.15, linewidth=0.0)
+    on.legend()
+
+
+def rows_of(points: Points) -> Iterator[tuple[object, ...]]:
+    """The table of a curve: its points, what the fit says there, and the parameters; intervals of 95 %."""
+    fit, width = fit_of(points), points.width
+    for x, mean, runs in zip(points.at, points.means, points.runs, strict=True):
+        yield points.label, "measured", x, mean.value, mean.error, "", "", runs
+    for x, value, error in zip(points.at, fit(points.at), fit.error(points.at), strict=True):
+        yield points.label, "fitted", x, value, error, value - width * error, value + width * error, ""
+    for name in PARAMETERS:
+        value, error = getattr(fit, name)
+        yield points.label, name, "", value, error, value - width * error, value + width * error, ""
+    yield points.label, "misfit", "", fit.misfit, "", "", "", ""
+
+
+def write_fits(file: Path, curves: Sequence[Points]) -> None:
+    """Write the table of all curves as CSV."""
+    with file.open("w", encoding="utf-8", newline="") as target:
+        writer = csv.writer(target, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for points in curves:
+            writer.writerows(
+                [f"{entry:.9g}" if isinstance(entry, float) else entry for entry in row] for row in rows_of(points)
+            )
