@@ -75,6 +75,18 @@ def test_a_cubic_answer_shows_as_an_overtone():
     assert moduli(time, wave, wave**3, 1.0).overtone == pytest.approx(1 / 3, rel=1e-6)
 
 
+@pytest.mark.parametrize("start", [0.0, 0.3, 1.9])
+@pytest.mark.parametrize(("spring", "dashpot"), [(0.2, 0.0), (-0.1, 0.3), (0.5, -0.2)])
+def test_cubic_springs_and_dashpots_stiffen_and_thicken(start, spring, dashpot):
+    """x^3 = (3 T_1(x) + T_3(x))/4, of the strain and of the rate over their amplitudes."""
+    time = np.linspace(0.0, 4.0, 801)
+    strain, rate = np.sin(2 * math.pi * time + start), np.cos(2 * math.pi * time + start)
+    stress = 2.0 * strain + spring * strain**3 + rate + dashpot * rate**3
+    found = moduli(time, 0.5 * strain, stress, 1.0)
+    assert found.elastic_third == pytest.approx(0.25 * spring / (2.0 + 0.75 * spring), abs=1e-9)
+    assert found.viscous_third == pytest.approx(0.25 * dashpot / (1.0 + 0.75 * dashpot), abs=1e-9)
+
+
 def test_too_little_of_an_oscillation_is_refused():
     time = np.linspace(0.0, 1.0, 50)
     with pytest.raises(BadInput, match="whole period"):

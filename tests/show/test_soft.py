@@ -26,9 +26,9 @@ from ecume.trajectories.frame import Frame
 
 OF_BOXES = (
     "stress", "viscosity", "nonaffine", "steady-state", "flow-curve", "viscous-number", "normal-stresses",
-    "viscosity-fraction", "creep", "moduli",
+    "viscosity-fraction", "creep", "moduli", "large-oscillation",
 )  # fmt: skip
-OF_PROTOCOLS = ("creep", "moduli")
+OF_PROTOCOLS = ("creep", "moduli", "large-oscillation")
 UNITS = {"gap": "m", "tension": "N", "elastic_energy": "J"}
 
 
@@ -121,6 +121,29 @@ def test_moduli_are_those_of_the_oscillations_in_the_protocol(boxed):
     assert (frequency, found.periods) == (0.5, 2)
     assert (found.storage.value, found.loss.value) == (pytest.approx(3.0), pytest.approx(2.0))
     SOFT_FIGURES["moduli"](frames, scene).canvas.draw()
+
+
+def test_loops_of_large_oscillations_have_their_third_harmonic(boxed):
+    """Strains of two amplitudes a, and a stress s + 100 s^3: e_3/e_1 = 25 a^2/(1 + 75 a^2)."""
+    scene, (first, *_) = boxed
+    sizes = {0.0: 0.05, 6.0: 0.2}
+    waves = [StageSpec(time=time, oscillation=OscillationSpec(frequency=0.5, amplitude=a)) for time, a in sizes.items()]
+    scene = dataclasses.replace(scene, duration=12.0, protocol=tuple(waves))
+    now = np.linspace(0.0, 12.0, 241)
+    strains = np.where(now < 6.0, 0.05, 0.2) * np.sin(np.pi * now)
+    frames = [
+        first._replace(
+            time=time, numbers=first.numbers | {"strain": strain, "shear_stress": strain + 100.0 * strain**3}
+        )
+        for time, strain in zip(now, strains, strict=True)
+    ]
+    drawn = SOFT_FIGURES["large-oscillation"](frames, scene)
+    loops, harmonics = drawn.axes
+    assert len(loops.lines) == 2
+    (_, elastic, *_) = harmonics.lines
+    expected = [25.0 * a**2 / (1.0 + 75.0 * a**2) for a in sizes.values()]
+    assert elastic.get_ydata() == pytest.approx(expected, rel=1e-6)
+    drawn.canvas.draw()
 
 
 STEPS = {0.02: 0.14, 0.1: 0.3, 0.5: 1.1, 2.5: 5.1}

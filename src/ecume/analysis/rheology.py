@@ -347,6 +347,14 @@ class Moduli(NamedTuple):
     """the stress's third harmonic over its first: small where the answer is linear"""
     periods: int
     """whole ones, from the end"""
+    elastic_third: float
+    """e_3/e_1 of the part of the stress that is a function of the strain, e_1 T_1(x) + e_3 T_3(x) + ... with the strain
+    over its amplitude x and Chebyshev's polynomials T_n: positive where the packing is stiffest at the largest strain
+    """
+    viscous_third: float
+    """v_3/v_1, the same of the part that is a function of the rate: positive where the viscosity is largest at the
+    largest rate
+    """
 
 
 def moduli(time: Array, strain: Array, stress: Array, period: Time) -> Moduli:
@@ -369,7 +377,14 @@ def moduli(time: Array, strain: Array, stress: Array, period: Time) -> Moduli:
     own = float(np.abs(stresses[:, 2] / strains[:, 0]).max())
     overtone = float(np.abs(stresses[:, 1]).mean() / max(np.abs(stresses[:, 0]).mean(), 1e-300))
     amplitude = float(np.abs(strains[:, 0]).mean())
-    return Moduli(_over_periods(ratio.real, own), _over_periods(ratio.imag, own), amplitude, overtone, whole)
+    # With strain = a sin(u), T_3(sin u) = -sin 3u and T_3(cos u) = cos 3u.
+    third = (1j * stresses[:, 1] / (strains[:, 0] / np.abs(strains[:, 0])) ** 3 / np.abs(strains[:, 0])).mean()
+    elastic_third, viscous_third = (
+        float(part / whole_part) if whole_part else math.nan
+        for part, whole_part in ((third.imag, ratio.real.mean()), (third.real, ratio.imag.mean()))
+    )
+    storage, loss = _over_periods(ratio.real, own), _over_periods(ratio.imag, own)
+    return Moduli(storage, loss, amplitude, overtone, whole, elastic_third, viscous_third)
 
 
 def _without_drift(time: Array, values: Array, turn: Integers, whole: int) -> Array:

@@ -56,6 +56,7 @@ FIGURE_NAMES = {
         "viscosity-fraction",
         "creep",
         "moduli",
+        "large-oscillation",
         "packing",
         "sizes",
         "samples",

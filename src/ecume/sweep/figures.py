@@ -65,7 +65,7 @@ def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path
 
 
 def kinds_of(directory: Path) -> list[str]:
-    """The figures that a sweep has something for; a fit is drawn only if it is asked for."""
+    """The figures that a sweep has something for; fits are drawn by their name only."""
     sweep = open_sweep(directory)
     fits = {"curves": not sweep.drawn, "map": len(sweep.ways) > 1, "scatter": True, "fit": False}
     return [kind for kind in KINDS if fits[kind]]

@@ -356,6 +356,41 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
     return drawn
 
 
+def large_oscillations(frames: Frames, scene: SoftScene) -> Figure:
+    """The answer to each oscillation of the protocol: stress over strain (Lissajous figures), each divided by its
+    largest values, and the third harmonic over the amplitude of the strain.
+    """
+    require_box(scene, "stress")
+    frames = list(frames)  # read once
+    found = [answer for _, answer in oscillations(frames, scene)]
+    if not found:
+        raise BadInput("the protocol has no oscillation of a whole period; see protocol.oscillation")
+    with style():
+        drawn = figure(8.4, 3.8)
+        loops, harmonics = drawn.subplots(1, 2)
+        moving = [stage.oscillation is not None for stage in expanded(scene.protocol)]
+        parts = [part for part, wave in zip(parts_of(frames, scene), moving, strict=False) if wave and len(part) > 1]
+        for part, answer, color in zip(parts, found, itertools.cycle(PALETTE)):
+            late = part[-max(len(part) // (answer.periods + 1), 2) :]
+            strain, stress = (
+                values - values.mean() for values in series(late, number("strain"), number("shear_stress"))
+            )
+            label = f"amplitude {answer.amplitude:.2g}"
+            loops.plot(strain / np.abs(strain).max(), stress / np.abs(stress).max(), color=color, label=label)
+        loops.set(xlabel="strain / largest", ylabel="shear stress / largest", title=titled("Stress over strain", scene))
+        loops.legend(fontsize="small")
+        amplitudes = [one.amplitude for one in found]
+        for name, label, mark in (
+            ("overtone", "third harmonic / first", "o"), ("elastic_third", "e$_3$/e$_1$, elastic part", "s"),
+            ("viscous_third", "v$_3$/v$_1$, viscous part", "^"),
+        ):  # fmt: skip
+            harmonics.plot(amplitudes, [getattr(one, name) for one in found], mark + "-", markersize=4, label=label)
+        harmonics.axhline(0.0, color=MUTED, linewidth=0.8)
+        harmonics.set(xlabel="amplitude of the strain", xscale=scaling(amplitudes), title="Third harmonic")
+        harmonics.legend(fontsize="small")
+    return drawn
+
+
 FLOW_FIGURES = {
     "steady-state": steady_states,
     "flow-curve": flow_curve,
@@ -364,6 +399,7 @@ FLOW_FIGURES = {
     "viscosity-fraction": viscosity_over_fraction,
     "creep": creep_curves,
     "moduli": storage_and_loss,
+    "large-oscillation": large_oscillations,
 }
 
 
