@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 
 from ecume.analysis.energies import energy_budget
-from ecume.analysis.free_surface import Walls, free_surface, front_position, level_by_column, mirrored, top_by_column
+from ecume.analysis.free_surface import (
+    Walls,
+    free_surface,
+    front_position,
+    level_by_column,
+    mirrored,
+    top_by_column,
+    walls_of,
+)
 from ecume.analysis.grids import grid_over, linear_on_grid, on_grid, profile_along, velocity_profile
 from ecume.errors import BadInput
+from ecume.scenes.load import from_plain
 from ecume.trajectories.frame import Frame
 
 SPACING = 0.05
@@ -92,6 +101,31 @@ def test_levels_are_volumes_over_ground_and_tops_are_the_highest():
     assert level[4:] == pytest.approx(0.0)
     assert (top[0], top[1]) == pytest.approx((2.0 + SPACING / 2, 1.0))
     assert np.isnan(top[4:]).all()
+
+
+def test_fronts_and_tops_follow_the_axis_that_points_up():
+    frame = with_drop(block(jitter=0.0), (0.3, 2.0))
+    position = frame.arrays["position"]
+    turned = frame.with_arrays(
+        {"position": np.column_stack([position[:, 0], np.full(len(position), 9.0), position[:, 1]])}
+    )
+    edges = np.linspace(0.0, 4.0, 9)
+    np.testing.assert_array_equal(top_by_column(turned, edges, SPACING, "z"), top_by_column(frame, edges, SPACING))
+    assert front_position(turned, SPACING, below=0.2, up="z") == front_position(frame, SPACING, below=0.2)
+    with pytest.raises(BadInput, match="no liquid below"):
+        front_position(turned, SPACING, below=0.01, up="z")
+
+
+def test_walls_follow_the_axis_that_points_up():
+    tank = {"high": [1.0, 2.0, 3.0], "top": {"kind": "open"}, "front": {"kind": "open"}}
+    fluid = [{"low": [0.0, 0.0, 0.0], "high": [0.5, 0.5, 0.5]}]
+    scene = from_plain(
+        {"model": "sph", "duration": 1.0, "frame_every": 1.0, "spacing": 0.1, "up": "z", "tank": tank, "fluid": fluid}
+    )
+    walls = walls_of(scene.tank, scene.up)
+    np.testing.assert_array_equal(walls.low, [0.0, -np.inf, 0.0])
+    np.testing.assert_array_equal(walls.high, [1.0, 2.0, np.inf])
+    np.testing.assert_array_equal(walls_of(scene.tank).high, [1.0, np.inf, 3.0])
 
 
 def test_a_profile_of_shear_is_a_straight_line():

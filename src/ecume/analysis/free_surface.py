@@ -14,7 +14,7 @@ from ecume.analysis.grids import filled_on_grid, grid_over
 from ecume.engine.cells import Sides, images_of, positions_of_images
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
-from ecume.scenes.quantities import SIDES
+from ecume.scenes.quantities import AXES, Up, sides_along
 from ecume.scenes.sph import TankSpec
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Length
@@ -23,12 +23,12 @@ TOGETHER = 1.6
 """The largest distance, in spacings, of connected particles of a liquid."""
 
 
-def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf) -> float:
+def front_position(frame: Frame, spacing: Length, *, below: Length = np.inf, up: Up = "y") -> float:
     """The largest x of the liquid (m), measured at its edge; separate drops do not count. Only the part below the
-    height `below`, along y, is included.
+    height `below` is included.
     """
     position = frame.arrays["position"]
-    near = largest_piece(position, spacing) & (position[:, 1] < below)
+    near = largest_piece(position, spacing) & (position[:, AXES.index(up)] < below)
     if not near.any():
         raise BadInput(f"no liquid below {below:g} m")
     return float(position[near, 0].max()) + 0.5 * spacing
@@ -58,13 +58,13 @@ def level_by_column(frame: Frame, edges: Array) -> Array:
     return depth
 
 
-def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
-    """The highest point of the liquid along y in each column (m), including spray; NaN in empty columns."""
+def top_by_column(frame: Frame, edges: Array, spacing: Length, up: Up = "y") -> Array:
+    """The highest point of the liquid in each column (m), including spray; NaN in empty columns."""
     position = frame.arrays["position"]
     column = np.digitize(position[:, 0], edges) - 1
     tops = np.full(len(edges) - 1, -np.inf)
     inside = (column >= 0) & (column < len(tops))
-    np.maximum.at(tops, column[inside], position[inside, 1] + 0.5 * spacing)
+    np.maximum.at(tops, column[inside], position[inside, AXES.index(up)] + 0.5 * spacing)
     return np.where(np.isfinite(tops), tops, np.nan)
 
 
@@ -82,10 +82,10 @@ class Walls(NamedTuple):
     high: Array
 
 
-def walls_of(tank: TankSpec) -> Walls:
-    """The walls of a scene's tank, in 3D where y points up."""
+def walls_of(tank: TankSpec, up: Up = "y") -> Walls:
+    """The walls of a scene's tank."""
     low, high = np.array(tank.low, dtype=float), np.array(tank.high, dtype=float)
-    for index, side in enumerate(SIDES[: 2 * len(low)]):
+    for index, side in enumerate(sides_along(up, len(low))):
         if getattr(tank, side).kind == "open":
             (low if index % 2 == 0 else high)[index // 2] = -np.inf if index % 2 == 0 else np.inf
     return Walls(low, high)

@@ -124,6 +124,12 @@ def of_rest(frames: Any, scene: Any) -> tuple[float, float]:
     return off, frames[-1].numbers["largest_speed"] / math.sqrt(depth)
 
 
+def of_wall(frames: Any, depth: float) -> float:
+    """The relative error of the mean horizontal force of the last third on the right wall, which no solid touches."""
+    late = frames[len(frames) * 2 // 3 :]
+    return float(abs(np.mean([each.numbers["right_force_x"] for each in late]) / (0.5 * depth**2) - 1.0))
+
+
 def main(count: int) -> None:
     """Worst cases of so many seeds."""
     for pressure in ("tait", "incompressible"):

@@ -144,6 +144,14 @@ def test_the_spreading_pressure_has_an_energy_whose_slope_is_its_force():
     assert power(parameters.spreading_pressure) - power(0.0) == pytest.approx(-stored, rel=3e-3)
 
 
+def test_the_spreading_pressure_is_that_of_one_spacing_under_the_strongest_pull():
+    """A drop without gravity is pulled by w^2 R at its edge."""
+    plain = to_plain(free_blob(2, **CORRECTED)) | {"central_force": {"angular_frequency": 2.0, "center": [0.1, 0.0]}}
+    assert SPH.parameters(from_plain(plain)).spreading_pressure == pytest.approx(1000.0 * 4.0 * 0.6 * 0.125)
+    pulled = plain | {"gravity": [0.0, -3.0]}
+    assert SPH.parameters(from_plain(pulled)).spreading_pressure == pytest.approx(1000.0 * (3.0 + 4.0 * 0.6) * 0.125)
+
+
 @pytest.mark.compiled
 def test_disordered_still_water_settles_with_completed_gradients():
     """Without a spreading pressure its speed grows from 0.003 to 0.04 and more, and the liquid sinks by 0.6 %."""

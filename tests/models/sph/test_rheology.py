@@ -100,6 +100,16 @@ def test_walls_that_hold_the_liquid_have_its_viscosity():
     assert (there > 0.0).any()
 
 
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_the_first_frame_has_the_force_of_the_viscosity_at_its_rate_of_strain(walls):
+    """It has not taken a step; with the largest viscosity the force was eight times as large."""
+    plain = to_plain(channel(walls, yield_stress=4.0))
+    plain["fluid"] = [{**plain["fluid"][0], "velocity_gradient": [[0.0, 3.0], [0.0, 0.0]]}]
+    first = next(iter(simulate(from_plain(plain))))
+    stress = 3.0 * apparent_viscosity(3.0, 1.0, 1.0, 4.0, 20.0)
+    assert first.numbers["bottom_force_x"] == pytest.approx(0.012 * stress, rel=0.1)
+
+
 @pytest.mark.compiled
 @pytest.mark.parametrize(
     ("liquid", "mirror", "dummy"),

@@ -46,12 +46,17 @@ def test_a_disc_on_or_close_to_the_floor_has_the_lift_of_its_area(gap, walls):
 
 
 @pytest.mark.compiled
-def test_a_slope_between_wall_and_floor_bears_the_pressure_over_it():
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_a_slope_between_wall_and_floor_bears_the_pressure_over_it(walls):
+    """So do the wall and the floor, neither of which has a force along it."""
     slope = {"vertices": [[0.0, 0.0], [0.4, 0.0], [0.0, 0.4]]}
-    *_, end = ecume.simulate(pool(obstacles=[slope]))
+    *_, end = ecume.simulate(pool(walls=walls, obstacles=[slope]))
     for axis in "xy":
         assert end.numbers[f"obstacle0_force_{axis}"] == pytest.approx(-0.5 + 0.5 * 0.6**2, rel=0.01)
     assert end.numbers["left_force_x"] == pytest.approx(-0.5 * 0.6**2, rel=0.03)
+    assert end.numbers["right_force_x"] == pytest.approx(0.5, rel=0.02)
+    assert abs(end.numbers["left_force_y"]) < 0.005
+    assert abs(end.numbers["bottom_force_x"]) < 0.005
     assert end.numbers["bottom_force_y"] == pytest.approx(-0.8, rel=0.01)
 
 

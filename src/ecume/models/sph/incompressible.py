@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from ecume.errors import Fault, SceneError
 from ecume.models.sph.parameters import Projection
 from ecume.models.sph.rates.methods import (
@@ -25,12 +27,13 @@ from ecume.models.sph.setup.packing import (
     surface_rows,
 )
 from ecume.scenes.sph import SphScene
+from ecume.units import Array
 
 TOLERANCE, ITERATIONS = 1e-5, 500
 
 
-def projection_of(scene: SphScene, free_surface: bool) -> Projection:
-    """The solver's constants."""
+def projection_of(scene: SphScene, free_surface: bool, weight: Array) -> Projection:
+    """The solver's constants; `weight` is the density times the gravity that pressure balances at rest."""
     given = scene.integration
     points = lattice(scene)
     steepness, missing = surface_rows(scene, points)
@@ -43,6 +46,7 @@ def projection_of(scene: SphScene, free_surface: bool) -> Projection:
         steepness=steepness,
         missing=missing,
         full=lattice_coupling(scene, points),
+        uppermost=0.5 * scene.spacing * float(np.abs(weight).sum()),
     )
 
 

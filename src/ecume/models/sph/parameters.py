@@ -68,6 +68,10 @@ class Dummies(NamedTuple):
     """(D,)"""
     owner: Integers
     """(D,) the wall, obstacle or body of each: an index of `Boundary.names`"""
+    bearer: Integers
+    """(d, D) the one that bears each component of its force: the owner, or in a corner of the tank the side normal to
+    the component
+    """
 
 
 class Boundary(NamedTuple):
@@ -167,6 +171,8 @@ class Projection(NamedTuple):
     """the length of projected gradient steps: the inverse of the largest eigenvalue, over the diagonal"""
     full: float
     """1/m^2: the sum of -V F over the neighbors in a lattice"""
+    uppermost: float
+    """Pa: the least pressure of particles in a full tank, which are half a spacing below the lid"""
     steepness: Array
     """1/m, ascending: |sum of V grad W| in rows of a lattice below a flat surface; zero below the first"""
     missing: Array
@@ -331,6 +337,11 @@ class Parameters(NamedTuple):
     def corrects(self) -> bool:
         """Whether gradients are completed at free surfaces."""
         return self.pressure_force.corrected or (self.friction is not None and self.friction.corrected)
+
+    @property
+    def viscosity_varies(self) -> bool:
+        """Whether the viscosity depends on the rate of strain."""
+        return self.turbulence or self.rheology is not None
 
     @property
     def transports(self) -> bool:

@@ -10,8 +10,9 @@ it resists compression, and not separation [gerszewski2013]. s_i counts what lac
 `missing_density`; a single drop may approach others until its density is that at rest. The last term, with the
 gradient G of the velocity, is the compression of second order by motion on straight lines within the step. Liquid that
 fills its tank has an equation without bounds, with a tenth of s_i. Its pressure is known up to a constant: the least is
-zero. With a mean of zero the upper half of still water would be in tension, in which particles clump; a pressure that
-is positive everywhere pushes them apart, since a sum over a disordered neighborhood does not quite ignore a constant.
+zero at walls, and that of particles the weight of half a spacing. With a mean of zero the upper half of still water
+would be in tension, in which particles clump; a pressure that is positive everywhere pushes them apart, since a sum
+over a disordered neighborhood does not quite ignore a constant.
 
 **The matrix** (`System`), A p = b, is never stored: two sums over neighbors multiply with it. Signs are those of
 `rates.sums`: displacements are from i to j, F = (1/r) dW/dr is negative, and g_ij = F x_ij is the gradient of the
@@ -61,7 +62,7 @@ from ecume.models.sph.rates.kernel_loops import KernelType, kernel_type, value_o
 from ecume.models.sph.rates.neighbor_sums import INDEX
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.report.energy_budget import forces_work, power_of_forces
-from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORST, State, Workspace
+from ecume.models.sph.state import ITERATIONS, MOST_ITERATIONS, RATE, RESIDUAL, WORK, WORST, State, Workspace
 from ecume.units import Array
 
 admit(incompressible)
@@ -448,6 +449,7 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
     corrected = free_correction(excess) if settings.free_surface else correction(excess)
     corrected += excess_of_motion(system, workspace, state)
     found = pressures(system, corrected + time * stretch, state.pressure, settings)
+    add_correction_work(state, system, found.x, corrected, settings, time * stretch)
     state.pressure[...] = found.x
     state.velocity[...] += time * (system.resting + accelerations(system, found.x))
     counted = np.maximum(summed, 0.0) if settings.free_surface else summed
@@ -458,6 +460,24 @@ def project(parameters: Parameters, state: State, workspace: Workspace, time: fl
         with np.errstate(over="ignore", invalid="ignore"):  # the integration reports values that are not finite
             state.budget[RATE] = power_of_forces(now, state, workspace)
     return system
+
+
+def add_correction_work(
+    state: State, system: System, pressure: Array, corrected: Array, settings: Projection, compressed: Array
+) -> None:
+    """Add the work that corrects the density in a step, sum_i V_i p_i s'_i: the pressure that stops the compression by
+    the flow alone only dissipates. Liquid that an impact finds too dense expands against its pressure.
+    """
+    if not settings.free_surface:
+        corrected = corrected - mean_of(system, corrected + compressed)
+    work = dot(system.volume, pressure * corrected)
+    state.budget[WORK] += work
+    state.numerical[WORK] += work
+
+
+def mean_of(system: System, values: Array) -> float:
+    """The mean over the volume."""
+    return float(np.sum(system.volume * values) / np.sum(system.volume))
 
 
 def missing_density(system: System, settings: Projection) -> Array:
@@ -481,7 +501,7 @@ def pressures(system: System, right: Array, guess: Array, settings: Projection) 
     scale = 1.0 / np.sqrt(system.volume * system.diagonal)
     weight = scale * system.volume
     if not settings.free_surface:
-        right = right - float(np.sum(system.volume * right) / np.sum(system.volume))
+        right = right - mean_of(system, right)
 
     def scaled(x: Array) -> Array:
         return weight * applied(system, scale * x)
@@ -493,7 +513,7 @@ def pressures(system: System, right: Array, guess: Array, settings: Projection) 
     found = solve(problem, guess / scale, settings.tolerance, settings.iterations)
     pressure = scale * found.x
     if not settings.free_surface:
-        pressure -= pressure.min()
+        pressure += settings.uppermost - pressure.min()
     return found._replace(x=pressure, gradient=found.gradient / weight)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ecume.engine.neighbor_rows import pairs_in
 from ecume.engine.shapes import Flags
-from ecume.models.sph.boundaries.forces_on_solids import chains_of, forces_on_dummies, loads_of, roots_of, total
+from ecume.models.sph.boundaries.forces_on_solids import chains_of, forces_on_dummies, loads_of, roots_of
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads
 from ecume.models.sph.boundaries.walls import all_repelled, repulsion_load
 from ecume.models.sph.parameters import Parameters
@@ -25,16 +25,13 @@ from ecume.units import Array
 def add_loads(now: Parameters, state: State, workspace: Workspace, system: System) -> None:
     """Add the forces and torques of a substep to the means over the step."""
     fill(now, state, workspace)
-    fields, boundary = workspace.fields, now.boundary
+    fields = workspace.fields
     kept = fields.force_term.copy()
     fields.force_term[...] = 0.0
     rubbed, place = forces_on_dummies(now, workspace, 0)
     fields.force_term[...] = kept
     pressed = pressure_on_dummies(now, state, workspace, system)
-    owner, solids = boundary.dummies.owner, range(2 * now.dimension, len(boundary.names))
-    centers = boundary.centers
-    sums = {k: total(pressed[:, owner == k], place[:, owner == k], centers[k]) for k in solids}
-    more = [*exchanged_loads(now, state, workspace, sums=sums).items()]
+    more = [*exchanged_loads(now, state, workspace, on_dummies=(pressed, place)).items()]
     more += [(each.owner, repulsion_load(now, state, each)) for each in all_repelled(now, state)]
     more += list(loads_of(now, workspace, (rubbed + pressed, place)))
     share = system.time / now.time_step

@@ -254,14 +254,17 @@ def loads_of(
     parameters: Parameters, workspace: Workspace, on_dummies: tuple[Array, Array]
 ) -> Iterator[tuple[int, tuple[Array, Array]]]:
     """Yield the number, and the force and torque, of each of these, from forces on dummies and their places."""
-    boundary, (force, place) = parameters.boundary, on_dummies
+    boundary, (force, place), d = parameters.boundary, on_dummies, parameters.dimension
     mirrored, at = forces_of_images(parameters, workspace)
     for number in range(len(boundary.names)):
-        mine = boundary.dummies.owner == number
+        borne = boundary.dummies.bearer == number
+        mine = borne.any(axis=0)
         if number in mirrored:
             yield number, total(-mirrored[number], at, boundary.centers[number])
         elif mine.any():
-            yield number, total(force[:, mine], place[:, mine], boundary.centers[number])
+            own = force[:, mine]
+            own[:d] *= borne[:, mine]
+            yield number, total(own, place[:, mine], boundary.centers[number])
 
 
 OBSTACLE, BODY = 1, 2

@@ -178,15 +178,19 @@ def add_around(
 
 Load = tuple[Array, Array]
 """Force and torque, (3,) each."""
+Forces = tuple[Array, Array]
+"""Forces and the places where they act, (3, n) each."""
 
 
 def exchanged_loads(
-    now: Parameters, state: State, workspace: Workspace, movers: bool = False, sums: dict[int, Load] | None = None
+    now: Parameters, state: State, workspace: Workspace, movers: bool = False, on_dummies: Forces | None = None
 ) -> dict[int, Load]:
     """The force and torque to add to those of pairs, by owner; with `movers`, only for bodies and the solids that they
-    touch. `sums` are those of pairs, if known.
+    touch. `on_dummies` are the pressure forces of pairs on all dummies, if known.
     """
     solids, found = solids_now(now, state.pose), dict[int, Load]()
+    owner = now.boundary.dummies.owner
+    first = now.bodies.first if movers else 0
     for mine in solids:
         if movers and not mine.moves:
             continue
@@ -205,24 +209,44 @@ def exchanged_loads(
         force[: now.dimension] = -(pressure * area) * product(normal, mine.turn.T).T
         place = np.zeros((3, len(points)))
         place[: now.dimension] = points.T
-        integral = total(force, place, now.boundary.centers[mine.owner])
-        sums = sums or pair_loads(now, workspace, movers)
-        by_pairs = sums[mine.owner]
+        center = now.boundary.centers[mine.owner]
+        integral = total(force, place, center)
+        on_dummies = on_dummies or forces_on_dummies(now._replace(friction=None), workspace, first)
+        pushed, at = (each[:, owner[first:] == mine.owner] for each in on_dummies)
+        by_pairs = total(pushed, at, center)
         more = share * (integral[0] - by_pairs[0]), share * (integral[1] - by_pairs[1])
-        for owner, load in _shared(now, mine, least, more):
-            had = found.get(owner, (np.zeros(3), np.zeros(3)))
-            found[owner] = had[0] + load[0], had[1] + load[1]
+        exchanged = [*_shared(now, mine, least, more)]
+        if not movers:
+            exchanged += _along_walls(now, mine, least, on_dummies)
+        for owner_of, load in exchanged:
+            had = found.get(owner_of, (np.zeros(3), np.zeros(3)))
+            found[owner_of] = had[0] + load[0], had[1] + load[1]
     return found
 
 
-def pair_loads(now: Parameters, workspace: Workspace, movers: bool) -> dict[int, Load]:
-    """The forces and torques by the pressures of pairs on obstacles and bodies, about their centers, by owner."""
-    boundary = now.boundary
-    first = now.bodies.first if movers else int(np.count_nonzero(boundary.dummies.owner < 2 * now.dimension))
-    force, place = forces_on_dummies(now._replace(friction=None), workspace, first)
-    owner = boundary.dummies.owner[first:]
-    owners = range(2 * now.dimension, len(boundary.names))
-    return {k: total(force[:, owner == k], place[:, owner == k], boundary.centers[k]) for k in owners}
+def _along_walls(
+    now: Parameters, mine: Solid, least: dict[int, float], on_dummies: Forces
+) -> Iterator[tuple[int, Load]]:
+    """Yield the loads that move half of what dummies of a wall bear along it near a solid to the wall across it, if the
+    solid touches both, since the solid has the force of its surface integral alone. Where liquid ends on a wall,
+    the force of pairs along it is twice the force that pairs across any other section of the liquid transmit to the
+    wall: half of it acts between parts of the wall. In a corner of the tank it is on the dummies there (`bearer`).
+    """
+    boundary, (force, place) = now.boundary, on_dummies
+    touched = [owner for owner in least if owner < 2 * now.dimension and least[owner] < now.support]
+    for wall in touched:
+        of_wall = boundary.dummies.bearer == wall
+        if not of_wall.any() or len({owner // 2 for owner in touched}) < 2:
+            continue
+        near = of_wall.any(axis=0)
+        near[near] = mine.gap(place[: now.dimension, near].T) < now.support
+        for axis in {owner // 2 for owner in touched} - {wall // 2}:
+            other = min((owner for owner in touched if owner // 2 == axis), key=lambda owner: least[owner])
+            along = np.zeros((3, int(near.sum())))
+            along[axis] = 0.5 * force[axis, near] * of_wall[axis, near]
+            yield other, total(along, place[:, near], boundary.centers[other])
+            lost = total(-along, place[:, near], boundary.centers[wall])
+            yield wall, lost
 
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:

@@ -13,7 +13,7 @@ corrected. [bonet1999]
 The force of a uniform pressure is then zero in the first order at a surface, too, so that nothing spreads particles
 evenly there, and a density that is integrated with completed gradients is no function of the positions: disordered rows
 below a surface move in cycles after which they are closer together at the same density, and what falls drives them. So
-a part of the pressure, p_s = rho g times a spacing, is not completed:
+a part of the pressure, p_s = rho g times a spacing with the strongest pull g at the start, is not completed:
 
     F_i = -sum_j V_i V_j [(p_i - p_s) B_i + (p_j - p_s) B_j + 2 p_s] grad W.
 

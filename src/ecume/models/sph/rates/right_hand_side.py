@@ -134,7 +134,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     store_acceleration(state.acceleration, rates.table, density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
-    if parameters.turbulence or parameters.rheology is not None:
+    if parameters.viscosity_varies:
         set_viscosity(parameters, workspace)
     if parameters.friction is not None:
         workspace.rates.acceleration[:3] = 0.0

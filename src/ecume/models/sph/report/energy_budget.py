@@ -10,7 +10,8 @@ periodic side are lifted, in gravity, by the length of the tank.
 
 Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`. So
 does the pressure of dummies, which liquid that approaches compresses without storing energy in them: see
-`power_of_dummies`.
+`power_of_dummies`. In an incompressible liquid the correction of the density does work: see
+`projection.add_correction_work`.
 
 Rates are integrated by the trapezoidal rule, which is exact for kicks: each force acts half before and half after the
 velocity by which it is multiplied.
@@ -132,8 +133,11 @@ NUMERICAL = "numerical_work"
 
 
 def has_numerical_work(parameters: Parameters) -> bool:
-    """Whether density diffusion, the conservation of volume, or dummies do work."""
-    return parameters.density_diffusion.excess is not None or parameters.fixed_volume or dummies_work(parameters)
+    """Whether density diffusion, the conservation of volume, dummies, or the correction of the density of an
+    incompressible liquid do work.
+    """
+    diffuses = parameters.density_diffusion.excess is not None or parameters.fixed_volume
+    return diffuses or dummies_work(parameters) or parameters.projection is not None
 
 
 def forces_work(parameters: Parameters) -> bool:

@@ -41,6 +41,7 @@ from ecume.models.sph.boundaries.walls import (
 )
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Gauge, Parameters, PressureReference, up_axis
+from ecume.models.sph.rates.gradients import set_viscosity
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import surface_energy
 from ecume.models.sph.report.energy_budget import (
@@ -453,6 +454,8 @@ def of_solids(
     forces are per meter of depth, and torques about z.
     """
     fill(parameters, state, workspace)
+    if parameters.viscosity_varies:
+        set_viscosity(parameters, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
     more = [(parameters.boundary.names[owner], struck[:3], struck[3:]) for owner, struck in enumerate(state.struck)]

@@ -6,6 +6,7 @@ The time step is limited by sound, viscosity, surface tension and light bodies: 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -127,7 +128,6 @@ def rheology_of(scene: SphScene, material: Material) -> Rheology | None:
 def fastest_of(scene: SphScene) -> float:
     """The highest expected speed: of the initial motion, and of free fall to the end of the tank."""
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
-    low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
     speeds = [math.sqrt(2.0 * weight_enthalpy(scene))]
     for region, ends in zip(scene.fluid, bounds, strict=True):
         initial = float(np.linalg.norm(velocity_in(region, scene, np.stack(ends)), axis=1).max())
@@ -141,8 +141,7 @@ def fastest_of(scene: SphScene) -> float:
     speeds += [1.5 * side.speed for side in sides_of(scene) if side.speed]
     speeds.append(fastest_drive(scene))
     if scene.central_force is not None:
-        away = np.maximum(np.abs(low - scene.central_force.center), np.abs(high - scene.central_force.center))
-        speeds.append(scene.central_force.angular_frequency * float(away.max()))
+        speeds.append(scene.central_force.angular_frequency * farthest_from_center(scene, scene.central_force.center))
     speeds.append(capillary_speed(scene, bounds))
     speeds.append(math.sqrt(channel_enthalpy(scene)))
     fastest = max(speeds)
@@ -151,6 +150,20 @@ def fastest_of(scene: SphScene) -> float:
             [Fault("liquid.maximum_speed", "no motion, gravity or force sets a speed; give the expected maximum speed")]
         )
     return fastest
+
+
+def farthest_from_center(scene: SphScene, center: Sequence[float]) -> float:
+    """The largest distance (m) of the liquid from the center of the central force, along an axis."""
+    ends = np.array([part_of(region, scene.spacing).bounds() for region in scene.fluid])
+    return float(np.abs(ends - np.array(center)).max())
+
+
+def strongest_pull(scene: SphScene) -> float:
+    """The largest acceleration (m/s^2) of the liquid at the start by gravity and the central force."""
+    pull, central = float(np.linalg.norm(gravity_of(scene))), scene.central_force
+    return (
+        pull if central is None else pull + central.angular_frequency**2 * farthest_from_center(scene, central.center)
+    )
 
 
 def fall_enthalpy(scene: SphScene, low: Array, high: Array) -> float:
@@ -221,7 +234,9 @@ def parameters_of(scene: SphScene) -> Parameters:
         surface=max(float(part_of(region, scene.spacing).bounds()[1][scene.up_axis]) for region in scene.fluid),
         constants=constants_of(scene, material, held),
         pressure_method=pressure,
-        projection=None if pressure.compressible else projection_of(scene, free_surface(scene)),
+        projection=None
+        if pressure.compressible
+        else projection_of(scene, free_surface(scene), material.density * held),
         pressure_force=pressure_force_of(scene),
         density_diffusion=DIFFUSIONS[diffusion_of(scene, held)],
         friction=acting_friction(scene),
@@ -242,9 +257,10 @@ def parameters_of(scene: SphScene) -> Parameters:
         shifting=shifting_of(scene),
         shifting_limit=math.inf if shifting_of(scene) == "none" else shifting_limit(scene),
         background=background_of(scene, material),
-        spreading_pressure=material.density * float(np.linalg.norm(gravity_of(scene))) * scene.spacing
-        if pressure_force_of(scene).corrected
-        else 0.0,
+        spreading_pressure=material.density
+        * strongest_pull(scene)
+        * scene.spacing
+        * pressure_force_of(scene).corrected,
         tension=tension_of(scene),
         color_reach=color_reach_of(scene),
         passive_tracers=passive_tracers_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),

@@ -75,7 +75,8 @@ def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Du
     """The dummies of a solid at rest, from points (n, d)."""
     count = len(points)
     number = np.full(count, owner, np.int64)
-    return Dummies(points.T.copy(), np.zeros_like(points.T), np.full(count, viscosity), volume, number)
+    bearer = np.full(points.T.shape, owner, np.int64)
+    return Dummies(points.T.copy(), np.zeros_like(points.T), np.full(count, viscosity), volume, number, bearer)
 
 
 def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dummies]:
@@ -172,17 +173,19 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     points, volumes = layers_around(scene, support)
     velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
+    bearer = np.full(points.T.shape, -1)
     # A lid moves its own layers; the corners belong to the walls beside it, which are at rest.
     for number in range(2 * len(low)):
         side, axis = side_of(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
         if side.kind == "wall":
-            owner[behind] = number
+            owner[behind] = bearer[axis, behind] = number
         if side.kind == "wall" and holds(side, scene):
             viscosity[behind] = material.viscosity
         if side.velocity is not None:
             velocity[behind] = side.velocity
-    return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity, volumes, owner)
+    place, speed = np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T)
+    return Dummies(place, speed, viscosity, volumes, owner, np.where(bearer < 0, owner, bearer))
 
 
 OFF = 1e-3
