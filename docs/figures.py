@@ -36,7 +36,7 @@ from short_runs import shorten_runs
 
 from ecume._quick import QUICK, folder_of, parser_of
 from ecume.analysis.series import number, series, times
-from ecume.laws import capillarity, drag, flotation, meniscus
+from ecume.laws import capillarity, flotation, immersion, meniscus
 from ecume.laws.special import fit_k1, k1_over_x
 from ecume.scenes.load import load_scene
 from ecume.show.floating.bowl import Bowl
@@ -197,11 +197,21 @@ def drag_factor() -> Figure:
     drawn = figure(6.4, 3.8)
     axes = drawn.add_subplot()
     degrees = np.linspace(0.0, 180.0, 361)
-    axes.plot(degrees, drag.immersion_factor(np.radians(degrees)), color=PALETTE[1], label="ecume")
-    axes.plot(np.arange(0, 181, 10), drag.IMMERSION_FACTORS, "o", color=PALETTE[1], markersize=4, label="table")
+    axes.plot(degrees, immersion.immersion_factor(np.radians(degrees)), color=PALETTE[1], label="ecume")
+    axes.plot(np.arange(0, 181, 10), immersion.DRAG.rows[0], "o", color=PALETTE[1], markersize=4, label="table")
     cosine = np.cos(np.radians(degrees))
     shown = 0.5 * (1.0 + 0.5625 * cosine - 0.139 * cosine**2)
     axes.plot(degrees, shown, "--", color=PALETTE[0], label="series around 90° [2016]")
+    for share in (0.1, 0.5):
+        label = f"{share:.0%} of the viscosity above"
+        axes.plot(
+            degrees,
+            immersion.immersion_factor(np.radians(degrees), share),
+            ":",
+            color=PALETTE[1],
+            alpha=1.0 - share,
+            label=label,
+        )
     axes.plot([48.7, 82.0], [0.68, 0.54], "s", color=PALETTE[2], markersize=5, label="measured (1995)")
     axes.set(xlabel="contact angle on a flat surface (degrees)", ylabel="f = drag / (6π η R U)")
     axes.set(xlim=(0, 180), ylim=(0, 0.8))

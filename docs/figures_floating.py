@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.laws import capillarity, drag, flotation, meniscus, multipole
+from ecume.laws import capillarity, drag, flotation, immersion, meniscus, multipole
 from ecume.show.style import INK, MUTED, PALETTE, figure
 
 WATER = flotation.Liquid(density=998.0, surface_tension=0.0728, viscosity=1e-3)
@@ -104,7 +104,7 @@ def pair_drag() -> Figure:
     degrees = np.linspace(1.0, 179.0, 179)
     masses = [drag.added_mass(1.0, math.radians(d), 1.0) / (4.0 / 3.0 * math.pi) for d in degrees]
     right.plot(degrees, masses, color=PALETTE[1], label="added mass / mass of the liquid in a sphere")
-    right.plot(degrees, drag.factor_at_filling(np.radians(degrees)), "--", color=PALETTE[0], label="drag factor f")
+    right.plot(degrees, immersion.factor_at_filling(np.radians(degrees)), "--", color=PALETTE[0], label="drag factor f")
     right.set(xlabel="filling angle (degrees)", xlim=(0, 180), ylim=(0, 0.8))
     right.set_xticks(range(0, 181, 30))
     right.legend()

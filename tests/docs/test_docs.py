@@ -15,7 +15,7 @@ import pytest
 
 from ecume.cli import app
 from ecume.engine.linear_solvers.solvers import SOLVERS
-from ecume.laws import drag, flotation
+from ecume.laws import flotation, immersion
 from ecume.laws.capillarity import truncation_radius
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
@@ -285,7 +285,7 @@ def test_the_cutoffs_in_the_table_are_the_laws():
 
 def test_the_drag_factors_in_the_table_are_the_laws():
     for degrees, factor in zip(*numbers_below("θ"), strict=True):
-        assert factor == pytest.approx(drag.immersion_factor(math.radians(degrees)), abs=5e-5)
+        assert factor == pytest.approx(immersion.immersion_factor(math.radians(degrees)), abs=5e-5)
 
 
 def test_the_errors_of_the_simpler_theories_are_those_of_the_table():

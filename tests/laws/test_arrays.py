@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.laws import drag, flotation, meniscus
+from ecume.laws import drag, flotation, immersion, meniscus
 
 WATER = flotation.Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
 ANGLES = np.array([[0.3, 0.8], [1.5, 2.0]])
@@ -22,7 +22,7 @@ ANGLES = np.array([[0.3, 0.8], [1.5, 2.0]])
         (lambda bond: flotation.closure_contact_angle(bond_number=bond, density_ratio=0.5), np.array([0.5, 0.6])),
         (lambda r: meniscus.dish_height(r, 0.01, 0.7, WATER), np.array([0.0, 4e-3])),
         (lambda r: meniscus.image_force(1e-4, r, 0.01, WATER, wall="pinned"), np.array([1e-3, 4e-3])),
-        (drag.immersion_factor, ANGLES),
+        (immersion.immersion_factor, ANGLES),
         (drag.pair_factor, np.array([2.1, 3.0])),
     ],
 )

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.laws import drag
+from ecume.laws import drag, immersion
 
 
 def test_half_a_sphere_in_the_liquid_feels_half_the_drag():
-    assert drag.immersion_factor(math.pi / 2) == 0.5
+    assert immersion.immersion_factor(math.pi / 2) == 0.5
 
 
 def test_drag_falls_as_the_sphere_rises_out_of_the_liquid():
-    factors = drag.immersion_factor(np.linspace(0.0, math.pi, 500))
+    factors = immersion.immersion_factor(np.linspace(0.0, math.pi, 500))
     assert bool(np.all(np.diff(factors) < 0))
     assert factors[0] == pytest.approx(0.7245)
     assert factors[-1] == pytest.approx(0.0, abs=1e-15)
@@ -23,23 +23,23 @@ def test_drag_falls_as_the_sphere_rises_out_of_the_liquid():
 def test_a_thin_cap_drags_as_half_a_disc_edgewise():
     angle = math.pi - 1e-3
     half_a_disc = 16 / 3 * math.sin(angle)  # over eta R U
-    assert 6 * math.pi * drag.immersion_factor(angle) == pytest.approx(half_a_disc, rel=1e-2)
+    assert 6 * math.pi * immersion.immersion_factor(angle) == pytest.approx(half_a_disc, rel=1e-2)
 
 
 @pytest.mark.parametrize("degrees", [80.0, 85.0, 95.0, 100.0])
 def test_near_ninety_degrees_the_published_series_agrees(degrees):
     cosine = math.cos(math.radians(degrees))
     series = 0.5 * (1 + 9 / 16 * cosine - 0.139 * cosine**2)
-    assert drag.immersion_factor(math.radians(degrees)) == pytest.approx(series, abs=3e-4)
+    assert immersion.immersion_factor(math.radians(degrees)) == pytest.approx(series, abs=3e-4)
 
 
 @pytest.mark.parametrize(("degrees", "measured"), [(48.7, 0.68), (82.0, 0.54)])
 def test_the_published_measurements_agree_to_three_percent(degrees, measured):
-    assert drag.immersion_factor(math.radians(degrees)) == pytest.approx(measured, rel=0.03)
+    assert immersion.immersion_factor(math.radians(degrees)) == pytest.approx(measured, rel=0.03)
 
 
 def test_a_heavy_sphere_sits_deeper_and_drags_more():
-    flat, pressed = drag.factor_at_filling(np.array([math.pi / 2, math.pi / 2 + 0.3]))
+    flat, pressed = immersion.factor_at_filling(np.array([math.pi / 2, math.pi / 2 + 0.3]))
     assert flat == 0.5
     assert pressed > flat
 
@@ -53,16 +53,16 @@ def test_terminal_speed_is_force_over_friction():
 @pytest.mark.parametrize("angle", [-0.1, 4.0, math.nan])
 def test_an_impossible_angle_is_refused(angle):
     with pytest.raises(BadInput, match="contact_angle"):
-        drag.immersion_factor(angle)
+        immersion.immersion_factor(angle)
 
 
 def test_the_spline_of_the_table_is_scipys_clamped_one():
     from scipy.interpolate import CubicSpline
 
-    ends = ((1, 0.0), (1, drag.THIN_CAP))
-    wanted = CubicSpline(np.linspace(0.0, math.pi, len(drag.IMMERSION_FACTORS)), drag.IMMERSION_FACTORS, bc_type=ends)
+    ends = ((1, 0.0), (1, immersion.DRAG.slope))
+    wanted = CubicSpline(np.linspace(0.0, math.pi, len(immersion.DRAG.rows[0])), immersion.DRAG.rows[0], bc_type=ends)
     angles = np.linspace(0.0, math.pi, 1001)
-    assert drag.immersion_factor(angles) == pytest.approx(np.maximum(wanted(angles), 0.0), abs=1e-15)
+    assert immersion.immersion_factor(angles) == pytest.approx(np.maximum(wanted(angles), 0.0), abs=1e-15)
 
 
 def test_two_spheres_drag_as_one_far_apart_and_as_their_film_in_contact():

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipe, ellipk, zeta
 
 from ecume.errors import BadInput
-from ecume.laws import drag
+from ecume.laws import drag, immersion
 
 
 def ring(r, z, a, b):
@@ -38,18 +38,18 @@ def by_single_layer(angle, panels=16):
 @pytest.mark.parametrize("degrees", [20, 60, 90, 125, 150])
 def test_the_table_is_that_of_a_single_layer_on_the_cap(degrees):
     angle = math.radians(degrees)
-    assert drag.turning_factor(angle) == pytest.approx(by_single_layer(angle), abs=2e-4)
+    assert immersion.turning_factor(angle) == pytest.approx(by_single_layer(angle), abs=2e-4)
 
 
 def test_two_touching_spheres_and_thin_caps_turn_as_the_exact_solutions_say():
-    assert drag.turning_factor(0.0) == pytest.approx(0.75 * zeta(3.0), abs=1e-5)
+    assert immersion.turning_factor(0.0) == pytest.approx(0.75 * zeta(3.0), abs=1e-5)
     cap = math.radians(170.0)
     disc = drag.disc_turning_friction(math.sin(cap), 1.0)
-    assert drag.sphere_turning_friction(1.0, 1.0, drag.turning_factor(cap)) == pytest.approx(disc, rel=0.06)
+    assert drag.sphere_turning_friction(1.0, 1.0, immersion.turning_factor(cap)) == pytest.approx(disc, rel=0.06)
 
 
 def test_who_is_higher_turns_more_easily():
-    factors = drag.turning_factor(np.linspace(0.0, math.pi, 500))
+    factors = immersion.turning_factor(np.linspace(0.0, math.pi, 500))
     assert np.all(np.diff(factors) <= 0.0)
     assert factors[-1] == 0.0
 
@@ -57,4 +57,4 @@ def test_who_is_higher_turns_more_easily():
 @pytest.mark.parametrize("angle", [-0.1, 3.2, math.nan])
 def test_angles_that_are_none_are_refused(angle):
     with pytest.raises(BadInput, match="radians between 0 and pi"):
-        drag.turning_factor(angle)
+        immersion.turning_factor(angle)

@@ -86,7 +86,9 @@ def test_oil_water():
     text = HEAD.format(duration=1.0) + "[liquid]\ndensity = 998.0\ngas_density = 770.0\nsurface_tension = 0.053\n"
     places = 'radius = "100 um"\npositions = [[0.0, 0.0], [1e-3, 0.0]]\n'
     with pytest.warns(GasWarning, match="drag is that of the lower liquid alone"):
-        MODELS["floating"].parameters(load_scene(text + BEADS + places))
+        alone = MODELS["floating"].parameters(load_scene(text + BEADS + places))
+    both = MODELS["floating"].parameters(load_scene(text + "gas_viscosity = 1e-3\n" + BEADS + places))
+    assert both.floats.relaxation_time == pytest.approx(0.5 * alone.floats.relaxation_time, rel=1e-3)
 
 
 @pytest.mark.filterwarnings("ignore:.*energy:UserWarning")

@@ -63,7 +63,7 @@ def files_of(names, package):
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
-        ("laws/drag.py", "return immersion_factor", "return 1.01 * immersion_factor"),
+        ("laws/immersion.py", "return immersion_factor", "return 1.01 * immersion_factor"),
         ("simulation.py", "ROOMIER = 1.6", "ROOMIER = 1.7"),
         ("validation/tracers.py", "GRAINS = 4000", "GRAINS = 4001"),
         ("validation/data/settling/scene.toml", "100 um", "101 um"),

@@ -1,9 +1,8 @@
-"""Viscous drag on spheres, floating on a liquid or deep in it, and friction of floats that turn about the vertical."""
+"""Viscous drag on floats and on spheres deep in a liquid, and friction of floats that turn about the vertical."""
 
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Annotated
 
 import numpy as np
@@ -12,8 +11,6 @@ from ecume.errors import BadInput
 from ecume.units import (
     Acceleration,
     Angle,
-    Angles,
-    Array,
     Density,
     Friction,
     Length,
@@ -29,46 +26,13 @@ from ecume.units import (
 
 TurningFriction = Annotated[float, Unit("N*m*s")]
 
-IMMERSION_FACTORS = (
-    0.7245, 0.7218, 0.7138, 0.7004, 0.6812, 0.6561, 0.6253, 0.5887, 0.5468,
-    0.5000, 0.4490, 0.3946, 0.3377, 0.2793, 0.2205, 0.1622, 0.1055, 0.0510, 0.0,
-)  # fmt: skip
-"""f at contact angles 0, 10, ... 180 degrees, from a boundary-element solution of Stokes flow; within 2e-4."""
-THIN_CAP = -8.0 / (9.0 * math.pi)
-"""df/dtheta at 180 degrees: a cap of radius a drags as half a disc edgewise, (16/3) eta a U."""
-
 NEAREST = 1e-7
 """Gap over R below which the drag of two spheres is that of their film alone, to 1e-6."""
 DECAY = 22.0
+INERTIAL_GROWTH = 0.687
+"""The power of the Reynolds number by which drag exceeds Stokes's. [schiller1933]."""
 
-
-def immersion_factor(contact_angle: Angles) -> Numbers:
-    """f(theta): the drag of a floating sphere over Stokes's 6 pi eta R U for one deep in the liquid.
-
-    A cubic spline of the boundary-element table, flat at 0 and with the slope of a thin cap at 180 degrees. The
-    surface is flat and free of shear, the gas has no viscosity, the sphere does not turn. 1/2 at 90 degrees by
-    symmetry; 0.7245 for two touching spheres, at 0. Measured: 0.68 at 48.7 degrees, 0.54 at 82 [petkov1995]; series
-    around 90 degrees [dorr2016]. Surfactants raise it.
-
-    >>> round(immersion_factor(math.pi / 2), 12)
-    0.5
-    """
-    angles = np.asarray(contact_angle, dtype=np.float64)
-    if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
-        raise BadInput(f"contact_angle is {contact_angle!r}; expected radians between 0 and pi")
-    factors = np.maximum(_spline(angles, IMMERSION_FACTORS, THIN_CAP), 0.0)
-    return float(factors) if factors.ndim == 0 else factors
-
-
-def factor_at_filling(filling_angle: Angles) -> Numbers:
-    """The factor f of a sphere whose contact line is displaced by its weight: `immersion_factor` at pi - phi_c.
-
-    What counts is how deep it sits; on a flat surface pi - phi_c is the contact angle. [dorr2016].
-
-    >>> factor_at_filling(math.pi / 2) == immersion_factor(math.pi / 2)
-    True
-    """
-    return immersion_factor(np.clip(math.pi - np.asarray(filling_angle), 0.0, math.pi))
+TimePerArea = Annotated[float, Unit("s/m^2")]
 
 
 def pair_factor(separation: Numbers, roughness: Number = 0.0) -> Numbers:
@@ -117,8 +81,8 @@ def submerged_volume(radius: Length, filling_angle: Angle) -> Volume:
     return math.pi * radius**3 * (2.0 / 3.0 - cosine + cosine**3 / 3.0)
 
 
-def added_mass(radius: Length, filling_angle: Angle, density: Density) -> Mass:
-    """Mass of liquid that a floating sphere carries along, half of what it displaces; `density` of the liquid.
+def added_mass(radius: Length, filling_angle: Angle, density: Density, density_above: Density = 0.0) -> Mass:
+    """Mass of liquid that a floating sphere carries along, half of what it displaces below and above the surface.
 
     Exact at 90 degrees, where the surface, a rigid lid for slow motion, is a plane of symmetry of the flow around a
     whole sphere [lamb1932, par. 92]; elsewhere an interpolation between that, the whole sphere and none.
@@ -126,7 +90,8 @@ def added_mass(radius: Length, filling_angle: Angle, density: Density) -> Mass:
     >>> round(added_mass(1.0, math.pi / 2, 1.0) / math.pi, 12)
     0.333333333333
     """
-    return 0.5 * density * submerged_volume(radius, filling_angle)
+    above = submerged_volume(radius, math.pi - filling_angle)
+    return 0.5 * (density * submerged_volume(radius, filling_angle) + density_above * above)
 
 
 def inertial_friction(friction: Friction, reynolds: Number) -> Friction:
@@ -203,6 +168,25 @@ def particle_reynolds(speed: Speed, radius: Length, density: Density, viscosity:
     return 2.0 * radius * speed * density / viscosity
 
 
+def inverse_kinematic_viscosity(
+    density: Density, viscosity: Viscosity, density_above: Density = 0.0, viscosity_above: Viscosity = 0.0
+) -> TimePerArea:
+    """rho/eta for the Reynolds number Re = 2 a v rho/eta of a float; infinite without viscosity.
+
+    Between two liquids the one for which `schiller_naumann_factor` is the mean of those of both liquids up to Re =
+    1000, weighted by their viscosities: as if each half of a sphere had the drag of half a sphere deep in its liquid.
+    [schiller1933].
+
+    >>> round(inverse_kinematic_viscosity(1000.0, 1e-3)), round(inverse_kinematic_viscosity(900.0, 1e-3, 900.0, 1e-3))
+    (1000000, 900000)
+    """
+    viscous = [(rho, eta) for rho, eta in ((density, viscosity), (density_above, viscosity_above)) if eta > 0.0]
+    if len(viscous) < 2:
+        return viscous[0][0] / viscous[0][1] if viscous else math.inf
+    parts = [eta * (rho / eta) ** INERTIAL_GROWTH for rho, eta in viscous]
+    return float((sum(parts) / (viscosity + viscosity_above)) ** (1.0 / INERTIAL_GROWTH))
+
+
 def schiller_naumann_factor(reynolds: Number) -> Number:
     """The drag of a sphere deep in a liquid over Stokes's: 1 + 0.15 Re^0.687 up to Re = 1000.
 
@@ -214,7 +198,7 @@ def schiller_naumann_factor(reynolds: Number) -> Number:
     """
     if reynolds > 1000.0:
         return 0.44 * reynolds / 24.0
-    return 1.0 + 0.15 * math.pow(reynolds, 0.687)
+    return 1.0 + 0.15 * math.pow(reynolds, INERTIAL_GROWTH)
 
 
 def stokes_settling_speed(
@@ -248,29 +232,6 @@ def settling_reynolds(stokes_reynolds: Number) -> Number:
 
 Inertia = Annotated[float, Unit("kg*m^2")]
 
-TURNING_FACTORS = (
-    0.90154, 0.89833, 0.88826, 0.87005, 0.84180, 0.80134, 0.74683, 0.67749, 0.59422,
-    0.50000, 0.39985, 0.30030, 0.20840, 0.13046, 0.07085, 0.03105, 0.00935, 0.00116, 0.0,
-)  # fmt: skip
-"""At contact angles 0, 10, ... 180 degrees; from a single layer on the wet cap and its mirror image, good to 1e-5."""
-
-
-def turning_factor(contact_angle: Angles) -> Numbers:
-    """The torque on a floating sphere that turns about the vertical, over 8 pi eta R^3 W for one deep in the liquid.
-
-    The flow runs in circles, and v_phi cos(phi) is harmonic outside the wet cap and its mirror image in a flat surface
-    that is free of shear. 1/2 at 90 degrees by symmetry; 3 zeta(3)/4 at 0, two spheres that touch and turn as one
-    [jeffery1915]; 2 sin^3(theta)/(3 pi) of a thin cap. A cubic spline of the table, flat at both ends.
-
-    >>> round(turning_factor(math.pi / 2), 12)
-    0.5
-    """
-    angles = np.asarray(contact_angle, dtype=np.float64)
-    if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
-        raise BadInput(f"contact_angle is {contact_angle!r}; expected radians between 0 and pi")
-    factors = np.maximum(_spline(angles, TURNING_FACTORS, 0.0), 0.0)
-    return float(factors) if factors.ndim == 0 else factors
-
 
 def sphere_turning_friction(radius: Length, viscosity: Viscosity, factor: Number) -> TurningFriction:
     """Zeta = 8 pi eta R^3 times the factor: the torque per spin on a slow floater. [lamb1932, par. 334].
@@ -297,31 +258,3 @@ def disc_inertia(mass: Mass, radius: Length) -> Inertia:
     9.0
     """
     return 0.5 * mass * radius * radius
-
-
-def _spline(angles: Array, table: tuple[float, ...], end: float) -> Array:
-    """The cubic spline of a table from 0 to 180 degrees, flat at 0 and with the slope `end` at the other end: from its
-    values and slopes at the two angles (radians) around.
-    """
-    step = math.pi / (len(table) - 1)
-    place = np.minimum(angles / step, len(table) - 1.0)
-    left = np.minimum(place.astype(np.int64), len(table) - 2)
-    values, slopes, t = np.array(table), step * _slopes(table, end), place - left
-    rise, u = values[left + 1] - values[left], 1.0 - t
-    bend = u * (slopes[left] - rise) - t * (slopes[left + 1] - rise)
-    factors: Array = u * values[left] + t * values[left + 1] + t * u * bend
-    return factors
-
-
-@cache
-def _slopes(table: tuple[float, ...], end: float) -> Array:
-    """Those that leave no jump in the second derivative: (m_{k-1} + 4 m_k + m_{k+1}) / 3 = (f_{k+1} - f_{k-1}) / step,
-    given at both ends.
-    """
-    count, values = len(table), np.array(table)
-    matrix = 4.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)
-    right = np.zeros(count)
-    right[1:-1] = 3.0 * (count - 1) / math.pi * (values[2:] - values[:-2])
-    matrix[0], matrix[-1] = np.eye(count)[0], np.eye(count)[-1]
-    right[0], right[-1] = 0.0, end
-    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)

@@ -1,9 +1,10 @@
 """Hydrodynamic interaction of floats: the velocities that forces give to all floats of a surface.
 
 A float that moves carries the liquid around it along, and with it the other floats. Between half-immersed spheres at a
-flat, stress-free surface the mobilities are twice those of whole spheres in unbounded liquid, by mirror symmetry. Other
-depths enter through a hydrodynamic radius 2 f R with the factor f of `ecume.laws.drag.immersion_factor`, which gives
-the drag of a single float exactly and is an approximation for pairs.
+flat, stress-free surface the mobilities are twice those of whole spheres in unbounded liquid, by mirror symmetry; with
+a second liquid above, those in a liquid of half the sum of the viscosities. Other depths enter through a hydrodynamic
+radius 2 f R with the factor f of `ecume.laws.immersion.immersion_factor`, which gives the drag of a single float
+exactly and is an approximation for pairs.
 """
 
 from __future__ import annotations

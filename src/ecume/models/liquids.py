@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ecume.errors import BadInput, Fault, SceneError, nearest
-from ecume.laws import flotation, liquids
+from ecume.laws import drag, flotation, liquids
 from ecume.laws.liquids import LIQUIDS, LiquidProperties, liquid
 from ecume.models.model import Source
 from ecume.units import ROOM
+
+DENSEST_GAS = 0.1
+"""Density of the gas over that of the liquid above which it is taken for a liquid: gases at 30 bar are below it."""
 
 
 class Material(NamedTuple):
@@ -52,7 +55,23 @@ def liquid_of(scene: Any) -> flotation.Liquid:
         given.viscosity,
         gravity=scene.gravity,
         gas_density=scene.liquid.gas_density,
+        gas_viscosity=scene.liquid.gas_viscosity,
     )
+
+
+def is_under_liquid(liquid: flotation.Liquid) -> bool:
+    """Whether what is above the surface is a liquid, too."""
+    return liquid.gas_density > DENSEST_GAS * liquid.density
+
+
+def inertia_over_viscosity(liquid: flotation.Liquid) -> float:
+    """Density over viscosity of the liquids around a float (s/m^2), infinite without viscosity."""
+    return drag.inverse_kinematic_viscosity(liquid.density, liquid.viscosity, liquid.gas_density, liquid.gas_viscosity)
+
+
+def float_reynolds(speed: float, radius: float, liquid: flotation.Liquid) -> float:
+    """The Reynolds number of a float, by its diameter."""
+    return drag.particle_reynolds(speed, radius, inertia_over_viscosity(liquid), 1.0)
 
 
 def correlations_of(name: str | None) -> list[Source]:

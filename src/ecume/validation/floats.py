@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import i1, k1
 
 from ecume.errors import Diverged
-from ecume.laws import drag, flotation
+from ecume.laws import flotation, immersion
 from ecume.laws.capillarity import pair_strength
 from ecume.models import MODELS
 from ecume.models.floating.time_integration.step_size import StepWarning
@@ -51,7 +51,7 @@ def bodies_of(scene: FloatingScene) -> list[Body]:
         assert isinstance(given.contact_angle, float)  # noqa: S101  # the cases' scenes have numbers
         sphere = flotation.Sphere(given.radius, given.density, given.contact_angle)
         balance = flotation.equilibrium(sphere, liquid)
-        factor = float(drag.factor_at_filling(balance.filling_angle))
+        factor = float(immersion.factor_at_filling(balance.filling_angle))
         friction = 6.0 * math.pi * liquid.viscosity * given.radius * factor if scene.hydrodynamics.resists else 0.0
         mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
         bodies.append(Body(given.radius, mass, balance.charge, friction))

@@ -91,6 +91,7 @@ EFFECTS = {
     "liquid.viscosity": of(0.01),
     "liquid.surface_tension": of(0.05),
     "liquid.gas_density": of(1.2),
+    "liquid.gas_viscosity": of(1e-4),
     "flow.velocity": of([0.01, 0.0], flow={"shear_rate": 0.1}),
     "flow.shear_rate": of(1.0, flow={"velocity": [0.01, 0.0]}),
     "flow.rotation_rate": of(1.0, flow={"velocity": [0.01, 0.0]}),

@@ -7,7 +7,8 @@ import pytest
 
 from ecume import _jit
 from ecume.errors import SceneError
-from ecume.laws.drag import sphere_inertia, sphere_turning_friction, turning_factor
+from ecume.laws.drag import sphere_inertia, sphere_turning_friction
+from ecume.laws.immersion import turning_factor
 from ecume.models import MODELS
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.simulation import simulate

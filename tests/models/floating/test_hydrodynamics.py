@@ -256,7 +256,7 @@ def test_a_warning_has_the_reynolds_number_of_fast_floats():
 def test_a_liquid_above_the_liquid_is_a_warning_with_the_factor_of_the_drag():
     text = WATER.replace("[liquid]\n", "[liquid]\ngas_density = 770.0\n", 1)
     body = "[[particles]]\nradius = 1e-4\ndensity = 1050.0\ncontact_angle = 1.5\n"
-    with pytest.warns(GasWarning, match=r"gas_density: got 770 .* the factor is 1 \+ eta_above/eta"):
+    with pytest.warns(GasWarning, match=r"gas_density: got 770 .* in liquid\.gas_viscosity"):
         FLOATING.parameters(scene_of(text + body))
 
 

@@ -12,7 +12,7 @@ from ecume.units import Acceleration, Angle, Density, Force, Length, Number, Sur
 
 @dataclass(frozen=True)
 class Liquid:
-    """A liquid under a gas: density, surface tension, viscosity, gravity, and the gas's density.
+    """A liquid under a gas or a second liquid: density, surface tension, viscosity, gravity; and those of the gas.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> round(water.capillary_length * 1e3, 3)
@@ -24,12 +24,14 @@ class Liquid:
     viscosity: Viscosity
     gravity: Acceleration = 9.81
     gas_density: Density = 0.0
+    gas_viscosity: Viscosity = 0.0
 
     def __post_init__(self) -> None:
         for name in ("density", "surface_tension", "gravity"):
             require_positive(f"liquid's {name}", getattr(self, name))
         require_not_negative("liquid's viscosity", self.viscosity)
         require_not_negative("liquid's gas_density", self.gas_density)
+        require_not_negative("liquid's gas_viscosity", self.gas_viscosity)
         if self.gas_density >= self.density:
             raise BadInput(
                 f"gas_density {self.gas_density:g} kg/m^3 is not below the liquid's density {self.density:g} kg/m^3; "
@@ -40,6 +42,16 @@ class Liquid:
     def density_difference(self) -> Density:
         """Density of the liquid less that of the gas above it; the one that gravity works on."""
         return self.density - self.gas_density
+
+    @property
+    def viscosity_of_both(self) -> Viscosity:
+        """The sum of the viscosities below and above the surface, by which drag on floats is measured."""
+        return self.viscosity + self.gas_viscosity
+
+    @property
+    def share_above(self) -> Number:
+        """The part of that sum that is above."""
+        return self.gas_viscosity / self.viscosity_of_both if self.gas_viscosity > 0.0 else 0.0
 
     @property
     def capillary_length(self) -> Length:

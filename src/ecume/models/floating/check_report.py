@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ecume.laws import capillarity, flotation
-from ecume.laws.drag import added_mass, particle_reynolds, schiller_naumann_factor
+from ecume.laws.drag import added_mass, schiller_naumann_factor
 from ecume.laws.flotation.nonspherical import greatest_rim_load
 from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
@@ -24,7 +24,7 @@ from ecume.models.floating.setup.kinds import FloatKind, float_kinds, given_floa
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.integrators import INTEGRATORS_BY_CONSTANTS
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
-from ecume.models.liquids import liquid_of
+from ecume.models.liquids import float_reynolds, liquid_of
 from ecume.models.size_report import sizes_rows
 from ecume.models.step_counts import last_step
 from ecume.scenes.floating import FloatingScene
@@ -138,9 +138,9 @@ def _summary_of_noise(parameters: Parameters) -> list[Row]:
 def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     """By how much Stokes's drag is too small for the fastest floats; nothing if they are slow."""
     liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
-    if scene.drag != DRAG_LAWS[0] or liquid.viscosity == 0.0:
+    if scene.drag != DRAG_LAWS[0] or liquid.viscosity_of_both == 0.0:
         return []
-    reynolds = particle_reynolds(meeting_speed(parameters), radius, liquid.density, liquid.viscosity)
+    reynolds = float_reynolds(meeting_speed(parameters), radius, liquid)
     if reynolds < SLOW:
         return []
     more = f"Stokes's law, of which the drag is then {schiller_naumann_factor(reynolds):.2g} times as large"
@@ -163,12 +163,13 @@ def _summary_of_added_mass(parameters: Parameters, scene: FloatingScene) -> list
     spheres = [kind for kind in float_kinds(scene) if isinstance(kind.body, flotation.Sphere)]
     if scene.hydrodynamics.added_mass or not parameters.scheme.inertia or scene.shaped or not spheres:
         return []
-    if liquid.viscosity > 0.0:
+    if liquid.viscosity_of_both > 0.0:
         speed = meeting_speed(parameters)
-        if particle_reynolds(speed, radius, liquid.density, liquid.viscosity) < SLOW:
+        if float_reynolds(speed, radius, liquid) < SLOW:
             return []
     shares = [
-        added_mass(kind.radius, kind.equilibrium.filling_angle, liquid.density) / kind.mass for kind in set(spheres)
+        added_mass(kind.radius, kind.equilibrium.filling_angle, liquid.density, liquid.gas_density) / kind.mass
+        for kind in set(spheres)
     ]
     lacking = "of the mass of a float; hydrodynamics.added_mass = true includes it"
     return [("added mass", f"up to {100.0 * max(shares):.2g} %", lacking)]
@@ -198,7 +199,7 @@ def meeting_speed(parameters: Parameters) -> float:
 def _summary_of_raft_speeds(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     """The speed of rafts, with or without hydrodynamic interaction."""
     spheres = sum(species.count for species in scene.particles if species.shape is None) + len(scene.rows)
-    viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
+    viscous = scene.hydrodynamics.resists and liquid_of(scene).viscosity_of_both > 0.0
     gathers = PAIR_LAWS[str(scene.interaction.law)].menisci
     if not (viscous and gathers) or spheres < FEWEST_IN_RAFT:
         return []

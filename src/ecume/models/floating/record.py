@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian_motion, capillarity, contact_lines, drag, flotation, meniscus, pair_laws
+from ecume.laws import brownian_motion, capillarity, contact_lines, drag, flotation, immersion, meniscus, pair_laws
 from ecume.models.actions import Access
 from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.check_report import summary
@@ -39,7 +39,7 @@ def laws_of(scene: Any) -> list[Source]:
     if scene.dish is not None:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
         laws += [meniscus.dish_height, *([meniscus.plane_image_force] if scene.dish.image != "none" else [])]
-    laws += [drag.immersion_factor, drag.stokes_friction] if scene.hydrodynamics.resists else []
+    laws += [immersion.immersion_factor, drag.stokes_friction] if scene.hydrodynamics.resists else []
     if scene.shaped:
         resistance = [contact_lines.ellipsoid_friction, contact_lines.ellipsoid_turning_friction]
         laws += resistance if scene.hydrodynamics.resists else []

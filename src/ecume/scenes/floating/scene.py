@@ -491,7 +491,8 @@ def default_drag(scene: FloatingScene) -> str:
     Slow floats have Stokes's drag with either.
     """
     sways = scene.dish is not None and scene.dish.motion is not None
-    slow = scene.integration.integrator not in DRAG_BY_SPEED or scene.liquid.viscosity == 0.0
+    viscous = scene.liquid.viscosity != 0.0 or scene.liquid.gas_viscosity > 0.0
+    slow = scene.integration.integrator not in DRAG_BY_SPEED or not viscous
     films = scene.hydrodynamics.lubrication is not None
     return "stokes" if slow or sways or films or scene.shaped else "schiller-naumann"
 

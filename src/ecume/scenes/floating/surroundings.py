@@ -138,8 +138,8 @@ class FlowSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class LiquidSpec:
-    """The liquid, and the gas above it. The defaults are rounded values of clean water at 20 degrees Celsius. The gas
-    has no density by default (air: 1.2 kg/m^3).
+    """The liquid, and the gas or second liquid above it. The defaults are rounded values of clean water at 20 degrees
+    Celsius. The gas has neither density nor viscosity by default (air: 1.2 kg/m^3 and 1.8e-5 Pa s).
     """
 
     name: Name = ""
@@ -158,8 +158,11 @@ class LiquidSpec:
     """The surface tension of the liquid against the gas (N/m); by default that of the named liquid, or 0.0728.
     Effect: holds heavy floats and lengthens the range of the attraction."""
     gas_density: GasDensity = 0.0
-    """The density of the gas above the liquid (kg/m^3), smaller than that of the liquid. Effect: reduces weight and
-    buoyancy; of air the effect is 0.1 %. The viscosity of the gas is neglected, which of a second liquid is wrong."""
+    """The density of the gas, or of a second liquid, above the liquid (kg/m^3), smaller than that of the liquid.
+    Effect: reduces weight and buoyancy; of air the effect is 0.1 %."""
+    gas_viscosity: LiquidViscosity = 0.0
+    """The dynamic viscosity of the gas, or of a second liquid, above the liquid (Pa s); neglected by default, of air
+    1.8e-5. Example: `"0.9 mPa*s"`. Effect: drag grows with the sum of both viscosities."""
     color: Color | None = None
     """The color of the level surface in pictures, such as `white` or `#fbf8f0`; by default that of the named liquid.
     Effect: higher and lower parts have tints of it."""

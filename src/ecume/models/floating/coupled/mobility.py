@@ -528,7 +528,7 @@ class CoupledFilms(NamedTuple):
 def coupled_films_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Return the films of a scene."""
     films = films_within(parameters, scene, REACH)
-    part = CoupledFilms(films, liquid_of(scene).viscosity, approach_factor(films.reach, 1.0))
+    part = CoupledFilms(films, liquid_of(scene).viscosity_of_both, approach_factor(films.reach, 1.0))
     return Built(part, reach=films.reach * float(parameters.floats.radius.max()))
 
 

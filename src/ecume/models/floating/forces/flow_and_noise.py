@@ -10,7 +10,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.laws import brownian_motion
 from ecume.models.floating.parameters import DRAG_LAWS, Drift, Parameters, Sway
-from ecume.models.liquids import liquid_of
+from ecume.models.liquids import inertia_over_viscosity, liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def drift_of(scene: FloatingScene) -> Drift:
         turning, apart = flow.rotation_rate, flow.extension_rate
         rates = np.array([*flow.velocity, apart, flow.shear_rate - turning, turning, -apart])
     nodes, frame = _nodes_of(flow.nodes) if flow is not None and flow.nodes is not None else NO_NODES
-    slowing = liquid.density / liquid.viscosity if fast else 0.0
+    slowing = inertia_over_viscosity(liquid) if fast else 0.0
     thermal = brownian_motion.thermal_energy(scene.liquid.temperature) if scene.hydrodynamics.brownian else 0.0
     flows = bool(np.any(rates)) or bool(np.any(nodes))
     return Drift(

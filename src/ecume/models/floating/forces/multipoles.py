@@ -435,7 +435,7 @@ def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any])
     """
     liquid = liquid_of(scene)
     mass, radius = parameters.floats.mass, parameters.floats.radius
-    viscosity = liquid.viscosity if scene.hydrodynamics.resists else 0.0
+    viscosity = liquid.viscosity_of_both if scene.hydrodynamics.resists else 0.0
     resisting = [drag.disc_turning_friction(float(a), viscosity) for a in radius]
     moment, friction = 0.5 * mass * radius**2, np.array(resisting)
     height = max(kind.rim[0] * kind.rim[1] for kind in every)

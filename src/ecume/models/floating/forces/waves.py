@@ -27,7 +27,7 @@ from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import WORK, Parameters, State, Workspace
 from ecume.models.floating.setup.kinds import distinct_kinds, turning_frictions
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
-from ecume.models.liquids import liquid_of
+from ecume.models.liquids import is_under_liquid, liquid_of
 from ecume.units import Array, with_prefix
 
 if TYPE_CHECKING:
@@ -210,6 +210,12 @@ def waves_of(parameters: Parameters, scene: FloatingScene) -> Built:
     given, radius = scene.waves, parameters.floats.radius
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen it
     liquid = liquid_of(scene)
+    if is_under_liquid(liquid):
+        message = (
+            f"got waves under {liquid.gas_density:g} kg/m^3; expected a gas: the law of these waves has the "
+            "inertia and viscosity of the lower liquid alone"
+        )
+        raise scene_error("waves", message)
     try:
         found = radiated_waves.ripples(
             given.frequency, liquid.density, liquid.surface_tension, liquid.viscosity, scene.gravity

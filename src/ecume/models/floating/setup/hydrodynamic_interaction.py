@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.laws import ewald, pair_mobility
-from ecume.laws.drag import particle_reynolds
 from ecume.laws.pair_mobility import MOST_SOLVED, raft_speed_factor
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
 from ecume.models.floating.coupled.many_floats import ERROR, MATRIX_UP_TO, GridKicks
@@ -22,7 +21,7 @@ from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import Parameters, distinct_rows
 from ecume.models.floating.setup.kinds import turning_frictions
 from ecume.models.floating.time_integration.integrators import COUPLED, COUPLED_ON_GRID, Integrator
-from ecume.models.liquids import liquid_of
+from ecume.models.liquids import float_reynolds, is_under_liquid, liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -32,10 +31,6 @@ RAFT_MOBILITY = 1.7
 """Speed of a compact raft over that of a single float, over the square root of the number of floats: that of a flat
 disc of the same area, 9 pi/16 sqrt(0.9069), which smaller rafts do not reach.
 """
-
-
-DENSEST_GAS = 0.1
-"""Density of the gas over that of the liquid above which it is taken for a liquid: gases at 30 bar are below it."""
 
 
 class ReynoldsWarning(UserWarning):
@@ -98,7 +93,7 @@ class HydrodynamicInteraction(Option):
 
 def coupled_kicks_of(parameters: Parameters, scene: FloatingScene, turning: bool) -> CoupledKicks:
     """Return the constants of floats that interact through the liquid."""
-    viscosity = liquid_of(scene).viscosity
+    viscosity = liquid_of(scene).viscosity_of_both
     radius = hydrodynamic_radius(parameters, viscosity)
     spin = _further_spin(scene, radius, viscosity) if turning else np.zeros(0)
     return CoupledKicks(radius, spin, viscosity, parameters.drift.thermal)
@@ -156,24 +151,24 @@ def touching_reynolds(parameters: Parameters, scene: FloatingScene) -> float:
     kinds = distinct_rows(floats.radius, np.abs(floats.charge), friction).tolist()
     for radius, charge, drag in kinds if row.has_force else []:
         pull = abs(float(row.force(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law)))
-        highest = max(highest, particle_reynolds(pull / drag, radius, liquid.density, liquid.viscosity))
+        highest = max(highest, float_reynolds(pull / drag, radius, liquid))
     return highest
 
 
 class GasWarning(UserWarning):
-    """The gas is so dense that it is a liquid, whose viscosity the drag lacks."""
+    """The gas is so dense that it is a liquid, whose viscosity is not given."""
 
 
 def warn_of_dense_gas(scene: FloatingScene) -> None:
-    """Warn if the gas above the liquid is a liquid itself: the drag has one viscosity."""
+    """Warn if the gas above the liquid is a liquid itself whose viscosity is not given."""
     liquid = liquid_of(scene)
-    if not scene.hydrodynamics.resists or liquid.gas_density <= DENSEST_GAS * liquid.density:
+    if not (scene.hydrodynamics.resists and is_under_liquid(liquid)) or liquid.gas_viscosity > 0.0:
         return
     message = (
         f"liquid.gas_density: got {liquid.gas_density:g} kg/m^3, the density of a liquid, but drag is that of the "
         "lower liquid alone. A liquid of the same viscosity above it doubles the drag of half-immersed floats, "
-        "and halves their speeds and diffusion; in general the factor is 1 + eta_above/eta. Expected a gas; for "
-        "contact angles near 90 deg, liquid.viscosity may be the sum of both viscosities"
+        "and halves their speeds and diffusion; in general the factor is 1 + eta_above/eta. Expected the viscosity of "
+        "the upper liquid in liquid.gas_viscosity"
     )
     warnings.warn(message, GasWarning, stacklevel=2)
 

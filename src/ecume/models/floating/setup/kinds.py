@@ -11,7 +11,7 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import drag, flotation
+from ecume.laws import drag, flotation, immersion
 from ecume.models.floating.parameters import Floats
 from ecume.models.floating.shaped.shapes import Figure, Given, floating_shape, round_figure
 from ecume.models.liquids import liquid_of
@@ -24,11 +24,13 @@ if TYPE_CHECKING:
 
 def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
     """The torque of the liquid on one float, per spin (N m s)."""
-    viscosity = liquid_of(scene).viscosity if scene.hydrodynamics.resists else 0.0
+    liquid = liquid_of(scene)
+    viscosity = liquid.viscosity_of_both if scene.hydrodynamics.resists else 0.0
     if isinstance(kind.body, flotation.Disc):
         return drag.disc_turning_friction(kind.body.radius, viscosity)
     depth = min(max(math.pi - kind.equilibrium.filling_angle, 0.0), math.pi)
-    return drag.sphere_turning_friction(kind.radius, viscosity, float(drag.turning_factor(depth)))
+    factor = float(immersion.turning_factor(depth, liquid.share_above))
+    return drag.sphere_turning_friction(kind.radius, viscosity, factor)
 
 
 def turning_frictions(scene: FloatingScene) -> Array:
@@ -83,11 +85,11 @@ def float_kind(given: FloatSpec | FloatRow, scene: FloatingScene) -> FloatKind:
     balance = flotation.equilibrium(sphere, liquid)
     assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
     charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
-    factor = float(drag.factor_at_filling(balance.filling_angle))
+    factor = float(immersion.factor_at_filling(balance.filling_angle, liquid.share_above))
     mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
     if scene.hydrodynamics.added_mass:
-        mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
-    friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
+        mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density, liquid.gas_density)
+    friction = drag.stokes_friction(given.radius, liquid.viscosity_of_both, factor)
     found = FloatKind(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction, radius=given.radius)
     return found._replace(figure=_round_figure(found, scene))
 
@@ -100,7 +102,7 @@ def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene)
     balance = flotation.equilibrium(body, liquid)
     charge = flotation.capillary_charge(body, liquid, str(scene.interaction.charge))
     mass = given.density * math.pi * given.radius**2 * disc.thickness
-    friction = drag.disc_friction(given.radius, liquid.viscosity)
+    friction = drag.disc_friction(given.radius, liquid.viscosity_of_both)
     rim = disc.mode, disc.undulation
     found = FloatKind(body, given.density, math.nan, balance, charge, mass, friction, rim, radius=given.radius)
     return found._replace(figure=_round_figure(found, scene))

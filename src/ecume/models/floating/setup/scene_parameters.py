@@ -391,7 +391,7 @@ def _turned_by_menisci(scene: FloatingScene) -> bool:
 
 def _drag_of(scene: FloatingScene) -> Option:
     """The drag of a scene, with its capabilities."""
-    there = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
+    there = scene.hydrodynamics.resists and liquid_of(scene).viscosity_of_both > 0.0
     gives = {"drag"} if there else set()
     gives |= {"stokes"} if scene.drag != DRAG_LAWS[1] else set()
     return Option(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ecume.laws import drag, flotation
+from ecume.laws import flotation, immersion
 from ecume.laws.contact_lines import (
     Line,
     ellipsoid_friction,
@@ -97,7 +97,7 @@ def _ellipsoid(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     cut = balance.contact_radius / math.sqrt(axes[0] * axes[1])
     line = Line(cut * axes[0], cut * axes[1], charge, given.shape.mode or 2, rise)
     mass = given.density * 4.0 / 3.0 * math.pi * math.prod(axes)
-    wet = float(drag.factor_at_filling(balance.filling_angle))
+    wet = float(immersion.factor_at_filling(balance.filling_angle, liquid.share_above))
     inertia = mass * (axes[0] ** 2 + axes[1] ** 2) / 5.0
     figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, _friction(axes, wet, liquid))
     return FloatingShape(body, balance, mass, figure)
@@ -113,7 +113,7 @@ def _needle(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     shaft, ends = (given.density * math.pi * thick**2 * length for length in (straight, 4.0 / 3.0 * thick))
     inertia = shaft * (3.0 * thick**2 + straight**2) / 12.0
     inertia += ends * (0.4 * thick**2 + 0.25 * straight**2 + 0.375 * straight * thick)
-    wet = float(drag.factor_at_filling(balance.filling_angle))
+    wet = float(immersion.factor_at_filling(balance.filling_angle, liquid.share_above))
     friction = _friction((given.radius, thick, thick), wet, liquid)
     figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, friction)
     return FloatingShape(body, balance, shaft + ends, figure)
@@ -140,7 +140,7 @@ def _plate(given: Given, liquid: flotation.Liquid) -> FloatingShape:
 def _friction(axes: tuple[float, float, float], wet: float, liquid: flotation.Liquid) -> tuple[float, float, float]:
     """The friction of an ellipsoid with these semi-axes, times the fraction `wet` (0.5 for a sphere at 90 degrees)."""
     a, b, c = axes
-    viscosity = wet * liquid.viscosity
+    viscosity = wet * liquid.viscosity_of_both
     return (
         ellipsoid_friction(a, b, c, viscosity),
         ellipsoid_friction(b, a, c, viscosity),
