@@ -67,8 +67,9 @@ DRAG = Factors(
     -8.0 / (9.0 * math.pi),
 )  # fmt: skip
 """From boundary-element solutions of Stokes flow, within 2e-4. Between two liquids with the flow of a force near the
-surface between them: the mean of those at a free surface and at a wall, weighted by the viscosity of its own liquid and
-of the other one [lee1979]. The slope: a cap of radius a drags as half a disc edgewise, (16/3) eta a U."""
+surface between them: in the liquid of the force the mean of those at a free surface and at a wall, weighted by the
+viscosity of this liquid and of the other one [lee1979]. The slope: a cap of radius a drags as half a disc edgewise,
+(16/3) eta a U."""
 
 TURNING = Factors(
     (
