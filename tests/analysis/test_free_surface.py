@@ -15,7 +15,7 @@ from ecume.analysis.free_surface import (
 )
 from ecume.analysis.grids import grid_over, linear_on_grid, on_grid, profile_along, velocity_profile
 from ecume.errors import BadInput
-from ecume.scenes.load import from_plain
+from ecume.scenes.schema import from_plain
 from ecume.trajectories.frame import Frame
 
 SPACING = 0.05
