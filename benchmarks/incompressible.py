@@ -22,7 +22,7 @@ import numpy as np
 from timed_runs import machine
 
 from ecume._quick import parser_of, sized
-from ecume.validation.dam_break import published
+from ecume_validation.dam_break import published
 
 HERE = Path(__file__).parent / "peers"
 LONGEST = 900.0

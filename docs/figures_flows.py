@@ -15,8 +15,8 @@ from ecume.scenes.schema import from_plain
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation import drops, full_tanks
-from ecume.validation.runner import case_scene, read_table
+from ecume_validation import drops, full_tanks
+from ecume_validation.runner import case_scene, read_table
 
 TAUS = (0.0225, 0.045, 0.1125, 0.225, 0.5)
 COARSE = "spacing=0.04"

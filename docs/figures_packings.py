@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import Mean
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.units import Array
-from ecume.validation import rheology, soft_glasses, suspensions
-from ecume.validation.rheology import Piece, fitted, friction, means_over_seeds
+from ecume_validation import rheology, soft_glasses, suspensions
+from ecume_validation.rheology import Piece, fitted, friction, means_over_seeds
 
 MODULUS, VISCOSITY = 5e4, 1.0
 """Pa and Pa s: of both flow curves."""

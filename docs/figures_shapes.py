@@ -19,7 +19,7 @@ from ecume.show.picture import Size
 from ecume.show.style import MUTED, PALETTE, figure, style
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation.float_forces import energy, placed
+from ecume_validation.float_forces import energy, placed
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = 1e-3

@@ -26,7 +26,7 @@ from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
 from ecume.simulation import simulate
-from ecume.validation.rheology import computed, fitted
+from ecume_validation.rheology import computed, fitted
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = (

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from ecume.laws.water_waves import viscous_decay
 from ecume.show.style import INK, PALETTE, figure
 from ecume.simulation import simulate
-from ecume.validation import dam_break as dam
-from ecume.validation import standing_wave as wave
-from ecume.validation.runner import case_scene
+from ecume_validation import dam_break as dam
+from ecume_validation import standing_wave as wave
+from ecume_validation.runner import case_scene
 
 WALLS = {
     "mirrors": (),

@@ -29,7 +29,7 @@ SHELLS = {"system", "popen", "spawnl", "execv"}
 
 
 def sources():
-    return sorted(PACKAGE.rglob("*.py"))
+    return sorted([*PACKAGE.rglob("*.py"), *PACKAGE.with_name("ecume_validation").rglob("*.py")])
 
 
 def named(node):

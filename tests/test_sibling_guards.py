@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,7 +30,8 @@ REVIEWED = {
     "show/play/pages.py": {"json.loads": "a request with a token, of bounded size"},
     "trajectories/gsd.py": {"json.loads": "a chunk with a checksum, of bounded size"},
     "trajectories/records.py": {"json.loads": "all records of runs and sweeps, of bounded size"},
-    "validation/": {"json.loads": "our own records", "tomllib.loads": "our own scenes"},
+    "made_from.py": {"json.loads": "our own records", "tomllib.loads": "our own scenes"},
+    "../ecume_validation/runner.py": {"json.loads": "our own records"},
 }
 """Where bytes that somebody else may have written are decoded, and why it is safe there."""
 
@@ -43,10 +45,9 @@ def calls(tree: ast.AST, wanted: set[str]) -> set[str]:
 def found_in(wanted: set[str]) -> dict[str, set[str]]:
     """Of each file, or folder of our own records, what it calls."""
     found: dict[str, set[str]] = {}
-    for path in PACKAGE.rglob("*.py"):
-        name = path.relative_to(PACKAGE).as_posix()
-        key = "validation/" if name.startswith("validation/") else name
-        found[key] = found.get(key, set()) | calls(ast.parse(path.read_text(encoding="utf-8")), wanted)
+    for path in (*PACKAGE.rglob("*.py"), *PACKAGE.with_name("ecume_validation").rglob("*.py")):
+        name = Path(os.path.relpath(path, PACKAGE)).as_posix()
+        found[name] = calls(ast.parse(path.read_text(encoding="utf-8")), wanted)
     return {name: used for name, used in found.items() if used}
 
 

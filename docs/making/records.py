@@ -7,8 +7,8 @@ from typing import Any
 from writing import plain
 
 from ecume.cli.comparisons import BENCHES
-from ecume.validation import CASES
-from ecume.validation.made_from import age_of, recorded
+from ecume.made_from import age_of, recorded
+from ecume_validation import CASES
 
 
 def validation() -> str:

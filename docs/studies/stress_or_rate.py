@@ -18,7 +18,7 @@ from ecume.analysis.rheology import over_seeds, steady_state
 from ecume.analysis.series import Mean
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation.rheology import sheared
+from ecume_validation.rheology import sheared
 
 RECORDED = Path(__file__).parent / "recorded-stress-or-rate.csv"
 WRITTEN = folder_of(RECORDED.parent) / RECORDED.name

@@ -7,8 +7,8 @@ from typer.testing import CliRunner
 
 from ecume.cli import app, comparisons
 from ecume.cli.comparisons import BENCHES, PEERS, Bench
-from ecume.validation import Case
-from ecume.validation.runner import below, within
+from ecume_validation import Case
+from ecume_validation.runner import below, within
 
 cli = CliRunner()
 
@@ -26,7 +26,7 @@ def scripts(tmp_path, monkeypatch):
     )
     monkeypatch.setattr(comparisons, "BENCHES", {one.name: one for one in asked})
     monkeypatch.setattr(comparisons, "folder", lambda: tmp_path)
-    monkeypatch.setattr("ecume.validation.made_from.scripts_of", lambda package=None: tmp_path)
+    monkeypatch.setattr("ecume.made_from.scripts_of", lambda package=None: tmp_path)
     return tmp_path
 
 
@@ -81,7 +81,7 @@ def test_what_it_cannot_do_is_reported(scripts, given, said):
 def test_a_validation_is_kept_with_what_was_met_and_what_was_not(tmp_path, monkeypatch):
     rows = [within("height", 1.0004, 1.0, 1e-3), below("speed", 2.0, 1.0)]
     monkeypatch.setattr(
-        "ecume.validation.CASES", {"one": Case("one", "about one", False, lambda: rows, "ecume.validation.kernels")}
+        "ecume_validation.CASES", {"one": Case("one", "about one", False, lambda: rows, "ecume_validation.kernels")}
     )
     kept = tmp_path / "kept.json"
     assert cli.invoke(app, ["validate", "one", "--record", str(kept)]).exit_code == 1

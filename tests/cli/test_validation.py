@@ -11,17 +11,17 @@ from typer.testing import CliRunner
 from ecume.cli import app
 from ecume.errors import Diverged
 from ecume.laws import meniscus
-from ecume.validation import CASES, Case
-from ecume.validation.runner import Row, below, within
+from ecume_validation import CASES, Case
+from ecume_validation.runner import Row, below, within
 
 cli = CliRunner()
 
 
 def stand_ins(monkeypatch: pytest.MonkeyPatch, *cases: Case) -> None:
-    monkeypatch.setattr("ecume.validation.CASES", {case.name: case for case in cases})
+    monkeypatch.setattr("ecume_validation.CASES", {case.name: case for case in cases})
 
 
-HOME = "ecume.validation.kernels"
+HOME = "ecume_validation.kernels"
 
 
 def case(name: str, *rows: Row, long: bool = False) -> Case:
@@ -37,6 +37,13 @@ def test_left_to_itself_it_lists_the_cases() -> None:
     assert done.exit_code == 0
     assert [line.split()[0] for line in done.stdout.splitlines()[1:]] == list(CASES)
     assert "takes minutes" in done.stdout
+
+
+def test_without_the_package_of_the_cases_a_message_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ecume_validation", None)
+    done = cli.invoke(app, ["validate", "floating"])
+    assert done.exit_code == 2
+    assert "pip install ./packaging/validation" in done.stderr
 
 
 @pytest.mark.long

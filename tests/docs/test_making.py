@@ -11,7 +11,7 @@ import pytest
 from tests.contracts.test_laws import MODULES
 
 from ecume.scenes.schema import SCENES
-from ecume.validation import CASES
+from ecume_validation import CASES
 
 pytestmark = pytest.mark.sampled(2)
 

@@ -25,7 +25,8 @@ EXAMPLES = re.compile(r"a\.b$|gauges\.0\.|name_|top_|stress_squeeze_|kinetic_ene
 @cache
 def trees() -> dict[str, ast.Module]:
     """The syntax tree of each module, by its full name."""
-    names = {path: ("ecume", *path.relative_to(PACKAGE).with_suffix("").parts) for path in PACKAGE.rglob("*.py")}
+    files = [path for name in ("ecume", "ecume_validation") for path in PACKAGE.with_name(name).rglob("*.py")]
+    names = {path: path.relative_to(PACKAGE.parent).with_suffix("").parts for path in files}
     return {
         ".".join(parts).removesuffix(".__init__"): ast.parse(path.read_text(encoding="utf-8"))
         for path, parts in names.items()

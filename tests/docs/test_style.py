@@ -24,7 +24,7 @@ PAGES = sorted(
     for page in [
         *ROOT.glob("*.md"),
         *(ROOT / "docs").rglob("*.md"),
-        *(ROOT / "src" / "ecume" / "validation" / "data").glob("*/README.md"),
+        *(ROOT / "src" / "ecume_validation" / "data").glob("*/README.md"),
     ]
     if page != STYLE
 )
@@ -105,9 +105,14 @@ def texts(path: Path) -> Iterator[str]:
             yield re.sub(r"`[^`]*`", "CODE", token.string)
 
 
-@pytest.mark.parametrize("package", sorted(path.name for path in SOURCES.iterdir() if path.name != "__pycache__"))
+def parts_of_the_sources() -> list[str]:
+    """The modules and packages at the top, and the cases of validation."""
+    return [*sorted(path.name for path in SOURCES.iterdir() if path.name != "__pycache__"), "../ecume_validation"]
+
+
+@pytest.mark.parametrize("package", parts_of_the_sources())
 def test_the_texts_of_a_package_keep_to_the_style(package):
-    files = [SOURCES / package] if package.endswith(".py") else sorted((SOURCES / package).rglob("*.py"))
+    files = [SOURCES / package] if package.endswith(".py") else sorted((SOURCES / package).resolve().rglob("*.py"))
     faults = [
         f"{name_of(path)}: avoid '{word}'" for path in files for text in texts(path) for word in words_to_avoid(text)
     ]
@@ -137,9 +142,7 @@ def words_of(identifier: str) -> set[str]:
     return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", identifier)}
 
 
-@pytest.mark.parametrize(
-    "package", sorted(path.name for path in SOURCES.iterdir() if path.name not in ("__pycache__", "validation"))
-)
+@pytest.mark.parametrize("package", parts_of_the_sources()[:-1])
 def test_identifiers_have_no_private_words(package):
     files = [SOURCES / package] if package.endswith(".py") else sorted((SOURCES / package).rglob("*.py"))
     faults = [

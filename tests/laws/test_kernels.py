@@ -11,7 +11,7 @@ import pytest
 from ecume.errors import BadInput
 from ecume.laws import kernels
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, gaussian_deficit, kernel
-from ecume.validation import kernels as validation
+from ecume_validation import kernels as validation
 
 DIMENSIONS = (1, 2, 3)
 VALUES = Path(validation.__file__).parent / "data" / "kernels" / "reference.csv"

@@ -17,6 +17,7 @@ from packaging.metadata import Metadata
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+CASES = tomllib.loads((ROOT / "packaging" / "validation" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 RECIPE = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 ZENODO = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
@@ -66,6 +67,31 @@ def test_zenodo_and_the_citation_agree():
     assert ZENODO["keywords"] == CITATION["keywords"] == PROJECT["keywords"]
     assert [one["name"] for one in ZENODO["creators"]] == [one["name"] for one in CITATION["authors"]]
     assert ZENODO["upload_type"] == CITATION["type"] == "software"
+
+
+def test_the_cases_of_validation_are_a_distribution_for_the_same_version():
+    assert CASES["version"] == PROJECT["version"]
+    assert CASES["dependencies"] == [f"ecume=={PROJECT['version']}"]
+    assert {CASES[key] == PROJECT[key] for key in ("license", "requires-python", "authors")} == {True}
+
+
+@pytest.mark.long
+def test_each_source_file_is_in_one_wheel(tmp_path):
+    contents = []
+    for folder in (ROOT, ROOT / "packaging" / "validation"):
+        place = tmp_path / folder.name
+        command = [sys.executable, "-m", "hatchling", "build", "-d", str(place), "-t", "wheel"]
+        subprocess.run(command, cwd=folder, check=True)
+        (wheel,) = place.iterdir()
+        with zipfile.ZipFile(wheel) as archive:
+            contents.append({name for name in archive.namelist() if ".dist-info/" not in name})
+    tracked = subprocess.run(["git", "ls-files", "src"], cwd=ROOT, capture_output=True, text=True, check=True)
+    sources = {name.removeprefix("src/") for name in tracked.stdout.split()}
+    assert contents[0] & contents[1] == set()
+    assert {name for name in contents[0] | contents[1] if not name.startswith("ecume/benchmarks/")} == {
+        name for name in sources if name.startswith(("ecume/", "ecume_validation/"))
+    }
+    assert all(name.startswith("ecume_validation/") for name in contents[1])
 
 
 @pytest.mark.long

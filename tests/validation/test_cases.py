@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from hatchling.builders.wheel import WheelBuilder
 
-import ecume.validation
+import ecume_validation
 from ecume.errors import Diverged
 from ecume.laws import drag
 from ecume.trajectories.frame import Frame
-from ecume.validation import CASES, floats, hydrodynamics, rest
-from ecume.validation.floats import raft
+from ecume_validation import CASES, floats, hydrodynamics, rest
+from ecume_validation.floats import raft
 
-HOME = Path(ecume.validation.__file__).parent
+HOME = Path(ecume_validation.__file__).parent
 DATA = HOME / "data"
 ROOT = Path(__file__).parents[2]
 

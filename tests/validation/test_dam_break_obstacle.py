@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ecume.validation import dam_break_obstacle as case
-from ecume.validation.runner import sph_scene
+from ecume_validation import dam_break_obstacle as case
+from ecume_validation.runner import sph_scene
 
 instants = np.arange(0.0, 2.5, 1e-3)
 """s"""

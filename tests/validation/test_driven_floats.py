@@ -8,8 +8,8 @@ from scipy.special import k0
 
 from ecume.laws.brownian_motion import thermal_energy
 from ecume.laws.pair_mobility import surface_mobility
-from ecume.validation import clusters, driven_floats
-from ecume.validation.driven_floats import PER_PERIOD, closed_form
+from ecume_validation import clusters, driven_floats
+from ecume_validation.driven_floats import PER_PERIOD, closed_form
 
 
 def test_the_kernel_has_the_wavelengths_of_the_dispersion_relation():

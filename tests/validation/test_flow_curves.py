@@ -9,9 +9,9 @@ import pytest
 
 from ecume.analysis.series import Mean
 from ecume.trajectories.frame import Frame
-from ecume.validation import rheology, soft_glasses, suspensions
-from ecume.validation.rheology import Piece
-from ecume.validation.runner import DATA
+from ecume_validation import rheology, soft_glasses, suspensions
+from ecume_validation.rheology import Piece
+from ecume_validation.runner import DATA
 
 
 def test_the_readme_states_the_fit_of_the_computed_pieces():

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from ecume.validation import CASES, made_from
-from ecume.validation.made_from import MODELS, NO_NUMBERS, NOT_TIMED, age_of, digest_of, models_of, modules_of
+from ecume import made_from
+from ecume.made_from import MODELS, NO_NUMBERS, NOT_TIMED, age_of, digest_of, models_of, modules_of
+from ecume_validation import CASES
 
 ROOT = Path(__file__).parents[2]
 SETTLING = CASES["settling"]
@@ -65,8 +66,8 @@ def files_of(names, package):
     [
         ("laws/immersion.py", "return immersion_factor", "return 1.01 * immersion_factor"),
         ("simulation.py", "ROOMIER = 1.6", "ROOMIER = 1.7"),
-        ("validation/tracers.py", "GRAINS = 4000", "GRAINS = 4001"),
-        ("validation/data/settling/scene.toml", "100 um", "101 um"),
+        ("../ecume_validation/tracers.py", "GRAINS = 4000", "GRAINS = 4001"),
+        ("../ecume_validation/data/settling/scene.toml", "100 um", "101 um"),
     ],
 )
 def test_an_edit_that_may_change_a_number_makes_a_record_stale(package, file, old, new):
@@ -79,9 +80,9 @@ def test_an_edit_that_may_change_a_number_makes_a_record_stale(package, file, ol
     ("file", "old", "new"),
     [
         ("laws/drag.py", '"""', '"""Said in other words. '),
-        ("validation/data/settling/scene.toml", "density = 2500.0", "# quartz\ndensity  =  2500.0"),
-        ("validation/data/settling/README.md", "# ", "# On "),
-        ("validation/data/tank/scene.toml", "spacing", "title = 'other'\nspacing"),
+        ("../ecume_validation/data/settling/scene.toml", "density = 2500.0", "# quartz\ndensity  =  2500.0"),
+        ("../ecume_validation/data/settling/README.md", "# ", "# On "),
+        ("../ecume_validation/data/tank/scene.toml", "spacing", "title = 'other'\nspacing"),
         ("errors.py", "\nfrom", "# comment\n\n\nfrom"),
     ],
 )
@@ -126,9 +127,9 @@ print(*(name for name in sys.modules if name.startswith("ecume")))
 @pytest.mark.parametrize(
     ("name", "scene"),
     [
-        ("raft", "validation/data/raft/scene.toml"),
-        ("tank", "validation/data/tank/scene.toml"),
-        ("settling", "validation/data/settling/scene.toml"),
+        ("raft", "../ecume_validation/data/raft/scene.toml"),
+        ("tank", "../ecume_validation/data/tank/scene.toml"),
+        ("settling", "../ecume_validation/data/settling/scene.toml"),
         ("rheology", "templates/sheared-packing.toml"),
     ],
 )

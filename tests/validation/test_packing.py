@@ -6,7 +6,7 @@ import pytest
 
 from ecume.analysis.series import Mean
 from ecume.errors import Diverged
-from ecume.validation import spheres
+from ecume_validation import spheres
 
 RUN = spheres.Run("sheared-packing", 1.0, 1)
 PIECE = spheres.Piece(10.0, 1.0, 1e-9, 1e-11, Mean(1.0, 0.01), Mean(1.0, 0.01))

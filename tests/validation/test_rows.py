@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.validation.runner import Row, above, as_text, below, within
+from ecume_validation.runner import Row, above, as_text, below, within
 
 
 @pytest.mark.parametrize(

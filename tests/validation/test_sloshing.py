@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ecume.laws.water_waves import BaseExcitation, Tank, sloshing_height, sloshing_mode, wave_frequency
-from ecume.validation import sloshing as case
-from ecume.validation.runner import case_scene
+from ecume_validation import sloshing as case
+from ecume_validation.runner import case_scene
 
 
 @pytest.mark.parametrize(("mode", "viscosity"), [(1, 0.0), (3, 0.01), (5, 0.2)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.trajectories.frame import Frame
-from ecume.validation import drops, full_tanks
+from ecume_validation import drops, full_tanks
 
 
 def frame_of(position, velocity=None, mass=None):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ecume.trajectories.frame import Frame
-from ecume.validation import dam_break as dam
-from ecume.validation import impact, tank
-from ecume.validation import standing_wave as wave
-from ecume.validation.runner import sph_scene
+from ecume_validation import dam_break as dam
+from ecume_validation import impact, tank
+from ecume_validation import standing_wave as wave
+from ecume_validation.runner import sph_scene
 
 WELL = tank.Rest(error=0.004, largest=0.01, from_column=0.004, speed=1e-5, center=0.5, hits=0.0, there=256)
 

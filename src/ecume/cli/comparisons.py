@@ -21,8 +21,8 @@ from ecume.errors import BadInput, EcumeError, install
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from ecume.validation import Case
-    from ecume.validation.runner import Row
+    from ecume_validation import Case
+    from ecume_validation.runner import Row
 
 
 NOT_MET = 1
@@ -30,11 +30,21 @@ NOT_MET = 1
 NUMBERS = ("computed", "expected", "tolerance")
 
 
+def _cases() -> dict[str, Case]:
+    """The table of cases. Raises BadInput where the package that contains them is not installed."""
+    try:
+        from ecume_validation import CASES
+    except ModuleNotFoundError:
+        raise BadInput(
+            "the cases of `ecume validate` are not installed; install them in the folder of the sources: "
+            "pip install ./packaging/validation"
+        ) from None
+    return CASES
+
+
 def _case_names(incomplete: str) -> list[str]:
     """Cases that begin so, for the shell's completion."""
-    from ecume.validation import CASES
-
-    return [name for name in CASES if name.startswith(incomplete)]
+    return [name for name in _cases() if name.startswith(incomplete)]
 
 
 def validate(
@@ -59,15 +69,14 @@ def validate(
 
     Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
-    from ecume.validation import CASES
-
+    cases = _cases()
     if not names and not everything and not quick:
-        from ecume.validation.made_from import age_of, recorded
+        from ecume.made_from import age_of, recorded
 
         # Records come with a checkout. Whether they hold is read from the code, which takes a second.
         known = recorded("validation")
-        ages = [age_of(known.get(case.name), case.module, case.name) if known else "" for case in CASES.values()]
-        rows = zip(CASES.values(), ages, strict=True)
+        ages = [age_of(known.get(case.name), case.module, case.name) if known else "" for case in cases.values()]
+        rows = zip(cases.values(), ages, strict=True)
         print_table(
             ("case", "what is compared", "", "recorded" if known else ""),
             [(case.name, case.summary, "takes minutes" if case.long else "", age) for case, age in rows],
@@ -84,14 +93,14 @@ def validate(
 def _chosen_cases(names: Sequence[str], *, everything: bool) -> list[Case]:
     """The cases of these names, each once; by default, all of them."""
     from ecume.scenes.faults import suggestion
-    from ecume.validation import CASES
 
+    cases = _cases()
     if names and everything:
         raise BadInput("expected either names of cases or --all")
     for name in names:
-        if name not in CASES:
-            raise BadInput(f"no case {name!r}; {suggestion(name, CASES)}")
-    return [CASES[name] for name in dict.fromkeys(names)] if names else list(CASES.values())
+        if name not in cases:
+            raise BadInput(f"no case {name!r}; {suggestion(name, cases)}")
+    return [cases[name] for name in dict.fromkeys(names)] if names else list(cases.values())
 
 
 def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]:
@@ -110,7 +119,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
         echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
     plain = [_plain(row) for row in rows]
     if record is not None:
-        from ecume.validation.made_from import digest_of
+        from ecume.made_from import digest_of
 
         # Processor time: wall time depends on what else the machine does.
         seconds, made_from = time.process_time() - worked, digest_of(case.module, case.name)
@@ -119,7 +128,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
 
 
 def _plain(row: Row) -> dict[str, Any]:
-    from ecume.validation.runner import as_text
+    from ecume_validation.runner import as_text
 
     return {**dict(zip(("name", *NUMBERS), as_text(row), strict=True)), "met": row.met}
 
@@ -127,7 +136,7 @@ def _plain(row: Row) -> dict[str, Any]:
 def _cells(row: Row) -> tuple[str | Text, ...]:
     from rich.text import Text
 
-    from ecume.validation.runner import as_text
+    from ecume_validation.runner import as_text
 
     return (*as_text(row), Text("met", "green") if row.met else Text("NOT MET", "bold red"))
 
@@ -250,7 +259,7 @@ def _chosen_benchmarks(names: Sequence[str], *, everything: bool) -> list[Bench]
 
 def folder() -> Path:
     """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
-    from ecume.validation.made_from import scripts_of
+    from ecume.made_from import scripts_of
 
     if not (found := scripts_of()).is_dir():
         raise BadInput(f"the scripts of the benchmarks are missing: there is no {found}")
@@ -274,7 +283,7 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
     if record is not None and code == 0:
         command = " ".join((f"python benchmarks/{one.script}", *one.arguments))
-        from ecume.validation.made_from import digest_of
+        from ecume.made_from import digest_of
 
         made_from = digest_of(one.script.removesuffix(".py"))
         found = {"summary": one.summary, "made_from": made_from, "command": command, "seconds": seconds}

@@ -18,7 +18,7 @@ from ecume.models.soft.report.check_report import (
 )
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
-from ecume.validation import rheology
+from ecume_validation import rheology
 
 pytestmark = pytest.mark.compiled
 

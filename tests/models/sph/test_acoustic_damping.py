@@ -15,7 +15,7 @@ from ecume.models.sph.report.energy_budget import power_of_dummies
 from ecume.models.sph.setup.building import DAMPING, bulk_viscosity_of, limiter, limits_of, material_of
 from ecume.models.sph.setup.choices import acoustic_damping_of
 from ecume.scenes.schema import from_plain, to_plain
-from ecume.validation import random_tanks
+from ecume_validation import random_tanks
 from tests.models.sph.scenes import PERIODIC, free_blob, tank
 
 pytestmark = pytest.mark.sampled(2)

@@ -13,7 +13,7 @@ from ecume.models.sph.report.energy_budget import energies, spreading_energy
 from ecume.models.sph.setup.choices import USUAL_DAMPING, acoustic_damping_of
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
-from ecume.validation import standing_wave
+from ecume_validation import standing_wave
 from tests.models.sph.random_closed_tanks import gained
 from tests.models.sph.scenes import OPEN, free_blob, tank
 from tests.models.sph.test_sums import at_start
