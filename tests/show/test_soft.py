@@ -74,6 +74,7 @@ def _sheared(time):
     neighbor = np.array([[1, 3], [2, 4], [-1, -1], [4, 5], [-1, -1], [-1, -1]])
     arrays = {
         "position": wrapped(moved, Box(1e-3 * np.array([6.0, 4.0]), strain)),
+        "velocity": 0.1 * np.column_stack([start[:, 1], np.zeros(6)]),
         "radius": np.full(6, 1e-3),
         "species": np.zeros(6, np.int64),
         "neighbor": neighbor,
@@ -100,10 +101,15 @@ def test_every_figure_can_be_drawn_or_says_why_not(name, scene, frames, boxed):
         walled = dataclasses.replace(boxed[0], protocol=(), walls=(WallSpec(side="bottom"),))
         with pytest.raises(BadInput, match="no box without walls"):
             SOFT_FIGURES[name](frames, walled)
-    elif name not in ("coordination", "swaps"):
+    elif name not in ("coordination", "swaps", "across"):
         SOFT_FIGURES[name](frames, scene).canvas.draw()
     if name not in OF_PROTOCOLS:
         SOFT_FIGURES[name](boxed[1], boxed[0]).canvas.draw()
+
+
+def test_profiles_across_a_packing_take_a_cell_that_is_periodic_along_x(frames, scene):
+    with pytest.raises(BadInput, match="periodic along x"):
+        SOFT_FIGURES["across"](frames, scene)
 
 
 def test_moduli_are_those_of_the_oscillations_in_the_protocol(boxed):

@@ -49,6 +49,7 @@ FIGURE_NAMES = {
         "viscosity",
         "swaps",
         "nonaffine",
+        "across",
         "steady-state",
         "flow-curve",
         "viscous-number",

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from ecume.analysis.boxes import copies
 from ecume.analysis.close_pairs import films, gap_distribution
+from ecume.analysis.layers import layers
 from ecume.analysis.rearrangements import Swaps, local_deformation, neighbor_swaps, nonaffine_displacement
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
@@ -222,10 +223,44 @@ def require_box(scene: SoftScene, what: str) -> None:
         raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")
 
 
+LAYERS = 12
+"""Across a cell."""
+
+
+def across(frames: Frames, scene: SoftScene) -> Figure:
+    """Velocity and volume fraction over the height, means over the second half of the frames: shear bands show."""
+    late = list(frames)
+    late = late[len(late) // 2 :]
+    found = layers(late, LAYERS)
+    height = scale_for(float(found.height[-1]), "m")
+    speeds = [one.value for one in found.velocity]
+    speed = scale_for(max(map(abs, speeds)), "m/s")
+    with style():
+        drawn = figure(7.0, 3.8)
+        panels = drawn.subplots(1, 2, sharey=True)
+        for axes, means, factor, label in (
+            (panels[0], found.velocity, speed.factor, f"velocity along x ({speed.unit})"),
+            (panels[1], found.fraction, 1.0, "volume fraction"),
+        ):
+            values, errors = ([factor * part for part in parts] for parts in zip(*means, strict=True))
+            axes.errorbar(
+                values, height.factor * found.height, xerr=errors, fmt="o-", markersize=4, capsize=2, color=PALETTE[1]
+            )
+            axes.set_xlabel(label)
+        panels[0].plot(
+            speed.factor * np.polyval(np.polyfit(found.height, speeds, 1), found.height), height.factor * found.height,
+            color=MUTED, linestyle=":", label="straight",
+        )  # fmt: skip
+        panels[0].set(ylabel=f"height ({height.unit})", title=titled("Across the cell", scene))
+        panels[0].legend()
+    return drawn
+
+
 MEASURE_FIGURES = {
     "gap-distribution": gap_histogram,
     "coordination": coordination,
     "viscosity": viscosity,
     "swaps": swaps,
     "nonaffine": nonaffine,
+    "across": across,
 }
