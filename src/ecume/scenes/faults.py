@@ -186,7 +186,12 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "hamaker": ("hamaker_constant",),
 }
 """Other words for keys whose spelling is too different to be recognized."""
+MOVED = "bodies.motion: a solid that moves is one of [[bodies]], with a path instead of a density"
 ELSEWHERE = {
+    "obstacles.velocity": MOVED,
+    "obstacles.motion": MOVED,
+    "tank.motion": MOVED,
+    "base_excitation.rotation": MOVED,
     "liquid.gravity": "gravity, at the top of the scene",
     "liquid.flow": "the table [flow]",
     "liquid.shear_rate": "flow.shear_rate",
@@ -246,7 +251,7 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
             return []
         path = path[:label] + path[label + 1 :]
     if detail["type"] == "unexpected_keyword_argument":
-        if (place := ELSEWHERE.get(written(path))) is not None:
+        if (place := ELSEWHERE.get(written(tuple(part for part in path if isinstance(part, str))))) is not None:
             return [(path, f"no such key; did you mean {place}?")]
         return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
     if detail["type"] == "missing" and isinstance(path[-1], int):

@@ -34,6 +34,7 @@ UPRIGHT_CYLINDER = {"low": None, "high": None, "velocity": None, **CYLINDER}
 OBSTACLE = {"obstacles": [{"low": [0.4, 0.0], "high": [0.6, 0.3]}]}
 ROUND_OBSTACLE = {"obstacles": [{"center": [0.5, 0.1], "radius": 0.15}]}
 BODY = {"bodies": [{"low": [0.3, 0.4], "high": [0.7, 0.8], "density": 0.5}]}
+TURNED = {**DEEP, "bodies": [{"low": [0.3, 0.3, 0.3], "high": [0.6, 0.7, 0.7], "motion": {"spin": 1.0}}]}
 ROUND_BODY = {"bodies": [{"center": [0.5, 0.6], "radius": 0.2, "density": 0.5}]}
 FALLING = {"bodies": [{"low": [0.3, 0.01], "high": [0.7, 0.4], "density": 2.0, "velocity": [0.5, -2.0]}],
            "fluid": [{"low": [0.0, 0.5], "high": [1.0, 0.9]}]}  # fmt: skip
@@ -53,6 +54,12 @@ SIDES = ("left", "right", "bottom", "top", "front", "back")
 REGIONS = {"fluid": [{"high": [0.5, 0.5]}, {"low": [0.5, 0.0], "high": [1.0, 0.5]}]}
 PUSH = {"user_laws": [{"law": "push", "constants": [1e-3]}], **REGIONS}
 EVERY = {"output": {"samples": {"every": 0.01}}}
+
+
+def moved(**motion):
+    """A tank with a body that follows this path."""
+    return {"bodies": [{"low": [0.3, 0.4], "high": [0.7, 0.8], "motion": motion}]}
+
 
 EFFECTS = {
     **OUTPUT,
@@ -161,6 +168,21 @@ EFFECTS = {
     "bodies.mass": of(0.2, bodies=[{"low": [0.3, 0.4], "high": [0.7, 0.8], "mass": 0.1}]),
     "bodies.velocity": of([0.1, 0.0], **BODY),
     "bodies.spin": of(1.0, **BODY),
+    "bodies.motion.velocity": of([0.2, 0.0], **moved(velocity=[0.1, 0.0])),
+    "bodies.motion.spin": of(2.0, **moved(spin=1.0)),
+    "bodies.motion.start": of(0.02, **moved(velocity=[0.1, 0.0])),
+    "bodies.motion.until": of(0.02, **moved(velocity=[0.1, 0.0])),
+    "bodies.motion.amplitude": of([0.06, 0.0], **moved(amplitude=[0.05, 0.0], frequency=1.0)),
+    "bodies.motion.angle_amplitude": of(0.2, **moved(angle_amplitude=0.1, frequency=1.0)),
+    "bodies.motion.frequency": of(2.0, **moved(amplitude=[0.05, 0.0], frequency=1.0)),
+    "bodies.motion.phase": of(0.5, **moved(amplitude=[0.05, 0.0], frequency=1.0)),
+    "bodies.motion.times": of([0.0, 0.2], **moved(times=[0.0, 0.1], angles=[0.0, 0.1])),
+    "bodies.motion.positions": of(
+        [[0.0, 0.0], [0.02, 0.0]], **moved(times=[0.0, 0.1], positions=[[0.0, 0.0], [0.01, 0.0]])
+    ),
+    "bodies.motion.angles": of([0.0, 0.2], **moved(times=[0.0, 0.1], angles=[0.0, 0.1])),
+    "bodies.motion.pivot": of([0.4, 0.5], **moved(spin=1.0)),
+    "bodies.motion.axis": of([0.0, 1.0, 0.0], **TURNED),
     "bodies.slip": of("no-slip", bodies=[{**BODY["bodies"][0], "slip": "free"}], **VISCOUS),
     "bodies.restitution": of(0.9, **FALLING),
     "bodies.friction": of(0.0, **FALLING),

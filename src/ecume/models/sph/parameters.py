@@ -92,6 +92,34 @@ class Boundary(NamedTuple):
     """(names, 3) the reference points of torques"""
 
 
+class Drive(NamedTuple):
+    """A prescribed motion: amplitude (sin(turning t + phase) + start), plus a table of n values."""
+
+    amplitude: Array
+    """(n,)"""
+    turning: float
+    """1/s, two pi times the frequency"""
+    phase: float
+    start: float
+    times: Array
+    """(T,) s"""
+    values: Array
+    """(n, T)"""
+
+
+class BodyPath(NamedTuple):
+    """The prescribed path of a body: see `boundaries.driven_bodies`."""
+
+    drive: Drive
+    """of the displacement along x, y and z, and of the angle"""
+    pivot: Array
+    """(3,) m"""
+    axis: Array
+    """(3,) of length 1"""
+    pose: Array
+    """(7,) without displacement"""
+
+
 class Bodies(NamedTuple):
     """Rigid bodies. Positions and vectors have three rows in 2D too."""
 
@@ -117,21 +145,8 @@ class Bodies(NamedTuple):
     """of the surfaces of obstacles, then of bodies, in the axes of their shapes: see `touching_solids`"""
     drawn: tuple[int, ...]
     """the obstacles without surfaces in the guard"""
-
-
-class Drive(NamedTuple):
-    """A prescribed motion: amplitude (sin(turning t + phase) + start), plus a table of n values."""
-
-    amplitude: Array
-    """(n,)"""
-    turning: float
-    """1/s, two pi times the frequency"""
-    phase: float
-    start: float
-    times: Array
-    """(T,) s"""
-    values: Array
-    """(n, T)"""
+    paths: tuple[tuple[int, BodyPath], ...] = ()
+    """the bodies with a prescribed motion, whose mass is infinite"""
 
 
 class OpenBoundary(NamedTuple):

@@ -17,6 +17,7 @@ from ecume.models.costs import within_steps
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.layouts import Layout
 from ecume.models.model import Model, Row
+from ecume.models.sph.boundaries.driven_bodies import drive_bodies
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.rigid_bodies import at_reference, with_moved_solids
 from ecume.models.sph.boundaries.walls import flag_outside
@@ -87,7 +88,9 @@ TANKS = Access(
 
 def start(scene: SphScene, parameters: Parameters) -> State:
     """The liquid at time 0."""
-    return with_buffers(parameters, make_state(parameters, liquid_of(scene, parameters.material)))
+    state = make_state(parameters, liquid_of(scene, parameters.material))
+    drive_bodies(parameters, state)
+    return with_buffers(parameters, state)
 
 
 def layout(scene: SphScene, parameters: Parameters, state: State) -> Layout:

@@ -1,16 +1,18 @@
 """The scene of the SPH model: a liquid, its tank, solids, and the method of the computation.
 
-`scene.SphScene` is the whole; start there. `tank` describes sides, motions and gauges, `solids` obstacles, bodies
-and passive particles, and `sources` reads liquid from tables, outlines and other runs.
+`scene.SphScene` is the whole; start there. `tank` describes sides and gauges, `motions` what is moved,
+`solids` obstacles, bodies and passive particles, and `sources` reads liquid from tables, outlines and other runs.
 """
 
+from ecume.scenes.sph.motions import BaseExcitationSpec, BodyMotionSpec, MotionSpec
 from ecume.scenes.sph.scene import CentralForceSpec, FluidSpec, IntegrationSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec
-from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, MotionSpec, SideSpec, TankSpec
+from ecume.scenes.sph.tank import GaugeSpec, SideSpec, TankSpec
 
 __all__ = [
     "BaseExcitationSpec",
+    "BodyMotionSpec",
     "BodySpec",
     "CentralForceSpec",
     "FluidSpec",

@@ -32,9 +32,10 @@ from ecume.scenes.quantities import (
     sides_along,
     up_faults,
 )
+from ecume.scenes.sph.motions import BaseExcitationSpec
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, PassiveTracerSpec, ShapeSpec, extent, passive_tracer_faults
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
-from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults, side_faults
+from ecume.scenes.sph.tank import GaugeSpec, TankSpec, gauge_faults, side_faults
 from ecume.units import Number, Pressure, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
@@ -265,7 +266,8 @@ class SphScene(Common):
     obstacles: tuple[ObstacleSpec, ...] = ()
     """Fixed solids in the tank. Effect: the liquid flows around them."""
     bodies: tuple[BodySpec, ...] = ()
-    """Rigid bodies that float, sink and collide. Effect: they move with the liquid and act on it."""
+    """Rigid bodies that float, sink and collide, or follow a prescribed path. Effect: they move with the liquid and act
+    on it."""
     passive_tracers: tuple[PassiveTracerSpec, ...] = ()
     """Particles that the liquid carries without reaction. Effect: none on the liquid."""
     gauges: tuple[GaugeSpec, ...] = ()
@@ -391,6 +393,8 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
         found += particle_faults(spec.particles, dimension)
     if isinstance(spec, BodySpec) and (wrong := BODY_MASS.fault(spec.mass, dimension)):
         found.append((("mass",), wrong))
+    if isinstance(spec, BodySpec) and spec.motion is not None:
+        found += [(("motion", *path), message) for path, message in spec.motion.dimension_faults(dimension)]
     if isinstance(spec, BodySpec) and isinstance(spec.spin, tuple) and dimension == 2:
         found.append((("spin",), "got 3 numbers; in two dimensions a body turns about z alone: one number"))
     return found

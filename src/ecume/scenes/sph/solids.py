@@ -24,10 +24,10 @@ from ecume.scenes.quantities import (
     Size,
     Switch,
 )
-from ecume.units import Length, Number, Rate
+from ecume.scenes.sph.motions import BodyMotionSpec, Turning
+from ecume.units import Length, Number
 
 Slip = Literal["free", "no-slip"]
-Turning = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 
 
 THINNEST = 1e-9
@@ -144,8 +144,8 @@ class ObstacleSpec(ShapeSpec):
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class BodySpec(ShapeSpec):
-    """A rigid body that floats, sinks and collides; in 2D it is one meter deep. In a file it may also be
-    `outline_from = "FILE"` (STL in 3D, DXF in 2D).
+    """A rigid body that floats, sinks and collides, or that follows a prescribed `motion`; in 2D it is one meter deep.
+    In a file it may also be `outline_from = "FILE"` (STL in 3D, DXF in 2D).
     """
 
     density: PositiveDensity | None = None
@@ -157,6 +157,9 @@ class BodySpec(ShapeSpec):
     spin: Turning | tuple[Turning, Turning, Turning] = 0.0
     """The initial angular velocity (rad/s): one number about z, or three in 3D. Example: `5`. Effect: sets the start
     of the body."""
+    motion: BodyMotionSpec | None = None
+    """A prescribed path, instead of `density` and `mass`: of a gate, a piston, a flap, a stirrer, a rolling tank.
+    Effect: the body moves along it, whatever the forces on it."""
     slip: Slip | None = None
     """The slip at the surface: `free` or `no-slip`; by default `no-slip` where `liquid.viscosity` is
     given. Effect:
@@ -172,8 +175,11 @@ class BodySpec(ShapeSpec):
 
     @model_validator(mode="after")
     def _weighed(self) -> Self:
-        if (self.density is None) == (self.mass is None):
-            raise Inconsistent([((), "expected density or mass, one of them")])
+        given = [self.density is not None, self.mass is not None, self.motion is not None]
+        if sum(given) != 1:
+            raise Inconsistent([((), "expected density, mass, or a prescribed motion, one of them")])
+        if self.motion is not None and (self.velocity is not None or self.spin != 0.0):
+            raise Inconsistent([(("motion",), "prescribes the velocity, too; remove velocity and spin of the body")])
         return self
 
 

@@ -4,80 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
-from ecume.scenes.quantities import SIDES, STRICT, Coordinate, Motion, Place, Proportion, Pull, Size
+from ecume.scenes.quantities import SIDES, STRICT, Coordinate, Motion, Place, Proportion, Size
+from ecume.scenes.sph.motions import MotionSpec
 from ecume.scenes.sph.solids import Slip
-from ecume.units import Angle, Pressure, Rate, Speed, Time
-
-Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]
-Phase = Annotated[Angle, Field(ge=-1e3, le=1e3)]
-Moment = Annotated[Time, Field(ge=0.0, le=1e10)]
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class MotionSpec:
-    """The motion of a side along its axis: a sine, or a table of times and positions with straight lines between."""
-
-    amplitude: Coordinate | None = None
-    """The amplitude of a sine that starts at 0 (m). Effect: larger strokes make higher waves."""
-    frequency: Frequency | None = None
-    """The frequency of the sine in cycles per second (1/s). Effect: faster motion makes shorter waves."""
-    phase: Phase = 0.0
-    """The phase of the sine (rad); 90 deg starts at rest. Effect: shifts the sine in time."""
-    times: tuple[Moment, ...] = ()
-    """The times of a table (s), ascending; outside of it the side is at rest. Effect: shifts the motion in time."""
-    positions: tuple[Coordinate, ...] = ()
-    """The displacement of the side at these times (m). Effect: determines the path of the side."""
-
-    @model_validator(mode="after")
-    def _one_law(self) -> Self:
-        _require_one(self, "positions")
-        return self
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class BaseExcitationSpec:
-    """The acceleration in the frame of a shaken tank, beside gravity: minus the tank's own."""
-
-    amplitude: Pull | None = None
-    """The amplitude of a sinusoidal acceleration (m/s^2). Effect: sloshing grows in proportion to it, while it is
-    small."""
-    frequency: Frequency | None = None
-    """The frequency of the sine in cycles per second (1/s). Effect: near a natural frequency of the tank there is
-    resonance."""
-    phase: Phase = 0.0
-    """The phase of the sine (rad); 90 deg starts at the maximum. Effect: shifts the sine in time."""
-    times: tuple[Moment, ...] = ()
-    """The times of a table (s), ascending; outside of it the first and the last value hold. Effect: shifts the
-    acceleration in time."""
-    accelerations: tuple[Pull, ...] = ()
-    """The acceleration of the liquid in the frame of the tank at these times (m/s^2). Effect: determines the motion
-    of the tank."""
-
-    @model_validator(mode="after")
-    def _one_law(self) -> Self:
-        _require_one(self, "accelerations")
-        return self
-
-
-def _require_one(spec: Any, values: str) -> None:
-    """Raise an error unless there is exactly one complete sine or one complete table."""
-    sine, table = spec.amplitude is not None, bool(spec.times or getattr(spec, values))
-    if sine == table:
-        raise Inconsistent([((), f"expected either amplitude and frequency, or times and {values}")])
-    if sine and spec.frequency is None:
-        raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
-    if table and len(spec.times) != len(getattr(spec, values)):
-        message = f"got {len(getattr(spec, values))} for {len(spec.times)} times; expected the same number"
-        raise Inconsistent([((values,), message)])
-    if any(later <= earlier for earlier, later in zip(spec.times, spec.times[1:], strict=False)):
-        raise Inconsistent([(("times",), "expected times that ascend")])
-
+from ecume.units import Pressure, Speed
 
 TAKEN = re.compile(r"largest|(body|obstacle)[0-9]+|left|right|bottom|top|front|back")
 """The pattern of names of numbers that frames already have."""

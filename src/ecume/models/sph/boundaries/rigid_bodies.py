@@ -107,14 +107,17 @@ def accelerations_of(bodies: Bodies, pose: Array, motion: Array, load: tuple[Arr
 
 
 def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> float:
-    """Kinetic energy of translation and rotation, and potential energy in gravity and in the central pull (J)."""
+    """Kinetic energy of translation and rotation, and potential energy in gravity and in the central pull (J); none of
+    bodies with a prescribed motion.
+    """
     bodies, place = parameters.bodies, pose[: parameters.dimension]
     if not bodies.shapes:
         return 0.0
     spin = np.einsum("nba,bn->an", rotations(pose), motion[3:])
-    energy = 0.5 * float(np.sum(bodies.mass * (motion[:3] ** 2).sum(axis=0)) + np.sum(bodies.inertia * spin**2))
+    mass = np.where(np.isfinite(bodies.mass), bodies.mass, 0.0)
+    energy = 0.5 * float(np.sum(mass * (motion[:3] ** 2).sum(axis=0)) + np.sum(bodies.inertia * spin**2))
     away = ((place - parameters.pull_center[:, None]) ** 2).sum(axis=0)
-    return energy + dot(bodies.mass, 0.5 * parameters.pull_rate**2 * away - product(parameters.gravity, place))
+    return energy + dot(mass, 0.5 * parameters.pull_rate**2 * away - product(parameters.gravity, place))
 
 
 def move_bodies(pose: Array, motion: Array, time: float) -> None:
@@ -152,12 +155,12 @@ def largest_displacement(bodies: Bodies, pose: Array, reference: Array) -> float
     return most
 
 
-def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> int:
-    """Move the liquid particles inside a body (position, velocity, mass) to its surface; return their number. The
-    momentum of liquid and bodies is conserved.
+def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> tuple[int, float]:
+    """Move the liquid particles inside a body (position, velocity, mass) to its surface; return their number, and the
+    work (J) of bodies with a prescribed motion. The momentum of liquid and other bodies is conserved.
     """
     position, velocity, mass = liquid
-    d, hits = len(position), 0
+    d, hits, work = len(position), 0, 0.0
     for body, shape in enumerate(bodies.shapes):
         reach = np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max())
         away = position - pose[:d, body : body + 1]
@@ -168,13 +171,17 @@ def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array
         for i, depth, own in zip(close[inside], -gap[inside], normal[inside], strict=True):
             out = product(turn, own)
             position[:, i] += depth * out
-            _bounce(bodies, body, (pose, motion), (position[:, i], velocity[:, i], float(mass[i]), out))
+            work += _bounce(bodies, body, (pose, motion), (position[:, i], velocity[:, i], float(mass[i]), out))
         hits += len(inside)
-    return hits
+    return hits, work
 
 
-def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tuple[Array, Array, float, Array]) -> None:
-    """Stop the approach of a particle and a body by a perfectly inelastic impulse."""
+def _bounce(
+    bodies: Bodies, body: int, state: tuple[Array, Array], particle: tuple[Array, Array, float, Array]
+) -> float:
+    """Stop the approach of a particle and a body by a perfectly inelastic impulse; return the work (J) of a body with a
+    prescribed motion.
+    """
     pose, motion = state
     x, v, mass, out = particle
     arm, normal = np.pad(x, (0, 3 - len(x))) - pose[:3, body], np.pad(out, (0, 3 - len(out)))
@@ -184,7 +191,10 @@ def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tup
         turning = np.cross(product(inverse_inertia_of(bodies, body, pose), np.cross(arm, normal)), arm)
         impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + dot(normal, turning)) * normal
         v += impulse[: len(v)] / mass
+        if math.isinf(bodies.mass[body]):
+            return dot(impulse, surface)
         apply_impulse(bodies, body, state, (-impulse, arm))
+    return 0.0
 
 
 def apply_impulse(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:
@@ -235,28 +245,45 @@ def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: floa
             break
         for contact in found:
             _separate(bodies, state[0], contact)
-            work += dot(_strike(bodies, state, contact, calm), contact.velocity)
+            impulse = _strike(bodies, state, contact, calm)
+            work += dot(impulse, contact.velocity) + _work_of_driven(bodies, state, contact, impulse)
     return first, work
+
+
+def _work_of_driven(bodies: Bodies, state: tuple[Array, Array], contact: Contact, impulse: Array) -> float:
+    """The work (J) of a body with a prescribed motion on the other one of a contact."""
+    work = 0.0
+    for body, sign in ((contact.body, -1.0), (contact.other, 1.0)):
+        if body != NOTHING and math.isinf(bodies.mass[body]):
+            arm = contact.point - state[0][:3, body]
+            work += sign * dot(impulse, state[1][:3, body] + np.cross(state[1][3:, body], arm))
+    return work
 
 
 def contacts(bodies: Bodies, sheet: Sheet, pose: Array) -> Iterator[Contact]:
     """The deepest point of each overlapping pair."""
     rims = [pose[:3, b] + product(rim, rotations(pose[:, b : b + 1])[0].T) for b, rim in enumerate(bodies.rims)]
-    none = np.zeros(3)
+    none, driven = np.zeros(3), {body for body, _ in bodies.paths}
     for body, rim in enumerate(rims):
-        for k in np.flatnonzero((sheet.kind[:, 0] == PLANE) & (sheet.kind[:, 2] == 0)):
-            gap = product(rim, sheet.number[k, :3]) - sheet.number[k, SIZE]
-            deep = int(np.argmin(gap))
-            if gap[deep] < 0.0:
-                velocity = sheet.number[k, SPEED : SPEED + 3]
-                yield Contact(body, NOTHING, rim[deep], sheet.number[k, :3], -float(gap[deep]), velocity)
-        for shape, its in zip(bodies.obstacles, bodies.obstacle_rims, strict=True):
-            yield from _between(body, NOTHING, rim, (shape, None), none)
-            yield from _flipped(_inside(bodies, body, pose, its), body)
+        if body not in driven:
+            yield from _with_walls(bodies, sheet, pose, body, rim)
         for other in range(body):
-            if _close(bodies, pose, body, other):
+            if not {body, other} <= driven and _close(bodies, pose, body, other):
                 yield from _between(body, other, rim, (bodies.shapes[other], pose[:, other : other + 1]), none)
                 yield from _between(other, body, rims[other], (bodies.shapes[body], pose[:, body : body + 1]), none)
+
+
+def _with_walls(bodies: Bodies, sheet: Sheet, pose: Array, body: int, rim: Array) -> Iterator[Contact]:
+    """The contacts of a body with sides and obstacles."""
+    for k in np.flatnonzero((sheet.kind[:, 0] == PLANE) & (sheet.kind[:, 2] == 0)):
+        gap = product(rim, sheet.number[k, :3]) - sheet.number[k, SIZE]
+        deep = int(np.argmin(gap))
+        if gap[deep] < 0.0:
+            velocity = sheet.number[k, SPEED : SPEED + 3]
+            yield Contact(body, NOTHING, rim[deep], sheet.number[k, :3], -float(gap[deep]), velocity)
+    for shape, its in zip(bodies.obstacles, bodies.obstacle_rims, strict=True):
+        yield from _between(body, NOTHING, rim, (shape, None), np.zeros(3))
+        yield from _flipped(_inside(bodies, body, pose, its), body)
 
 
 def _between(
@@ -293,6 +320,10 @@ def _separate(bodies: Bodies, pose: Array, contact: Contact) -> None:
         pose[:3, contact.body] += contact.depth * contact.normal
         return
     mine, theirs = bodies.mass[contact.body], bodies.mass[contact.other]
+    if math.isinf(mine) or math.isinf(theirs):
+        yields = contact.body if math.isinf(theirs) else contact.other
+        pose[:3, yields] += contact.depth * contact.normal * (1.0 if yields == contact.body else -1.0)
+        return
     pose[:3, contact.body] += contact.depth * theirs / (mine + theirs) * contact.normal
     pose[:3, contact.other] -= contact.depth * mine / (mine + theirs) * contact.normal
 

@@ -12,8 +12,8 @@ around j, and a kernel with a support of one and a half supports. The factor f_j
 wedge, which have dummies instead of liquid around them and a pressure that may differ by the hydrostatic pressure of a
 third of a spacing; without it a disc on the floor, five particles across, lost 6 % of its weight. The excess of one
 solid over its pair sum is subtracted from the other one, so that the total stays that of the pairs. A gap too narrow
-for particles is wet, with the pressure of the nearest liquid. The face of an obstacle on a wall is dry. The integral is
-blended out where the gap is between half a support and a whole one.
+for particles is wet, with the pressure of the nearest liquid, in front of what it faces. The face of an obstacle on a
+wall is dry. The integral is blended out where the gap is between half a support and a whole one.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ admit(kernels)
 
 SEALED = 1e-6
 """In spacings: an obstacle's panel this close to a wall is dry."""
+PROBE = 0.01
+"""The step along the normal, in spacings, by which it is decided whether a panel faces what is near to it."""
 FAR = 1.5
 """The distance, in supports, within which liquid contributes to the pressure at a panel."""
 TRUST = 4
@@ -92,6 +94,16 @@ def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) ->
     for other in solids:
         if other.owner != mine.owner and other.gap(middle[None])[0] < reach:
             found[other.owner] = other.gap(points)
+    return found
+
+
+def _faces(now: Parameters, solids: list[Solid], mine: Solid, panels: tuple[Array, Array], gap: Array) -> Flags:
+    """Whether what is near to panels, points with normals, is in front of them, within 60 degrees: the side of a block,
+    dry above the floor beside it, is no narrow gap.
+    """
+    step = PROBE * now.spacing
+    ahead = gaps_of(now, solids, mine, panels[0] + step * panels[1])
+    found: Flags = np.min([*ahead.values(), np.full(len(gap), np.inf)], axis=0) < gap - 0.5 * step
     return found
 
 
@@ -202,7 +214,11 @@ def exchanged_loads(
         if share <= 0.0:
             continue
         gap = np.min(list(gaps.values()), axis=0)
-        pressure = pressures_at(now, state, workspace, points, gap < now.spacing)
+        narrow = gap < now.spacing
+        if narrow.any():
+            ahead = product(normal[narrow], mine.turn.T)
+            narrow[narrow] = _faces(now, solids, mine, (points[narrow], ahead), gap[narrow])
+        pressure = pressures_at(now, state, workspace, points, narrow)
         if not mine.moves:
             pressure[gap < SEALED * now.spacing] = 0.0
         force = np.zeros((3, len(points)))
@@ -274,8 +290,10 @@ def power_on_bodies(now: Parameters, state: State, workspace: Workspace) -> floa
     if not bodies:
         return 0.0
     found = exchanged_loads(now, state, workspace, movers=True) if workspace.exchanged is None else workspace.exchanged
-    power = 0.0
+    power, driven = 0.0, {body for body, _ in now.bodies.paths}
     for body in range(bodies):
+        if body in driven:
+            continue
         force, torque = found.get(first + body, (np.zeros(3), np.zeros(3)))
         power += float(np.sum(force * state.motion[:3, body]) + np.sum(torque * state.motion[3:, body]))
     return power

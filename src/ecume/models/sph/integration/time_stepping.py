@@ -13,6 +13,7 @@ import numpy as np
 from ecume._portable import product
 from ecume.laws.time_step_limits import acoustic_limit, advective_limit, force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
+from ecume.models.sph.boundaries.driven_bodies import drive_bodies
 from ecume.models.sph.boundaries.open_boundaries import exchange_due, set_buffer_pressures
 from ecume.models.sph.boundaries.rigid_bodies import (
     at_reference,
@@ -197,6 +198,7 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
     state.clock[0] += time
     if parameters.bodies.shapes:
         move_bodies(state.pose, state.motion, time)
+        drive_bodies(parameters, state)
     now = with_moved_solids(parameters, state)
     resolve_collisions(now, state, time)
     if farthest(state.position, state.reference) + displacement_of_solids(parameters, state) > 0.5 * state.skin[0]:
@@ -209,8 +211,10 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
     if bodies.shapes:
         calm = CALM * now.material.fastest
         state.budget[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
-        inside = expel_liquid(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
+        liquid = state.position, state.velocity, state.mass
+        inside, work = expel_liquid(bodies, state.pose, state.motion, liquid)
         state.tally[GUARD_HITS] += inside
+        state.budget[WORK] += work
     expel_from_drawn(now, state)
     before = state.velocity.copy() if now.drives else state.velocity
     met = reflect_particles(guard, state.position, state.velocity, state.transport, time)

@@ -9,6 +9,7 @@ import numpy as np
 from ecume._jit import admit
 from ecume._portable import dot
 from ecume.laws import incompressible
+from ecume.models.sph.boundaries.driven_bodies import drive_bodies
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.boundaries.open_boundaries import zero_buffer_rates
 from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay, with_moved_solids
@@ -178,6 +179,7 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
     state.delayed_body_acceleration[...] += (state.body_acceleration - state.delayed_body_acceleration) / delay(
         bodies, parameters.material.density
     )
+    drive_bodies(parameters, state)
 
 
 def table_of(parameters: Parameters) -> Array:

@@ -1,12 +1,12 @@
 """Energies of the liquid and the bodies, and the work done on them from outside. Energy minus work never increases.
 
-Moving walls, and the liquid behind inflows and outflows, do work by their forces F, pair by pair as in the sums over
-neighbors. The work of a wall is W = integral of F.w dt with its force F on the liquid and its velocity w; that of a
-shaken tank is the integral of M.a with the apparent acceleration a and the momentum M. A buffer particle b does
-F_ib.(v_i + v_b)/2 on the particle i before it: the energy flux of a pair, the mean of what i gains and b loses. The
-rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses i if it is pressure, up to
-(P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy, and particles that cross a
-periodic side are lifted, in gravity, by the length of the tank.
+Moving walls, bodies that are moved (see `boundaries.driven_bodies`), and the liquid behind inflows and outflows, do
+work by their forces F, pair by pair as in the sums over neighbors. The work of a wall is W = integral of F.w dt with
+its force F on the liquid and its velocity w; that of a shaken tank is the integral of M.a with the apparent
+acceleration a and the momentum M. A buffer particle b does F_ib.(v_i + v_b)/2 on the particle i before it: the energy
+flux of a pair, the mean of what i gains and b loses. The rest, F_ib.(v_i - v_b)/2, is dissipated if the force is
+viscous, and compresses i if it is pressure, up to (P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a
+border carry their energy, and particles that cross a periodic side are lifted, in gravity, by the length of the tank.
 
 Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`. So
 does the pressure of dummies, which liquid that approaches compresses without storing energy in them: see
@@ -34,6 +34,7 @@ from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.laws import states
 from ecume.laws.kernels import KERNELS, kernel
 from ecume.laws.states import tait_energy
+from ecume.models.sph.boundaries.driven_bodies import power_of_driven_bodies
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, energy_of_bodies, with_moved_solids
 from ecume.models.sph.boundaries.touching_solids import power_on_bodies
@@ -143,7 +144,8 @@ def has_numerical_work(parameters: Parameters) -> bool:
 def forces_work(parameters: Parameters) -> bool:
     """Whether there are moving walls, buffers, dummies, or laws of the user."""
     sliding = len(moving_sides(parameters)) or dummies_work(parameters)
-    return bool(parameters.drives or parameters.open_boundaries or sliding or parameters.user_forces is not None)
+    moving = parameters.drives or parameters.bodies.paths or parameters.open_boundaries or sliding
+    return bool(moving or parameters.user_forces is not None)
 
 
 def dummies_work(parameters: Parameters) -> bool:
@@ -238,7 +240,8 @@ def power_of_base_excitation(parameters: Parameters, state: State) -> float:
     pull, liquid = drive_at(parameters.base_excitation, float(state.clock[0]))[0], liquid_alone(parameters, state)
     momentum = np.sum(liquid.mass * liquid.velocity, axis=1)
     if parameters.bodies.shapes:
-        momentum = momentum + np.sum(state.motion[: len(pull)] * parameters.bodies.mass, axis=1)
+        free = np.isfinite(parameters.bodies.mass)
+        momentum = momentum + np.sum((state.motion[: len(pull)] * parameters.bodies.mass)[:, free], axis=1)
     return dot(pull, momentum)
 
 
@@ -257,6 +260,7 @@ def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tup
         power += power_of_side(now, state, workspace, int(row))
     if len(moving_dummies(now)):
         power += power_of_moving_dummies(now, workspace)
+    power += power_of_driven_bodies(now, state, workspace)
     if dummies_work(now):
         compressing = power_of_dummies(now, state, workspace)
         power += compressing

@@ -67,6 +67,7 @@ from ecume.models.sph.setup.walls_and_bodies import (
     bodies_of,
     boundary_of,
     bounds_of,
+    driven_speeds,
     drives_of,
     fastest_drive,
     holds,
@@ -135,11 +136,13 @@ def fastest_of(scene: SphScene) -> float:
         speeds.append(region.flow_speed if region.flow else 0.0)
     speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
     for body in scene.bodies:
+        if body.motion is not None:
+            continue
         ends = shape_of(body).bounds()
         fall = fall_enthalpy(scene, *ends)
         speeds.append(math.sqrt(math.hypot(*(body.velocity or ())) ** 2 + 2.0 * fall))
     speeds += [1.5 * side.speed for side in sides_of(scene) if side.speed]
-    speeds.append(fastest_drive(scene))
+    speeds += [fastest_drive(scene), *driven_speeds(scene)]
     if scene.central_force is not None:
         speeds.append(scene.central_force.angular_frequency * farthest_from_center(scene, scene.central_force.center))
     speeds.append(capillary_speed(scene, bounds))

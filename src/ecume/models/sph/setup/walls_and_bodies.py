@@ -16,7 +16,9 @@ from ecume.engine.shapes import Ball, Box, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
-from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
+from ecume.models.sph.boundaries.driven_bodies import on_path
+from ecume.models.sph.boundaries.rigid_bodies import rotations
+from ecume.models.sph.parameters import Bodies, BodyPath, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate, sides_of
 from ecume.models.sph.setup.shapes import (
@@ -28,7 +30,7 @@ from ecume.models.sph.setup.shapes import (
     shape_of,
     solids_of,
 )
-from ecume.scenes.sph import BaseExcitationSpec, BodySpec, MotionSpec, SphScene
+from ecume.scenes.sph import BaseExcitationSpec, BodyMotionSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array, with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
@@ -353,13 +355,19 @@ def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
     if len(scene.tank.low) == 2:
         inertia = inertia * np.array([[0.0], [0.0], [1.0]])
     first = len(boundary.names) - len(shapes)
+    pose = np.array([_pose(*pair) for pair in zip(shapes, own, strict=True)]).reshape(-1, 7).T.copy()
+    motion = np.array([_motion(spec) for spec in scene.bodies]).reshape(-1, 6).T.copy()
+    paths = paths_of(scene)
+    for body, path in paths:
+        pose[:, body], motion[:, body], _ = on_path(path, 0.0)
+        inertia[:, body] = 0.0
     return Bodies(
         shapes=centered,
         rims=tuple(_wide(shape.rim(0.5 * scene.spacing)) for shape in centered),
-        pose=np.array([_pose(*pair) for pair in zip(shapes, own, strict=True)]).reshape(-1, 7).T.copy(),
-        motion=np.array([_motion(spec) for spec in scene.bodies]).reshape(-1, 6).T.copy(),
+        pose=pose,
+        motion=motion,
         mass=mass,
-        inertia=np.ascontiguousarray(mass * inertia),
+        inertia=np.ascontiguousarray(np.where(np.isfinite(mass), mass, 0.0) * inertia),
         restitution=np.array([spec.restitution for spec in scene.bodies]),
         friction=np.array([spec.friction for spec in scene.bodies]),
         first=int(np.count_nonzero(boundary.dummies.owner < first)),
@@ -367,7 +375,84 @@ def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
         obstacle_rims=tuple(_wide(shape.rim(0.5 * scene.spacing)) for shape in obstacles),
         panels=tuple(shape.panels(PANEL[len(scene.tank.low)] * scene.spacing) for shape in (*obstacles, *centered)),
         drawn=tuple(number for number, shape in enumerate(obstacles) if not has_surfaces(shape)),
+        paths=paths,
     )
+
+
+def paths_of(scene: SphScene) -> tuple[tuple[int, BodyPath], ...]:
+    """The paths of bodies with a prescribed motion. Raises SceneError where one leads through a wall."""
+    found = []
+    for body, spec in enumerate(scene.bodies):
+        if spec.motion is None:
+            continue
+        shape = shape_of(spec)
+        pose = np.array(_pose(shape, in_own_axes(shape)))
+        pivot = pose[:3] if spec.motion.pivot is None else _wide(np.array([spec.motion.pivot]))[0]
+        axis = np.array(spec.motion.axis) / length(np.array(spec.motion.axis))
+        drive = _drive_of_body(spec.motion, len(scene.tank.low), scene.duration)
+        path = BodyPath(drive, pivot.copy(), axis, pose)
+        _require_within_walls(scene, body, path)
+        found.append((body, path))
+    return tuple(found)
+
+
+def _drive_of_body(spec: BodyMotionSpec, dimension: int, duration: float) -> Drive:
+    """The drive of displacement and angle, four rows."""
+    height, times, values = np.zeros(4), np.zeros(1), np.zeros((4, 1))
+    if spec.times:
+        times, values = np.array(spec.times), np.zeros((4, len(spec.times)))
+        if spec.positions:
+            values[:dimension] = np.array(spec.positions).T
+        if spec.angles:
+            values[3] = spec.angles
+    elif spec.frequency is None:
+        end = max(duration, spec.start) + duration if spec.until is None else spec.until
+        times, values = np.array([spec.start, end]), np.zeros((4, 2))
+        values[:dimension, 1] = (end - spec.start) * np.array(spec.velocity or (0.0,) * dimension)
+        values[3, 1] = (end - spec.start) * spec.spin
+    else:
+        height[:dimension] = spec.amplitude or (0.0,) * dimension
+        height[3] = spec.angle_amplitude
+    return Drive(height, 2.0 * math.pi * (spec.frequency or 0.0), spec.phase, -math.sin(spec.phase), times, values)
+
+
+TRIED = 200
+"""The number of times at which a path is compared with the walls."""
+
+
+def _require_within_walls(scene: SphScene, body: int, path: BodyPath) -> None:
+    """Raise SceneError where a path leads through a wall of the tank: images would be made of its dummies. It may lead
+    through open sides.
+    """
+    slack = TOUCHING * scene.spacing
+    walled = [number for number, side in enumerate(sides_of(scene)) if side.kind != "open"]
+    shape, middle = shape_of(scene.bodies[body]), path.pose[:3]
+    rim = _wide(shape.rim(0.5 * scene.spacing)) - middle
+    for time in np.linspace(0.0, scene.duration, TRIED):
+        pose = on_path(path, float(time))[0]
+        turn = product(rotations(pose[:, None])[0], rotations(path.pose[:, None])[0].T)
+        points = pose[:3] + product(rim, turn.T)
+        for number in walled:
+            axis, upper = divmod(number, 2)
+            beyond = points[:, axis] - scene.tank.high[axis] if upper else scene.tank.low[axis] - points[:, axis]
+            deep = float(beyond.max())
+            if deep > slack:
+                where = f"{with_prefix(deep, 'm', 3)} through the {scene.sides[number]} side at t = {time:.3g} s"
+                message = f"leads {where}; expected a path inside of the tank, or through a side that is open"
+                raise SceneError([Fault(f"bodies[{body}].motion", message)])
+
+
+def driven_speeds(scene: SphScene) -> list[float]:
+    """An upper bound of the speed of each body with a prescribed motion (m/s)."""
+    speeds = []
+    for body, path in paths_of(scene):
+        rate = np.abs(path.drive.amplitude) * path.drive.turning
+        if len(path.drive.times) > 1:
+            rate = rate + np.abs(np.diff(path.drive.values) / np.diff(path.drive.times)).max(axis=1)
+        rim = _wide(shape_of(scene.bodies[body]).rim(0.5 * scene.spacing)) - path.pivot
+        reach = np.sqrt((rim**2).sum(axis=1).max())
+        speeds.append(length(rate[:3]) + float(rate[3] * reach))
+    return speeds
 
 
 def _pose(shape: Shape, own: OwnAxes) -> list[float]:
@@ -386,7 +471,7 @@ def _require_possible(scene: SphScene) -> None:
         ends = np.stack(shape_of(spec).bounds())
         if any(side.kind == "periodic" for side in sides_of(scene)):
             faults.append(Fault(f"bodies[{index}]", "a tank with bodies cannot have periodic sides; use walls"))
-        if (ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any():
+        if spec.motion is None and ((ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any()):
             faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; expected a body inside it"))
     faults += _overlaps(scene)
     for name, shape in _named(scene):
@@ -430,7 +515,9 @@ def _overlap(one: Shape, other: Shape, fine: float) -> float:
 
 
 def mass_of(spec: BodySpec, shape: Shape) -> float:
-    """The mass of a body (kg; in 2D kg per meter of depth)."""
+    """The mass of a body (kg; in 2D kg per meter of depth); infinite with a prescribed motion."""
+    if spec.motion is not None:
+        return math.inf
     return spec.mass if spec.mass is not None else float(spec.density or 0.0) * shape.volume()
 
 

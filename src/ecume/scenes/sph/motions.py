@@ -1,0 +1,154 @@
+"""Prescribed motions: of a side along its axis, of a shaken tank, of a body that follows a path."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from ecume.scenes.common import dataclass
+from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Pull
+from ecume.units import Angle, Number, Rate, Time
+
+Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]
+Phase = Annotated[Angle, Field(ge=-1e3, le=1e3)]
+Moment = Annotated[Time, Field(ge=0.0, le=1e10)]
+Turn = Annotated[Angle, Field(ge=-1e6, le=1e6)]
+Turning = Annotated[Rate, Field(ge=-1e6, le=1e6)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MotionSpec:
+    """The motion of a side along its axis: a sine, or a table of times and positions with straight lines between."""
+
+    amplitude: Coordinate | None = None
+    """The amplitude of a sine that starts at 0 (m). Effect: larger strokes make higher waves."""
+    frequency: Frequency | None = None
+    """The frequency of the sine in cycles per second (1/s). Effect: faster motion makes shorter waves."""
+    phase: Phase = 0.0
+    """The phase of the sine (rad); 90 deg starts at rest. Effect: shifts the sine in time."""
+    times: tuple[Moment, ...] = ()
+    """The times of a table (s), ascending; outside of it the side is at rest. Effect: shifts the motion in time."""
+    positions: tuple[Coordinate, ...] = ()
+    """The displacement of the side at these times (m). Effect: determines the path of the side."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        _require_one(self, "positions")
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class BaseExcitationSpec:
+    """The acceleration in the frame of a shaken tank, beside gravity: minus the tank's own."""
+
+    amplitude: Pull | None = None
+    """The amplitude of a sinusoidal acceleration (m/s^2). Effect: sloshing grows in proportion to it, while it is
+    small."""
+    frequency: Frequency | None = None
+    """The frequency of the sine in cycles per second (1/s). Effect: near a natural frequency of the tank there is
+    resonance."""
+    phase: Phase = 0.0
+    """The phase of the sine (rad); 90 deg starts at the maximum. Effect: shifts the sine in time."""
+    times: tuple[Moment, ...] = ()
+    """The times of a table (s), ascending; outside of it the first and the last value hold. Effect: shifts the
+    acceleration in time."""
+    accelerations: tuple[Pull, ...] = ()
+    """The acceleration of the liquid in the frame of the tank at these times (m/s^2). Effect: determines the motion
+    of the tank."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        _require_one(self, "accelerations")
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class BodyMotionSpec:
+    """The path of a body: uniform, a sine, or a table of times with straight lines between. It shifts the body and
+    turns it about a pivot that goes along.
+    """
+
+    velocity: Motion | None = None
+    """The velocity of a uniform motion (m/s). Effect: a gate opens faster."""
+    spin: Turning = 0.0
+    """The angular velocity of a uniform rotation (rad/s). Example: `5`. Effect: turns the body faster."""
+    start: Moment = 0.0
+    """The time at which the uniform motion begins (s). Effect: delays the motion."""
+    until: Moment | None = None
+    """The time at which the uniform motion ends (s); by default it lasts. Effect: stops the body there."""
+    amplitude: Place | None = None
+    """The amplitude of a sine that starts at 0 (m). Effect: a longer stroke."""
+    angle_amplitude: Turn = 0.0
+    """The amplitude of the angle of the sine (rad). Example: `"4 deg"`. Effect: a wider swing."""
+    frequency: Frequency | None = None
+    """The frequency of the sine in cycles per second (1/s). Effect: faster motion."""
+    phase: Phase = 0.0
+    """The phase of the sine (rad); 90 deg starts at rest. Effect: shifts the sine in time."""
+    times: tuple[Moment, ...] = ()
+    """The times of a table (s), ascending; outside of it the body is at rest. Effect: shifts the motion in time."""
+    positions: tuple[Place, ...] = ()
+    """The displacement of the body at these times (m). Effect: determines the path of the body."""
+    angles: tuple[Turn, ...] = ()
+    """The angle of the body at these times (rad). Effect: determines the rotation of the body."""
+    pivot: Place | None = None
+    """The point about which the body turns, as it starts (m); by default its center. Effect: a body with a pivot at
+    its edge is a flap."""
+    axis: tuple[Number, Number, Number] = (0.0, 0.0, 1.0)
+    """The direction of the axis of rotation in 3D; in 2D it is z. Effect: the body turns counterclockwise about it."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        uniform = self.velocity is not None or self.spin != 0.0
+        sine = self.amplitude is not None or self.angle_amplitude != 0.0
+        table = bool(self.times or self.positions or self.angles)
+        if uniform + sine + table != 1:
+            laws = "velocity or spin, amplitude or angle_amplitude with frequency, times with positions or angles"
+            raise Inconsistent([((), f"expected exactly one law: {laws}")])
+        if sine and self.frequency is None:
+            raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
+        if self.until is not None and not (uniform and self.until > self.start):
+            raise Inconsistent([(("until",), "expected the end of a uniform motion, after its start")])
+        if table and not (self.positions or self.angles):
+            raise Inconsistent([((), "a table of times needs positions, angles, or both")])
+        for name in ("positions", "angles"):
+            if getattr(self, name) and len(getattr(self, name)) != len(self.times):
+                message = f"got {len(getattr(self, name))} for {len(self.times)} times; expected the same number"
+                raise Inconsistent([((name,), message)])
+        _require_ascending(self.times)
+        if not any(self.axis):
+            raise Inconsistent([(("axis",), "expected a vector that is not zero")])
+        return self
+
+    def dimension_faults(self, dimension: int) -> Complaints:
+        """Vectors that do not fit the tank."""
+        rows = {"velocity": self.velocity, "amplitude": self.amplitude, "pivot": self.pivot}
+        rows["positions"] = next((row for row in self.positions if len(row) != dimension), None)
+        found: Complaints = [
+            ((name,), f"got {len(row)} numbers; the tank has {dimension} dimensions")
+            for name, row in rows.items()
+            if row is not None and len(row) != dimension
+        ]
+        if dimension == 2 and (self.axis[0], self.axis[1]) != (0.0, 0.0):
+            found.append((("axis",), "in two dimensions a body turns about z alone"))
+        return found
+
+
+def _require_one(spec: Any, values: str) -> None:
+    """Raise an error unless there is exactly one complete sine or one complete table."""
+    sine, table = spec.amplitude is not None, bool(spec.times or getattr(spec, values))
+    if sine == table:
+        raise Inconsistent([((), f"expected either amplitude and frequency, or times and {values}")])
+    if sine and spec.frequency is None:
+        raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
+    if table and len(spec.times) != len(getattr(spec, values)):
+        message = f"got {len(getattr(spec, values))} for {len(spec.times)} times; expected the same number"
+        raise Inconsistent([((values,), message)])
+    _require_ascending(spec.times)
+
+
+def _require_ascending(times: tuple[float, ...]) -> None:
+    if any(later <= earlier for earlier, later in itertools.pairwise(times)):
+        raise Inconsistent([(("times",), "expected times that ascend")])
