@@ -77,6 +77,7 @@ NEW = {
     ("dipoles", "springs"),
     ("dipoles", "friction"),
     ("films", "friction"),
+    ("shapes", "noise"),
 }
 """Pairs that used to be refused."""
 

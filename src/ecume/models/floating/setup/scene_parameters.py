@@ -328,7 +328,6 @@ NOISE = Option(
     needs={
         "no inertia": "only there is the noise of a step a displacement of known variance",
         "drag": "noise and drag belong together",
-        "round": "the noise of an elongated body differs along and across it",
         "independent": "floats that share films are moved by noise that is correlated",
     },
 )  # fmt: skip

@@ -2,7 +2,9 @@
 contact lines, their motion and their contacts.
 
 Translation and rotation in a time step: kicks and drift of three velocities for each body. Drag acts along
-the axis, across it and on the spin, each solved exactly for a constant force during the kick.
+the axis, across it and on the spin, each solved exactly for a constant force during the kick. Thermal noise has the
+variance 2 kT/zeta dt along each of the three; since the frictions depend on the angle alone, and no force turns a body
+about its center, no drift kT div M belongs to it.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ from ecume.engine.contact.separation import separate
 from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts, make_torque_contacts
 from ecume.engine.neighbors import NeighborLists
 from ecume.engine.outlines import Outlines, Stance
+from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import wall_count
-from ecume.laws import capillarity, special
+from ecume.laws import brownian_motion, capillarity, special
+from ecume.laws.brownian_motion import diffusivity, reflected_gain
 from ecume.laws.capillarity import pair_energy, pair_force
 from ecume.models.floating.contacts.collisions import (
     clear_impulses,
@@ -43,16 +47,18 @@ from ecume.models.floating.parameters import (
     STRENGTH,
     SWEEPS,
     UNCONVERGED,
+    WORK,
     Parameters,
     Parts,
     Scratch,
     State,
     Workspace,
 )
+from ecume.models.floating.time_integration.step_size import NOISE_DEVIATIONS
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 
-admit(special, capillarity)
+admit(special, capillarity, brownian_motion)
 
 
 class Shaped(NamedTuple):
@@ -327,11 +333,13 @@ def copy(target: Array, source: Array) -> None:
 @compiled
 def tip_travel(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State) -> tuple[float, float]:
     """The longest travel of a tip by rotation in this step (m), and the largest rotation (rad); NaN is kept."""
-    farthest, widest = 0.0, 0.0
+    farthest, widest, time = 0.0, 0.0, parameters.time_step
     for i in range(len(state.turning)):
         decay, gain = slowed(part, parameters, i, 2)
         # Twice, for the second half kick of velocity Verlet.
-        turn = parameters.time_step * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(scratch.torque[i]))
+        turn = time * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(scratch.torque[i]))
+        if parameters.drift.thermal > 0.0:
+            turn += NOISE_DEVIATIONS * math.sqrt(2.0 * diffusivity(parameters.drift.thermal, 1.0 / gain) * time)
         way = turn * parameters.floats.radius[i]
         if farthest == farthest and not way <= farthest:
             farthest = way
@@ -356,6 +364,47 @@ def predict_rigid(
     """Compute the midstep velocities by the first kick; `before` is the velocity without forces."""
     load(state, scratches.integrator.midstep_velocity)
     kick_twice(part, scratches.integrator, parameters, workspace.force)
+    if parameters.drift.thermal > 0.0:
+        add_rigid_noise(part, scratches.integrator, parameters, int(state.step[0]))
+
+
+SPINS = 1
+"""The purpose of the random numbers of spins; that of velocities is 0."""
+
+
+@compiled
+def add_rigid_noise(part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, step: int) -> None:
+    """Add Brownian motion to velocities and spins: displacements of variance 2 kT/zeta dt along each body, across it
+    and of its angle.
+    """
+    velocity, thermal, seed = scratch.midstep_velocity, parameters.drift.thermal, parameters.drift.seed
+    for i in range(len(scratch.angle)):
+        along, across = normals(counter_of(i, step, 0), seed)
+        along *= noise_speed(thermal, slowed(part, parameters, i, 0)[1], parameters.time_step)
+        across *= noise_speed(thermal, slowed(part, parameters, i, 1)[1], parameters.time_step)
+        c, s = math.cos(scratch.angle[i]), math.sin(scratch.angle[i])
+        velocity[i, 0] += c * along - s * across
+        velocity[i, 1] += s * along + c * across
+        turning = normals(counter_of(i, step, SPINS), seed)[0]
+        velocity[i, 2] += turning * noise_speed(thermal, slowed(part, parameters, i, 2)[1], parameters.time_step)
+
+
+@compiled
+def noise_speed(thermal: float, gain: float, time: float) -> float:
+    """The standard deviation of the displacement by noise, over the time: of a velocity (m/s), or of a spin (rad/s)."""
+    return math.sqrt(2.0 * diffusivity(thermal, 1.0 / gain) / time)
+
+
+@compiled
+def add_rigid_heat(
+    part: RigidKicks, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Add the heat of half a step, by the forces and torques at its beginning or end."""
+    velocity, force, power = scratch.midstep_velocity, workspace.force, 0.0
+    if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
+        for i in range(len(force)):
+            power += force[i, 0] * velocity[i, 0] + force[i, 1] * velocity[i, 1] + scratch.torque[i] * velocity[i, 2]
+        state.tally[WORK] -= 0.5 * parameters.time_step * power
 
 
 @compiled
@@ -455,7 +504,34 @@ def collide_outlines(
     """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
     bounce(scratch, parameters, state, workspace)
     require_gaps(False, parameters, scratch.levers)
+    if parameters.drift.thermal > 0.0:
+        require_reflected_gaps(parameters, state, scratch)
     solve_contacts(parameters, state, scratch.levers, scratch.midstep_velocity)
+
+
+UNLIKELY = 20.0
+"""Gap before times gap after a step, over the variance, beyond which paths meet with a probability below exp(-40)."""
+
+
+@compiled
+def require_reflected_gaps(parameters: Parameters, state: State, scratch: ShapedScratch) -> None:
+    """Require the gaps of reflected Brownian motions at the end of the step. This is exact for one contact of a body;
+    of several at once gaps far below kT over the force are too frequent, as in clusters of lasting contacts
+    (`thermal_collisions`).
+    """
+    levers, time = scratch.levers, parameters.time_step
+    touching.normal_velocities(levers, scratch.midstep_velocity, levers.scratch)
+    for row in range(levers.total[0]):
+        gap, change = max(levers.gap[row], 0.0), time * levers.scratch[row]
+        if levers.weight[row] > 0.0:
+            # The mobility of a contact is the time over its effective mass.
+            variance = 2.0 * parameters.drift.thermal * time * time / levers.weight[row]
+            if gap + change <= 0.0 or gap * (gap + change) < UNLIKELY * variance:
+                feature = levers.place[row] % touching.FEATURES
+                one, other = int(levers.first[row]), int(levers.second[row])
+                counter = counter_of_pair(one, other, int(state.step[0]), int(feature))
+                draw = uniforms(counter, parameters.drift.seed)[0]
+                levers.bound[row] = (reflected_gain(change, variance, -math.log(draw)) - gap) / time
 
 
 @compiled

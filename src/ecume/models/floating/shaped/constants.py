@@ -19,7 +19,8 @@ from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.setup.places import given_places
 from ecume.models.floating.shaped.bodies import Shaped, body_pair_forces
-from ecume.models.floating.shaped.shapes import Figure, Skeleton, charges_of
+from ecume.models.floating.shaped.shapes import Figure, Skeleton, charges_of, silhouette
+from ecume.models.floating.time_integration.step_size import GOOD
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -49,7 +50,24 @@ def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
     shaped = make_shaped([figures[k] for k in number], drag=scene.hydrodynamics.resists)
     strength = wall_strengths(scene, parameters.floats._replace(charge=shaped.charge))
     shaped = shaped._replace(wall_strength=strength)
-    return Built(shaped, min(shortest_time(shaped, parameters, number), spinning_time(shaped, parameters, scene)))
+    widths = np.array([inner_radius(figure.skeleton) for figure in figures])[number]
+    times = shortest_time(shaped, parameters, number), spinning_time(shaped, parameters, scene)
+    return Built(shaped, min(*times, diffusion_time(shaped, parameters.drift.thermal, widths)))
+
+
+def inner_radius(skeleton: Skeleton) -> float:
+    """The smallest distance of an outline from its center (m)."""
+    return float(np.hypot(*silhouette(skeleton).T).min())
+
+
+def diffusion_time(shaped: Shaped, thermal: float, width: Array) -> float:
+    """The time (s) of which a time step is the fraction GOOD: in the step noise moves a body by GOOD of its `width` and
+    turns it by GOOD rad at most (r.m.s. along one axis).
+    """
+    if thermal == 0.0:
+        return math.inf
+    moving = width**2 * shaped.friction[:, :2].min(axis=1)
+    return GOOD / (2.0 * thermal) * min(float(moving.min()), float(shaped.friction[:, 2].min()))
 
 
 def make_shaped(figures: Sequence[Figure], *, drag: bool = True) -> Shaped:

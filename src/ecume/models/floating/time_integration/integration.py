@@ -115,12 +115,12 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
     contacts_before_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     add_work(parts.integrator, scratches.integrator, parameters, state, workspace)
     add_work_of_forces(parts.interactions, scratches.interactions, parameters, state, workspace)
-    add_heat(parts.integrator, parameters, state, workspace)
+    add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
     move(parts.integrator, scratches.integrator, parameters, state, workspace)
     contacts_after_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
     if parameters.scheme.forces_at_end:
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
-    add_heat(parts.integrator, parameters, state, workspace)
+    add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
     finish(parts.integrator, scratches.integrator, parameters, state, workspace)
     if parameters.scheme.contacts_at_end:
         contacts_at_end(parts.contacts, scratches.contacts, parameters, state, workspace)

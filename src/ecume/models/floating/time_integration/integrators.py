@@ -60,6 +60,7 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.shaped.bodies import (
     RigidKicks,
+    add_rigid_heat,
     begin_rigid,
     bound_rigid_travel,
     finish_rigid,
@@ -125,7 +126,7 @@ def add_work_of_kicks(part: Any, scratch: Any, parameters: Parameters, state: St
 
 
 @compiled
-def add_heat_of_noise(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_heat_of_noise(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the heat of half a step, by the forces at its beginning or end, including a moving dish."""
     midstep_velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
     if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
@@ -358,7 +359,7 @@ class Integrator(Option):
     add_work: Callable[..., None] | None = add_work_of_kicks
     """add_work(part, scratch, parameters, state, workspace): the work of currents and of a moving dish in a step"""
     add_heat: Callable[..., None] | None = add_heat_of_noise
-    """add_heat(part, parameters, state, workspace): the heat of half a step with noise"""
+    """add_heat(part, scratch, parameters, state, workspace): the heat of half a step with noise"""
     disturb: Callable[..., None] | None = None
     """disturb(part, parameters, state, workspace): add thermal noise to the velocities after a kick"""
     move_dish: Callable[..., None] | None = None
@@ -438,7 +439,8 @@ RIGID = Integrator(
     slot="rigid integrator", path="particles", name="a float with a shape",
     scheme=Scheme(half_kicks=True, inertia=True, drifts_first=False, contacts_at_end=True, forces_at_end=True),
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
-    bound_travel=bound_rigid_travel, store=store_rigid, scratch=lambda part, interactions: interactions[0],
+    bound_travel=bound_rigid_travel, store=store_rigid, add_heat=add_rigid_heat,
+    scratch=lambda part, interactions: interactions[0],
 )  # fmt: skip
 """The row that replaces an integrator for floats with a shape."""
 
