@@ -106,7 +106,9 @@ def __getattr__(name: str) -> Any:
 
 
 def _html_of(subject: Any) -> str | None:
-    """A picture for a notebook: what draws it is imported when a notebook asks."""
+    """The picture of a frame, trajectory or run directory for a notebook, or None. The code that draws it is imported
+    at the first call.
+    """
     html: str | None = importlib.import_module("ecume.show.view.page").in_notebook(subject)
     return html
 

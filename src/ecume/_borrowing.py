@@ -1,4 +1,4 @@
-"""Lowers functions without counting references to what they have from their arguments.
+"""Compilation without reference counts for values that a function obtains from its arguments.
 
 Numba counts a reference to each array of a tuple whenever the tuple, or a field of it, gets a name, and counts it off
 when the name ends. Our functions take tuples of a hundred arrays: most of the code that Numba wrote was such counting,
@@ -78,10 +78,10 @@ def _put_together(items: Any, kind: Any, kinds: Mapping[str, Any]) -> list[str] 
 
 
 class BorrowingLower(Lower):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
-    """Writes machine code of a function; only what is not borrowed is counted."""
+    """Code generation of a function in which only values that are not borrowed are reference-counted."""
 
     def init(self) -> None:
-        """Find what is borrowed."""
+        """Find the borrowed values."""
         super().init()
         self.borrowed = borrowed_variables(self.func_ir, self.fndesc.typemap) if self.generator_info is None else ()
         self.counted: dict[Any, bool] = {}
@@ -124,7 +124,7 @@ class BorrowingLowering(BaseNativeLowering):  # type: ignore[misc]
 
     @property
     def lowering_class(self) -> type[Lower]:
-        """What writes the code."""
+        """The class that generates the code."""
         return BorrowingLower
 
 

@@ -1,5 +1,5 @@
-"""Where compiled code is kept: files of one function each, named by a key that changes with all that its code was made
-from (see `_dependencies`), so that a file is never old, only unused.
+"""Storage of compiled code: one file per function, whose name contains a digest of everything that its code depends on
+(see `_dependencies`), so that an outdated file is never read.
 
 A package `ecume_compiled` beside this one, or where the other packages are, may bring such files along. It is read
 first and never written.
@@ -38,7 +38,7 @@ used: list[str] = []
 
 @cache
 def root() -> Path:
-    """The folder of the user's files; a temporary place where nothing can be written, or where others can write."""
+    """The cache folder of the user, or a temporary folder if it cannot be written or if others can write to it."""
     import platformdirs
 
     asked = os.environ.get("ECUME_CACHE_DIR")
@@ -84,7 +84,7 @@ def _warn_of(place: Path, fault: str) -> None:
 
 
 def _temporary() -> Path:
-    """A folder that goes with the process."""
+    """A folder that is deleted when the process ends."""
     place = Path(tempfile.mkdtemp(prefix="ecume-"))
     atexit.register(shutil.rmtree, place, ignore_errors=True)
     return place
@@ -95,7 +95,7 @@ class DamagedError(ValueError):
 
 
 def read(name: str) -> bytes | None:
-    """What a package of compiled code or the user's processes kept under this name; None if nothing was kept."""
+    """The data stored under a name by a package of compiled code or by the user's processes, or None."""
     if name in shipped():
         folder, checksum = shipped()[name]
         with contextlib.suppress(OSError, DamagedError):
@@ -120,7 +120,7 @@ def read(name: str) -> bytes | None:
 
 
 def write(name: str, data: bytes) -> None:
-    """Keep data under a name; a reader sees all of it or nothing."""
+    """Store data under a name; a reader gets all of it or nothing."""
     handle, beside = tempfile.mkstemp(dir=root(), prefix=name)
     try:
         with os.fdopen(handle, "wb") as file:

@@ -41,4 +41,4 @@ class CompilerWatch:
 
 
 watch = CompilerWatch()
-"""Of this process."""
+"""The watch of this process."""

@@ -1,4 +1,5 @@
-"""What compiled code was made from, so that old code never runs and new code is compiled no more often than it must.
+"""Digests of everything that compiled code depends on, so that outdated code never runs and unchanged code is not
+compiled again.
 
 Compiled code contains what it calls, from whichever file. So its key is a digest of everything that a walk from the
 function on can reach: the bytecode of each function, and the values of the constants, the options of the decorators and
@@ -28,7 +29,9 @@ import numpy as np
 
 PACKAGE = Path(__file__).absolute().parent
 LIBRARIES = frozenset({*sys.stdlib_module_names, "llvmlite", "numba", "numpy", "scipy"}) - {"__main__"}
-"""What is described by its name: the key contains the version of the compiler, which decides what becomes of these."""
+"""Modules that are described by their names only: the key contains the version of the compiler, which determines their
+code.
+"""
 
 
 UNKEPT = "OfThisProcess"
@@ -36,7 +39,7 @@ UNKEPT = "OfThisProcess"
 
 
 class Choice(NamedTuple):
-    """How a function that stands for one of several finds it."""
+    """The way in which a function that represents several alternatives selects one."""
 
     by_class: Callable[[type], Any]
     argument: str
@@ -44,7 +47,7 @@ class Choice(NamedTuple):
 
 
 CHOICES: dict[Any, Choice] = {}
-"""Of all functions that stand for one of several."""
+"""The choices of all functions that represent several alternatives."""
 
 
 class UnknownThingError(TypeError):
@@ -52,7 +55,7 @@ class UnknownThingError(TypeError):
 
 
 class Description(NamedTuple):
-    """What a thing is, but for what it names: that is described by itself."""
+    """The description of an object, without the objects that it names; these are described separately."""
 
     text: str
     named: tuple[Any, ...]
@@ -72,8 +75,8 @@ def digest(function: Any, classes: Iterable[type], beginning: str) -> str:
 
 
 def exact_digest(function: Any) -> str | None:
-    """The same for a function of a user, or one around it, whatever its arguments are; None where it names what cannot
-    be described: no text stands for what users write.
+    """The digest of a user's function, or of a function around it, for any arguments; None if it names an object that
+    cannot be described.
     """
     whole = hashlib.sha256()
     try:
@@ -86,7 +89,7 @@ def exact_digest(function: Any) -> str | None:
 
 @cache
 def package_digest() -> str:
-    """Of all text of the package."""
+    """A digest of the source of the whole package."""
     whole = hashlib.sha256()
     for path in sorted(PACKAGE.rglob("*.py")):
         whole.update(path.relative_to(PACKAGE).as_posix().encode() + hashlib.sha256(path.read_bytes()).digest())
@@ -94,7 +97,7 @@ def package_digest() -> str:
 
 
 def text_digest(files: Iterable[Path]) -> str:
-    """Of a few files."""
+    """A digest of the text of some files."""
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
 
 
@@ -129,7 +132,7 @@ def _lines(function: Any, classes: Iterable[type]) -> Iterator[str]:
 
 
 def _chosen(point: Any, kind: type) -> Any:
-    """What is chosen for this class; None where there is no choice for it."""
+    """The alternative for a class, or None without one."""
     try:
         return CHOICES[point].by_class(kind)
     except Exception:  # a table without this row, or a class without the attribute that a choice reads
@@ -166,7 +169,7 @@ def _class(one: Any, named: list[Any]) -> str:
 
 
 def _function(one: FunctionType, named: list[Any]) -> str:
-    """The code of a function, and what it names."""
+    """The description of a function: its code and the objects that it names."""
     code = one.__code__
     words = frozenset(_words(code))
     found = [f"{name} {_value(one.__globals__[name], named, words)}" for name in sorted(words & one.__globals__.keys())]
@@ -197,7 +200,9 @@ def _code(code: CodeType, named: list[Any], documentation: str | None = None) ->
 
 
 def _value(value: Any, named: list[Any], words: frozenset[str] = frozenset()) -> str:
-    """A value as text. What is described by itself is added to `named`; of a module, what is one of the words."""
+    """The description of a value as text. Objects with separate descriptions are added to `named`; of a module, only
+    the attributes in `words` count.
+    """
     if value is None or value is Ellipsis or type(value) in (bool, int, str, bytes):
         return f"{type(value).__name__} {value!r}"
     if isinstance(value, (float, complex)) and not isinstance(value, np.generic):
@@ -239,7 +244,7 @@ def _module(module: ModuleType, named: list[Any], words: frozenset[str]) -> str:
 
 
 def _thing(value: Any, named: list[Any]) -> str:
-    """Functions, classes and what the compiler knows by name."""
+    """The description of a function, class or object that the compiler knows by name."""
     name = _full_name(value)
     if hasattr(value, "py_func") or (isinstance(value, FunctionType) and value in CHOICES):
         named.append(value)

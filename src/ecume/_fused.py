@@ -1,4 +1,4 @@
-"""Arithmetic whose rounding the source says, and not the compiler: `_jit` lowers these functions as they stand here.
+"""Arithmetic with explicit rounding: `_jit` compiles these functions exactly as they are written.
 
 So a sum has the same bits in every loop that it is compiled into, however the compiler arranges that loop.
 """
@@ -12,7 +12,8 @@ LANES = 8
 
 
 def fused(a: float, b: float, c: float) -> float:
-    """What a b + c is: rounded once by compiled code, as the processor does it, and twice by Python.
+    """The sum a b + c, rounded once in compiled code (the multiply-add of the processor) and twice
+    in Python.
 
     >>> fused(2.0, 3.0, 4.0)
     10.0

@@ -1,4 +1,4 @@
-"""What a higher layer adds to the objects of a lower one.
+"""Hooks by which higher layers add functions to objects of lower layers.
 
 A frame shows itself in a notebook by a picture, and a trajectory knows its scene, but pictures and scenes stand in
 higher layers, which lower ones do not import. The top of the package registers here what to call.
@@ -37,11 +37,11 @@ class Hook(Generic[Given, Found]):
 
 
 html_of: Hook[Any, str | None] = Hook()
-"""The picture of a frame, a trajectory or the directory of a run as HTML; None where there is nothing to draw."""
+"""The picture of a frame, trajectory or run directory as HTML, or None without a picture."""
 changed_scene: Hook[tuple[Any, Any], Any] = Hook()
 """A scene with other values, from the scene and its changes by path."""
 derived_arrays: Hook[Any, Callable[[Any], Any]] = Hook()
-"""For a scene, the function that adds to its frames the arrays that follow from the recorded ones."""
+"""The function of a scene that adds derived arrays to its frames."""
 scene_of: Hook[dict[str, Any], Any] = Hook()
 """The scene that plain data describe."""
 scenes_of_models: Hook[None, Mapping[str, Any]] = Hook()

@@ -1,4 +1,5 @@
-"""How loops are compiled, or left to Python: the only module that others import for it.
+"""The interface to the compiler: decorators for compiled loops, which leave functions to Python where compilation is
+off.
 
 With `_parts`, `_variants`, `_lowering` and `_borrowing` it is all that imports Numba, and with NUMBA_DISABLE_JIT=1
 nothing does.
@@ -33,11 +34,11 @@ if COMPILES:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 SEVERAL = 2000
-"""Particles from which on a step of some model has loops over threads."""
+"""The number of particles from which some model has threaded loops."""
 FEW = 4000
 """Loops over fewer particles than this end sooner than a second thread wakes up."""
 ANY_ORDER = {"reassoc", "contract", "nsz", "arcp"}
-"""What sums may do to be taken eight terms at a time. NaN and infinity stay what they are."""
+"""The permissions of sums that are computed eight terms at a time. NaN and infinity are preserved."""
 prange: Any = numba.prange if COMPILES else range
 """A loop over threads; only inside a function that is `threaded`."""
 
@@ -50,9 +51,7 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_inside(function: Function) -> Function:
-    """For a few lines called from an inner loop: their machine code is put into the caller's, which saves counting
-    references.
-    """
+    """Compile a short function that inner loops call: its machine code is inlined, which saves reference counts."""
     return _dispatcher(function, cache=True, forceinline=True)
 
 
@@ -268,7 +267,7 @@ def inlined(function: Function) -> Function:
 
 
 def plainly(function: Function) -> Function:
-    """A function that is `inlined` elsewhere, as Python runs it: for what it is given that cannot be compiled."""
+    """The Python version of a function that is `inlined` elsewhere, for arguments that cannot be compiled."""
     kept: Function = getattr(function, "py_func", function)
     return kept
 
@@ -311,7 +310,8 @@ def _given_to(law: Callable[..., Any], takes: tuple[str, ...]) -> str:
 
 
 def admit(*modules: ModuleType) -> None:
-    """Let compiled code call the plain functions of these modules. A law itself never knows of Numba.
+    """Make the plain functions of these modules callable from compiled code, without a dependence
+    of the laws on Numba.
 
     Called with numbers in single precision only, a law has its constants in single precision, too: one literal would
     make the whole loop double.

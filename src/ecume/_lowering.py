@@ -1,5 +1,5 @@
-"""How Numba writes functions that the processor knows better than it: square roots, fused products and sums, sums in
-lanes, and records turned into columns.
+"""Code generation for functions with processor instructions: square roots, fused products and sums, sums in lanes, and
+records transposed to columns.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def _type_fused(context: Any) -> Callable[..., Any]:
 @lower_builtin(fused, types.float32, types.float32, types.float32)  # type: ignore[untyped-decorator]
 @lower_builtin(fused, types.float64, types.float64, types.float64)  # type: ignore[untyped-decorator]
 def _fused(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """The processor's own; Numba would leave it to LLVM whether a product and a sum are rounded once or twice."""
+    """Generate a multiply-add instruction, since LLVM would otherwise choose whether to round once or twice."""
     return builder.fma(*arguments)
 
 
@@ -47,7 +47,7 @@ def _type_lane_sum(context: Any) -> Callable[..., Any]:
 
 @lower_builtin(lane_sum, types.Array, types.Integer)  # type: ignore[untyped-decorator]
 def _lane_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Lanes are a vector, whatever the processor makes of one: the bits are the same."""
+    """Generate a sum over a vector of lanes, with the same bits on any processor."""
     kind = signature.args[0]
     data = context.make_array(kind)(context, builder, arguments[0]).data
     wide = ir.VectorType(ir.DoubleType(), LANES)

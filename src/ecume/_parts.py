@@ -1,4 +1,4 @@
-"""What compiled code consists of, and where it lies on the disk.
+"""The units of compiled code and their storage on disk.
 
 Numba's disk cache has five traps, all closed by the cache here. It hashes only the file of the function itself, so that
 an edited law in another file silently gives the old result: files are named by all that goes into the code (see
@@ -44,7 +44,7 @@ LEVELS = {
     "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
     "x86-64-v3": ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"),
 }
-"""Levels of the x86-64 instruction set, the highest first, and what each adds to the one below."""
+"""The levels of the x86-64 instruction set, the highest first, with the instructions that each adds."""
 
 
 def instruction_set(features: Mapping[str, bool]) -> str | None:
@@ -72,7 +72,7 @@ COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, {sys.implem
         PACKAGE / f"_{name}.py" for name in ("borrowing", "columns", "fused", "jit", "lowering", "parts", "variants")
     )
 )
-"""What makes machine code of functions. All Pythons of one minor version have the same bytecode."""
+"""The versions that determine the machine code. All Pythons of one minor version have the same bytecode."""
 
 
 def named_tuples(kinds: Iterable[Any]) -> Iterator[type]:
@@ -85,7 +85,9 @@ def named_tuples(kinds: Iterable[Any]) -> Iterator[type]:
 
 
 class DiskCache:
-    """The compiled code of one function on the disk; whatever cannot be read is absent. Numba's dispatchers ask it."""
+    """The cache of the compiled code of one function on disk, as used by Numba's dispatchers. Unreadable files count as
+    missing.
+    """
 
     kind = "whole"
     """The same function's parts, and its versions with and without threads, have other code."""
@@ -100,10 +102,12 @@ class DiskCache:
         return str(_cache.root())
 
     def flush(self) -> None:
-        """Nothing: old files are not found."""
+        """Do nothing, since outdated files are never found."""
 
     def file_name(self, signature: Any, target: Any) -> str | None:
-        """Of the code for arguments of these types; None where no other process can use it."""
+        """The name of the file with the code for arguments of these types, or None if no other process can use this
+        code.
+        """
         kinds = getattr(signature, "args", signature)
         text = str(kinds)
         if UNKEPT in text or " at 0x" in text:  # Numba names functions among the arguments by their addresses
@@ -140,8 +144,8 @@ class DiskCache:
             log.warning("the compilation cache of %s could not be written: %s", self._name, error)
 
     def reduced(self, result: Any) -> Any:
-        """What is stored: of a whole the machine code. Nothing is linked to it later, so that of the code that Numba
-        keeps for that only the names are needed.
+        """The data to store: the machine code of a whole, and the names in the library that Numba keeps for later
+        linking, which never happens.
         """
         (name, form, (code, bitcode)), *rest = result._reduce()
         return (name, form, (code, names_alone(llvmlite.binding.parse_bitcode(bitcode)))), *rest
@@ -188,7 +192,7 @@ class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]  # Numba's types are s
 
 
 class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """Code that is never run where it stands, only linked into wholes: it is left as it was lowered."""
+    """A library of code that is only linked into wholes and never executed itself; it remains as it was lowered."""
 
     def _optimize_functions(self, module: Any) -> None:
         module.data_layout = self._codegen._data_layout
@@ -225,7 +229,7 @@ class Nowhere:
 
 
 class Borrowing(Compiler):  # type: ignore[misc]
-    """Compiles without counting references to what arguments keep."""
+    """A compiler that does not count references to values that the arguments keep alive."""
 
     def define_pipelines(self) -> list[PassManager]:
         """The steps."""
@@ -241,7 +245,7 @@ class Part(Borrowing):
 
 @contextlib.contextmanager
 def libraries_are_parts(codegen: Any) -> Iterator[None]:
-    """Make every code library that is created inside this block a part."""
+    """A block in which every new code library is a part."""
     kept, codegen._library_class = codegen._library_class, PartLibrary
     try:
         yield
@@ -278,19 +282,19 @@ class PartCache(DiskCache):
     kind = "part"
 
     def reduced(self, result: Any) -> Any:
-        """What is stored: code to be linked."""
+        """The data to store: code to be linked."""
         return result._reduce()
 
     def rebuilt(self, target: Any, stored: Any) -> Any:
-        """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
-        process would find this first: a time step from parts of the disk was fourteen times slower than one read whole.
+        """The stored code as a part to be linked. If it were prepared for execution, as Numba does, code that is
+        compiled later in the same process would call it without inlining, which was fourteen times slower.
         """
         with libraries_are_parts(target.codegen()):
             return super().rebuilt(target, stored)
 
 
 class TogetherCache(DiskCache):
-    """The disk cache of what compiled code calls without threads."""
+    """The disk cache of functions that compiled code calls without threads."""
 
     kind = "together"
 
@@ -304,11 +308,13 @@ class AloneCache(DiskCache):
 WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 PART = {**WHOLE, "no_cpython_wrapper": True}
 EXACT = {"fastmath": False}
-"""Said of each part: where nothing is said, Numba takes it from who calls it first, and on the disk that lasts."""
+"""The flags of each part. Without them, Numba would apply those of the first caller, also to the code on disk."""
 
 
 def overload(function: Any, **options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Register a function that chooses from the types of its arguments what compiled code calls for `function`."""
+    """Register a function that selects, by the types of the arguments, the implementation of `function` in compiled
+    code.
+    """
     jit_options = {**PART, "pipeline_class": Part, **options}
     register: Callable[[Callable[..., Any]], Any] = numba.extending.overload(
         function, jit_options=jit_options, strict=False
@@ -326,12 +332,12 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
             self._cache, self.part._cache = DiskCache(function), PartCache(function)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """How compiled code calls it. A literal 0 in the caller is a number like any other, not a separate type
-        with a separate compilation.
+        """The template by which compiled code calls the function. A literal 0 as an argument is typed as a number, so
+        that it causes no second compilation.
         """
         plain = tuple(types.unliteral(argument) for argument in arguments)
         return self.part.get_call_template(plain, {name: types.unliteral(kind) for name, kind in keywords.items()})
 
     def get_overload(self, signature: Any) -> Any:
-        """What compiled code calls."""
+        """The implementation that compiled code calls."""
         return self.part.get_overload(signature)

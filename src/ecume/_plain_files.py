@@ -1,4 +1,4 @@
-"""Plain files, also below a folder that comes from anyone.
+"""Safe access to regular files, also in folders that other users may have written.
 
 A run directory may contain symbolic links, hard links, named pipes and devices. `require_plain` refuses all but plain
 files and folders. `opened` and `Place` open one component of a path after the other, each relative to the descriptor of
@@ -32,7 +32,7 @@ FLAGS = {
 }
 """Flags of each mode: `w+` makes a new file, `a+` opens a file for reading and writing, or makes it."""
 SPARSE = 100
-"""Times its data: a large file of this size or more consists of holes."""
+"""The ratio of size to data on disk from which a large file counts as sparse."""
 AT_ONCE = 2**20
 """Bytes that are read at once."""
 ENOUGH = 2**30
@@ -81,14 +81,14 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
 
 
 def _kind(found: os.stat_result) -> str:
-    """What is wrong with something that is no plain file, and the way out."""
+    """The message about an object that is not a regular file, with the remedy."""
     kinds = {stat.S_ISLNK: "a link", stat.S_ISFIFO: "a named pipe", stat.S_ISSOCK: "a socket", stat.S_ISDIR: "a folder"}
     name = next((name for is_kind, name in kinds.items() if is_kind(found.st_mode)), "a device")
     return f"is {name}; expected a plain file. Remove it, or do not use what contains it"
 
 
 class Place(NamedTuple):
-    """A file in a folder that is open: what is done here is done in this folder, whatever its path means meanwhile."""
+    """A file name in an open folder. Operations apply to this folder even if its path changes meanwhile."""
 
     folder: Path
     name: str
@@ -106,7 +106,7 @@ class Place(NamedTuple):
         return self._replace(name=name)
 
     def found(self) -> os.stat_result | None:
-        """What is there; None if nothing is."""
+        """The status of the file, or None if it does not exist."""
         try:
             return os.stat(self._named, dir_fd=self.descriptor, follow_symlinks=not self.bare)
         except FileNotFoundError:
@@ -127,19 +127,19 @@ class Place(NamedTuple):
         return cast(FileIO, os.fdopen(handle, f"{mode.replace('a+', 'r+')}b", buffering=0))
 
     def unlink(self) -> None:
-        """Remove the file, if there is one."""
+        """Remove the file if it exists."""
         with contextlib.suppress(FileNotFoundError):
             os.unlink(self._named, dir_fd=self.descriptor)  # relative to a folder
 
     def take(self, other: Place) -> None:
-        """Put another file of the same folder in the place of this one."""
+        """Replace this file by another one of the same folder."""
         if self.descriptor is None:
             os.replace(other.path, self.path)  # noqa: PTH105  # Windows renames over nothing otherwise
         else:
             os.rename(other.name, self.name, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
 
     def settle(self) -> None:
-        """Let the names in the folder survive a loss of power. Windows opens no folders, and needs none of this."""
+        """Flush the folder to disk. Windows opens no folders and needs no flush."""
         if self.descriptor is not None:
             os.fsync(self.descriptor)
 
@@ -189,7 +189,7 @@ def opened(path: Path, mode: str, root: Path | None = None) -> FileIO:
 
 
 def append(file: FileIO, content: bytes) -> None:
-    """Write all of it at the end of a file; what a refused attempt took of the disk is given back."""
+    """Append content to a file completely. After a failure, the part that was written is removed."""
     before = os.fstat(file.fileno()).st_size
     left = memoryview(content)
     try:
@@ -218,7 +218,7 @@ def content_of(path: Path, most: int, root: Path | None = None) -> bytes:
 
 
 def require_memory(size: int, path: Path) -> None:
-    """Raise NotPlain where a file says that so many bytes are to be read, and the machine has no memory for them."""
+    """Raise NotPlain if a file announces more bytes than the machine has memory for."""
     if size <= ENOUGH:
         return
     total = memory_limit()
@@ -230,7 +230,9 @@ GROUPS = Path("/proc/self/cgroup")
 """The control groups of this process on Linux."""
 GROUP_LIMITS = {"": (Path("/sys/fs/cgroup"), "memory.max"),
                 "memory": (Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes")}  # fmt: skip
-"""Where the limits of memory are: version 2 has one hierarchy without a name, version 1 one that is called `memory`."""
+"""The files with the memory limit of a control group: version 2 has one unnamed hierarchy, version 1 one named
+`memory`.
+"""
 
 
 def memory_limit() -> int:
@@ -267,8 +269,8 @@ def _address_space() -> Iterator[int]:
 
 
 def read_at(file: FileIO, start: int, count: int) -> bytes:
-    """So many bytes of a file from a place on, fewer where it ends. Threads may read one file at the same time: where
-    the system can, the position of the file is neither used nor changed.
+    """Read a number of bytes at an offset, fewer at the end of the file. Threads may read one file at the same time,
+    since the file position is not used where the system allows it.
     """
     if not hasattr(os, "pread"):
         with _ONE_AT_A_TIME:

@@ -33,7 +33,7 @@ def _elementwise(function: Callable[[float], float]) -> Callable[[ArrayLike], An
 
 
 def _exponential(value: float) -> float:
-    """As NumPy has it: infinite if the result is too large, NaN if the argument is NaN."""
+    """The exponential function with NumPy's conventions: infinity for overflow, NaN for NaN."""
     return math.exp(value) if value < 709.0 else float(np.exp(value))
 
 

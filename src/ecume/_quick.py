@@ -18,7 +18,7 @@ Size = TypeVar("Size")
 
 WORD = "--quick"
 QUICK = WORD in sys.argv
-"""Also in processes that a script starts: they get its arguments."""
+"""Whether the quick size was requested, also in child processes, which inherit the arguments."""
 
 
 def sized(full: Size, quick: Size) -> Size:
@@ -36,7 +36,7 @@ def parser_of(text: str | None) -> argparse.ArgumentParser:
 
 
 def folder_of(full: Path) -> Path:
-    """Where a script writes."""
+    """The output folder of a script."""
     if not QUICK:
         return full
     place = Path(tempfile.mkdtemp(prefix="ecume-quick-"))

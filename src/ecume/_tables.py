@@ -1,4 +1,4 @@
-"""Tables of alternatives, from which compiled code takes a row by the type of its constants."""
+"""Tables of alternatives; compiled code selects a row by the type of its constants."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ class Spread:
 
 OTHERS = ("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion")
 PLAIN_LOOPS = dict.fromkeys(OTHERS, False)
-"""Only loops that say so are spread over threads: what array expressions become takes a second each to compile."""
+"""The flags by which only explicit loops are threaded; threaded array expressions take a second each to compile."""
 
 
 class Shared(Dispatcher):
@@ -111,9 +111,9 @@ class Shared(Dispatcher):
 
 
 class Apart(Dispatcher):
-    """What compiled code calls through Python, which compiles it at the first call. Arrays are handed on as addresses
-    and shapes. The entrance is linked by its name, which is known to LLVM as soon as the module is imported, so that
-    code from the disk finds it.
+    """A function that is compiled at its first call from compiled code, which reaches it through Python. Arrays are
+    passed as addresses and shapes. It is linked by its name, which LLVM knows once the module is imported, so that code
+    from the disk finds it.
     """
 
     def __init__(self, function: Any, arrays: tuple[str, ...]) -> None:
@@ -137,7 +137,7 @@ class Apart(Dispatcher):
 
 
 def as_array(address: int, kind: str, shape: tuple[int, ...]) -> Any:
-    """The array of this type and shape that lies there."""
+    """The array of this type and shape at an address."""
     if 0 in shape:
         return np.empty(shape, kind)
     return np.ctypeslib.as_array((np.ctypeslib.as_ctypes_type(kind) * math.prod(shape)).from_address(address)).reshape(
@@ -164,7 +164,9 @@ def _sizes(axes: int) -> list[str]:
 
 
 class Composed(Dispatcher):
-    """What compiled code calls as a part, and Python runs as it stands: what it consists of is compiled by itself."""
+    """A function that compiled code calls as a part, while Python executes its text with each called function compiled
+    separately.
+    """
 
     def __init__(self, function: Any) -> None:
         super().__init__(function, {"inline": "always"}, cache=True)
@@ -190,21 +192,21 @@ class Selected(Dispatcher):
         return self.missing if function is None else function(*arguments)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """How compiled code calls the chosen function."""
+        """The template by which compiled code calls the selected function."""
         function = self.choice(arguments[0].instance_class)
         if function is None:
             return _constant(self.missing)[0], None, arguments, keywords
         return function.get_call_template(arguments, keywords)
 
     def get_overload(self, signature: Any) -> Any:
-        """What compiled code calls."""
+        """The implementation that compiled code calls."""
         function = self.choice(signature[0].instance_class)
         return _constant(self.missing)[1] if function is None else function.get_overload(signature)
 
 
 @functools.cache
 def _constant(value: int | None) -> tuple[Any, Any]:
-    """How compiled code types and finds a call that is only this value."""
+    """The type and the code of a call with a constant value."""
     kind = types.none if value is None else types.int64
 
     def constant(*arguments: Any) -> int | None:

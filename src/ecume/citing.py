@@ -26,8 +26,8 @@ KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
 
 
 def papers_of(scene: Scene) -> list[str]:
-    """The keys of the papers behind the laws of a scene, in the order in which the laws come in. Raises SceneError
-    if the scene names a law that does not exist.
+    """The bibliography keys of the laws of a scene, in order of their use. Raises SceneError if the scene names an
+    unknown law.
     """
     model = MODELS[scene.model]
     try:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 
 class EcumeError(Exception):
-    """Whatever ecume says no to; `exit_code` is what the command line ends with."""
+    """The base of all errors that ecume reports; `exit_code` is the exit code of the command line."""
 
     exit_code = 1
 
@@ -33,8 +33,8 @@ class BadInput(EcumeError, ValueError):
 
 
 class Fault(NamedTuple):
-    """One fault of a scene: its path (`particles[0].radius`), what is wrong with the way out, and where it stands in
-    the file.
+    """One fault of a scene: its path (`particles[0].radius`), the message with the remedy, and its position in the
+    file.
     """
 
     path: str
@@ -65,7 +65,7 @@ class RunExists(BadInput):
 
 
 class Diverged(EcumeError):
-    """The state left the range where it means anything; says the time, the particle and the cure."""
+    """The state left the range of validity; the message contains the time, the particle and the remedy."""
 
     exit_code = 3
 
@@ -100,7 +100,7 @@ OF_AN_EXTRA = re.compile(r"^(?P<package>[^;]+);.*\bextra == ['\"](?P<extra>[a-z]
 
 
 def install(extra: str) -> str:
-    """The command that installs what an extra needs: `pip install 'pandas>=2.2'`."""
+    """The command that installs the packages of an extra: `pip install 'pandas>=2.2'`."""
     from importlib.metadata import PackageNotFoundError, requires  # not needed by `ecume --help`
 
     try:

@@ -1,4 +1,4 @@
-"""What a recorded number was made from: whether it is still what a case, or a benchmark, would give.
+"""Digests of the code and data behind recorded numbers, which tell whether a record is stale.
 
 A digest of the source of every module that a case or a script reaches by imports, of its data, and of the templates
 that it names. Of the models and their scenes only those count that it uses. Comments, docstrings, blank lines and
@@ -19,13 +19,13 @@ from typing import Any, NamedTuple
 PACKAGE = Path(__file__).absolute().parent
 CASES = "ecume_validation."
 RUNNER = f"{CASES}runner"
-"""Imported by every case: the models that it names say nothing about one."""
+"""The module that every case imports; models that it names are ignored."""
 NOT_TIMED = re.compile(r"ecume(\.(cli(\..*)?|_version|made_from))?$|ecume_validation$")
-"""Modules on which neither numbers nor times depend: their effect is that of what they import."""
+"""Modules without influence on numbers and times, apart from that of their imports."""
 NO_NUMBERS = re.compile(
     r"ecume\.(?:(citing|lammps|run|show|trajectories)(\..*)?|models\.(costs|gravity|size_report)|.*\.(check_report|first_contact))$"
 )
-"""Modules on which no number of a case depends: they draw, store, or say what `ecume check` prints."""
+"""Modules without influence on the numbers of cases: they draw, store, or print."""
 OF_A_MODEL = re.compile(r"ecume\.(?:models|scenes)\.(floating|soft|sph|tracers)(?:\..*)?$")
 MODELS = frozenset({"floating", "soft", "sph", "tracers"})
 QUOTED = re.compile(r"\"([\w-]+)\"")
@@ -34,7 +34,7 @@ NAMED = re.compile(r"ecume(?:_validation)?(?:\.\w+)+(?=:\w+$|$)")
 
 
 class Source(NamedTuple):
-    """What a module says, and whom it names."""
+    """The digest of a module, and the names that it contains."""
 
     digest: str
     imports: frozenset[str]
@@ -46,7 +46,7 @@ class Source(NamedTuple):
 
 @cache
 def digest_of(home: str, case: str = "", package: Path = PACKAGE) -> str:
-    """Of all that the numbers of a case are made from, or the times of a script; `home` is its module."""
+    """The digest of everything behind the numbers of a case or the times of a script; `home` is its module."""
     whole = hashlib.sha256()
     for name in sorted(modules_of(home, case, package)):
         whole.update(f"{name} {_source(_path(name, package)).digest}\0".encode())
@@ -81,7 +81,7 @@ def models_of(home: str, case: str = "", package: Path = PACKAGE) -> frozenset[s
 
 @cache
 def _own(home: str, package: Path) -> tuple[str, ...]:
-    """The module of a case or a script, and those beside it that it takes something from."""
+    """The module of a case or script, and the modules beside it that it imports."""
     found, ahead = dict[str, None](), [home]
     while ahead:
         name = ahead.pop()
@@ -112,20 +112,20 @@ def _data(home: str, case: str, package: Path) -> tuple[Path, ...]:
 
 @cache
 def _templates(home: str, package: Path) -> tuple[Path, ...]:
-    """Those that the code names."""
+    """The templates that the code names."""
     every = sorted((package / "templates").glob("*.toml"))
     return tuple(path for path in every if {path.stem, path.name} & _texts(home, package))
 
 
 def _content(path: Path) -> bytes:
-    """A table as it is; of a scene, what it says."""
+    """The content of a table, or the parsed content of a scene."""
     text = path.read_text(encoding="utf-8")
     return (repr(tomllib.loads(text)) if path.suffix == ".toml" else text).encode()
 
 
 @cache
 def _imported(name: str, package: Path) -> tuple[str, ...]:
-    """The modules that a module names, and the packages that they lie in."""
+    """The modules that a module imports, and their packages."""
     found: set[str] = set()
     for named in _source(_path(name, package)).imports:
         module = named if _path(named, package).is_file() else named.rpartition(".")[0]
@@ -148,21 +148,21 @@ def _path(name: str, package: Path) -> Path:
 
 
 def recorded(name: str) -> dict[str, Any]:
-    """What was recorded: a file of the folder `docs` in a checkout. An installed package has none."""
+    """The records of a file in the folder `docs` of a checkout; empty for an installed package."""
     path = PACKAGE.parents[1] / "docs" / f"recorded-{name}.json"
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     return found
 
 
 def age_of(entry: dict[str, Any] | None, home: str, case: str = "") -> str:
-    """When a case or a script was recorded; stale where what it is made from has changed since, or was not noted."""
+    """The date of a record, marked as stale if its digest is missing or has changed."""
     if entry is None:
         return "not recorded"
     return entry["date"] if entry.get("made_from") == digest_of(home, case) else f"stale: {entry['date']}"
 
 
 def scripts_of(package: Path = PACKAGE) -> Path:
-    """The folder of the benchmarks: in the package once it is installed, beside `src` in a checkout."""
+    """The folder of the benchmarks: in the installed package, or beside `src` in a checkout."""
     inside = package / "benchmarks"
     return inside if inside.is_dir() else package.parents[1] / "benchmarks"
 
@@ -178,7 +178,7 @@ def _source(path: Path) -> Source:
 
 
 class Reading(NamedTuple):
-    """What is gathered from a tree."""
+    """The names and texts that are collected from a syntax tree."""
 
     said: list[str]
     """the tree as text that is equal for all versions of Python, without what changes no number"""

@@ -35,7 +35,7 @@ class Clusters(NamedTuple):
 
     @property
     def mean_size(self) -> float:
-        """The mean number of floats in a cluster, single floats counted as clusters; 0 where there are no floats."""
+        """The mean number of floats in a cluster, where single floats count as clusters; 0 without floats."""
         return float(self.sizes.mean()) if self.sizes.size else 0.0
 
     @property
@@ -94,7 +94,9 @@ def components(pairs: Integers, count: int) -> Clusters:
 
 
 def mean_raft(clusters: Clusters) -> float:
-    """The mean number of floats in the cluster of a float, sum n^2/sum n, in which large rafts have larger weights."""
+    """The mean size of the cluster of a randomly chosen float, sum n^2/sum n, in which large rafts
+    have larger weights.
+    """
     return float(np.sum(clusters.sizes**2) / max(int(clusters.sizes.sum()), 1))
 
 
@@ -149,7 +151,8 @@ def topology_of(pairs: Integers | Sequence[tuple[int, int]], count: int) -> Topo
 
 
 def _codes(neighbors: Neighbors, colors: list[int]) -> Counter[int]:
-    """The adjacency of each numbering that the search reaches, as one integer, with how often it is reached.
+    """The adjacency of each numbering that the search reaches, as one integer, with its number of
+    occurrences.
 
     Colors are refined until floats of one color have the same numbers of neighbors of each color. A float of the first
     color that several share then gets a separate color, each of them in turn. Numberings with the same adjacency
@@ -211,7 +214,7 @@ def arrangement(frame: Frame, *, tolerance: float = TOLERANCE) -> str:
 
 
 def frequencies(frames: Iterable[Frame], floats: int, *, tolerance: float = TOLERANCE) -> dict[Topology, int]:
-    """How often each topology of clusters with this number of floats appears in the frames, most frequent first."""
+    """The number of occurrences of each topology of clusters with this number of floats, in descending order."""
     found = Counter(
         each for frame in frames for each in topologies(frame, tolerance=tolerance) if each.floats == floats
     )
@@ -238,7 +241,7 @@ def rigid_weight(position: Lengths, pairs: Integers) -> Number:
 
 
 def rigidity_matrix(position: Array, pairs: Integers) -> Array:
-    """(contacts, 2 N): how the length of each contact changes with the coordinates of the centers."""
+    """The (contacts, 2 N) derivatives of the contact lengths by the coordinates of the centers."""
     matrix = np.zeros((len(pairs), *position.shape))
     for row, (i, j) in enumerate(pairs):
         along = (position[j] - position[i]) / np.linalg.norm(position[j] - position[i])
@@ -247,7 +250,7 @@ def rigidity_matrix(position: Array, pairs: Integers) -> Array:
 
 
 class Transitions(NamedTuple):
-    """The numbers of changes from each state to each other one in a sequence."""
+    """The number of transitions between each pair of states in a sequence."""
 
     states: tuple[str, ...]
     """most frequent first"""

@@ -1,4 +1,4 @@
-"""How particles spread, pass and stay: dispersion, residence times, breakthrough, concentration, deposition.
+"""Dispersion of particles: displacements, residence times, breakthrough, concentration, deposition.
 
 Functions of the frames of a run. Errors are standard errors: of groups of particles for moments, of counts otherwise.
 Particles count while they are inside. `dataset` makes a dataset of xarray in which each particle is a trajectory, by
@@ -84,7 +84,7 @@ def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
 
 
 class Residence(NamedTuple):
-    """How long particles stayed that have left; between frames they entered and left half-way."""
+    """The residence times of particles that have left; entry and exit are taken as half-way between frames."""
 
     times: Array
     """(n,) s"""
@@ -142,7 +142,7 @@ def _sticking_walls(frame: Frame) -> list[int]:
 
 
 def deposited(frame: Frame, wall: int | None = None) -> Flags:
-    """(N,) whether each particle stays on a sticking wall, or on any."""
+    """Flags (N,) of the particles that adhere to a sticking wall, or to any."""
     walls = _sticking_walls(frame)
     openings = _openings(frame)
     if wall is not None and wall not in walls:

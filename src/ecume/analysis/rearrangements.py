@@ -405,7 +405,7 @@ def local_deformation(
 
 
 def _fitted(count: int, first: Integers, old: Array, new: Array) -> LocalDeformation:
-    """Least squares for each particle at once."""
+    """The least-squares fits of all particles at once."""
     dimensions = old.shape[1]
     onto, square = np.zeros((2, count, dimensions, dimensions))
     np.add.at(onto, first, new[:, :, None] * old[:, None, :])

@@ -84,7 +84,7 @@ def steady_state(values: Array) -> SteadyState:
 
 
 def steady_part(frames: Sequence[Frame]) -> tuple[Sequence[Frame], bool]:
-    """The frames from which on shear stress and normal stress are stationary, and whether they are."""
+    """The frames in which shear stress and normal stress are stationary, and whether such frames exist."""
     found = [steady_state(values) for values in series(frames, number("shear_stress"), number("normal_stress"))]
     return frames[max(one.first for one in found) :], all(one.settled for one in found)
 
@@ -302,7 +302,7 @@ class _Fit(NamedTuple):
     misfit: float
 
     def mean(self, place: int) -> Mean:
-        """One of the parameters with its error."""
+        """One parameter with its error."""
         return Mean(float(self.best[place]), math.sqrt(max(float(self.covariance[place, place]), 0.0)))
 
 
@@ -388,7 +388,7 @@ def moduli(time: Array, strain: Array, stress: Array, period: Time) -> Moduli:
 
 
 def _without_drift(time: Array, values: Array, turn: Integers, whole: int) -> Array:
-    """Less what the means over periods grow by: harmonics have none."""
+    """The values minus the linear drift of their means over periods, which contributes nothing to harmonics."""
     if whole < 2:
         return values
     middle, mean = ([part[turn == n].mean() for n in range(whole)] for part in (time, values))
@@ -396,7 +396,9 @@ def _without_drift(time: Array, values: Array, turn: Integers, whole: int) -> Ar
 
 
 def _harmonics(time: Array, values: Array, period: Time) -> tuple[complex, complex, complex]:
-    """The first and third harmonic, values = Re(c exp(i w t)) + ..., and the first one's error from what is left."""
+    """The first and third harmonic, values = Re(c exp(i w t)) + ..., and the error of the first one
+    from the residual.
+    """
     phase = 2.0 * math.pi / period * time
     columns = [wave(n * phase) for n in (1.0, 2.0, 3.0) for wave in (np.cos, np.sin)]
     terms = np.column_stack([*columns, np.ones_like(time)])
@@ -446,7 +448,7 @@ def least_rate(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) ->
 
 
 def creep(frames: Sequence[Frame], step: Time) -> tuple[Array, Array]:
-    """The time since a step of stress, and the strain since then in the sense in which it ends."""
+    """The time since a step of stress, and the strain since then, positive in its final direction."""
     now, strain = times(frames), *series(frames, number("strain"))
     after = now >= step * (1.0 - 1e-9)
     if after.sum() < 2:
@@ -473,11 +475,14 @@ class CreepFlow(NamedTuple):
 
 
 STOPPING = 0.5
-"""Of that exponent: where the rate falls faster, the strain grows by less than the root of time."""
+"""The exponent of the strain rate below which creep counts as stopping: the strain then grows more slowly than the
+square root of time.
+"""
 
 
 def creep_flow(frames: Sequence[Frame], step: Time) -> CreepFlow:
-    """The creep under a constant shear stress since its step: how far, how fast and whether it slows down.
+    """The creep under a constant shear stress since its step: strain, rate, and whether it slows
+    down.
 
     >>> frames = [Frame(t, {}, {"strain": 0.05 * t + 0.1}, {}) for t in np.arange(0.0, 8.1, 0.1)]
     >>> flow = creep_flow(frames, step=0.0)

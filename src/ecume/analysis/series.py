@@ -23,7 +23,7 @@ def times(frames: Iterable[Frame]) -> Array:
 
 
 def series(frames: Iterable[Frame], *measures: Callable[[Frame], float]) -> Array:
-    """One row of values per measure, one column per frame. The frames are read once, however many the measures.
+    """One row of values per measure and one column per frame. The frames are read only once.
 
     >>> frames = [Frame(0.5 * n, {}, {"kinetic_energy": float(n)}, {}) for n in range(3)]
     >>> series(frames, number("kinetic_energy"))
@@ -45,7 +45,7 @@ def number(name: str) -> Callable[[Frame], float]:
 
 
 FAR = 0.4
-"""Of a side: a particle that seems to move farther between two frames may have gone the other way around."""
+"""The fraction of a periodic side above which the displacement between two frames is ambiguous."""
 
 
 class PathWarning(UserWarning):
@@ -53,7 +53,9 @@ class PathWarning(UserWarning):
 
 
 def inside(frame: Frame) -> Flags:
-    """(N,) whether each particle is there; those that left through an opening stay in the arrays of a frame."""
+    """Flags (N,) of the particles that are inside; those that left through an opening remain in the
+    arrays of frames.
+    """
     if "left" in (*frame.arrays, *omitted_from(frame)) and "position" in frame.arrays:
         return np.asarray(frame.arrays["left"] < 0)
     return np.ones(len(frame.arrays["position"]), bool)
@@ -87,7 +89,7 @@ def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None
 
 
 def _unwrapped(frame: Frame) -> Array:
-    """Positions as if there were no borders (m)."""
+    """The unwrapped positions (m) of particles in periodic boxes."""
     position, box = frame.arrays["position"], box_of(frame)
     if box is None or "image" not in frame.arrays:
         return position
@@ -130,7 +132,8 @@ BLOCKS = 8
 
 
 def steady_mean(values: Array, blocks: int = BLOCKS) -> Mean:
-    """The mean of a steady series; its error is that of block means, since neighboring values are alike.
+    """The mean of a stationary series, with its error from block means, since neighboring values
+    are correlated.
 
     Blocks that are longer than the series' memory are independent of one another. Fewer values than two blocks hold
     have no error: not a number.

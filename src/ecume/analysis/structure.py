@@ -46,7 +46,8 @@ def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
 
 
 def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
-    """psi_6 of each float, the mean of exp(6 i phi) over its neighbors' directions; 0 for who has none.
+    """psi_6 of each float, the mean of exp(6 i phi) over the directions of its neighbors; 0 without
+    neighbors.
 
     Its magnitude is 1 inside a triangular lattice, its phase six times the lattice's angle. The magnitude of the mean
     measures the global order, the mean magnitude the local order, whatever the orientation of the lattices.
@@ -228,8 +229,8 @@ def whole(frame: Frame, clusters: Clusters) -> Array:
 
 
 def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
-    """(lags,) m^2: the mean over particles and over all starts of how far they go in so many frames, squared; of
-    particles that enter and leave while they are inside, and NaN where none is inside for so long.
+    """The mean square displacement (m^2) for each lag in frames, (lags,), over all particles and start frames.
+    Particles count while they are inside; NaN if none is inside for so long.
 
     `tracks`: (frames, particles, d), as `ecume.analysis.series.tracks` makes them.
     """

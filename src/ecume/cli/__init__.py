@@ -46,7 +46,7 @@ ALONE = (
     browser.view,
     browser.play,
 )
-"""Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
+"""Verbs without required arguments: they list their choices or use the run in the current directory."""
 
 NAMES: dict[Callable[..., None], str] = {runs.list_runs: "list", runs.import_run: "import"}
 """Verbs whose names are Python's own words."""

@@ -1,4 +1,4 @@
-"""The verbs validate and bench: ecume beside what others computed, and how fast it is beside other packages."""
+"""The verbs validate and bench: comparisons with published numbers, and speed in comparison with other packages."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def _cells(row: Row) -> tuple[str | Text, ...]:
 
 
 class Bench(NamedTuple):
-    """A script of `benchmarks`, and how it is called."""
+    """A benchmark script and its arguments."""
 
     name: str
     summary: str
@@ -258,7 +258,7 @@ def _chosen_benchmarks(names: Sequence[str], *, everything: bool) -> list[Bench]
 
 
 def folder() -> Path:
-    """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
+    """The folder of the benchmark scripts: inside the installed package, or beside `src` in a checkout."""
     from ecume.made_from import scripts_of
 
     if not (found := scripts_of()).is_dir():
@@ -292,7 +292,7 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
 
 
 def _output_of(command: list[str]) -> tuple[int, str]:
-    """Run a script and pass on what it prints; its exit code, and all of that."""
+    """Run a script and print its output as it arrives. Returns the exit code and the output."""
     lines = []
     unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=unbuffered) as process:  # noqa: S603  (a script of ecume)

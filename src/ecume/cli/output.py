@@ -33,7 +33,7 @@ lines; and halves of characters, which no terminal can show.
 
 
 def cleaned(text: str) -> str:
-    r"""Text without anything that acts on a terminal, as it may stand in titles, names and messages of files.
+    r"""Text without characters that act on a terminal, for titles, names and messages from files.
 
     >>> cleaned("a\x1b[31mred")
     'a[31mred'
@@ -42,12 +42,12 @@ def cleaned(text: str) -> str:
 
 
 def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
-    """Print text; all that verbs print goes through here or through `print_table`."""
+    """Print text. All output of verbs goes through this function or `print_table`."""
     typer.echo(cleaned(str(text)), err=err, nl=nl)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *, numbers: Sequence[str] = ()) -> None:
-    """Print rows under their columns; those named in `numbers` stand flush right."""
+    """Print rows under their columns; the columns in `numbers` are right-aligned."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -68,7 +68,7 @@ Record = Annotated[
 
 
 def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
-    """Put an entry into a file, in place of an earlier one of its name; the others stay."""
+    """Write an entry to a record file, replacing the former entry with this name."""
     from ecume.run.manifest import circumstances
     from ecume.trajectories.records import json_of, write_json
 
@@ -82,7 +82,7 @@ def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
 
 
 def commit() -> dict[str, str]:
-    """That of the checkout, with `-dirty` where files differ from it. Empty for an installed package."""
+    """The commit of the checkout, with `-dirty` if files differ from it; empty for an installed package."""
     words = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=8", "--exclude=*"]
     try:
         found = subprocess.run(words, capture_output=True, text=True, check=True)  # noqa: S603  (fixed words)

@@ -169,7 +169,7 @@ def require_folder(file: Path) -> None:
 
 
 RESULTS = "results"
-"""The folder in a run's directory for what is made of it: movies, figures, exports."""
+"""The folder of a run directory for movies, figures and exports."""
 
 
 class Format(StrEnum):
@@ -405,7 +405,7 @@ class Asked(NamedTuple):
 
 
 def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool) -> None:
-    """Raise BadInput where a figure that needs no run comes with one, or with the other such figure."""
+    """Raise BadInput if a figure that uses no run is combined with a run, or with another such figure."""
     if force_law is not None and (integrators or of_a_run):
         raise BadInput("--force-law needs no run, no --what and no --integrators; it draws a scene's pairs")
     if integrators and of_a_run:
@@ -617,7 +617,7 @@ def _crate(directory: Path, out: Path | None, authors: list[str], license_name: 
 
 
 def wrote(path: Path, *, quiet: bool) -> None:
-    """Say which file there is now."""
+    """Print the path of a written file."""
     if not quiet:
         echo(f"wrote {path}")
 

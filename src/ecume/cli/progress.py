@@ -20,7 +20,9 @@ _began: list[float] = []
 
 
 def start() -> None:
-    """A command begins. The first of a process began with the process, which has computed ever since."""
+    """Start the clock of a command. For the first command of a process, this includes the processor time since the
+    process began.
+    """
     before = 0.0 if _began else time.process_time()
     _began[:] = [time.monotonic() - before]
 
@@ -48,7 +50,7 @@ def shown(*, quiet: bool) -> Iterator[Reporter | None]:
 
 
 class WithExpectation:
-    """A reporter whose first line is how long the run is expected to take, as soon as its steps have been timed."""
+    """A reporter whose first line is the expected duration of the run, as soon as steps have been timed."""
 
     def __init__(self, report: Reporter) -> None:
         self._report, self._said = report, False
@@ -95,8 +97,8 @@ def _bar() -> Iterator[Reporter]:
 
 @contextmanager
 def counted(what: str, *, quiet: bool, lines: bool = False) -> Iterator[Callable[[int, int], None] | None]:
-    """What counts things that are done, `12 of 300 points, 4 min left`: a bar on a terminal; elsewhere `lines`, or
-    nothing if the end is near.
+    """A reporter of the number of completed items, `12 of 300 points, 4 min left`: a bar on a terminal, plain lines
+    elsewhere if requested.
     """
     if quiet or not (lines or sys.stderr.isatty()):
         yield None
@@ -135,14 +137,14 @@ class Pace:
 
 
 class CountLines:
-    """A plain line every ten seconds in which something was done."""
+    """A reporter that prints a plain line every ten seconds, if items were completed."""
 
     def __init__(self, pace: Pace) -> None:
         self._pace = pace
         self._last = time.monotonic()
 
     def __call__(self, done: int, of: int) -> None:
-        """Say how many are done, if it is time to."""
+        """Print the number of completed items if a line is due."""
         said, now = self._pace(done, of), time.monotonic()
         if now - self._last >= LINE_EVERY:
             self._last = now
@@ -156,7 +158,7 @@ class Lines:
         self._last = time.monotonic()
 
     def __call__(self, progress: Progress) -> None:
-        """Say how far it is, if it is time to."""
+        """Print the progress if a line is due."""
         now = time.monotonic()
         if now - self._last >= LINE_EVERY:
             self._last = now
@@ -164,12 +166,12 @@ class Lines:
 
 
 def line(progress: Progress) -> str:
-    """The whole progress line: `12.35 s of 20 s, 3.1 x real time, 2.5 s left`, without what is not known yet."""
+    """The progress line, `12.35 s of 20 s, 3.1 x real time, 2.5 s left`, without quantities that are still unknown."""
     return ", ".join(part for part in (place(progress), ahead(progress.remaining)) if part)
 
 
 def waiting() -> str:
-    """What a run does before its first step."""
+    """The activity of a run before its first step."""
     return "compiling" if watch.compiling else "setting up"
 
 
@@ -180,7 +182,7 @@ def place(progress: Progress) -> str:
 
 
 def ahead(remaining: float | None) -> str:
-    """The time left, `4 min left`; nothing while it is unknown."""
+    """The remaining time, `4 min left`; empty while it is unknown."""
     return "" if remaining is None else f"{lasting(remaining)} left"
 
 

@@ -107,7 +107,7 @@ def _text(value: object) -> str:
 
 
 RUNS = Path("runs")
-"""Where runs go by default: `runs/bowl` for `bowl.toml`."""
+"""The default parent folder of runs: `runs/bowl` for `bowl.toml`."""
 
 DAY = 86400.0
 """s"""
@@ -362,7 +362,7 @@ def repair(directory: RunFolder = HERE) -> None:
 
 @contextlib.contextmanager
 def watched(directory: Path, *, enabled: bool) -> Iterator[None]:
-    """Let the browser follow the run that is made inside."""
+    """A block in which a browser follows the run that it computes."""
     if not enabled:
         yield
         return
@@ -381,7 +381,7 @@ def watched(directory: Path, *, enabled: bool) -> Iterator[None]:
 
 @contextlib.contextmanager
 def offered(address: str, what: str = "follow the run") -> Iterator[None]:
-    """Print an address and what it is for, and open it in the browser, in a block that lasts as long as it serves."""
+    """A block in which a server runs; its address is printed with its purpose and opened in the browser."""
     import webbrowser
 
     from ecume.show.serving import redirect_file
@@ -405,7 +405,7 @@ def summary(done: RunResult) -> str:
 
 
 LARGE = 0.2
-"""Of the wall time: setup and compilation that take more of it are named."""
+"""The fraction of the wall time above which setup and compilation are reported separately."""
 
 
 def _spent(done: RunResult) -> str:

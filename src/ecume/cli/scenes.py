@@ -1,4 +1,4 @@
-"""The verbs about scenes: new, check and cite; and what computes a scene.
+"""The verbs about scenes: new, check and cite; also the choice of the compiler mode.
 
 The options select an engine. Scenes are checked in plain Python unless many particles have to be placed: to load
 compiled code takes longer than the few loops that a check runs.
@@ -80,11 +80,11 @@ FEW = 1000
 """Particles that are placed at random in plain Python as soon as compiled code is loaded."""
 
 own_process: list[bool] = []
-"""Not empty where this process runs one command and ends."""
+"""Not empty if this process runs one command and ends."""
 
 
 def without_compiler(scene: Scene) -> None:
-    """Have no code compiled from now on, if the check of a scene needs little computation and nothing comes after."""
+    """Disable compilation if checking the scene needs little computation and the process ends afterwards."""
     if own_process and "ecume._jit" not in sys.modules and is_small(scene):
         os.environ["NUMBA_DISABLE_JIT"] = "1"
 
@@ -179,7 +179,7 @@ def new(
 
 
 def _listed(names: dict[str, str], width: int) -> Iterator[str]:
-    """Templates with what they show."""
+    """The lines of a list of templates with their titles."""
     return (f"  {name:<{width}}  {says}" for name, says in names.items())
 
 
@@ -233,7 +233,7 @@ def odd_values(file: Path, changes: Sequence[str]) -> list[tuple[str, str, str]]
 
 
 def examine(scene: Scene) -> None:
-    """Raise SceneError for what the model finds wrong."""
+    """Raise SceneError for the faults that the model finds."""
     from ecume.models import MODELS
 
     MODELS[scene.model].summary(scene)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ecume.sweep import Outcome
 
 SWEEPS = Path("sweeps")
-"""Where sweeps go by default: `sweeps/durations` for `durations.toml`."""
+"""The default parent folder of sweeps: `sweeps/durations` for `durations.toml`."""
 
 
 def task_of(text: str) -> tuple[int, int]:
@@ -112,7 +112,7 @@ def _write_array(source: Path, directory: Path, laws: Sequence[str]) -> None:
 
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
-    """Run what is missing, and say what became of it."""
+    """Run the missing points, and report their results."""
     from ecume.sweep import ExecutorOptions, results
 
     def failed(folder: Path, why: str) -> None:
@@ -161,7 +161,7 @@ def _work(directory: Path, task: tuple[int, int], laws: Sequence[str]) -> None:
 
 
 FITS = Path("fits")
-"""Where fits go by default: `fits/beads` for `beads.csv`."""
+"""The default parent folder of fits: `fits/beads` for `beads.csv`."""
 
 
 def in_unit(text: str, unit: str, option: str) -> float:
@@ -368,7 +368,7 @@ def keep(found: Fit, directory: Path) -> None:
 
 
 def plain_of(found: Fit) -> dict[str, Any]:
-    """The numbers of a fit; what is undetermined has no interval."""
+    """The numbers of a fit for JSON; undetermined parameters have no interval."""
 
     def plain(one: Estimate) -> dict[str, Any]:
         interval = [one.low, one.high] if one.determined else None

@@ -60,7 +60,7 @@ class ThermoTable:
             self._print([str(step), f"{frame.time:.6g}", *cells])
 
     def _print(self, cells: Sequence[str]) -> None:
-        """A line; a progress bar on the same terminal stays below it."""
+        """Print a line above the progress bar, if it is on the same terminal."""
         row = " ".join(f"{cell:>{width}}" for cell, width in zip(cells, self._widths, strict=True))
         echo(row.rstrip())
         sys.stdout.flush()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ecume.engine.cells import Integers
 
 THIN = 0.05
-"""The sum of weights, over that of full surroundings, below which there is no value."""
+"""The sum of weights, relative to full surroundings, below which a point has no value."""
 FEW = 0.01
 """The smallest variance of the neighbors' positions along any direction, over the reach squared, that determines a
 gradient.
@@ -92,7 +92,7 @@ def planes(pairs: Near, weight: Array, values: Array) -> Array:
 
 
 def dry(pairs: Near, weight: Array) -> NDArray[np.bool_]:
-    """(points,) whether no particle is near a point, so that there is no mean."""
+    """Flags (points,) of the points without particles nearby, where no mean exists."""
     return ~np.asarray(added(pairs, weight) > THIN)
 
 

@@ -26,7 +26,7 @@ Corners = tuple[Vector, Vector, Vector]
 
 
 class Boxes(NamedTuple):
-    """The tree. Its leaves hold neighboring triangles."""
+    """A tree of bounding boxes, whose leaves contain neighboring triangles."""
 
     corner: Array
     """(T, 9) of the triangles, in the order of the leaves"""

@@ -60,7 +60,7 @@ class Lists(NamedTuple):
 
 
 def empty_lists(centers: int) -> Lists:
-    """Lists of nothing."""
+    """Lists without neighbors."""
     return Lists(np.zeros(centers, np.int32), np.zeros(centers + 1, np.int64), np.empty(0, np.int32))
 
 

@@ -104,7 +104,7 @@ def _beside(place: int, number: int, cells: int, periodic: bool) -> int:
 
 @compiled_inside
 def _runs(cells: Cells) -> int:
-    """The number of runs of slots around a cell, some of which may be empty."""
+    """The number of runs of slots around a cell, including empty ones."""
     last = len(cells.shape) - 1
     runs = 2 if cells.periods[0, last] > 0.0 else 1
     for _ in range(last):
@@ -247,7 +247,7 @@ def _write_in_threads(cells: Cells, x: Array, slots: Span, reach: float, first: 
 
 @compiled
 def build(lists: NeighborLists, position: Array, reach: float) -> bool:
-    """List all neighbors nearer than `reach`. False when there is no room for them: the lists are then empty."""
+    """List all neighbors closer than `reach`. Returns False, with empty lists, if the capacity is exceeded."""
     count_neighbors(lists, position, reach, (0, position.shape[0]))
     if not make_room(lists):
         return False

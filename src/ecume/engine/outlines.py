@@ -429,7 +429,7 @@ class Buckets(NamedTuple):
 
 
 def sorted_in(triangles: Array, direction: Array) -> Buckets:
-    """The buckets of triangles, about as many as there are triangles."""
+    """Buckets of triangles, about as many as triangles."""
     least = np.eye(3)[int(np.argmin(np.abs(direction)))]
     one = np.cross(direction, least)
     axes = np.stack([one / np.linalg.norm(one), np.cross(direction, one) / np.linalg.norm(np.cross(direction, one))])

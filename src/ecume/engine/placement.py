@@ -32,7 +32,7 @@ SURE = 0.95
 
 
 class Region(NamedTuple):
-    """A rectangle in which discs are placed, bounded by walls or periodic."""
+    """The rectangle for the placement of discs, with walls or periodic sides."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -119,7 +119,7 @@ def _overfull(radii: Array, start: int, region: Region) -> str:
 
 
 def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
-    """The error message, with what would fit."""
+    """The error message of a failed placement, with a number or radius that would fit."""
     return (
         f"only {placed - start} of {len(radii) - start} floats found a free place at random; together they would cover "
         f"{_covered(radii, region):.0%} of the surface{_advice(radii, start, placed, region)}"

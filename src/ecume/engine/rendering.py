@@ -141,7 +141,7 @@ def _put(pixels: Pixels, at: tuple[int, int], color: Color) -> None:
 STRIDE = 0.6
 """The length of a step along a ray, in cells."""
 HALVINGS = 4
-"""The number of bisections of the step in which a ray meets a surface."""
+"""The number of bisections of the step in which a ray reaches a surface."""
 MET = 8
 """The length of the record of a ray: the distances from the plane of the observer to the liquid and to the solid
 (infinite if it misses), the path in liquid before the solid, and the outward gradients of both fields there: the first
@@ -166,7 +166,7 @@ class Block(NamedTuple):
 
 
 class Eye(NamedTuple):
-    """The plane from which rays start, and their direction."""
+    """The image plane, from which rays start, and their direction."""
 
     across: Array
     """(columns,) to the right of the origin (m)"""

@@ -225,7 +225,7 @@ class Box(NamedTuple):
     high: Array
 
     def bounds(self) -> tuple[Array, Array]:
-        """Its corners."""
+        """The lower and the upper corner."""
         return self.low, self.high
 
     def extent_along(self, direction: Array) -> float:
@@ -249,7 +249,7 @@ class Box(NamedTuple):
         return fitted_cells(self.low, self.high, spacing, faces)
 
     def faces(self) -> Array:
-        """Its corners."""
+        """The coordinates of its faces along the axes."""
         return np.array([self.low, self.high])
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
@@ -514,7 +514,7 @@ class Hollow(NamedTuple):
         return scaled_to(around.those(self.inside(around.centers)), self.volume())
 
     def faces(self) -> Array:
-        """No faces: those of the block are not in the liquid."""
+        """No faces, since those of the block are outside of the liquid."""
         return np.zeros((0, len(self.low)))
 
     def volume(self) -> float:
@@ -551,7 +551,7 @@ class Hollow(NamedTuple):
         return self.hole.surface()
 
     def inertia(self) -> Array:
-        """Not a number: it never rotates."""
+        """NaN, since a hollow never rotates."""
         return np.full(3, np.inf)
 
     def thickness(self) -> float:

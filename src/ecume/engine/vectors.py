@@ -49,7 +49,7 @@ class Symmetric3(NamedTuple):
 Vector = Vector2 | Vector3
 Symmetric = Symmetric2 | Symmetric3
 VECTORS: dict[int, Vector] = {2: Vector2(0.0, 0.0), 3: Vector3(0.0, 0.0, 0.0)}
-"""The zero vector by the number of dimensions, which stands for its type."""
+"""The zero vector for each number of dimensions; its type selects the vector functions."""
 
 
 def by_dimension(plane: Callable[..., Any], space: Callable[..., Any]) -> Callable[..., Any]:

@@ -43,9 +43,11 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array, with_prefix
 
 STARTS = ("positions", "moving", "scene")
-"""The part of the initial state that is fitted: positions, positions and velocities, or nothing."""
+"""The fitted part of the initial state: positions, positions and velocities, or none."""
 LEAST_FRAMES = 50
-"""Of a simulation: between them positions are those of cubics that have the right velocities at their ends."""
+"""The minimum number of frames of a simulation; positions between frames are cubic in time, with the velocities of the
+frames.
+"""
 FAR = 1e3
 """The residual, in units of the reach, where a simulation is impossible: such parameters are never taken."""
 
@@ -72,7 +74,7 @@ class Problem(NamedTuple):
 
     @property
     def seen(self) -> Any:
-        """(T, N) where there is a measurement."""
+        """Flags (T, N) of the existing measurements."""
         return np.isfinite(self.tracks.position[:, :, 0])
 
     @property
@@ -82,7 +84,8 @@ class Problem(NamedTuple):
 
 
 def timed(plain: dict[str, Any], tracks: Tracks) -> dict[str, Any]:
-    """The scene as long as the tracks, with frames at least as often as the camera's, and steps that stay.
+    """The scene with the duration of the tracks, at least the frame rate of the camera, and
+    unchanged time steps.
 
     A step that followed the parameters would jump where one more fits into a frame, and residuals with it.
     """
@@ -127,7 +130,7 @@ def simulated(scene: Scene, times: Array, laws: Sequence[Law] = ()) -> Array:
 
 
 def positions_at(frames: Sequence[Frame], times: Array) -> Array:
-    """Positions between frames: by cubics where frames have velocities, by straight lines elsewhere."""
+    """Positions between frames, by cubics if frames have velocities and by straight lines otherwise."""
     instants = np.array([frame.time for frame in frames])
     position = np.stack([frame.arrays["position"] for frame in frames])
     at = np.minimum(times, instants[-1])
@@ -138,7 +141,7 @@ def positions_at(frames: Sequence[Frame], times: Array) -> Array:
 
 
 def residuals(problem: Problem, coordinates: Array) -> Array:
-    """Simulated less measured positions, over the reach, where there are measurements."""
+    """The differences of simulated and measured positions over the reach, where measurements exist."""
     try:
         there = simulated(scene_at(problem, coordinates), problem.tracks.times, problem.laws)
     except (BadInput, Diverged):  # floats that sink, overlap or fly away: not here
@@ -147,7 +150,7 @@ def residuals(problem: Problem, coordinates: Array) -> Array:
 
 
 STEP = 1e-5
-"""Of a coordinate, for slopes: simulations are smooth to about 1e-12."""
+"""The relative step of coordinates for derivatives; simulations are smooth to about 1e-12."""
 MOST_ROUNDS = 60
 LOOSE = 0.7
 """The standard error of ln(p) beyond which something is called undetermined: a factor of two either way."""
@@ -175,7 +178,9 @@ class Solution(NamedTuple):
 
 
 def solved(residuals: Callable[[Array], Array], start: Array) -> Solution:
-    """The least squares near a start, by a trust region; directions that change nothing are left as they are."""
+    """The least-squares solution near a start, by a trust-region method; directions without
+    influence remain unchanged.
+    """
 
     def slopes(at: Array) -> Array:
         here = residuals(at)
@@ -189,7 +194,7 @@ def solved(residuals: Callable[[Array], Array], start: Array) -> Solution:
 
 
 class Certainty(NamedTuple):
-    """The uncertainty of the first coordinates, whatever the values of the others.
+    """The uncertainty of the first coordinates for any values of the others.
 
     `directions` are orthonormal rows in the space of these coordinates, `errors` the standard error along each.
     """
@@ -214,7 +219,7 @@ class Certainty(NamedTuple):
 
 
 MOST_LOOSE = 0.02
-"""The part of a quantity's slope that may lie along what is undetermined."""
+"""The largest fraction of a quantity's gradient along undetermined directions."""
 
 
 def certainty(solution: Solution, first: int) -> Certainty:
@@ -245,7 +250,7 @@ class Estimate(NamedTuple):
 
     @property
     def determined(self) -> bool:
-        """Whether the tracks say anything of it."""
+        """Whether the tracks determine the parameter."""
         return math.isfinite(self.high)
 
 
@@ -382,9 +387,9 @@ SHOWN = 0.1
 SHORTER = 0.3
 """The part of their way, in squares, that is left where two objects exchange names: then they had been exchanged."""
 MOST_ASTRAY = 0.1
-"""Of the measurements; where more are far off it is not they that are wrong."""
+"""The largest fraction of measurements that count as outliers; if more are far off, the model is at fault."""
 ASTRAY = 6.0
-"""So many times the median residual a measurement is no noise: of Gaussian noise one in 1e10 would be."""
+"""The ratio to the median residual above which a measurement is an outlier; Gaussian noise exceeds it once in 1e10."""
 
 
 def swapped(tracks: Tracks) -> list[str]:
@@ -406,7 +411,7 @@ def swapped(tracks: Tracks) -> list[str]:
 
 
 def outlier(problem: Problem, left: Array) -> list[str]:
-    """A remark where single measurements lie far from where all others would have them."""
+    """A remark on single measurements that are far from the positions implied by all others."""
     off = np.linalg.norm(left, axis=2)
     far = np.flatnonzero(off[problem.seen] > ASTRAY * np.median(off[problem.seen]))
     if len(far) == 0 or len(far) > MOST_ASTRAY * problem.seen.sum():

@@ -24,20 +24,20 @@ from ecume.units import Array
 Picture = NDArray[np.uint8]
 """(rows, columns) brightness."""
 SEEN = 0.5
-"""Of the pictures: what is found in fewer is not taken for an object."""
+"""The fraction of the pictures in which an object must be found."""
 MASK = 1.25
 """Diameters: the part of the picture whose center of brightness is taken."""
 USUAL = 11
 """Pixels: larger objects are looked for in a picture that is made smaller until they have this diameter."""
 LEAST_AROUND = 12
-"""Pixels around an object from which the slope of the brightness follows; with fewer it has none."""
+"""The minimum number of pixels around an object for a gradient of the brightness."""
 ROUNDS, STILL = 20, 1e-3
 """Centers are taken again until they move less than this (pixels)."""
 MOST_PICTURES = 20_000
 
 
 class Search(NamedTuple):
-    """What is looked for."""
+    """The properties of the objects to find."""
 
     diameter: float
     """of an object, pixels"""
@@ -116,7 +116,8 @@ def _shrunk(light: Array, shrink: int) -> Array:
 
 
 def _centered(light: Array, place: Array, diameter: float) -> Array:
-    """The center of the brightness above the threshold half way between what is around an object and its middle.
+    """The center of the brightness above the threshold half-way between the surroundings of an
+    object and its middle.
 
     The brightness around an object may have a slope: one threshold for both sides moves the center to the side that is
     more like the object.

@@ -1,4 +1,4 @@
-"""The parameters that are fitted, where they stand in a scene, and the quantities that follow from a scene.
+"""Fitted parameters, their paths in a scene, and quantities derived from a scene.
 
 A positive or negative parameter changes by ratios, an angle between its two ends, so that a fit never leaves the range
 of what is possible.
@@ -28,7 +28,7 @@ MOST = 20
 
 
 class Free(NamedTuple):
-    """One parameter: its name, all the places in the scene that share it, and where it starts.
+    """One fitted parameter: its name, the paths in the scene that share it, and its initial value.
 
     Of a vector, such as the `force` of soft spheres, the size is fitted: directions, and ratios between vectors, stay.
     """
@@ -42,7 +42,7 @@ class Free(NamedTuple):
 
     @property
     def angle(self) -> bool:
-        """Whether it lies between 0 and pi."""
+        """Whether it is an angle between 0 and pi."""
         return self.paths[0][-1] == ANGLE
 
     def coordinate(self, value: float) -> float:
@@ -55,7 +55,7 @@ class Free(NamedTuple):
         return math.log(value / (math.pi - value)) if self.angle else math.log(abs(value))
 
     def at(self, coordinate: float) -> float:
-        """The parameter there; far beyond anything physical it stays where it is a number."""
+        """The value of the parameter at a coordinate, finite even far outside of the physical range."""
         bounded = min(max(coordinate, -300.0), 300.0)
         return math.pi / (1.0 + math.exp(-bounded)) if self.angle else math.copysign(math.exp(bounded), self.value)
 
@@ -136,7 +136,7 @@ def _numbered(value: Any, path: Path = ()) -> Iterator[Path]:
 
 
 def with_values(plain: dict[str, Any], free: Sequence[Free], values: Sequence[float]) -> dict[str, Any]:
-    """Put values into a scene's plain data, which it changes and gives back."""
+    """Set values in a scene's plain data. Changes and returns the data."""
     for parameter, value in zip(free, values, strict=True):
         for path, share in zip(parameter.paths, parameter.shares or (1.0,) * len(parameter.paths), strict=True):
             put(plain, path, share * float(value))

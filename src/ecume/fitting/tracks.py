@@ -1,4 +1,5 @@
-"""Measured tracks: who was where and when, and which particle of a scene is which tracked object.
+"""Measured tracks: positions of objects over time, and their assignment to the particles of a
+scene.
 
 Columns are known by their heads: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's `POSITION_X,
 POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more lines of heads, and those of `ecume export --to csv`. Other
@@ -43,7 +44,7 @@ NAMES = {
     "frame": ("frame",),
     "object": ("track_id", "tid", "particle", "track", "object", "id"),
 }
-"""What a column may be called, in small letters; the first that is there is taken."""
+"""The accepted names of columns, in lower case; the first one in the table is used."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
 UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
 """Words of TrackMate and ImageJ that are not units of ecume."""
@@ -78,7 +79,7 @@ class Tracks(NamedTuple):
 
 
 class Column(NamedTuple):
-    """A column: its place, and what its numbers are multiplied with to be SI."""
+    """The index of a column, and the factor that converts its numbers to SI."""
 
     place: int
     scale: float
@@ -88,7 +89,7 @@ def read_tracks(
     path: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     camera: Camera = Camera(),  # noqa: B008  # it cannot change
 ) -> Tracks:
-    """The tracks of a table, or of several tables with other objects in each. Raises BadInput with what is wrong."""
+    """The tracks of a table, or of several tables with different objects. Raises BadInput for faults."""
     files = [Path(path)] if isinstance(path, (str, os.PathLike)) else [Path(one) for one in path]
     spots: list[Spot] = []
     scale = 1.0
@@ -118,9 +119,9 @@ OF_OBJECT = re.compile(r"\s*([xy])(?:[_ ]([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*
 
 
 def in_rows_of_objects(rows: Rows, name: str) -> Rows:
-    """A table with one object in a line. The program Tracker writes t, x, y of one object without a head, or with names
-    of objects above it, or x and y of each object beside one another; other tables stay what they are. `name` is that
-    of an object without one.
+    """The table with one object per line. The program Tracker writes t, x, y of one object without a header, or with
+    names of objects above it, or x and y of several objects side by side; other tables are returned unchanged. `name`
+    is the name of an object without one.
     """
     first = [cell.strip() for cell in rows[0][1]]
     if len(first) >= 3 and all(NUMERIC.fullmatch(cell) for cell in first[:3]):
@@ -175,7 +176,7 @@ def cut(tracks: Tracks, until: float) -> Tracks:
 
 
 def picked(tracks: Tracks, names: Sequence[str]) -> Tracks:
-    """These objects alone. Raises BadInput where there is no such one."""
+    """The tracks of these objects only. Raises BadInput for an unknown object."""
     for name in names:
         if name not in tracks.names:
             raise BadInput(f"no object {name!r}; {suggestion(name, tracks.names[:MOST_NAMED])}")
@@ -278,11 +279,11 @@ def _length_scale(unit: str, camera: Camera) -> float:
 
 
 Spot = tuple[str, float, float, float]
-"""Who, when (s), and where (m)."""
+"""The object, time (s) and position (m) of one measurement."""
 
 
 def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column]) -> list[Spot]:
-    """Every line that belongs to an object, and says where that was."""
+    """The measurements of all lines that contain an object and a position."""
     found = []
     for number, row in body:
         if len(row) <= max(column.place for column in columns.values()):
@@ -329,7 +330,7 @@ def _gathered(spots: Sequence[Spot], origin: tuple[float, float], scale: float) 
 
 
 FIRST = 5
-"""Instants from which the speed at the start is guessed."""
+"""The number of first instants for the estimate of the initial speed."""
 
 
 def first_frame(scene: Scene) -> Frame:
@@ -379,7 +380,7 @@ def _slope(times: Array, position: Array) -> Array:
 
 
 def start_at(plain: dict[str, Any], position: Array, velocity: Array | None) -> dict[str, Any]:
-    """Let the particles of a scene's plain data start there; changes the data and gives it back."""
+    """Set initial positions and velocities in a scene's plain data. Changes and returns the data."""
     require_starts(plain, moving=velocity is not None)
     STARTED[plain["model"]](plain, position, velocity)
     return plain
@@ -428,9 +429,9 @@ def _spheres_start(plain: dict[str, Any], position: Array, velocity: Array | Non
 
 
 STARTED = {"floating": _floats_start, "tracers": _tracers_start, "soft": _spheres_start}
-"""By model: sets the initial positions of particles."""
+"""Functions that set the initial positions, by model."""
 KINDS = ("particles", "rows")
-"""What kinds of particles are called in scenes."""
+"""The names of tables of particles in scenes."""
 
 
 def keeps_kinds(plain: Mapping[str, Any]) -> bool:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Statement(NamedTuple):
-    """One line of the README, in decks to which it applies."""
+    """One line of the README, with the decks to which it applies."""
 
     applies: Callable[[DeckNumbers], bool]
     text: Callable[[DeckNumbers], str]
@@ -76,7 +76,7 @@ EXACT = (
     ),
     Statement(_always, _same("Two dimensions: `fix enforce2d`.")),
 )
-"""What LAMMPS computes as ecume does."""
+"""Statements on what LAMMPS computes in the same way as ecume."""
 
 
 def _contact_text(deck: DeckNumbers) -> str:
@@ -150,7 +150,7 @@ APPROXIMATE = (
     Statement(lambda deck: deck.parameters.scheme.inertia, _step_text),
     Statement(lambda deck: not deck.parameters.scheme.inertia, _overdamped_text),
 )
-"""What LAMMPS computes in another way."""
+"""Statements on what LAMMPS computes in another way."""
 
 
 def readme_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
@@ -209,7 +209,7 @@ SCRIPT, README = "in.lammps", "README.md"
 
 
 def floating_deck(scene: FloatingScene) -> dict[str, str]:
-    """The files of the deck of a scene of floats, by name. Raises SceneError for what LAMMPS cannot express."""
+    """The files of the deck of a floating scene, by name. Raises SceneError for features that LAMMPS cannot express."""
     require_expressible(scene)
     deck = numbers_of(scene)
     tables = list(pair_tables(deck))
@@ -218,7 +218,7 @@ def floating_deck(scene: FloatingScene) -> dict[str, str]:
 
 
 def tank_deck(scene: SphScene) -> dict[str, str]:
-    """The files of the deck of a tank, by name. Raises SceneError for what LAMMPS cannot express."""
+    """The files of the deck of a tank, by name. Raises SceneError for features that LAMMPS cannot express."""
     require_expressible(scene, TANKS)
     tank = tank_of(scene)
     texts = tanks.script_text(tank), tanks.data_text(tank), tanks.readme_text(tank)

@@ -27,7 +27,7 @@ BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 
 
 class System(NamedTuple):
-    """How LAMMPS integrates the states of one model."""
+    """The functions by which LAMMPS integrates the states of one model."""
 
     require: Callable[[Any], None]
     """require(scene) raises SceneError for what LAMMPS cannot simulate"""
@@ -68,7 +68,7 @@ SYSTEMS: Mapping[str, System] = {
         group=tanks_in_engine.GROUP,
     ),
 }
-"""By model."""
+"""The systems by model."""
 
 
 class _Open:

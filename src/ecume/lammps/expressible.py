@@ -1,4 +1,4 @@
-"""What a deck for LAMMPS can contain: one record for each choice of a scene of floats.
+"""Features that a deck for LAMMPS can contain: one record for each choice of a floating scene.
 
 A scene is refused if a record does not hold for it; all reasons are in one error.
 """
@@ -21,7 +21,7 @@ MOST_KINDS = 32
 """Kinds of floats in a deck: each pair of them has its own table."""
 
 MOST_GROUPS = 31
-"""Groups of LAMMPS beside `all`."""
+"""The largest number of groups of LAMMPS beside `all`."""
 
 LEAST_RESTITUTION = math.ceil(1e3 * math.exp(-2.0)) * 1e-3
 """The contacts of LAMMPS state a damping below the critical one; at critical damping the restitution is exp(-2)."""
@@ -35,7 +35,7 @@ def shape_of(scene: FloatingScene) -> str:
 
 
 class Expressible(NamedTuple):
-    """One choice of a scene, the values that a deck can express, and the reason why it cannot express others."""
+    """One choice of a scene, the values that a deck can express, and the reason why others are refused."""
 
     path: str
     """the key of the scene"""
@@ -95,13 +95,13 @@ def _motion(scene: FloatingScene) -> str:
 
 
 def _rotation(scene: FloatingScene) -> str:
-    """What a rotating float has in addition to the inertia of a sphere."""
+    """The reason why rotation cannot be expressed: inertia other than that of a sphere."""
     other = bool(scene.hydrodynamics.added_mass) or any(one.disc is not None for one in scene.given)
     return _whether(scene.rubs and other, "friction of discs or with added mass")
 
 
 def _overdamped_kinds(scene: FloatingScene) -> int:
-    """The number of kinds of floats without inertia, each of which has another friction."""
+    """The number of kinds of floats without inertia; each has another friction."""
     return len(distinct_kinds(scene)[0]) if scene.integration.integrator == "overdamped" else 0
 
 

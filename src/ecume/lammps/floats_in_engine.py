@@ -37,7 +37,7 @@ UNKNOWN = ("angle", "collisions", "contact_sweeps", "unconverged_steps")
 
 
 def parameters(scene: FloatingScene) -> Parameters:
-    """The parameters of a scene with springs as contacts. Raises SceneError for what LAMMPS cannot express."""
+    """The parameters of a scene with spring contacts. Raises SceneError for features that LAMMPS cannot express."""
     require_simulable(scene)
     return within_steps(scene, parameters_for(scene))
 
@@ -81,7 +81,7 @@ def invariants(model: Model, scene: Any, parameters: Parameters) -> list[Invaria
 
 
 class Kept(NamedTuple):
-    """Neighbor lists, and what they are valid for."""
+    """Neighbor lists, and the positions for which they are valid."""
 
     which: Integers
     position: Array
@@ -98,7 +98,7 @@ class ExternalForces:
         self._kept: Kept | None = None
 
     def __call__(self, which: Integers, position: Array, velocity: Array) -> Array:
-        """The forces (N) on the first floats, as many as there are velocities; `which` are the numbers of all."""
+        """The forces (N) on the first floats, one per velocity; `which` are the numbers of all floats."""
         own = len(velocity)
         kept = self._kept
         if kept is None or not _holds(kept, which, position):
@@ -110,7 +110,7 @@ class ExternalForces:
 
 
 def part_of(parameters: Parameters, which: Integers) -> Parameters:
-    """The parameters of these floats, some of which may be there twice; without a periodic cell."""
+    """The parameters of these floats, which may be repeated, without a periodic cell."""
     count, kick = len(parameters.floats.radius), parameters.kick
     rows = np.concatenate([which, np.arange(count, len(kick.mobility))])
     return parameters._replace(
@@ -122,7 +122,7 @@ def part_of(parameters: Parameters, which: Integers) -> Parameters:
 
 
 def _holds(kept: Kept, which: Integers, position: Array) -> bool:
-    """Whether neighbor lists are valid: for the same floats, none of which moved by more than half of the skin."""
+    """Whether neighbor lists are valid: the floats are the same, and none moved by more than half of the skin."""
     if not np.array_equal(kept.which, which):
         return False
     return bool(np.linalg.norm(position - kept.position, axis=1).max() <= 0.5 * kept.parameters.skin)

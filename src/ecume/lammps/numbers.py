@@ -53,7 +53,7 @@ class Turning(NamedTuple):
 
 
 class DeckNumbers(NamedTuple):
-    """All that a deck says about a scene."""
+    """All numbers of the deck of a scene."""
 
     scene: FloatingScene
     parameters: Parameters

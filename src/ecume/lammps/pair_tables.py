@@ -44,7 +44,7 @@ class PairTable(NamedTuple):
 
 
 def lookup_of(parameters: Parameters) -> str:
-    """How LAMMPS keeps the tables: a spline over r^2, or by the bits of r^2 where the widest table spans too much."""
+    """The table lookup of LAMMPS: a spline over r^2, or the bits of r^2 if the widest table spans too many decades."""
     nearest = 2.0 * (1.0 - OVERLAP) * float(parameters.floats.radius.min())
     ratio = (BEYOND * max(parameters.cutoff, nearest) / nearest) ** 2
     if PER_NEAREST * ratio <= MOST_VALUES:

@@ -26,7 +26,7 @@ from ecume.units import Array
 CHARACTERS, ALL_RANKS = 0x4C000101, 0x44000000
 """MPI_CHAR and MPI_COMM_WORLD in the binary interface of MPICH."""
 LONGEST = 65536
-"""Of a command."""
+"""The largest length of a command in bytes."""
 
 
 def commands(lammps: Any) -> Iterator[str]:
@@ -45,7 +45,7 @@ def commands(lammps: Any) -> Iterator[str]:
 
 
 def register(lammps: Any, name: str) -> None:
-    """Let LAMMPS call our forces for this fix."""
+    """Register ecume's forces with a fix of LAMMPS."""
     scene: Any = from_plain(json.loads(Path(SCENE).read_text(encoding="utf-8")))
     forces = ExternalForces(parameters(scene))
 

@@ -22,7 +22,7 @@ seed occurs again before as many steps."""
 
 
 def script_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
-    """The input script; `tables` are those of the file beside it."""
+    """The input script; `tables` are the tables in the file beside it."""
     return _joined(_head(deck), _style(deck), _lengths(deck), *_system(deck, tables), _output(deck))
 
 

@@ -1,4 +1,4 @@
-"""Tanks in LAMMPS: what a deck can express, its numbers in reduced units, and its files.
+"""Tanks in LAMMPS: expressible features, numbers in reduced units, and the files of a deck.
 
 The package RHEO has a Tait pressure, artificial and laminar viscosity and a density diffusion, as ecume has. It has
 no mirror walls. A deck therefore contains the whole liquid behind each wall as a second, mirrored liquid, for which
@@ -133,7 +133,7 @@ class Axis(NamedTuple):
 
 
 class Tank(NamedTuple):
-    """All that a deck says about a tank; in reduced units unless a unit is given."""
+    """All numbers of the deck of a tank, in reduced units unless a unit is given."""
 
     scene: SphScene
     parameters: Parameters
@@ -375,7 +375,7 @@ def _output(tank: Tank) -> Iterator[str]:
 
 
 def readme_text(tank: Tank) -> str:
-    """The README: units, what is exact, what is approximated."""
+    """The README: units, and what is exact or approximated."""
     copies = 2 ** sum(axis.side != 0 for axis in tank.axes)
     planes = ", ".join(f"{name} = {axis.plane:g} m" for axis, name in zip(tank.axes, "xyz", strict=False) if axis.side)
     return f"""# {tank.scene.title or "Tank"}: a deck for LAMMPS

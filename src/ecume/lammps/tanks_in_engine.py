@@ -24,13 +24,13 @@ UNKNOWN = (INJECTED, "numerical_work", "guard_hits", "substeps", "most_substeps"
 
 
 def parameters(scene: SphScene) -> Parameters:
-    """The parameters of a tank with LAMMPS's time step. Raises SceneError for what LAMMPS cannot express."""
+    """The parameters of a tank with LAMMPS's time step. Raises SceneError for features that LAMMPS cannot express."""
     require(scene)
     return parameters_for(scene)
 
 
 def require(scene: SphScene) -> None:
-    """Raise SceneError for what LAMMPS cannot express."""
+    """Raise SceneError for features that LAMMPS cannot express."""
     require_expressible(scene, TANKS)
 
 

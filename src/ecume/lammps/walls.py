@@ -51,7 +51,7 @@ def _rectangle_region(deck: DeckNumbers) -> str:
 
 
 REGIONS: Mapping[str, Callable[[DeckNumbers], str]] = {"round": _round_region, "rectangle": _rectangle_region}
-"""By the names of `dish.shape`."""
+"""The functions that write regions, by `dish.shape`."""
 
 
 def half_sides(deck: DeckNumbers) -> tuple[float, float]:
@@ -144,7 +144,7 @@ MENISCI: Mapping[int, Callable[[DeckNumbers], Formula] | None] = {
     DISH: _round_meniscus,
     PLANE: _facing_meniscus,
 }
-"""By `Parameters.wall_law`."""
+"""The functions that write menisci, by `Parameters.wall_law`."""
 
 
 def meniscus_of(deck: DeckNumbers) -> Formula | None:

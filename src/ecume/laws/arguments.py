@@ -1,6 +1,4 @@
-"""What a law may be asked: arguments are checked here, and what is refused is refused with its value and the way
-out.
-"""
+"""Checks of the arguments of laws: a refused value is reported with the accepted range."""
 
 from __future__ import annotations
 
@@ -29,7 +27,9 @@ Given = ParamSpec("Given")
 
 
 def require_number(name: str, value: float) -> None:
-    """Refuse what is not one real number: also True and False, and integers beyond any float."""
+    """Raise BadInput unless the value is one real number; booleans and integers beyond the range of
+    floats are refused.
+    """
     if isinstance(value, bool) or not isinstance(value, RealNumber):
         raise BadInput(f"the {name} is {value!r}; expected a number")
     if isinstance(value, int) and abs(value) > MOST:
@@ -37,28 +37,28 @@ def require_number(name: str, value: float) -> None:
 
 
 def require_positive(name: str, value: float, hint: str = "expected a positive number") -> None:
-    """Refuse what is not a positive, finite number."""
+    """Raise BadInput unless the value is positive and finite."""
     require_number(name, value)
     if not (value > 0.0 and math.isfinite(value)):
         raise BadInput(f"the {name} is {value!r}; {hint}")
 
 
 def require_not_negative(name: str, value: float) -> None:
-    """Refuse what is negative or not finite."""
+    """Raise BadInput unless the value is zero or positive, and finite."""
     require_number(name, value)
     if not (value >= 0.0 and math.isfinite(value)):
         raise BadInput(f"the {name} is {value!r}; expected zero or a positive number")
 
 
 def require_finite(name: str, value: float) -> None:
-    """Refuse what is infinite or no number."""
+    """Raise BadInput unless the value is finite."""
     require_number(name, value)
     if not math.isfinite(value):
         raise BadInput(f"the {name} is {value!r}; expected a finite number")
 
 
 def require_angle(name: str, value: float) -> None:
-    """Refuse what is no contact angle."""
+    """Raise BadInput unless the value is a contact angle."""
     require_number(name, value)
     if not 0.0 <= value <= math.pi:
         hint = f"; did you mean {value:g} degrees, {math.radians(value):.4g} rad?" if math.pi < value <= 180.0 else ""
@@ -89,7 +89,7 @@ CHECKS: dict[str, Check] = {
     "gap": ("gap", require_not_negative),
     "excess": ("excess", require_not_negative),
 }
-"""For each pure number by its name as an argument: its name in messages, and its check."""
+"""The name in messages and the check of each dimensionless argument, by its name."""
 
 
 def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
@@ -104,7 +104,7 @@ def require_numbers(bond_number: float, density_ratio: float, contact_angle: flo
 
 
 def chosen(table: Mapping[str, Row], name: str, what: str) -> Row:
-    """The row of a table of laws, or a BadInput that says which there are."""
+    """The row of a table of laws. Raises BadInput with the known names for an unknown one."""
     if name not in table:
         raise BadInput(f"no {what} is called {name!r}; there are {', '.join(table)}")
     return table[name]

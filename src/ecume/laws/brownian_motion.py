@@ -80,7 +80,8 @@ def covariance(ratio: Number) -> Number:
 
 
 def velocity_gain(ratio: Number) -> Number:
-    """What an initial acceleration A gives in a time t against linear drag: A t (1 - e^-r)/r. [uhlenbeck1930].
+    """Velocity gained from an initial acceleration A in a time t against linear drag, over A t: (1 - e^-r)/r.
+    [uhlenbeck1930].
 
     >>> velocity_gain(0.0), round(velocity_gain(1.0), 6)
     (1.0, 0.632121)
@@ -89,7 +90,8 @@ def velocity_gain(ratio: Number) -> Number:
 
 
 def displacement_gain(ratio: Number) -> Number:
-    """What it adds to the displacement v t: (A t^2 / 2) 2 (r - 1 + e^-r)/r^2. [uhlenbeck1930].
+    """Displacement by the same acceleration beyond v t, over A t^2 / 2: 2 (r - 1 + e^-r)/r^2.
+    [uhlenbeck1930].
 
     >>> displacement_gain(0.0), round(displacement_gain(1.0), 6)
     (1.0, 0.735759)
@@ -100,8 +102,8 @@ def displacement_gain(ratio: Number) -> Number:
 
 
 def reflected_gain(change: Length, variance: Area, exponential: Number) -> Length:
-    """How far a reflected Brownian motion is at least from its wall at the end of a step (m), and where it is if it met
-    the wall: [d + sqrt(d^2 + 2 s^2 E)]/2. [lepingle1995; gobet2001].
+    """Smallest possible distance (m) of a reflected Brownian motion from its wall at the end of a step, which is its
+    distance if it met the wall: [d + sqrt(d^2 + 2 s^2 E)]/2. [lepingle1995; gobet2001].
 
     The distance from the wall would change by `change` d, drift and noise together, with the variance s^2; E is a
     random number from the exponential distribution of mean 1. Then d less the result is distributed as the lowest

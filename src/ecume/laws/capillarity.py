@@ -123,7 +123,8 @@ def plane_wall_force(distance: Length, strength: Energy, capillary_length: Lengt
 def legacy_wall_strength(
     surface_tension: SurfaceTension, radius: Length, bond_number: Number, wall_weight: Number
 ) -> Energy:
-    """2 pi gamma (R B Sigma_w)^2: what the original project puts in place of `wall_strength`; never negative.
+    """Wall strength of the original project, 2 pi gamma (R B Sigma_w)^2, never negative; it
+    replaces `wall_strength`.
 
     R, B: the floater's radius and Bond number; Sigma_w: wall_weight, the dimensionless weight of a sphere of the
     wall's density and contact angle. Erratum: a wall is no sphere, and the floater's own weight does not enter.
@@ -188,7 +189,7 @@ def two_point_legacy_force(
 
 
 def no_wall_energy(center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length) -> Energy:
-    """No meniscus at the wall (a contact angle of 90 degrees).
+    """Zero energy: no meniscus at the wall (a contact angle of 90 degrees).
 
     >>> no_wall_energy(0.0, 1.0, 1.0, 1.0)
     0.0
@@ -197,7 +198,7 @@ def no_wall_energy(center_distance: Length, strength: Energy, capillary_length: 
 
 
 def no_wall_force(center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length) -> Force:
-    """No meniscus at the wall (a contact angle of 90 degrees).
+    """Zero force: no meniscus at the wall (a contact angle of 90 degrees).
 
     >>> no_wall_force(0.0, 1.0, 1.0, 1.0)
     0.0

@@ -204,7 +204,7 @@ def ideal_flow_past_cylinder(place: Place, radius: Length, stream: Vector) -> Ve
 
 
 def time_factor(time: Annotated[float, Unit("s")], amplitude: Number, turning: Rate, decay: Rate) -> Number:
-    """What the velocities of a flow are multiplied by at a time, (1 + A sin(w t)) exp(-c t). [womersley1955].
+    """Factor of the velocities of a flow at a time, (1 + A sin(w t)) exp(-c t). [womersley1955].
 
     A: `amplitude`; w: `turning`; c: `decay`. Instantaneous: the shape of the flow does not depend on the frequency,
     which holds for channels narrower than sqrt(nu/w).

@@ -129,9 +129,11 @@ def ellipsoid_turning_friction(along: Length, across: Length, upright: Length, v
 
 
 SLENDER = 0.5
-"""Lines whose foci lie farther out than this, over the long semi-axis, have their charges between the foci."""
+"""The distance of the foci from the center, over the long semi-axis, above which the charges of a line are between its
+foci.
+"""
 DIGITS = 7.0
-"""exp(-7) is what the field of a touching neighbor's charges may err by."""
+"""The relative error of the field of a touching neighbor's charges is exp(-7)."""
 MOST = 48
 
 
@@ -148,7 +150,8 @@ class Line(NamedTuple):
 
 
 def needle_charge(length: Length, slope_angle: Angle) -> Length:
-    """A of a lying needle: what its two contact lines carry, 2 gamma sin(psi) for each meter, over 2 pi gamma.
+    """Capillary charge A of a lying needle: the force 2 gamma sin(psi) per meter on its two contact lines, over 2 pi
+    gamma.
 
     Where it is short beside the capillary length, its load is that of a long cylinder, without end effects
     [keller1998]. The slope angle psi is that of `flotation.HorizontalCylinder`.
@@ -160,7 +163,7 @@ def needle_charge(length: Length, slope_angle: Angle) -> Length:
 
 
 def spread_charges(line: Line) -> tuple[Array, Array]:
-    """Places (P, 2) and charges (P,), both in m, of the points that stand for a contact line.
+    """Positions (P, 2) and charges (P,), both in m, of the points that represent a contact line.
 
     Density on the inner ellipse u1: A/(2 pi) of the charge, that of a flat line, and -(m H/pi) q^m/(1 + p^m) cos(m v)
     of mode m, with q = exp(u0 - u1) and p = exp(-2 u1). [botto2012].

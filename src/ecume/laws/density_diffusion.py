@@ -19,7 +19,7 @@ Diffusivity = Annotated[float, Unit("m^2/s")]
 
 
 def strength(delta: Number, smoothing_length: Length, sound_speed: Speed) -> Diffusivity:
-    """2 delta h c_0: what all flows of a liquid share. [antuono2010].
+    """Strength 2 delta h c_0 of the density diffusion of a liquid. [antuono2010].
 
     >>> strength(0.1, 0.5, 10.0)
     1.0
@@ -37,7 +37,8 @@ def flow(excess: Number, slope: Number) -> Number:
 
 
 def beyond_rest(here: Number, there: Number, rise: Number) -> Number:
-    """What is there in excess of here, less `rise`, by which it would be more at rest; of any quantity. [antuono2010].
+    """Excess of the value at j over that at i, minus `rise`, its excess at rest; for any quantity.
+    [antuono2010].
 
     Of the enthalpy rise is the potential g.(x_j - x_i), whatever the exponent of Tait's liquid; times rho_0/c_0^2 it
     is an excess of density.
@@ -49,7 +50,8 @@ def beyond_rest(here: Number, there: Number, rise: Number) -> Number:
 
 
 def mean_rise(rise_i: Number, rise_j: Number) -> Number:
-    """(grad_i + grad_j).(x_j - x_i) / 2 from the two projections: what lies between by both gradients. [antuono2010].
+    """Mean difference by both gradients, (grad_i + grad_j).(x_j - x_i) / 2, from the two
+    projections. [antuono2010].
 
     >>> mean_rise(2.0, 4.0)
     3.0
@@ -67,7 +69,8 @@ def molteni_excess(density_i: Density, density_j: Density) -> Density:
 
 
 def antuono_excess(density_i: Density, density_j: Density, rise_i: Density, rise_j: Density) -> Density:
-    """rho_j - rho_i less what the renormalized gradients make of the way from i to j. [antuono2010].
+    """Density excess rho_j - rho_i minus the difference by the renormalized gradients between i and
+    j. [antuono2010].
 
     rise: grad rho . (x_j - x_i) with the renormalized gradient of i, and that of j. Zero for every linear density.
 
@@ -80,7 +83,8 @@ def antuono_excess(density_i: Density, density_j: Density, rise_i: Density, rise
 def fourtakas_linear_excess(
     density_i: Density, density_j: Density, potential: Potential, reference_density: Density, sound_speed: Speed
 ) -> Density:
-    """rho_j - rho_i less rho_0 g.(x_j - x_i) / c_0^2, what the weight makes under the linear law. [fourtakas2019].
+    """Density excess rho_j - rho_i minus the hydrostatic difference rho_0 g.(x_j - x_i) / c_0^2 of the linear law.
+    [fourtakas2019].
 
     potential: g.(x_j - x_i), positive when j lies deeper. To first order what the paper's inverse of Tait's law gives
     at rho_0: with gamma = 7 a tank's level creeps by one or two percent in 1e5 steps.
@@ -94,7 +98,8 @@ def fourtakas_linear_excess(
 def fourtakas_excess(
     density_i: Density, density_j: Density, potential: Potential, sound_speed_i: Speed, exponent: Number
 ) -> Density:
-    """rho_j - rho_i less what weight makes in an exact column of Tait's liquid. After [fourtakas2019].
+    """Density excess rho_j - rho_i minus the hydrostatic difference in an exact column of Tait's liquid. After
+    [fourtakas2019].
 
     potential: g.(x_j - x_i), positive when j lies deeper; sound_speed_i: Tait's at rho_i, not c_0. Zero between any two
     particles of the column at rest, for every exponent.
@@ -107,7 +112,8 @@ def fourtakas_excess(
 
 
 def hydrostatic_gain(head: Number, exponent: Number) -> Number:
-    """(1 + a u)^(1/a) - 1 with a = gamma - 1: how much denser a liquid at rest is by the head u = g d/c^2 deeper.
+    """Relative density increase (1 + a u)^(1/a) - 1, a = gamma - 1, of a liquid at rest by the head
+    u = g d/c^2.
 
     The binomial series to the seventh order, without powers and branches: loops vectorize. For gamma = 1 exp(u) - 1.
     Relative error below 1e-7 for |a u| < 0.1, below 1e-14 for |a u| < 0.01. [monaghan1994].

@@ -36,7 +36,8 @@ TimePerArea = Annotated[float, Unit("s/m^2")]
 
 
 def pair_factor(separation: Numbers, roughness: Number = 0.0) -> Numbers:
-    """lambda(l/R): the drag of each of two equal spheres that approach one another, over that of one alone.
+    """lambda(l/R): the drag of each of two equal spheres that approach one another, over the drag of an isolated
+    sphere.
 
     lambda = (4/3) sinh(a) sum_n n(n+1)/[(2n-1)(2n+3)] {[4 cosh^2((n+1/2)a) + (2n+1)^2 sinh^2(a)] / [2 sinh((2n+1)a) -
     (2n+1) sinh(2a)] - 1}, cosh(a) = l/2R: both deep in the liquid [brenner1961, its free surface]. Half immersed ones
@@ -82,7 +83,8 @@ def submerged_volume(radius: Length, filling_angle: Angle) -> Volume:
 
 
 def added_mass(radius: Length, filling_angle: Angle, density: Density, density_above: Density = 0.0) -> Mass:
-    """Mass of liquid that a floating sphere carries along, half of what it displaces below and above the surface.
+    """Added mass of a floating sphere: half of the liquid that it displaces below and above the
+    surface.
 
     Exact at 90 degrees, where the surface, a rigid lid for slow motion, is a plane of symmetry of the flow around a
     whole sphere [lamb1932, par. 92]; elsewhere an interpolation between that, the whole sphere and none.
@@ -138,7 +140,8 @@ def disc_turning_friction(radius: Length, viscosity: Viscosity) -> TurningFricti
 
 
 def relaxation_time(mass: Mass, friction: Friction) -> Time:
-    """Relaxation time tau = m / zeta: how long a floater coasts; for ever without friction. [stokes1851].
+    """Relaxation time tau = m / zeta of the velocity of a floater; infinite without friction.
+    [stokes1851].
 
     >>> relaxation_time(2.0, 4.0)
     0.5
@@ -147,7 +150,8 @@ def relaxation_time(mass: Mass, friction: Friction) -> Time:
 
 
 def cunningham_factor(mean_free_path: Length, radius: Length) -> Number:
-    """How many times faster a small sphere moves in a gas than by Stokes's law, since the gas slips along it.
+    """Ratio of the speed of a small sphere in a gas to that by Stokes's law, by slip at its
+    surface.
 
     C = 1 + Kn (1.257 + 0.4 exp(-1.1/Kn)) with the Knudsen number Kn, the mean free path over the radius; a fit to
     measurements for all Kn, within 2 %. [davies1945].

@@ -58,7 +58,7 @@ def ball_pressure(
 
 
 def drop_strain_change(strain_rate: Rate, pull_rate: Rate, width: Length, height: Length) -> Stretching:
-    """How fast the rate of strain of an elliptic drop changes, (s^2 + w^2) (b^2 - a^2)/(a^2 + b^2).
+    """Time derivative of the strain rate of an elliptic drop, (s^2 + w^2) (b^2 - a^2)/(a^2 + b^2).
 
     The drop flows as u = s x, v = -s y, so that da/dt = s a and db/dt = -s b; each particle is pulled to the center by
     w^2 times its distance (not at all if w = 0). s: rate of strain; w: rate of the pull; a: width, b: height, both

@@ -48,7 +48,8 @@ class SplitFit(NamedTuple):
 
 
 def short_energy(x: Numbers, eta: Number) -> Any:
-    """S(x) = (1/2) sum_n (-eta)^n/n! E_{n+1}(w), w = x^2/(4 eta): what is left of K0(x) for pairs. [hantush1955].
+    """S(x) = (1/2) sum_n (-eta)^n/n! E_{n+1}(w), w = x^2/(4 eta): the short-range part of K0(x), summed over pairs.
+    [hantush1955].
 
     >>> round(float(short_energy(0.05, 1e-2)), 12)
     1.124474263121
@@ -72,7 +73,7 @@ def short_pull(x: Numbers, eta: Number) -> Any:
 
 
 def _rest(w: Any, eta: float) -> Any:
-    """What multiplies exp(-w)/x^2: one at w = 0, exp(-eta) far out."""
+    """The factor of exp(-w)/x^2: 1 at w = 0, exp(-eta) at large distances."""
     import numpy as np
     from scipy.special import expn
 
@@ -110,7 +111,7 @@ def smooth_wave_within(wavenumber_squared: Numbers, eta: Number, reach: Number) 
 
 
 def smooth_self_energy(eta: Number) -> Number:
-    """T(0) = E_1(eta)/2: what a charge has with itself in the smooth part. [ewald1921].
+    """T(0) = E_1(eta)/2: the energy of a charge with its own smooth part. [ewald1921].
 
     >>> round(smooth_self_energy(1.0), 9)
     0.109691967
@@ -168,8 +169,8 @@ def spline_share(phase: Any, order: int) -> Any:
 
 
 def spline_correction(phase: Any, order: int) -> Any:
-    """What multiplies a smooth wave on a grid, where charges are assigned and fields read by splines: U^2/(sum U^2)^2,
-    the factor with the least error of forces for each axis. [hockney1988, eq. 8-22].
+    """Factor of a smooth wave on a grid whose charges and fields use splines, U^2/(sum U^2)^2 for each axis, with the
+    least error of forces. [hockney1988, eq. 8-22].
 
     >>> float(spline_correction(0.0, 6))
     1.0

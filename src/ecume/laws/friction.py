@@ -20,11 +20,14 @@ from typing import Annotated, Any, NamedTuple
 from ecume.units import Energy, Force, Friction, Length, Mass, Number, Speed, Unit
 
 SOFTLY = 0.02
-"""Of the limit: over so much more pull the film takes up its part gradually, so that the sliding has a slope."""
+"""The range of pulls, over the limit, in which the film gradually takes up its part, so that
+sliding is differentiable.
+"""
 
 
 def touching(gap: Length, roughness: Length) -> Number:
-    """What part of the load lies on the tips: 1 below half of the roughness, 0 above the roughness, smooth between.
+    """Fraction of the load that asperities carry: 1 below half of the roughness, 0 above it, smooth
+    between.
 
     >>> touching(0.4, 1.0), touching(0.75, 1.0), touching(1.0, 1.0)
     (1.0, 0.5, 0.0)
@@ -44,7 +47,8 @@ def touching_power(gap: Length, roughness: Length) -> Number:
 
 
 def holding_force(compression: Force, gap: Length, coefficient: Number, roughness: Length) -> Force:
-    """The most that tips hold along the surface: mu N w(h), Coulomb's law of what presses. [coulomb1785].
+    """Largest tangential force of asperities, mu N w(h): Coulomb's law with the load that they
+    carry. [coulomb1785].
 
     N is the normal force, positive where it presses; w is `touching`.
 
@@ -55,7 +59,8 @@ def holding_force(compression: Force, gap: Length, coefficient: Number, roughnes
 
 
 def sliding_force(pull: Force, limit: Force) -> Force:
-    """What the film bears of a pull along the surface, of its sign, and slides under: none below the limit.
+    """Tangential force that the film carries, with the sign of the pull: the excess over the limit of contact friction,
+    zero below it.
 
     It is |T| - L (1 + e/2) well above the limit L, and (|T| - L)^2/(2 e L) from L to L (1 + e), with e = 0.02.
     [coulomb1785].
@@ -99,7 +104,7 @@ def limit_slope(pull: Force, limit: Force) -> Number:
 
 
 class Rubbing(NamedTuple):
-    """What the film bears of a pull along the surface, and how that changes."""
+    """The tangential force that the film carries, and its derivatives."""
 
     held: Number
     """over the pull; 1 without contact friction"""
@@ -112,7 +117,7 @@ class Rubbing(NamedTuple):
 
 
 def no_rubbing(gap: Length, compression: Force, pull: Force) -> Rubbing:
-    """Without contact friction, the film bears all of the pull.
+    """Without contact friction, the film carries the whole tangential force.
 
     >>> no_rubbing(1e-6, 1.0, 0.5).held
     1.0
@@ -121,7 +126,8 @@ def no_rubbing(gap: Length, compression: Force, pull: Force) -> Rubbing:
 
 
 def coulomb_rubbing(gap: Length, compression: Force, pull: Force, coefficient: Number, roughness: Length) -> Rubbing:
-    """Coulomb's friction of the tips, `holding_force`, beside the film. [coulomb1785].
+    """Coulomb friction of the asperities, `holding_force`, in parallel with the film.
+    [coulomb1785].
 
     >>> coulomb_rubbing(0.1, 2.0, 0.9, 0.5, 1.0).held
     0.0
@@ -247,7 +253,7 @@ def spring_push(overlap: Length, approach_speed: Speed, stiffness: Stiffness, fr
 
 
 def spring_energy(overlap: Length, stiffness: Stiffness) -> Energy:
-    """Energy of the spring alone, k delta^2/2; zero where nothing overlaps. [cundall1979].
+    """Energy of the spring, k delta^2/2; zero without overlap. [cundall1979].
 
     >>> spring_energy(0.1, 10.0), spring_energy(-0.1, 10.0)
     (0.05000000000000001, 0.0)

@@ -28,7 +28,7 @@ Heights = Annotated[Value, Unit("m")]
 def hydrostatic_pressure(
     height: Heights[Value], surface_height: Length, reference_density: Density, gravity: Acceleration
 ) -> Pressures[Value]:
-    """rho_0 g (H - y): what the liquid between the height y and a surface at H weighs; negative above H.
+    """Hydrostatic pressure rho_0 g (H - y) at the height y below a surface at H; negative above H.
 
     Its gradient cancels the weight of a liquid of density rho_0 exactly, which that of rho_i g (H - y) does not.
     [batchelor1967].

@@ -1,5 +1,4 @@
-"""How deep a floating sphere sits in its liquid: the share of Stokes's drag that is left to it, also between two
-liquids.
+"""Drag of partly immersed floating spheres as a fraction of Stokes drag, also between two liquids.
 
 The surface is flat, and neither liquid crosses it. What counts is the sum of both viscosities, and the share of it that
 is above: 0 under a gas, 1/2 between liquids of equal viscosity. With the liquids exchanged a contact angle theta
@@ -187,8 +186,8 @@ def _spline(angles: Array, table: Factors, row: int) -> Array:
 
 @cache
 def _slopes(row: tuple[float, ...], end: float) -> Array:
-    """Those that leave no jump in the second derivative: (m_{k-1} + 4 m_k + m_{k+1}) / 3 = (f_{k+1} - f_{k-1}) / step,
-    0 and `end` at the ends.
+    """The slopes of a cubic interpolant with continuous second derivatives: (m_{k-1} + 4 m_k + m_{k+1}) / 3 = (f_{k+1}
+    - f_{k-1}) / step, with 0 and `end` at the ends.
     """
     count, values = len(row), np.array(row)
     matrix = 4.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)

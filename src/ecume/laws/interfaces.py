@@ -1,4 +1,5 @@
-"""How mobile the surfaces on both sides of a film are: what its liquid can hold on to while it is squeezed and sheared.
+"""The mobility of the two surfaces of a film, which determines its frictions under squeezing and
+shear.
 
 Each law gives the film's friction against squeezing and against shear, and by which powers of contact size and gap they
 change there, which an implicit step requires. Prefactors c_n and c_t are those of rigid surfaces
@@ -16,10 +17,13 @@ from ecume.laws.surfaces import Body
 from ecume.units import Force, Friction, Length, Number, Unit, Viscosity
 
 HARDLY = 1e-3
-"""Of a rigid film's shear friction: what is left to one that holds on to nothing, so that surfaces relax in an instant
-but not in none."""
+"""The fraction of a rigid film's shear friction that a mobile film keeps, so that its surfaces relax fast but not
+instantaneously.
+"""
 QUIET = 1e-6
-"""Of modulus times R*^2: a tangential force below which elastohydrodynamic friction no longer depends on the force."""
+"""The tangential force, over modulus times R*^2, below which elastohydrodynamic friction is
+independent of the force.
+"""
 
 PerForce = Annotated[float, Unit("1/N")]
 
@@ -98,7 +102,7 @@ def drop_shear(
 
 
 class Resistance(NamedTuple):
-    """Both frictions, and the powers of contact size a and gap h by which they change."""
+    """Both frictions, and their exponents in the contact size a and the gap h."""
 
     squeeze: Friction
     shear: Friction
@@ -119,7 +123,8 @@ def rigid_film(
     viscosity_ratio: Number,
     film_prefactors: tuple[Number, Number],
 ) -> Resistance:
-    """Both surfaces hold the liquid: solids, or surfaces full of surfactant. [rognon2009, eq. 10 and 11].
+    """No slip at both surfaces: solids, or surfaces covered with surfactant. [rognon2009, eq. 10
+    and 11].
 
     >>> rigid_film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze_by_gap
     -3.0
@@ -136,8 +141,8 @@ def half_mobile_film(
     viscosity_ratio: Number,
     film_prefactors: tuple[Number, Number],
 ) -> Resistance:
-    """One surface holds the liquid, along the other it slips freely: a bubble against a solid. The flow is half of that
-    in a film of twice the thickness: squeezing meets a quarter of the friction, and shear none. [batchelor1967].
+    """No slip at one surface and free slip at the other: a bubble against a solid. The flow is half of that in a film
+    of twice the thickness, so that squeezing has a quarter of the friction and shear none. [batchelor1967].
 
     >>> rigid, half = (film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze for film in (rigid_film, half_mobile_film))
     >>> round(half / rigid, 12)

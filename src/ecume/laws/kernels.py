@@ -43,7 +43,7 @@ GAUSSIAN_SUPPORT = 3.0
 
 
 def positive(x: Pure[Value]) -> Pure[Value]:
-    """Whatever of x is positive, else zero; exact.
+    """The positive part of x: x if positive, otherwise 0; exact.
 
     >>> positive(2.5), positive(-2.5)
     (2.5, 0.0)
@@ -208,7 +208,7 @@ def wendland_c4_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c4_bend(q: Pure[Value]) -> Pure[Value]:
-    """(1/q) d/dq (f'(q)/q) of Wendland's C4, 35 (1-q/2)^4: what second derivatives need beside the slope.
+    """(1/q) d/dq (f'(q)/q) of Wendland's C4, 35 (1-q/2)^4, for second derivatives.
 
     With s = f'/q and b this, the derivatives of W along a and b are (s delta_ab + b x_a x_b/h^2)/h^2. [wendland1995,
     dehnen2012].
@@ -263,7 +263,7 @@ def gaussian_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def gaussian_deficit(dim: int) -> Number:
-    """What a Gaussian loses of its integral when it is cut at 3h: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
+    """Integral that a Gaussian loses by the cut at 3h: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
 
     >>> f"{gaussian_deficit(2):.5e}"
     '1.23410e-04'
@@ -479,7 +479,7 @@ class Kernel:
 
     @property
     def standard_deviation(self) -> float:
-        """sqrt(<x^2>) along one axis, in smoothing lengths: kernels of one standard deviation smooth alike."""
+        """sqrt(<x^2>) along one axis, in smoothing lengths: kernels with equal standard deviations smooth equally."""
         return math.sqrt(self.moment(2) / self.dim)
 
     def moment(self, order: int) -> Number:
@@ -502,7 +502,9 @@ class Kernel:
 
     @property
     def overlap(self) -> float:
-        """The integral over q > 0 of the square of `over_plane`: how liquid resists a plane that comes nearer."""
+        """The integral over q > 0 of the square of `over_plane`: the resistance of the liquid to an
+        approaching plane.
+        """
         q, weights = _quadrature(self.support)
         return float(np.sum(weights * np.asarray(self.over_plane(q)) ** 2))
 

@@ -227,7 +227,7 @@ def mercury_sound_speed(temperature: Temperature) -> Speed:
 
 
 ROOM_CELSIUS = 293.15
-"""Where the properties of kitchen liquids are tabulated (K)."""
+"""The temperature (K) of tabulated properties of kitchen liquids."""
 
 
 def line(source: str, at_room: float, slope: float) -> Callable[[float], float]:
@@ -270,12 +270,12 @@ def milk_surface_tension(temperature: Temperature) -> SurfaceTension:
 
 STANDARD_SALINITY = 0.035
 SALINITIES = 0.025, 0.040
-"""Where all correlations for seawater hold."""
+"""The range in which all correlations for seawater are valid."""
 
 
 @dataclass(frozen=True)
 class LiquidProperties:
-    """What a liquid is like at a temperature, in SI units."""
+    """The properties of a liquid at a temperature, in SI units."""
 
     name: str
     temperature: Temperature
@@ -293,7 +293,7 @@ class LiquidProperties:
 
 
 class Correlations(NamedTuple):
-    """How a liquid's properties follow from its temperature, and where all four do."""
+    """The properties of a liquid as functions of temperature, and their common range of validity."""
 
     coldest: Temperature
     hottest: Temperature
@@ -412,4 +412,4 @@ LIQUIDS: dict[str, Correlations] = {
         line("crc2016", 0.0765, -1.2e-4), line("crc2016", 1790.0, -0.5),
     ),
 }  # fmt: skip
-"""By name, with the range of temperatures where all four properties are known."""
+"""The correlations of liquids by name, each with the temperature range in which all four properties are known."""

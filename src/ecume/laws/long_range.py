@@ -16,7 +16,7 @@ ForceSlope = Annotated[float, Unit("N/m")]
 
 
 def no_remote_energy(gap: Length) -> Energy:
-    """Nothing: U = 0.
+    """No long-range force: U = 0.
 
     >>> no_remote_energy(1e-9)
     0.0
@@ -25,7 +25,7 @@ def no_remote_energy(gap: Length) -> Energy:
 
 
 def no_remote_force(gap: Length) -> Force:
-    """Nothing: F = 0.
+    """No long-range force: F = 0.
 
     >>> no_remote_force(1e-9)
     0.0
@@ -34,7 +34,7 @@ def no_remote_force(gap: Length) -> Force:
 
 
 def no_remote_slope(gap: Length) -> ForceSlope:
-    """Nothing: dF/dh = 0.
+    """No long-range force: dF/dh = 0.
 
     >>> no_remote_slope(1e-9)
     0.0

@@ -1,4 +1,4 @@
-"""The liquid's surface at plane, round and rectangular walls, and the forces of images on floats beside them.
+"""Menisci at plane, round and rectangular walls, and the image forces on floats near them.
 
 What a floater's own meniscus does to it when a wall mirrors it: forces of images, for point charges. A wall on which
 the liquid keeps its contact angle mirrors a meniscus as it is, and attracts; a wall that pins the contact line
@@ -32,9 +32,9 @@ MOST_TERMS = 100_000
 DIGITS = 20.0
 """Terms smaller than exp(-2 DIGITS) of the sum are ignored."""
 CENTER = 1e-6
-"""In L: nearer the middle the force is in proportion to r."""
+"""The distance from the axis, in L, below which the force is proportional to r."""
 FAR = 40.0
-"""In L: images farther away are ignored."""
+"""The distance in L beyond which images are ignored."""
 
 
 def image_force(charge: Length, r: Lengths, dish_radius: Length, liquid: Liquid, wall: str = "fixed-angle") -> Forces:
@@ -112,7 +112,9 @@ def rectangle_image_force(
 
 
 def _line(x: float, width: float, sign: float) -> list[tuple[float, float]]:
-    """How far a coordinate's images are, and their signs, from the nearest outward in pairs, itself first."""
+    """The distances and signs of the images of a coordinate, in pairs from the nearest outward, after the coordinate
+    itself.
+    """
     images = [(0.0, 1.0)]
     for k in range(1, math.ceil(FAR / width) + 2):
         images += [(2.0 * k * width, 1.0), (-2.0 * k * width, 1.0)]
@@ -129,7 +131,9 @@ class Sums(NamedTuple):
 
 
 def dish_sums(r: Numbers, dish_radius: Number, sign: Number) -> Sums:
-    """Both sums, for distances from the axis and a dish's radius, in L; `sign` as in `WALLS`. [nicolson1949]."""
+    """Both sums over images in a round dish, for distances from the axis and the radius in L; `sign` as in `WALLS`.
+    [nicolson1949].
+    """
     given = np.atleast_1d(r)
     near = np.maximum(given, CENTER)
     terms = math.ceil(DIGITS / -math.log(float(near.max()) / dish_radius)) + 20
@@ -191,7 +195,7 @@ __all__ = [
 ]
 
 CORE = 1e-3
-"""Radius, in L, from which a dish is integrated: nearer the axis its surface is the linear one to 1e-12."""
+"""The radius in L at which integration starts: closer to the axis, the linear surface is accurate to 1e-12."""
 SHALLOW = 25.0
 """Farther than this from the wall (in L) slopes are below 1e-10, and the surface is the linear one."""
 TOLERANCE = 1e-12
@@ -245,7 +249,8 @@ AMPLITUDES: dict[str, Callable[[float, Liquid], float]] = {
 
 
 def facing_amplitude(width: Length, contact_angle: Angle, liquid: Liquid, theory: str = "amplitude") -> Length:
-    """A_w / (1 - exp(-W/L)): the amplitude of each of two plane walls that face each other, W apart.
+    """Amplitude A_w / (1 - exp(-W/L)) of each of two plane walls that face each other at a distance
+    W.
 
     Each wall's meniscus is mirrored by the other; with this amplitude the sum of the two exponentials keeps the
     slope at both. Exact in linear theory. [chan1981].
@@ -393,7 +398,7 @@ def _height_at(r: Array, shot: Any) -> Array:
 
 @lru_cache(maxsize=KEPT)
 def _dish_profile(dish_radius: float, contact_angle: float) -> tuple[float, float, Any]:
-    """Where the integration starts, the height there, and the shot that meets the wall at the contact angle."""
+    """The start of the integration, the height there, and the solution with the contact angle at the wall."""
     from scipy.optimize import brentq
 
     core = max(CORE, dish_radius - SHALLOW) if dish_radius > 2.0 * CORE else 0.5 * dish_radius

@@ -18,7 +18,7 @@ from ecume.units import (
 
 
 def sway_place(amplitude: Length, turning: Rate, time: Time) -> Length:
-    """Where a dish is that swings about A, from rest at 0: x = A (1 - cos(Omega t)).
+    """Position of an oscillating dish around A, from rest at 0: x = A (1 - cos(Omega t)).
 
     >>> round(sway_place(2.0, math.pi, 1.0), 12)
     4.0
@@ -27,7 +27,7 @@ def sway_place(amplitude: Length, turning: Rate, time: Time) -> Length:
 
 
 def sway_velocity(amplitude: Length, turning: Rate, time: Time) -> Speed:
-    """Its velocity, A Omega sin(Omega t): the slope of `sway_place` in time.
+    """Velocity of an oscillating dish, A Omega sin(Omega t): the derivative of `sway_place`.
 
     >>> sway_velocity(2.0, 3.0, 0.0)
     0.0
@@ -36,7 +36,8 @@ def sway_velocity(amplitude: Length, turning: Rate, time: Time) -> Speed:
 
 
 def sway_acceleration(amplitude: Length, turning: Rate, time: Time) -> Acceleration:
-    """Its acceleration, A Omega^2 cos(Omega t): the slope of `sway_velocity` in time.
+    """Acceleration of an oscillating dish, A Omega^2 cos(Omega t): the derivative of
+    `sway_velocity`.
 
     >>> sway_acceleration(2.0, 3.0, 0.0)
     18.0
@@ -45,7 +46,7 @@ def sway_acceleration(amplitude: Length, turning: Rate, time: Time) -> Accelerat
 
 
 def left_behind(mass: Mass, friction: Friction, acceleration: Acceleration, velocity: Speed, slip: Number) -> Force:
-    """What a dish in motion does to a float, as seen from the dish: F = -s (m a + zeta V).
+    """Inertial and drag force on a float in the frame of a moving dish, F = -s (m a + zeta V).
 
     The liquid goes along with the part 1 - s of the dish's velocity V and acceleration a: what it is carried by at
     s = 0 it does not feel, since liquid that is moved as a whole is in an even gravity, only a tilted one. At s = 1 the

@@ -100,7 +100,7 @@ InverseArea = Annotated[float, Unit("1/m^2")]
 
 
 class PairParameters(NamedTuple):
-    """The two floats of a pair, as pair laws see them beside the distance of their centers."""
+    """The parameters of the two floats of a pair for pair laws, beside the distance of their centers."""
 
     radius_i: Length
     radius_j: Length
@@ -377,7 +377,7 @@ CAPABILITIES = {
     "reciprocal": "exerts equal and opposite forces on the two floats",
     "menisci": "is the superposition of menisci",
 }
-"""What an option can require of a pair law, in words."""
+"""The properties that an option can require of a pair law, as texts."""
 
 
 def row_of(constants: type) -> PairLaw:

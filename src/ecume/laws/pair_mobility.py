@@ -75,7 +75,8 @@ def rotne_prager(separation: Length, radius: Length, other_radius: Length) -> tu
 
 
 def surface_divergence(separation: Length, radius: Length, other_radius: Length) -> float:
-    """6 pi eta times the divergence of the mobility of two spheres whose centers stay in one plane (1/m^2).
+    """Divergence of the mobility of two spheres whose centers remain in one plane, times 6 pi eta
+    (1/m^2).
 
     (M_across - M_along)/r, for the velocity of one sphere by forces on the other, with respect to the place of the
     other and along the direction to it. In 3D the divergence is zero, since liquid is incompressible: dM_along/dr =
@@ -159,7 +160,8 @@ def compact_raft(count: int) -> Array:
 
 @functools.cache
 def raft_speed_factor(count: int) -> Number:
-    """How many times faster a compact raft of touching equal floats moves than one of them, each under the same force.
+    """Ratio of the speed of a compact raft of touching equal floats to that of one float, each
+    under the same force.
 
     N over the resistance of the raft, in resistances of one float, when all floats have the same velocity. It grows
     with the square root of the number of floats; rafts of more than `MOST_SOLVED` floats are extrapolated in this way.

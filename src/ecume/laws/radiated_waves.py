@@ -1,4 +1,4 @@
-"""Capillary-gravity waves of floats that oscillate up and down, and the mean forces they exert on one another.
+"""Capillary-gravity waves of vertically oscillating floats, and their mean mutual forces.
 
 A point that presses on a deep, weakly viscous liquid with Re(F e^(i omega t)) radiates a ring wave. The surface obeys
 (d/dt + 2 nu k^2)^2 eta = -(g k + sigma k^3/rho) eta - k P/rho, weakly damped potential flow [dias2008]. With
@@ -27,12 +27,14 @@ Frequency = Annotated[float, Unit("1/s")]
 Wavenumber = Annotated[float, Unit("1/m")]
 
 LARGEST_DAMPING = 0.3
-"""eps up to which the damping of the liquid is weak."""
+"""The largest eps for which the damping by the liquid counts as weak."""
 LARGEST_WEIGHT = 1000.0
-"""rho g/(sigma k_c^2) up to which the sums keep 1e-3 of the height: above about 0.06 Hz on water."""
+"""The largest rho g/(sigma k_c^2) for which the sums keep 1e-3 of the height: above about 0.06 Hz on water."""
 NODES = 160
 FIRST, LAST = -3.2, 64.0
-"""Of the integration: ln of the first place, where e^-u makes the integrand vanish, and the exponent of the last."""
+"""The limits of the integration: ln of the first point, where e^-u makes the integrand vanish, and the exponent of the
+last one.
+"""
 
 
 class Ripples(NamedTuple):
@@ -167,7 +169,9 @@ def slope_of_struve_minus_bessel(z: Any) -> Complexes:
 
 
 def _beyond(z: Complexes, order: int) -> Complexes:
-    """What continuation across the imaginary axis adds: -2i H^(2)(-z) above the real axis and 2i H^(1)(-z) below."""
+    """The term of the continuation across the imaginary axis: -2i H^(2)(-z) above the real axis and
+    2i H^(1)(-z) below.
+    """
     from scipy.special import hankel1, hankel2
 
     w = np.where(z.real < 0.0, -z, 1.0)

@@ -21,9 +21,9 @@ DEFINITE = 4.9
 against the deflection: sqrt(24).
 """
 DRAWN = 100.0
-"""How much more easily a film opens under the part of a tension that exceeds what it transmits."""
+"""The factor by which a film opens more easily under the excess of a tension over the largest one that it transmits."""
 SOFTLY = 0.02
-"""Of the largest tension: over this range the film begins to cavitate, so that its rate has a slope."""
+"""The range of the onset of cavitation, over the largest tension, in which the rate is differentiable."""
 
 
 class Widening(NamedTuple):
@@ -90,7 +90,8 @@ def cavitation_limit(contact_size: Length, cavitation_pressure: Pressure) -> For
 
 
 def cavitated_draw(tension: Force, contact_size: Length, cavitation_pressure: Pressure) -> Draw:
-    """The film opens under a tension F above the limit L as if it were F + 100 (F - L): vapor fills it at once.
+    """A film under a tension F above the limit L opens as if under F + 100 (F - L), since vapor
+    fills it at once.
 
     From L to 1.02 L the transition is smooth. Below L, and in compression, it is F. [brennen1995].
 
@@ -205,7 +206,7 @@ class TensionLaw:
 
 
 LITTLE_STRAIN = 0.3
-"""The shear strain up to which neighbors stay neighbors."""
+"""The shear strain up to which neighbors remain neighbors."""
 STRONG = 0.1
 """The cavitation pressure over the modulus above which it does not limit tension in time."""
 

@@ -56,7 +56,7 @@ ENTRAINMENT = 0.75
 
 
 def entrained_force(speed: Speed, compression: Force, contact_size: Length, viscosity: Viscosity) -> Force:
-    """Elastohydrodynamic force T = sqrt(3/4 eta u N a) between soft surfaces that slide along each other.
+    """Elastohydrodynamic force T = sqrt(3/4 eta u N a) between soft surfaces in relative sliding.
 
     u is the sliding speed, N the compressive force, a the contact size. Sliding draws liquid into the contact until
     the pressure that it builds up there balances that of the surfaces: eta u a/h^2 ~ N/a^2. With this film thickness h,
@@ -78,7 +78,7 @@ Stiffness = Annotated[float, Unit("N/m")]
 
 
 class Prefactors(NamedTuple):
-    """The numbers that the scaling laws of a contact leave open."""
+    """The undetermined prefactors of the scaling laws of a contact."""
 
     squeeze: float = DISC_SQUEEZE
     """c_n of `squeeze_friction`"""
@@ -108,7 +108,8 @@ def reduced_radius(radius_i: Length, radius_j: Length) -> Length:
 
 
 def pair_modulus(modulus_i: Pressure, modulus_j: Pressure) -> Pressure:
-    """E = 2 / (1/E_i + 1/E_j): two surfaces deform in series; a rigid one leaves twice the other's.
+    """Modulus E = 2 / (1/E_i + 1/E_j) of two surfaces in series; with a rigid one, twice the
+    modulus of the other.
 
     Of equal Poisson ratios, which the prefactors hold. [johnson1985, eq. 4.18].
 
@@ -209,7 +210,7 @@ def gap_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Energ
 
 @dataclass(frozen=True)
 class SoftPair:
-    """Two spheres and what is between them."""
+    """Two soft spheres and the liquid between them."""
 
     radius: Length
     """Of equal spheres; twice the reduced radius of others."""
@@ -274,7 +275,7 @@ def viscous_time(pair: SoftPair, force: Force) -> Time:
 
 
 def passage_time(pair: SoftPair, force: Force, gap_from: Length, gap_to: Length) -> Time:
-    """How long a constant force, with its deflection there from the start, takes from one gap to another.
+    """Time between two gaps under a constant force, with its deflection present from the start.
 
     t = t_P/3 |2 ln(p1/p0) + 5 (1/p0 - 1/p1) + 3/2 (1/p0^2 - 1/p1^2)|. The exact law behind [rognon2009, eq. 31 to 34]:
     t_P ln(h1/h0) for p >> 1, and (t_P/2) K^(4/3) (R/h0)^2 for p << 1, where pulling harder is slower.

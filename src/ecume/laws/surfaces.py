@@ -1,4 +1,5 @@
-"""How the surfaces of a contact deform: bubbles and drops, and the table of elastic laws (`films.surface`).
+"""The deformation of the surfaces of a contact: bubbles and drops, and the table of elastic laws
+(`films.surface`).
 
 A scene chooses a row of the table at the end. A row holds everything that depends on the choice. Its formulas are
 compiled into the contacts. Their arguments are the contact (`body`), its `gap`, its normal deflection (`stretch`,
@@ -27,7 +28,7 @@ from ecume.units import Area, Energy, Force, Length, Number, Pressure, SurfaceTe
 SquaredArea = Annotated[float, Unit("m^4")]
 
 EDGE = 4.0 * math.exp(-5.0 / 6.0)
-"""What R^2 is multiplied by in the logarithm: 2 ln(2R/a) - 5/6 is how far a bubble's facet recedes."""
+"""The factor of R^2 in the logarithm: a bubble's facet recedes by 2 ln(2R/a) - 5/6."""
 CLOSE = 1e-15
 MOST_ITERATIONS = 60
 
@@ -218,7 +219,7 @@ class Body(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """How both surfaces of a contact yield at its present deflection."""
+    """The stiffnesses and size of both surfaces of a contact at its present deflection."""
 
     size: Length
     """a, the contact size"""
@@ -294,7 +295,7 @@ def hertz_gap_energy(body: Body, gap: Length, stretch: Length, prefactors: Prefa
 
 
 def _rest_stiffness(body: Body, gap: Length, stretch: Length, prefactors: Prefactors) -> tuple[Stiffness, Number]:
-    """The normal stiffness without a deflection, and how much the deflection adds to a^2, relatively."""
+    """The normal stiffness without deflection, and the relative increase of a^2 by the deflection."""
     rest = 2.0 * body.reduced_radius * prefactors.gap_weight * gap
     ratio = prefactors.deflection_weight * abs(stretch) / (prefactors.gap_weight * gap)
     return soft_pair.surface_stiffness(math.sqrt(rest), body.modulus, prefactors.normal), ratio

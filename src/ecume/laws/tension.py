@@ -78,7 +78,8 @@ def cohesion_strength_in_space(
 
 
 def surface_weight(color: Number) -> Number:
-    """psi(c) = 12 c (1-c)^2 for 0 < c < 1, else 0: how much a color's contour counts as surface. It weighs one.
+    """Weight psi(c) = 12 c (1-c)^2 for 0 < c < 1, otherwise 0, of a color's contour as a part of the surface; its
+    integral is 1.
 
     The surface's energy is E = sigma int psi(c) |grad c| dV, c the smoothed color, 1 inside and 0 outside. By the
     coarea formula that is sigma times the area of the contours of c, each counted psi: the area itself, however wide

@@ -1,4 +1,4 @@
-"""How long a time step of a liquid made of particles may be; each limit is infinite where nothing limits."""
+"""Upper limits of the time step of a liquid of particles; infinite if a process is absent."""
 
 from __future__ import annotations
 
@@ -119,7 +119,8 @@ def body_damping_limit(areal_mass: ArealMass, bulk_viscosity: Viscosity, overlap
 
 
 def body_drag_limit(areal_mass: ArealMass, viscosity: Viscosity, plane_weight: PerLength) -> Time:
-    """M / (4 eta w(0)): how long a body of the mass m per unit of its surface may ignore the liquid's friction.
+    """Time M / (4 eta w(0)) after which a body with the mass m per unit of surface responds to the
+    liquid's friction.
 
     Friction along velocities [morris1997] between liquid and dummies that move as mirrored at the surface [adami2012]
     slows such a body at the rate 4 eta w(0) / m, w(0) being the kernel summed over a plane through its middle.

@@ -36,7 +36,7 @@ def liquid_inertia(displaced: Mass, acceleration: Acceleration, coefficient: Num
 
 
 def faxen_velocity(radius: Length, curvature: Curvature) -> Speed:
-    """What adds to the velocity of the liquid in Stokes's drag where its profile is curved, (a^2/6) lap u.
+    """Addition to the velocity of the liquid in Stokes drag for a curved profile, (a^2/6) lap u.
 
     [maxey1983].
 

@@ -26,7 +26,8 @@ LengthSquared = Annotated[float, Unit("m^2")]
 
 
 def approach_speed(approach: Approach, distance_squared: LengthSquared, smoothing_length: Length) -> Speed:
-    """Monaghan's mu = h v.x / (r^2 + 0.01 h^2) for a pair that comes nearer, negative; 0 for one that parts.
+    """Monaghan's mu = h v.x / (r^2 + 0.01 h^2) for approaching pairs, negative; 0 for separating
+    ones.
 
     approach: v.x; h: smoothing_length. [monaghan1992, eq. 4.2].
 
@@ -133,7 +134,8 @@ def corrected_friction(
 
 
 def friction_left(pair_distance: Length, surface_per_volume: PerLength, dimensions: Number) -> Number:
-    """The part 1 - c (S/V) <r> of the friction of full surroundings that is left in a liquid with a free surface.
+    """Fraction 1 - c (S/V) <r> of the friction in full surroundings that remains in a liquid with a
+    free surface.
 
     <r>: pair_distance, the mean weighed as friction weighs pairs, (d+1)/d times the kernel's mean distance: h for
     Wendland's C2 in 2D, 10 h/9 in 3D. Of all pairs the part c (S/V) <r> reaches through a sharp surface to

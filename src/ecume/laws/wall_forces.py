@@ -25,7 +25,8 @@ from ecume.units import Acceleration, Length, Number, Speed, Unit
 
 
 def standoff_push(gap: Length, reach: Length, speed: Speed) -> Acceleration:
-    """(v/z)^2 (z - d) at a gap d below the reach z, else 0: who comes with the speed v just touches the wall.
+    """Acceleration (v/z)^2 (z - d) at a gap d below the range z, otherwise 0: particles with the speed v just reach the
+    wall.
 
     The plainest of the repulsions that walls are made of elsewhere [monaghan1994]; here it is a stand-in for what sums
     do not resolve, and zero for all liquid that keeps its distance. Weight w presses it in by w z^2/v^2.
@@ -38,7 +39,8 @@ def standoff_push(gap: Length, reach: Length, speed: Speed) -> Acceleration:
 
 
 def standoff_energy(gap: Length, reach: Length, speed: Speed) -> SpecificEnergy:
-    """v^2 (1 - d/z)^2 / 2 at a gap d below the reach z, else 0: what the push gives back [monaghan1994].
+    """Potential v^2 (1 - d/z)^2 / 2 of this force at a gap d below the range z, otherwise 0
+    [monaghan1994].
 
     >>> standoff_energy(0.0, 0.1, 2.0), standoff_energy(0.1, 0.1, 2.0)
     (2.0, 0.0)
@@ -48,14 +50,15 @@ def standoff_energy(gap: Length, reach: Length, speed: Speed) -> SpecificEnergy:
 
 
 LIMITER = 3.0
-"""How much of the dissipation small differences of velocity get [zhang2017]."""
+"""The factor of dissipation at small differences of velocity [zhang2017]."""
 PerLength = Annotated[float, Unit("1/m")]
 
 
 def impact_braking(
     approach: Speed, plane_weight: PerLength, sound_speed: Speed, limiter: Number = LIMITER
 ) -> Acceleration:
-    """min(eta U, c) U w away from the wall, of liquid that approaches at u, U = 2 u; zero for liquid that leaves.
+    """Acceleration min(eta U, c) U w away from the wall for liquid that approaches at u, with U = 2 u; zero for liquid
+    that leaves.
 
     Riemann problem of the liquid and its mirror image, p* = p + rho min(eta U, c) U / 2 with the difference U of their
     velocities and eta = 3, limiter [zhang2017, eqs. 10 and 11], summed over the half-space behind the wall as in eq. 9:

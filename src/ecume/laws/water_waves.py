@@ -146,7 +146,7 @@ class Tank:
 
 @dataclass(frozen=True)
 class BaseExcitation:
-    """What pulls along the tank beside gravity, A sin(Omega t + phi), from rest on: minus the tank's acceleration."""
+    """The inertial acceleration along the tank, A sin(Omega t + phi) from rest: minus the tank's acceleration."""
 
     amplitude: Acceleration
     turning: Rate
@@ -154,7 +154,7 @@ class BaseExcitation:
 
 
 def sloshing_height(x: Length, time: Time, tank: Tank, excitation: BaseExcitation) -> Length:
-    """How far the surface is above its level at x, positive upwards: the sum of b_n(t) cos(n pi x / L) over odd n.
+    """Height of the surface above its level at x: the sum of b_n(t) cos(n pi x / L) over odd n.
 
     x: from the left wall; b_n: `sloshing_mode`. Even modes are not stirred by a tank that stays level. For heights far
     below depth and length, off resonance. [ibrahim2005, faltinsen2009].

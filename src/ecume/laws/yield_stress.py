@@ -17,7 +17,7 @@ PressureGradient = Annotated[float, Unit("Pa/m")]
 SLOWEST = 1e-30
 """1/s: keeps a liquid at rest from a division by zero."""
 BISECTIONS = 64
-"""Of 60 decades, to full precision."""
+"""The number of bisections, which resolve 60 decades to full precision."""
 
 
 def apparent_viscosity(

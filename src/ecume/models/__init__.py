@@ -1,4 +1,4 @@
-"""The models there are. Reading this table compiles nothing; a model is imported when it is first looked up."""
+"""The table of models. Reading it compiles nothing; a model is imported at the first access."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HOMES = {
     "sph": "ecume.models.sph:SPH",
     "tracers": "ecume.models.tracers:TRACERS",
 }
-"""Where each model is: its package, and the name of its record there."""
+"""The package of each model, and the name of its record there."""
 
 
 class _Models(MutableMapping[str, Model]):

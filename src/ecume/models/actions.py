@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from ecume.engine.cells import Integers
 
 ROUNDING = 1e-6
-"""Of a time step: an action that is due by less than this later is due now."""
+"""The fraction of a time step by which an action may be early."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Access:
-    """The part of a model's state that actions may change. By default nothing."""
+    """The parts of a model's state that actions may change; none by default."""
 
     arrays: Callable[[Any], Mapping[str, Array]] = lambda state: {}
     """arrays(state): views of the state's own arrays, (N, d), by their names in frames"""
@@ -62,11 +62,13 @@ class Action:
 
     @property
     def period(self) -> dict[str, float]:
-        """Its period, for the manifest."""
+        """The period, for the manifest."""
         return {"steps": self.steps} if self.steps is not None else {"time": float(self.time or 0.0)}
 
     def count(self, steps: int, clock: float, time_step: float) -> int:
-        """How many times it was due up to this step and time, in units of `time_step`; never at time 0."""
+        """The number of times that the action was due up to this step and time, in units of `time_step`; it is never
+        due at time 0.
+        """
         if self.steps is not None:
             return steps // self.steps
         return math.floor((clock + ROUNDING) * time_step / float(self.time or math.inf))

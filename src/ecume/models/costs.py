@@ -51,7 +51,7 @@ particles of a liquid.
 INDEX, LINE, FILE = 32.0, 32.0, 17e3
 """Bytes of each quantity in a file's index, and of each number in `scalars.jsonl`; bytes of a file without frames."""
 CHECKPOINTS, ARCHIVE = 2, 8e3
-"""How many checkpoints a run keeps, and the bytes of one without its particles."""
+"""The number of checkpoints that a run keeps, and the size of one without particles in bytes."""
 CELL = 19.0
 """Bytes of a number in `samples.csv`."""
 NOTHING_WRITTEN = 5e-3
@@ -108,7 +108,7 @@ class FrameCost(NamedTuple):
         return self.writing + self.sampling.seconds
 
     def rows(self) -> list[Row]:
-        """The number of frames, what each costs, the samples between them, and the size of all on the disk."""
+        """The number of frames, the cost of each, the samples between them, and the total size on disk."""
         each = f"{duration_text(self.writing / self.frames)} and {size_text(self.bytes / self.frames)} each"
         large = "; a larger frame_every takes less" if self.bytes > LARGE else ""
         frames, samples = ("frames", str(self.frames), each), self.sampling.lines()

@@ -1,4 +1,4 @@
-"""What went wrong in a state that diverged: the particle and the quantity."""
+"""Diagnosis of a diverged state: the particle and the quantity at fault."""
 
 from __future__ import annotations
 

@@ -9,7 +9,8 @@ from ecume.units import with_prefix
 
 
 def gravity_text(pull: Sequence[float]) -> tuple[str, str]:
-    """Gravity with its direction, and what is up; nothing is up without gravity, or in 2D, where pictures show it.
+    """Gravity with its direction, and the upward axis; empty without gravity, and in 2D, where
+    pictures show it.
 
     >>> gravity_text((0.0, 0.0, -9.81))
     ('9.81 m/s^2 along -z', 'up is +z')

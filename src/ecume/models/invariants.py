@@ -31,7 +31,7 @@ class NumberHistory(NamedTuple):
 
 
 class Invariant(NamedTuple):
-    """A quantity that must stay within a limit, computed from numbers of frames."""
+    """A quantity with a limit, computed from numbers of frames."""
 
     name: str
     says: str
@@ -45,8 +45,8 @@ def energy_never_rises(
     floor: Callable[[NumberHistory], float] = lambda seen: 0.0,
     motion: Sequence[str] = ("kinetic_energy",),
 ) -> Invariant:
-    """If all work on the system is in the energy budget: rises of the energy less that work, over what there was
-    of motion, loss and work; what is as small as `floor` (J) is nothing. `motion` names the energy of motion, if any.
+    """The invariant that the energy minus the injected work never rises, relative to the motion, loss and work; values
+    below `floor` (J) count as zero. `motion` names the kinetic energy, if any.
     """
 
     def rise(seen: NumberHistory) -> float:
@@ -58,7 +58,7 @@ def energy_never_rises(
 
 
 def with_own(numbers: dict[str, float]) -> dict[str, float]:
-    """With the energy less the work that was done from outside, where there is an energy.
+    """Numbers with the energy minus the injected work, if there is an energy.
 
     >>> with_own({"total_energy": 5.0, "injected_work": 2.0})["energy_less_work"]
     3.0
@@ -78,12 +78,12 @@ def kept(name: str, keys: Sequence[str], scale: Callable[[NumberHistory], float]
 
 
 def at_most(name: str, says: str, key: str, limit: float, over: float = 1.0) -> Invariant:
-    """The invariant of a number that stays below a limit."""
+    """The invariant that a number remains below a limit."""
     return Invariant(name, says, limit, lambda seen: seen.now[key] / over)
 
 
 def part_of(value: float, whole: float) -> float:
-    """A share of something; of nothing it is zero, if it is nothing itself.
+    """The ratio of a value to a total; 0 for 0/0.
 
     >>> part_of(1.0, 4.0), part_of(0.0, 0.0)
     (0.25, 0.0)

@@ -60,7 +60,7 @@ def liquid_of(scene: Any) -> flotation.Liquid:
 
 
 def is_under_liquid(liquid: flotation.Liquid) -> bool:
-    """Whether what is above the surface is a liquid, too."""
+    """Whether the fluid above the surface is a liquid."""
     return liquid.gas_density > DENSEST_GAS * liquid.density
 
 

@@ -1,4 +1,4 @@
-"""What a model is: a record of functions that the driver calls; and the engines that integrate its states."""
+"""The record of functions that a model consists of, and engines that integrate its states."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ecume.trajectories.frame import Frame
 Row = tuple[str, str, str]
 """Name, value with unit, remark."""
 LONG = 86400.0
-"""Seconds of a run from which on `ecume check` suggests how to shorten it."""
+"""The duration of a run in seconds from which `ecume check` suggests how to shorten it."""
 LONGEST_RUN = 30.0 * 86400.0
 """Seconds of wall time, 30 days: runs that are expected to take longer are refused unless their user allows it."""
 DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
@@ -55,7 +55,7 @@ def clock_of(state: Any) -> int:
 
 @dataclass(frozen=True)
 class Model:
-    """A physical system. Scenes go in, frames come out.
+    """A physical model: functions from scenes to frames.
 
     Parameters, State and Workspace are NamedTuples of the model's own: what never changes during a run, what the
     physics moves (and whatever else can change a later bit), and scratch. Scene and State together are enough to go on

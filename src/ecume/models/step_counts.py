@@ -19,7 +19,7 @@ MOST_MORE = 1.5
 nearest step.
 """
 BEFORE = -1
-"""The position of the last sample before there is any."""
+"""The position of the last sample before the first one."""
 
 
 def last_step(scene: Common, per_frame: int, least: int = 1) -> int:
@@ -48,7 +48,7 @@ class SampleClock(NamedTuple):
     interval: Fraction
 
     def is_due(self, step: int, last: int) -> bool:
-        """Whether a multiple lies after the last sample, up to this step."""
+        """Whether a multiple of the interval is after the last sample and not after this step."""
         return step // self.interval > last // self.interval
 
     def next_after(self, step: int) -> int:

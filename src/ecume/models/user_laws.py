@@ -42,8 +42,8 @@ KEY = 32
 
 
 def compiled_for_laws(function: Law) -> Law:
-    """Compile a function from the user, or one around it. It is kept on disk, unless it names what cannot be described,
-    under a name that says what it is: code of other processes is linked by names, and users call their laws alike.
+    """Compile a function of the user, or one around it. It is cached on disk unless it names objects that cannot be
+    described; its name contains its content, since code is linked by names.
     """
     if not isinstance(function, FunctionType) or (key := exact_digest(function)) is None:
         return compiled_once(function)
@@ -237,7 +237,7 @@ def row_as_tuple(dimensions: int) -> Function:
 
 
 def called(law: BoundLaw, *arguments: Any) -> Any:
-    """The value of a law, compiled. Raises BadInput with what the compiler or the function complains of."""
+    """The value of a compiled law. Raises BadInput with the message of the compiler or of the function."""
     try:
         return compiled_for_laws(law.function)(*arguments)
     except Exception as error:  # a user's function may raise anything, and so may its compilation
@@ -282,7 +282,7 @@ def require_acceleration(law: BoundLaw, position: tuple[float, ...], parameters:
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 PANELS = 8
-"""Of the integral of a force over ln(distance)."""
+"""The number of panels for the integral of a force over ln(distance)."""
 
 
 def energy_between(force: Function) -> Function:

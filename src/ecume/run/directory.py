@@ -125,7 +125,7 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
 
 
 def _way_out(home: RunDirectory) -> str:
-    """A hint for a user who expected a run here."""
+    """A hint for a path that contains no run."""
     if not home.path.is_dir():
         scene = home.path.suffix == ".toml" and home.path.is_file()
         return (

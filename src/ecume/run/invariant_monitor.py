@@ -109,7 +109,7 @@ def sentence(one: Verdict) -> str:
 
 
 def summary_line(home: RunDirectory) -> str:
-    """A line that says whether all invariants held and what work was done; empty for a run that records none."""
+    """A line with the invariants that held and the injected work; empty for a run without records of them."""
     if not home.watch.exists():
         return ""
     kept = read(home, home.watch, WATCH)

@@ -39,7 +39,7 @@ TYPES = {
     ".xyz": "chemical/x-xyz",
     ".webp": "image/webp",
 }
-"""Formats that the operating system may not know."""
+"""Media types that the operating system may not know."""
 ABOUT = {
     "scene.toml": "The scene: the description of the simulation",
     "resolved.json": "The scene with all default values",

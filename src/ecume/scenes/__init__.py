@@ -1,4 +1,4 @@
-"""Scenes: what is simulated, read and checked without compiling anything.
+"""Scenes: the description of a simulation, read and checked without compiling anything.
 
 Start with `load.load_scene`, which reads a TOML file (`toml`, `overrides`) or reports all its faults at once (`faults`,
 `valid_part`), and with `schema.SCENES`, the table of scenes by model. `floating`, `soft`, `sph` and `tracers` hold the

@@ -40,7 +40,7 @@ LONGEST_NAME = 200
 
 
 class Source(NamedTuple):
-    """A scene's text, what messages call it, and the folder in which it looks for tables and runs."""
+    """The text of a scene, its name in messages, and the folder of its tables and runs."""
 
     text: str
     name: str
@@ -103,7 +103,7 @@ def name_liquid(raw: dict[str, Any]) -> None:
 
 
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
-    """Put the contents of the files that a scene names into `raw`; return the faults of these files."""
+    """Insert the contents of the files that a scene names into `raw`. Returns the faults of these files."""
     if raw.get("model") == "floating":
         from ecume.scenes.floating.surroundings import follow_current
 
@@ -120,7 +120,7 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
 
 
 def _started(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
-    """Put the particles of another run or program into the species of a scene of soft spheres or tracers."""
+    """Insert the particles of another run or program into the species of a scene of soft spheres or tracers."""
     if START not in raw:
         return []
     from ecume.scenes.starts import filled, is_run, of_run, opened
@@ -174,7 +174,7 @@ def _bounded(text: str) -> str:
 
 
 def parsed(source: Source) -> dict[str, Any]:
-    """The tables of a TOML text. Python's reader may raise two exceptions beside its own."""
+    """The tables of a TOML text. Raises SceneError with the fault of its syntax."""
     try:
         return tables_of(source.text)
     except tomllib.TOMLDecodeError as error:

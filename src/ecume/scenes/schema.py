@@ -114,7 +114,7 @@ ANGLE = "contact_angle"
 
 
 def unit_of(plain: Mapping[str, Any], path: Path) -> str:
-    """The SI unit that the schema knows for a place in a scene."""
+    """The SI unit of a key by the schema."""
     kind, unit = SCENES[plain["model"]], ""
     for key in path:
         kind = below(kind, key)
@@ -136,7 +136,7 @@ def below(kind: Any, key: str | int) -> Any:
 
 
 def _items(kind: Any) -> Any:
-    """The annotation of a tuple's items; None of what is no tuple."""
+    """The annotation of the items of a tuple; None for others."""
     return typing.get_args(kind)[0] if typing.get_origin(kind) is tuple else None
 
 

@@ -76,7 +76,7 @@ class SizeSpec:
 
 
 class Sized(Protocol):
-    """What has a radius: a species of any model."""
+    """A species of any model with radii."""
 
     @property
     def radius(self) -> float:

@@ -1,4 +1,4 @@
-"""Starts from particles elsewhere: a frame of another run, or a file of another program.
+"""Initial particles from a frame of another run or a file of another program.
 
 `start_from = "runs/bowl@-1"` is a frame of a run; a table is a file of another program:
 
@@ -40,7 +40,7 @@ FORMATS = {
 """The format of a file, by the end of its name."""
 ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
 ALIKE = 1e-5
-"""The relative difference of sides up to which they are equal, since files hold them in single precision."""
+"""The relative difference below which sides count as equal, since files hold them in single precision."""
 FLAT = 1e-6
 """The range of z over that of x and y in a file with two dimensions."""
 NO_MEANING = "has no meaning beside start_from, which contains the positions"
@@ -380,7 +380,7 @@ def _length(value: object) -> float | None:
 
 
 def filled(raw: dict[str, Any], start: Start) -> None:
-    """Put positions into the species of a scene of soft spheres or tracers. Raises Inconsistent."""
+    """Insert positions into the species of a scene of soft spheres or tracers. Raises Inconsistent."""
     dimensions = dimensions_of(raw, start.particles)
     require_dimensions(start, dimensions)
     require_box(raw, start, dimensions)

@@ -108,18 +108,18 @@ COLUMNS = {
     "magnetic_moment": "A*m^2",
     "name": TEXT,
 }
-"""The columns there are, and their SI units; `name` holds text."""
+"""The known columns and their SI units; `name` contains text."""
 
 
 class Line(NamedTuple):
-    """One line of a table: its number in the file, and what stands in the columns, in SI."""
+    """One line of a table: its number in the file, and the values of its columns in SI."""
 
     number: int
     values: dict[str, Any]
 
 
 class Column(NamedTuple):
-    """A column: its name, and what its numbers are multiplied with to be SI (0 for text)."""
+    """The name of a column, and the factor that converts its numbers to SI (0 for text)."""
 
     name: str
     scale: float

@@ -1,4 +1,4 @@
-"""The scenes that come with the package, and its sweeps."""
+"""The scenes and sweeps that are part of the package."""
 
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ class FieldSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FlowSpec:
-    """How the liquid flows: at the same velocity everywhere, sheared, and by the name of a flow or as a file says."""
+    """The flow of the liquid: the sum of a uniform velocity, a shear, and a named flow or one from a file."""
 
     velocity: Speeds | None = None
     """The velocity of the liquid (m/s); by default it is at rest. Effect: drag accelerates the particles toward it."""
@@ -329,7 +329,9 @@ class ObstacleSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class OpeningSpec:
-    """A part of a wall through which particles leave; with a rate or a concentration, others come in through it."""
+    """A part of a wall through which particles leave; with a rate or a concentration, particles
+    also enter through it.
+    """
 
     wall: WallNumber
     """The number of the wall with the opening. Walls of a box are numbered left, bottom, right, top; in 3D low x, y,
@@ -401,7 +403,7 @@ class TracerIntegrationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TracersScene(Common):
-    """Spheres in a liquid: they fly, bounce, disperse and settle, and do not feel one another."""
+    """Spheres in a liquid that fly, bounce, disperse and settle without mutual forces."""
 
     model: Annotated[str, Field(pattern="^tracers$")] = "tracers"
     """The model: particles in a liquid that do not interact. Effect: selects the equations that are solved."""
@@ -454,7 +456,7 @@ class TracersScene(Common):
 
 
 def follow_field(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Put the whole path of the file of a flow into `raw`, once it is known to be there; the faults of the path."""
+    """Replace the path of the file of a flow in `raw` by an absolute one, if the file exists. Returns its faults."""
     flow = raw.get("flow")
     field = flow.get("field") if isinstance(flow, dict) else None
     if not isinstance(field, dict) or not isinstance(field.get("file"), str):

@@ -1,4 +1,4 @@
-"""Scenes as the text of scene files: only what differs from the defaults, and units as in the templates.
+"""The text of scene files: values that differ from the defaults, in the units of the templates.
 
 >>> from ecume.scenes.schema import from_plain
 >>> print(to_toml(from_plain({"model": "tracers", "duration": 2, "frame_every": 0.1, "tank": {"high": [0.01, 0.02]},

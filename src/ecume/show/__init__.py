@@ -1,4 +1,4 @@
-"""From numbers to pictures: movies, figures, the page of a run, and games.
+"""Pictures of runs: movies, figures, interactive pages, and games.
 
 Start with the tables by model: `movies.FILMS` (the `picture.Picture` that a movie shows), `figures.FIGURES` (what
 `ecume plot` draws), `view.scenery.STAGES` (the page) and `play.pages.TOYS` (games). `floating`, `soft`, `sph` and

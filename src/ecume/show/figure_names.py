@@ -1,4 +1,4 @@
-"""The names of the figures of each model, known without importing what draws them."""
+"""The names of the figures of each model, available without importing the code that draws them."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ FIGURE_NAMES = {
         "samples",
     ),
 }
-"""By model, what `ecume plot --what` takes."""
+"""The names for `ecume plot --what`, by model."""
 
 NUMBER = "number:"
 """The prefix of the figure of a number over time, followed by the name of the number."""

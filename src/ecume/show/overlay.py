@@ -1,4 +1,4 @@
-"""A fitted simulation drawn over the film from which its tracks were taken."""
+"""A fitted simulation drawn over the film of the measured tracks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LOOP = 400
 
 
 class Scale(NamedTuple):
-    """How places in the scene become pixels of the film."""
+    """The transformation from positions in the scene to pixels of the film."""
 
     pixel: float
     """m"""

@@ -110,7 +110,8 @@ def start(system: FrictionalContacts, motion: Motion) -> int:
 
 @compiled
 def sweep(system: FrictionalContacts, motion: Motion, some: Integers, relaxation: float) -> float:
-    """One projected Gauss-Seidel sweep over some contacts; returns the largest change, as a relative velocity.
+    """Perform one projected Gauss-Seidel sweep over some contacts. Returns the largest change, as a
+    relative velocity.
 
     `relaxation` is the relaxation factor of the tangential rows.
     """

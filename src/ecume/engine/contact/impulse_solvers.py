@@ -93,7 +93,9 @@ def islands_of(contacts: Contacts, mobility: Array) -> Islands:
 
 @compiled
 def islands_among(first_body: Integers, second_body: Integers, busy: Choice, mobility: Array) -> Islands:
-    """The islands of the first len(busy) contacts in which one at least is busy; fixed bodies connect no contacts."""
+    """The islands of the first len(busy) contacts that contain at least one busy contact; fixed bodies do not connect
+    contacts.
+    """
     total = len(busy)
     island = _island_of_each(first_body[:total], second_body[:total], mobility)
     active, ends = np.zeros(len(mobility), np.bool_), np.zeros(len(mobility) + 1, np.int64)
@@ -165,7 +167,7 @@ def contacts_of_rows(contacts: Contacts, rows: Integers) -> Contacts:
 
 @compiled_inside
 def _sweep(span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Motion) -> float:
-    """One projected Gauss-Seidel sweep over a range; returns the largest change, as a relative velocity."""
+    """Perform one projected Gauss-Seidel sweep over a range. Returns the largest change, as a relative velocity."""
     first, second, normal = bodies
     impulse, bound, weight, change, _, _ = unknowns
     velocity, mobility = motion

@@ -1,4 +1,5 @@
-"""Contacts of bodies that move one another: their mobility is a full matrix, or known by its products only.
+"""Contacts of bodies with a mobility that couples all of them: a full matrix, or only its products
+with vectors.
 
 Contacts of bodies whose mobility is a full matrix: each impulse changes the velocities of all bodies. The conditions
 are those of `impulse_solvers`, with friction as in `friction`, for velocities w and W = J M J^T with a dense
@@ -32,7 +33,7 @@ ENTRIES = 6
 
 
 class DenseRows(NamedTuple):
-    """Rows of the Jacobian: all normal ones, then as many tangential ones if there is friction."""
+    """Jacobian rows: all normal ones, followed by as many tangential ones with friction."""
 
     place: Integers
     """(rows, ENTRIES) indices of velocities and spins; zero where `value` is zero"""
@@ -123,7 +124,7 @@ def start(system: CoupledContacts, motion: Array) -> int:
 
 @compiled
 def sweep(system: CoupledContacts, motion: Array, some: Integers, relaxation: float) -> float:
-    """One projected Gauss-Seidel sweep; returns the largest change, as a velocity."""
+    """Perform one projected Gauss-Seidel sweep. Returns the largest change, as a velocity."""
     rows, mobility = system
     place, value, impulse, change, weight = rows.place, rows.value, rows.impulse, rows.change, rows.weight
     contacts, largest = len(rows.bound), 0.0

@@ -17,7 +17,8 @@ from ecume.engine.walls import wall_count
 def separate(
     contacts: TorqueContacts, candidates: Candidates, stance: Stance, bodies: OutlinedBodies, slop: float
 ) -> int:
-    """Position projection: move and rotate overlapping bodies until no overlap exceeds `slop`; velocities stay.
+    """Move and rotate overlapping bodies until no overlap exceeds `slop`, without changing velocities (position
+    projection).
 
     Each iteration linearizes the gaps and finds the least displacements that open all overlaps, by the impulse solver.
     Returns the number of iterations; `contacts` are those of the final positions.

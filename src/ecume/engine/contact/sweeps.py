@@ -70,7 +70,7 @@ ROWS: dict[type, RowKind] = {
         mobility_contacts.restart, mobility_contacts.square, mobility_contacts.islands,
     ),
 }  # fmt: skip
-"""By the type of the rows."""
+"""The functions of each kind of rows, by type."""
 
 start = selected(ROWS, "start")
 sweep = selected(ROWS, "sweep")

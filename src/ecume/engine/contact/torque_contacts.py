@@ -186,7 +186,9 @@ def start(contacts: TorqueContacts, velocity: Array) -> int:
 
 @compiled
 def sweep(contacts: TorqueContacts, velocity: Array, some: Integers, relaxation: float) -> float:
-    """One projected Gauss-Seidel sweep over some contacts; returns the largest change, as a relative velocity."""
+    """Perform one projected Gauss-Seidel sweep over some contacts. Returns the largest change, as a
+    relative velocity.
+    """
     first, second, jac, response = contacts.first, contacts.second, contacts.jacobian, contacts.response
     impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
     largest = 0.0

@@ -162,7 +162,7 @@ def add_block(row: int, q: int, free: Integers, column: Integers, inside: Intege
 
 
 def near_order(position: Array) -> Integers:
-    """An order of particles in which neighbors are mostly close: along Morton's curve."""
+    """An order of particles along Morton's curve, in which neighbors are mostly close."""
     low, span = position.min(axis=0), np.ptp(position, axis=0).max()
     cell = ((position - low) / (span or 1.0) * (2**BITS - 1)).astype(np.int64)
     code = np.zeros(len(position), np.int64)

@@ -187,7 +187,7 @@ def root_column(diagonal: Array, beside: Array, column: Array) -> None:
 
 @compiled
 def _rotate(rows: Array, vectors: Array, p: int, q: int) -> None:
-    """Make one off-diagonal entry of a symmetric matrix zero by a rotation, also applied to the vectors."""
+    """Eliminate one off-diagonal entry of a symmetric matrix by a rotation, which is also applied to the vectors."""
     half = 0.5 * (rows[q, q] - rows[p, p]) / rows[p, q]
     tangent = (1.0 if half >= 0.0 else -1.0) / (abs(half) + math.sqrt(1.0 + half * half))
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)

@@ -1,4 +1,5 @@
-"""The table of solvers of block systems, their stored data for a pattern, and the estimate of which is cheaper.
+"""The table of solvers of block systems, their stored data for a pattern, and the estimate of the
+cheaper one.
 
 Right sides and solutions are (R, N, b): several for one matrix. Where nothing holds the particles in place, the first
 `null_space_dimension` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0
@@ -27,7 +28,7 @@ NEWTON = 1e-4
 DENSER = 0.3
 """The time of an operation in a factorization over that in a sweep, which waits for memory."""
 FEW = 10
-"""With fewer iterations no factorization is cheaper, and none is tried."""
+"""The number of iterations below which no factorization is tried, since none is cheaper."""
 MOST_WORK = 2e12
 """The largest number of operations of a factorization that replaces the iterative solver."""
 

@@ -44,7 +44,7 @@ def elimination_order(pattern: Pattern) -> Integers:
 
 
 def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
-    """For each row the level of its separator or last part, and its number within the level; and the last level."""
+    """For each row, the level of its separator or last part and its number within the level; and the last level."""
     count = len(pattern.order)
     depth = max(int(np.ceil(np.log2(max(count / LEAF, 1.0)))), 0)
     level, part = np.full(count, depth), np.zeros(count, np.int64)
@@ -64,7 +64,7 @@ def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
 
 
 def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
-    """The half (0 or 1) of its part to which each row belongs."""
+    """The half (0 or 1) of its part for each row."""
     rows = np.flatnonzero(remaining)
     rows = rows[np.argsort(part[rows], kind="stable")]
     sizes = np.bincount(part[rows])
@@ -82,7 +82,7 @@ USEFUL = 1e-6
 """The largest residual that is accepted after refinement, for ill-conditioned systems."""
 MOST_REFINEMENTS = 2
 PIVOT_THRESHOLD = 1e-3
-"""A pivot stays on the diagonal unless it is smaller than this part of the largest number of its column."""
+"""The ratio to the largest number of its column above which a diagonal entry is accepted as a pivot."""
 OPERATIONS = {2: 75.0, 3: 36.0}
 """Operations of a factorization, over the cube of the block width and N^(3/2) in 2D or N^2 in 3D: fitted to nested
 dissections of packings of 300 to 10,000 discs (within 20 %) and of 1,000 spheres.
@@ -106,7 +106,7 @@ class Analysis(NamedTuple):
 
 
 def analyze(pattern: Pattern, width: int) -> Analysis:
-    """The order of the elimination, and where the numbers of the blocks stand in the reordered matrix."""
+    """The elimination order, and the positions of the block entries in the reordered matrix."""
     count, within = len(pattern.order), np.arange(width)
     order = (elimination_order(pattern)[:, None] * width + within).ravel()
     rank = np.empty(count * width, np.int64)
@@ -122,7 +122,7 @@ def analyze(pattern: Pattern, width: int) -> Analysis:
 
 
 def operations(count: int, width: int, dimensions: int) -> float:
-    """An estimate of the operations of a factorization, by how nested dissections scale [george1973]."""
+    """The estimated number of operations of a factorization by nested dissection [george1973]."""
     return OPERATIONS[dimensions] * width**3 * math.pow(count, 1.5 if dimensions == 2 else 2.0)
 
 
@@ -172,7 +172,7 @@ def factorize(whole: csc_array) -> SuperLU | None:
 
 
 def refined(whole: csc_array, factors: SuperLU, side: Array) -> Array | None:
-    """A solution, refined iteratively; None where its residual stays too large."""
+    """The iteratively refined solution, or None if its residual remains too large."""
     values, residual, largest, worst = np.zeros_like(side), side, float(np.abs(side).max()), math.inf
     for _ in range(1 + MOST_REFINEMENTS):
         values = values + factors.solve(residual)

@@ -70,8 +70,8 @@ CHUNK = 256
 FEW = 2000
 """The number of particles from which threads are used."""
 SETTLED = 64
-"""In a corner rounding may cause endless small motion: after this number of events at nearly zero speed a particle is
-at rest.
+"""The number of events at nearly zero speed after which a particle is at rest: rounding may cause endless small motion
+in a corner.
 """
 Log = tuple[Integers, Integers, Array, Array]
 """The index of a particle's record (empty: no record); surface, time and position of each hit."""
@@ -137,7 +137,7 @@ def on_face(motion: Motion, moment: Moment, kind: Integers, number: Array, k: in
 
 @compiled_inside
 def time_to_rim(motion: Motion, moment: Moment, kind: Integers, number: Array, k: int) -> float:
-    """The time until a particle that slides on face k of an obstacle leaves it."""
+    """The time after which a particle that slides on face k of an obstacle leaves the face."""
     x, v, a = motion
     time, _, radius = moment
     soonest = NEVER
@@ -349,7 +349,7 @@ def scaled_between(x: Vector, new: Vector, time: float) -> Vector:
 
 @compiled_inside
 def released(held: Held, motion: Motion, moment: Moment, kind: Integers, number: Array) -> Held:
-    """The supports without those that the particle leaves, or on which it no longer presses."""
+    """The supports without those that the particle leaves or on which it no longer presses."""
     x, v, push = motion
     on = supports(held, kind, number, x, moment[0])
     a = projected_on_cone(push, on[0], on[1], on[2])

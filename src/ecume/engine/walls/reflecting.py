@@ -15,7 +15,7 @@ from ecume.units import Array
 
 
 class Trace(NamedTuple):
-    """One step with every hit of every particle; the hits are ordered by particle, then by time."""
+    """The hits of all particles in one step, ordered by particle and time."""
 
     position: Array
     """(N, d) m"""

@@ -342,7 +342,7 @@ def value(c: Quartic, t: float) -> float:
 
 @compiled_inside
 def bracketed(c: Quartic, low: float, high: float) -> float:
-    """The root between two ends of opposite sign, by Newton's steps, with bisection where these leave the bracket."""
+    """The root in an interval with a change of sign, by Newton's method with bisection outside of the bracket."""
     rising = value(c, high) > value(c, low)
     t = 0.5 * (low + high)
     for _ in range(100):

@@ -420,7 +420,7 @@ def reached(walls: Walls) -> Walls:
 
 @compiled_inside
 def wall_count(walls: Walls) -> int:
-    """The number of walls: the circle, if there is one, is number 0; the lines follow."""
+    """The number of walls: the circle, if any, is number 0, followed by the lines."""
     return len(walls.offset) + (1 if walls.disc_radius < np.inf else 0)
 
 
@@ -522,7 +522,7 @@ def area(walls: Walls) -> float:
 
 
 def _line_points(walls: Walls) -> Array:
-    """Both ends of each line's part of the edge, (2 K, 2) m."""
+    """Both end points of each line on the boundary, (2 K, 2) m."""
     along = np.stack([walls.normal[:, 1], -walls.normal[:, 0]], axis=1)
     points: Array = (walls.offset[:, None] * walls.normal)[:, None] + _ends(walls)[:, :, None] * along[:, None]
     return points.reshape(-1, 2)

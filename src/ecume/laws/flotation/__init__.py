@@ -1,4 +1,4 @@
-"""Floating bodies: how they sit in the surface, and how they attract and repel through it."""
+"""Floating bodies: their equilibrium in the surface, and their attraction and repulsion by menisci."""
 
 from ecume.laws.flotation.balance import (
     BALANCES,

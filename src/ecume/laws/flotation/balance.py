@@ -1,4 +1,4 @@
-"""The balance of forces on a floating body: what the surface carries, and how a sphere floats, in several theories.
+"""The force balance of a floating body, and the equilibrium of a sphere in several theories.
 
 In pure numbers: lengths over the capillary length L. The closure of the original project, a contact angle computed
 from the weight, is kept by name to reproduce its figures.
@@ -35,8 +35,8 @@ SCAN = 12
 
 
 class Contact(NamedTuple):
-    """Where the contact line of a round, upright body runs when the surface leaves it with a slope angle;
-    `..._change` is over that angle.
+    """The contact line of a round, upright body as a function of the slope angle; `..._change` are derivatives by this
+    angle.
     """
 
     radius: float
@@ -60,7 +60,7 @@ class Load(NamedTuple):
 
 
 class Floating(NamedTuple):
-    """One floating body, in L; heights are those over the undisturbed surface."""
+    """One floating body in units of L; heights are relative to the undisturbed surface."""
 
     slope_angle: float
     filling_angle: float
@@ -152,7 +152,7 @@ KEPT = 4096
 
 
 class Balance(NamedTuple):
-    """One floating sphere: angles, and lengths over the capillary length."""
+    """The equilibrium of one floating sphere: angles, and lengths over the capillary length."""
 
     slope_angle: float
     filling_angle: float
@@ -284,7 +284,7 @@ def load(bond_number: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
 
 @elementwise
 def neutral_density_ratio(contact_angle: Angle) -> Number:
-    """The density ratio that leaves the surface flat: Sigma = 0.
+    """The density ratio for which the surface is flat, Sigma = 0.
 
     >>> round(neutral_density_ratio(math.pi / 2), 12)
     0.5
@@ -384,7 +384,8 @@ BALANCES: dict[str, Callable[[float, float, float], Balance]] = {
 
 @elementwise
 def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
-    """The contact angle that the original project derives from B and D; raises BadInput if there is no solution.
+    """The contact angle that the original project derives from B and D. Raises BadInput without a
+    solution.
 
     phi_c = arcsin(pi B/2) = pi - theta + arctan(z'_c) put into its (13): (pi/2) tan(theta + phi_c) = Sigma(D,
     theta), solved on the branch of slopes below 90 degrees. A root needs B <= 2/pi and tan(arcsin(pi B/2)) >= 4 D/(3

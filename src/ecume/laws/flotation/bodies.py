@@ -1,4 +1,4 @@
-"""A liquid, the bodies that float on it, and the pure numbers that decide how they float."""
+"""Liquids, bodies that float on them, and the dimensionless numbers of their equilibrium."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Liquid:
 
     @property
     def capillary_length(self) -> Length:
-        """L = sqrt(gamma / (drho g)): how far a meniscus reaches."""
+        """Capillary length L = sqrt(gamma / (drho g)), the range of a meniscus."""
         return math.sqrt(self.surface_tension / (self.density_difference * self.gravity))
 
 
@@ -185,7 +185,7 @@ class Bubble:
 
 @dataclass(frozen=True)
 class VerticalCylinder:
-    """A cylinder that stands upright: the contact line slides on its side, and is pinned when it comes to a rim.
+    """An upright cylinder: its contact line slides on the side and is pinned at a rim.
 
     Whether it would rather lie down is not asked.
 

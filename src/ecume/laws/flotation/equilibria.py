@@ -1,4 +1,4 @@
-"""Floating bodies in SI: how they float, how they pull at one another, and the surface around them."""
+"""Floating bodies in SI units: their equilibrium, their mutual forces, and the surface around them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from ecume.laws.flotation.young_laplace import outer_meniscus, refined
 from ecume.units import Angle, Array, Energies, Forces, Length, Lengths, Number
 
 Upright = Sphere | Disc | Bubble | VerticalCylinder | Ellipsoid
-"""Bodies with a far field of K0, which pull at one another."""
+"""Bodies whose far field is K0, which attract or repel each other."""
 Body = Upright | HorizontalCylinder
 KEPT = 4096
 LEAVES = ("bottom", "leaves the liquid", "denser")
@@ -44,7 +44,8 @@ LEAVES = ("bottom", "leaves the liquid", "denser")
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """How a body floats. Heights are measured from the undisturbed surface, upwards.
+    """The equilibrium of a floating body. Heights are measured upwards from the undisturbed
+    surface.
 
     slope_angle: of the surface at the contact line, positive where it rises outward (a heavy body).
     filling_angle: inclination of the body's own surface there, from the bottom; a sphere's polar angle, 90 degrees at
@@ -65,7 +66,8 @@ class Equilibrium:
 
 @lru_cache(maxsize=KEPT)
 def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equilibrium:
-    """How a body floats, by the theory "nonlinear", "closed-form" or "linear"; raises FloaterSinks when it does not.
+    """The equilibrium of a body by the theory "nonlinear", "closed-form" or "linear". Raises
+    FloaterSinks without one.
 
     The formulas stand with the bodies: `nonlinear_balance` and its fellows for spheres, `disc_floating`,
     `cylinder_floating`, `lying_floating`, `ellipsoid_floating`, `bubble_floating`. [vella2005, keller1998].

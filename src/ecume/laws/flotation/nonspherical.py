@@ -1,4 +1,4 @@
-"""How bodies float that are not spheres: discs, cylinders, ellipsoids and bubbles.
+"""Equilibria of floating bodies that are not spheres: discs, cylinders, ellipsoids and bubbles.
 
 Lengths are in L, and weights in gamma L: of pinned discs and standing cylinders, which have upright sides and sharp
 rims, and of ellipsoids with one axis upright, by their mean contact line. Long cylinders that lie in the surface are
@@ -34,7 +34,7 @@ from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Angle, Array, Force, Length, Lengths, Number, Real, Unit, with_prefix
 
 WIDEST = 600.0
-"""In capillary lengths: the menisci of wider rims are no numbers any more, since K0 and K1 fall as exp(-r)."""
+"""The largest radius of a rim in capillary lengths; K0 and K1, which fall as exp(-r), underflow beyond."""
 UPRIGHT = 0.5 * math.pi
 """The filling angle of a line at a rim or on an upright side."""
 
@@ -87,7 +87,9 @@ def cylinder_floating(cylinder: VerticalCylinder, liquid: Liquid, theory: str) -
 
 
 def _at_rim(radius: float, load: float, between: tuple[float, float], theory: str) -> Floating | None:
-    """A line pinned at a rim, the slope between two bounds; None where nothing carries the load."""
+    """The equilibrium with a contact line pinned at a rim, for slopes between two bounds; None if the load cannot be
+    carried.
+    """
     if radius > WIDEST:
         raise BadInput(
             f"the radius is {radius:.3g} capillary lengths; expected at most {WIDEST:g}; "
@@ -112,7 +114,7 @@ def _rim_load(radius: float, unit: float, slope_angle: float) -> Load:
 
 
 def _side_surface(radius: float, slope: float, theory: str) -> tuple[float, float]:
-    """Height and amplitude of the surface that leaves an upright side with a slope angle; A = psi/K1(a) if linear."""
+    """Height and amplitude of the surface at an upright side for a slope angle; A = psi/K1(a) in the linear theory."""
     if abs(slope) < 1e-12:
         return 0.0, 0.0
     if theory != "nonlinear":
@@ -166,12 +168,13 @@ class Spheroid(NamedTuple):
 
     @property
     def volume(self) -> float:
-        """In L^3."""
+        """The volume in L^3."""
         return 4.0 / 3.0 * math.pi * self.radius**2 * self.height
 
 
 def spheroid_contact(radius: Number, height: Number, contact_angle: Angle, slope_angle: Angle) -> Contact:
-    """Where a spheroid with semi-axes a (horizontal) and c (upright) is as steep as alpha = pi - theta + psi.
+    """The contact line of a spheroid with semi-axes a (horizontal) and c (upright), where its slope is alpha = pi -
+    theta + psi.
 
     r = a sin(t), z = -c cos(t), tan(alpha) = (c/a) tan(t). Lengths in L.
     """
@@ -219,7 +222,7 @@ def closed_form_spheroid(spheroid: Spheroid) -> Floating:
 
 
 def nonlinear_spheroid(spheroid: Spheroid) -> Floating:
-    """The full meniscus and the full balance; raises FloaterSinks where nothing carries the spheroid. [keller1998]."""
+    """The equilibrium with the full meniscus and the full balance. Raises FloaterSinks without one. [keller1998]."""
     neutral = _at(spheroid, 0.0).volume / spheroid.volume
     if spheroid.density_ratio == neutral:
         return _floating(spheroid, 0.0, 0.0, 0.0)
@@ -248,7 +251,7 @@ def _guess(spheroid: Spheroid, limit: float) -> float:
 
 
 def _free_charge(spheroid: Spheroid, contact: Contact) -> float:
-    """What the flat surface leaves to be carried, over 2 pi."""
+    """The load that a flat surface leaves unbalanced, over 2 pi."""
     if contact.radius < 1e-12:
         raise BadInput(
             "the linear theories have no slope at a contact angle of 0 or 180 degrees; use the nonlinear theory"
@@ -304,7 +307,7 @@ def lying_load(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Load
 
 
 def lying_floating(lying: HorizontalCylinder, liquid: Liquid, theory: str) -> Floating:
-    """How a lying cylinder floats.
+    """The equilibrium of a lying cylinder.
 
     "linear": psi = (B/2) (pi D - pi + theta - sin(2 theta)/2); "closed-form" keeps its heave and filling, which count
     as sqrt(B). [vella2005].
@@ -391,9 +394,9 @@ LYING: dict[str, Callable[[float, float, float], Load]] = {
 
 
 LARGEST = 2.0
-"""In L: beyond, a bubble is a dome whose film would not last, and the shooting below is not tried."""
+"""The largest radius of a bubble in L for which shooting is tried; larger ones are domes with unstable films."""
 SMALLEST_SHOT = 0.01
-"""In L: below, a bubble is a small one to 1e-8, which shooting is not."""
+"""The radius of a bubble in L below which the limit of small bubbles is accurate to 1e-8, while shooting is not."""
 CORE = 1e-4
 """The lowest part of the bubble, over its radius, that is a sphere's."""
 TOLERANCE = 1e-12
@@ -401,7 +404,7 @@ GROWTH = 1.5
 
 
 class Shape(NamedTuple):
-    """A bubble's shape: the rim of its film, and what is below and above it."""
+    """The shape of a bubble: the rim of its film, and the surfaces below and above."""
 
     rim_angle: float
     rim_radius: float
@@ -475,7 +478,7 @@ def _found(radius: float) -> tuple[float, float]:
 
 
 def _carried_on(radius: float) -> tuple[float, float]:
-    """A guess from a smaller bubble: depth over radius, and the lowest point's curvature times radius, stay."""
+    """A guess from a smaller bubble, with the same depth over radius and curvature of the lowest point times radius."""
     smaller = radius / GROWTH
     pressure, depth = _found(smaller)
     deeper = depth * GROWTH
@@ -483,7 +486,7 @@ def _carried_on(radius: float) -> tuple[float, float]:
 
 
 def _shape(pressure: float, depth: float) -> Shape:
-    """From the lowest point up to where the film begins, r = (4/P) sin(phi)."""
+    """The shape from the lowest point to the edge of the film, where r = (4/P) sin(phi)."""
     shot = _shot(pressure, depth)
     r, z, phi, volume, moment = (float(last) for last in shot.y[:, -1])
     film, beta = 4.0 / pressure, math.pi - phi

@@ -1,4 +1,5 @@
-"""Menisci from the full Young–Laplace equation: beside a straight contact line, and around a floating body.
+"""Menisci by the full Young–Laplace equation: at a straight contact line and around a floating
+body.
 
 Lengths are in L. The surface beside a straight line is two-dimensional, and exact.
 
@@ -22,7 +23,7 @@ from ecume.units import Angle, Array, Number
 
 
 def sloping_height(slope_angle: Angle) -> Number:
-    """Height of a straight contact line that the surface leaves with a slope angle, z = -2 sin(psi/2).
+    """Height of a straight contact line with a slope angle, z = -2 sin(psi/2).
 
     psi is positive where the surface rises away from the line, which then lies low. [landau1987, par. 61].
 
@@ -50,17 +51,19 @@ def sloping_amplitude(slope_angle: Angle) -> Number:
 
 NODES = 40
 REACH = 13.0
-"""Where the linear tail begins, in L beyond the contact line: slopes there are below 1e-6, what is neglected below
-1e-12.
+"""The distance from the contact line, in L, at which the linear tail begins: slopes are below 1e-6, neglected terms
+below 1e-12.
 """
 ROOM = 1.0
 """Further length in tau, for the part that a steep meniscus spends climbing."""
 NUDGE = 1e-7
 CLOSE = 1e-7
-"""Newton's method squares the error in each turn: a last correction this small leaves nothing that counts."""
+"""The last correction of Newton's method at convergence; since errors are squared, the remaining
+error is negligible.
+"""
 TURNS = 25
 STEEPEST = 2.8
-"""Slope angle (160 degrees) up to which Newton's method is known to converge; floaters sink before."""
+"""The largest slope angle (160 degrees) for which Newton's method converges; floaters sink before."""
 
 
 class OuterMeniscus(NamedTuple):

@@ -1,4 +1,5 @@
-"""Floaters that feel one another's menisci beyond superposition: many bodies on the linearized surface.
+"""Interaction of floating bodies by menisci beyond superposition: many bodies on the linearized
+surface.
 
 `solve` gives forces, heights, tilts and energy of any number of pinned discs and spheres, in SI.
 """

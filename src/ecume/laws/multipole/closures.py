@@ -1,4 +1,5 @@
-"""What a body does with a surface that bends around it: its answer to each multipole, and what it does by itself.
+"""The response of a body to a deformed surface: the induced amplitude of each multipole, and the
+permanent ones.
 
 On the linearized surface every contact line is a circle as seen from above. Around it the height is the sum over m of
 A_m K_m(r) exp(i m phi), which goes out from the body, and C_m I_m(r) exp(i m phi), which comes from all others. With
@@ -109,7 +110,8 @@ class Closure(NamedTuple):
 
 
 def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
-    """A pinned rim: the ring stays flat, and floats up and down (and leans) until forces (and torques) balance.
+    """Closure of a pinned rim: the ring stays flat, and moves vertically (and tilts) until forces (and torques)
+    balance.
 
     2 pi a s_0 - pi a^2 z = W;   2 pi a^2 s_1 - pi a^3 t_1/2 + 2 kappa t_1/a = 0 (t_1 = 0 when it stays level);
     alpha_m + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and lean, W: load, kappa: stability.
@@ -231,11 +233,11 @@ CLOSURES: dict[type, Callable[[Any, Liquid, int], Closure]] = {
     VerticalCylinder: cylinder_closure,
     Undulated: undulated_closure,
 }
-"""Bodies that may stand among others."""
+"""The closures by type of body."""
 
 
 def closure_of(body: Any, liquid: Liquid, order: int) -> Closure:
-    """The closure of a body. Raises BadInput for what has none."""
+    """The closure of a body. Raises BadInput for bodies without one."""
     for kind, closure in CLOSURES.items():
         if isinstance(body, kind):
             return closure(body, liquid, order)

@@ -1,4 +1,4 @@
-"""Many bodies in SI, with walls around them: the public face of the multipole solver."""
+"""Many bodies in SI units, also between walls: the interface of the multipole solver."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 REACH = 45.0
-"""Gaps, in L, beyond which nothing is felt: exp(-45) is below 1e-19."""
+"""The gap in L beyond which interactions are ignored: exp(-45) is below 1e-19."""
 EXACT = 1e-14
 MOST_WAVES = 700
 
@@ -64,7 +64,7 @@ Walls = Basin | Dish | None
 
 
 def echoes_of(walls: Walls, liquid: Liquid, rims: Rims, at: Array) -> Echoes:
-    """What the walls send back. Raises BadInput where a contact line is not inside them."""
+    """The reflections by the walls. Raises BadInput if a contact line is not inside them."""
     from ecume.laws.multipole.solving import make_echoes, make_round_echoes
 
     orders = rims.response.shape[1]
@@ -93,7 +93,7 @@ def _room(walls: Walls, liquid: Liquid, at: Array) -> Array:
 
 
 def images(walls: Walls, liquid: Liquid) -> Array:
-    """The images that keep the condition on all four walls: reflections of reflections, as far as they are felt."""
+    """The images that satisfy the condition on all four walls: repeated reflections within the range of the field."""
     if not isinstance(walls, Basin):
         return np.array([[1.0, 0.0, 1.0, 0.0, 1.0]])
     sides = [side / liquid.capillary_length for side in (walls.width, walls.depth)]
@@ -147,7 +147,7 @@ def outer_height(walls: Walls, liquid: Liquid, x: Array, y: Array) -> Array:
 
 
 def _menisci(walls: Basin, liquid: Liquid) -> list[tuple[float, Array, float]]:
-    """Of each wall: amplitude, direction towards it, distance from the origin; in capillary lengths."""
+    """Amplitude, direction and distance from the origin of each wall, in capillary lengths."""
     length = liquid.capillary_length
     found = []
     for axis, side in enumerate((walls.width, walls.depth)):
@@ -158,7 +158,7 @@ def _menisci(walls: Basin, liquid: Liquid) -> list[tuple[float, Array, float]]:
 
 
 DENSE = 2500
-"""Unknowns up to which the system is solved by elimination."""
+"""The number of unknowns up to which the system is solved by elimination."""
 TOLERANCE = 1e-13
 ROUNDING = 1e-9
 MOST_ORDER = 150
@@ -166,7 +166,7 @@ MOST_ORDER = 150
 
 @dataclass(frozen=True)
 class Solution:
-    """What the surface does to each body, and each body to the surface."""
+    """Forces, torques, heights and tilts of the bodies by the surface."""
 
     forces: Array
     """(N, 2) N, horizontal"""
@@ -197,7 +197,8 @@ def solve(
     start: NDArray[np.complex128] | None = None,
     tolerance: float = TOLERANCE,
 ) -> Solution:
-    """Forces, torques, heights, tilts and energy of bodies on one surface, all that they do to each other included.
+    """Forces, torques, heights, tilts and energy of bodies on one surface, with all mutual
+    interactions.
 
     Exact on the linearized surface as the order grows: errors fall as (a/(a + gap))^order, so that order 8 is good to
     1e-3 at a gap of 2 % of a diameter; smooth pinned rims gain faster. Slopes must stay small, also the sum of many.
@@ -231,7 +232,7 @@ def solve(
 
 
 class _Raft(NamedTuple):
-    """What the linear system is made of, in capillary lengths."""
+    """The coefficients of the linear system, in capillary lengths."""
 
     rims: Rims
     echoes: Echoes
@@ -257,7 +258,7 @@ def _amplitudes(raft: _Raft, right: Waves, start: Waves | None, tolerance: float
 def _solution(
     setting: tuple[Any, Any, Array, Liquid], amplitudes: Waves, waves: Waves, energy: float, iterations: int
 ) -> Solution:
-    """In SI, what the amplitudes mean for each body among the waves that come to it."""
+    """The forces, torques, heights and tilts in SI that follow from the amplitudes and incoming waves."""
     from ecume.laws.multipole import solving
 
     rims, _, at, liquid = setting
@@ -279,7 +280,7 @@ def _solution(
 
 
 def excess_over_superposition(body: Any, charge: float, liquid: Liquid, gap: float = 0.02) -> float:
-    """How much more two equal bodies attract than by superposition, as a fraction of superposition.
+    """Excess of the attraction of two equal bodies over superposition, as a fraction of the latter.
 
     `charge` is the capillary charge (m) that superposition uses, `gap` the distance of the bodies over their diameter.
     The surface is linearized, as in `solve`: take the charge of the closed-form theory, since nonlinear charges differ
@@ -323,7 +324,7 @@ def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
 
 
 def _waves_of(amplitudes: Waves, radius: float, dx: Array, dy: Array) -> Array:
-    """What a body adds at points that far from its middle: A_m K_m(r)/K_m(a) e^{imφ} over m of both signs."""
+    """The field of a body at given distances from its center: A_m K_m(r)/K_m(a) e^{imφ} over m of both signs."""
     from scipy.special import kve
 
     r, angle = np.maximum(np.hypot(dx, dy), radius), np.arctan2(dy, dx)

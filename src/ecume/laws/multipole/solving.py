@@ -1,4 +1,4 @@
-"""Amplitudes that answer one another: what bodies send, what walls send back, and the solution of all together.
+"""The coupled equations of the multipole amplitudes of bodies and walls, and their solution.
 
 What bodies send to one another: multipoles of one, seen around another, by Graf's addition theorem [watson1944].
 K_m(r_j) exp(i m phi_j) = sum over n of (-1)^n K_{m-n}(d) exp(i (m-n) beta) I_n(r_i) exp(i n phi_i), with (d, beta)
@@ -41,7 +41,7 @@ NEGLIGIBLE = math.log(1e-17)
 
 
 class Rims(NamedTuple):
-    """Bodies, as sums over them want it; nothing here changes while they move."""
+    """The constants of bodies for sums over them."""
 
     radius: Array
     """(N,)"""
@@ -92,7 +92,7 @@ def make_rims(closures: list[Closure], reach: float, number: NDArray[np.int64] |
 
 @compiled
 def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scratch: Array, waves: Waves) -> None:
-    """Add to `waves` (of body i) what the body j sends, which is seen at place = (x_i - x_j, y_i - y_j).
+    """Add to `waves` (of body i) the field of the body j at place = (x_i - x_j, y_i - y_j).
 
     `turned` are the amplitudes of j (scratch: they are turned into the frame of the pair).
     """
@@ -139,7 +139,7 @@ def sent(amplitudes: Waves, mirror: Array, turned: Waves) -> None:
 
 @compiled
 def receive_all(rims: Rims, mirrors: Array, position: Array, amplitudes: Waves, waves: Waves) -> None:
-    """Fill waves (N, order + 1 or order + 2) with what reaches each body from all others and all images."""
+    """Fill waves (N, order + 1 or order + 2) with the field at each body of all others and of all images."""
     count, orders = amplitudes.shape
     turned, scratch, place = np.zeros(orders, np.complex128), np.zeros(2 * orders + 3), np.zeros(2)
     waves[:] = 0.0
@@ -188,7 +188,8 @@ def torques(rims: Rims, amplitudes: Waves, waves: Waves, torque: Array) -> None:
 
 @compiled
 def energy(rims: Rims, amplitudes: Waves, waves: Waves, outer: Waves) -> float:
-    """-pi sum over i and m of Re(S_m* C_m + A_m* C_m^outer): what the bodies have beyond their energies alone.
+    """-pi sum over i and m of Re(S_m* C_m + A_m* C_m^outer): the energy of interaction of the
+    bodies.
 
     m from -order to order. `outer` is the part of the waves that comes from the walls' own menisci.
     """
@@ -254,7 +255,9 @@ def make_round_echoes(brim: float, waves: int, orders: int, reference: float, pi
 
 @compiled
 def waves_needed(echoes: Echoes, out: float, radius: float, orders: int) -> int:
-    """How many of the round wall's orders a body feels, that far from the middle: few, unless it is near the wall."""
+    """The number of orders of the round wall that matter at this distance from the center: few,
+    except near the wall.
+    """
     ratio = (out + radius) / echoes.brim
     if ratio >= 1.0:
         return len(echoes.answer)
@@ -263,7 +266,7 @@ def waves_needed(echoes: Echoes, out: float, radius: float, orders: int) -> int:
 
 @compiled
 def to_the_middle(rims: Rims, echoes: Echoes, j: int, place: Array, amplitudes: Waves, middle: Waves) -> None:
-    """Add to `middle` (1, P + 1) what the body j sends, as seen from the middle."""
+    """Add to `middle` (1, P + 1) the field of the body j, expanded around the center."""
     out = math.sqrt(place[0] ** 2 + place[1] ** 2)
     orders, waves = len(amplitudes), waves_needed(echoes, out, rims.radius[j], len(amplitudes))
     ladder, turned = np.zeros(waves + orders), np.zeros(orders, np.complex128)
@@ -285,7 +288,7 @@ def to_the_middle(rims: Rims, echoes: Echoes, j: int, place: Array, amplitudes: 
 
 @compiled
 def from_the_middle(rims: Rims, echoes: Echoes, i: int, place: Array, middle: Waves, waves: Waves) -> None:
-    """Add to `waves` of body i what the round wall answers."""
+    """Add to `waves` of body i the field reflected by the round wall."""
     out = math.sqrt(place[0] ** 2 + place[1] ** 2)
     received, most = len(waves), waves_needed(echoes, out, rims.radius[i], len(waves) - 1)
     ladder = np.zeros(most + received)
@@ -306,7 +309,7 @@ def from_the_middle(rims: Rims, echoes: Echoes, i: int, place: Array, middle: Wa
 
 @compiled
 def incoming(rims: Rims, echoes: Echoes, position: Array, amplitudes: Waves, waves: Waves) -> None:
-    """Fill waves (N, order + 1 or order + 2) with what reaches each body from all others and from the walls."""
+    """Fill waves (N, order + 1 or order + 2) with the field at each body of all others and of the walls."""
     receive_all(rims, echoes.mirrors, position, amplitudes, waves)
     if len(echoes.answer) == 0:
         return
@@ -401,7 +404,7 @@ def residual(
 
 @compiled
 def rotate(krylov: Krylov, k: int) -> None:
-    """Make column k of the small matrix triangular, and carry its right side along."""
+    """Make column k of the small matrix triangular by a rotation, also applied to the right side."""
     matrix, rotations, right = krylov.matrix, krylov.rotations, krylov.right
     for row in range(k):
         upper, lower = matrix[row, k], matrix[row + 1, k]
@@ -428,7 +431,9 @@ def combine(krylov: Krylov, used: int, amplitudes: Waves) -> None:
 
 @compiled
 def expand(rims: Rims, echoes: Echoes, position: Array, krylov: Krylov, k: int) -> float:
-    """One more direction: what the system makes of the last, orthogonal to all before. Its length."""
+    """Add a direction to the Krylov space: the product of the matrix with the last one, orthogonalized. Returns its
+    length.
+    """
     basis, matrix = krylov.basis, krylov.matrix
     incoming(rims, echoes, position, basis[k], krylov.waves)
     for i in range(basis.shape[1]):

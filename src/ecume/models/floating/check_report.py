@@ -41,13 +41,13 @@ NEAR = 0.02
 """Gap of two floats, over a diameter, at which their attraction is compared with superposition."""
 
 ODD = 0.05
-"""Fraction of the attraction beyond superposition from which `ecume check` names a better method."""
+"""The fraction of the attraction beyond superposition above which `ecume check` recommends another method."""
 
 PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
 """Seconds per time step, and per float, for separated floats: measured on one core of a small cloud machine."""
 
 PER_PAIR = 6e-9
-"""Seconds per pair of work if there is a grid."""
+"""The time in seconds per pair for sums with a grid."""
 
 PER_CONTACT, MOST_CONTACTS = 7e-8, 300
 """Additional seconds per pair of floats in rafts, whose contacts are solved together, and the largest raft size in this
@@ -55,9 +55,9 @@ estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of thei
 """
 
 FEWEST_IN_RAFT = 3
-"""Floats from which on `ecume check` states how much too slow rafts are."""
+"""The number of floats from which `ecume check` states the error in the speed of rafts."""
 ARRAYS, NUMBERS = {"position": 2, "velocity": 2}, 16
-"""The components of the arrays of a frame that change, and how many numbers it has."""
+"""The components of the variable arrays of a frame, and the number of its numbers."""
 
 Row = tuple[str, str, str]
 
@@ -87,7 +87,7 @@ def summary(scene: FloatingScene) -> list[Row]:
 
 
 def _summary_of_cell(parameters: Parameters) -> list[Row]:
-    """The sides of a periodic cell, and how they compare with the range of the forces."""
+    """The sides of a periodic cell in comparison with the range of the forces."""
     if not np.any(parameters.periods):
         return []
     sides, radius = parameters.periods[0], parameters.floats.radius
@@ -136,7 +136,7 @@ def _summary_of_noise(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    """By how much Stokes's drag is too small for the fastest floats; nothing if they are slow."""
+    """The error of Stokes drag for the fastest floats; empty if they are slow."""
     liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
     if scene.drag != DRAG_LAWS[0] or liquid.viscosity_of_both == 0.0:
         return []
@@ -148,7 +148,7 @@ def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:
 
 
 def _remedy_of_drag(scene: FloatingScene) -> str:
-    """What includes the drag that Stokes's law lacks, if there is something."""
+    """The keys that include drag beyond Stokes's law, if they exist."""
     if scene.shaped:
         return "of floats with a shape no other drag is known"
     if scene.dish is not None and scene.dish.motion is not None:
@@ -158,7 +158,7 @@ def _remedy_of_drag(scene: FloatingScene) -> str:
 
 
 def _summary_of_added_mass(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    """How much inertia floats lack; nothing if they have none or are slow."""
+    """The missing added mass of floats; empty without inertia or for slow floats."""
     liquid, radius = liquid_of(scene), float(parameters.floats.radius.max())
     spheres = [kind for kind in float_kinds(scene) if isinstance(kind.body, flotation.Sphere)]
     if scene.hydrodynamics.added_mass or not parameters.scheme.inertia or scene.shaped or not spheres:
@@ -304,7 +304,7 @@ def _charges(members: Iterable[FloatKind], scene: FloatingScene) -> Row:
 
 
 def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
-    """By how much superposition understates the attraction of two equal floats that nearly touch."""
+    """The relative error of superposition in the attraction of two equal floats that nearly touch."""
     by_size = sorted((kind for kind in members if kind.charge != 0.0), key=lambda kind: kind.radius)
     superposed = scene.interaction.method == "superposition" and PAIR_LAWS[str(scene.interaction.law)].menisci
     if not superposed or not by_size:

@@ -60,12 +60,12 @@ def acts(parameters: Parameters) -> bool:
 
 
 def is_far_field(wall_law: int) -> bool:
-    """Whether the walls have the meniscus of superposition, without images, or none: what other methods refine."""
+    """Whether the walls have the meniscus of superposition without images, or none, as other methods require."""
     return wall_law in (NO_WALL_LAW, DISH, PLANE)
 
 
 def wall_stiffness(parameters: Parameters) -> float:
-    """|dF/dd| of the walls for the float on which they act most (N/m), as near as the smallest float comes."""
+    """The largest |dF/dd| of the walls on any float (N/m), at the smallest possible distance."""
     strongest = float(np.max(np.abs(parameters.wall_strength), initial=0.0))
     if parameters.wall_law != TABLED:
         return strongest / float(parameters.pair[CAPILLARY_LENGTH]) ** 2
@@ -102,7 +102,7 @@ def wall_force(
 def wall_energy(
     parameters: Parameters, number: int, place: tuple[float, float], strength: float, charge: float
 ) -> tuple[float, float]:
-    """The energy of a charge at a place beside wall `number` (J): in the meniscus, and in its mirror image."""
+    """The energy of a charge at a position beside wall `number` (J), in the meniscus and with its mirror image."""
     walls, length, (x, y) = parameters.walls, parameters.pair[CAPILLARY_LENGTH], place
     if parameters.wall_law == PLANE:
         return plane_wall_energy(wall_distance(walls, number, x, y)[0], strength, length), 0.0
@@ -135,7 +135,7 @@ def tabled(table: Array, row: int, distance: float) -> tuple[float, float]:
 
 NODES = 600
 FAR = 30.0
-"""In capillary lengths: cutoff of plane walls, counted from contact with the largest float."""
+"""The cutoff of plane walls in capillary lengths, from contact with the largest float."""
 HUGGING = 0.01
 """Distance from the wall over the radius of the dish below which the image force is that of a plane wall. It is up to
 one percent too weak there, where the sums over images are too long."""
@@ -263,7 +263,7 @@ def _facing_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) 
 
 
 def _between(nodes: Array, side: float, contact_angle: float, liquid: flotation.Liquid) -> Array:
-    """The height between two walls that face each other: a charge of one in it has this as its energy."""
+    """The height between two facing walls with the same image energy for a charge."""
     amplitude = meniscus.facing_amplitude(side, contact_angle, liquid)
     apart = np.maximum(side / 2 + np.stack([nodes, -nodes]), 0.0)
     heights = [plane_wall_energy(float(distance), amplitude, liquid.capillary_length) for distance in apart.ravel()]
@@ -397,7 +397,7 @@ SHAPES = {
         wavenumber=lambda walls: 0.5 * math.pi / max(surfaces.bounds(walls)[1]),
     ),
 }
-"""By the names of `dish.shape`."""
+"""The shapes by the names of `dish.shape`."""
 UNNAMED = {"radius": "round", "size": "rectangle"}
 """The shape of a dish without a name, by the key of its size."""
 

@@ -1,4 +1,4 @@
-"""When the first two floats will meet: the pair that is nearest, alone, with its attraction and its drag.
+"""The estimated time of the first contact: the closest pair alone, with its attraction and drag.
 
 Other floats, walls and currents are not considered, so that the time is a rough one: it shows whether a run is long
 enough, and its frames close enough, to see the contact.
@@ -18,14 +18,14 @@ from ecume.scenes.floating import FloatingScene
 from ecume.units import with_prefix
 
 FINE = 0.01
-"""Of the gap and of the speed: how much a step changes."""
+"""The relative change of gap and speed in a step."""
 MOST_STEPS = 4000
 NEAREST = 4
 """Pairs that are followed: those with the narrowest gaps."""
 LEAST = 1e-7
-"""Relaxation times in a step, at least: with fewer, differences of what drag does would be lost to rounding."""
+"""The minimum number of relaxation times in a step; with fewer, the effect of drag is lost to rounding."""
 SHOWN = 10
-"""Frames before a contact from which on a run shows it."""
+"""The number of frames before a contact that show it."""
 
 
 def first_contact(parameters: Parameters, state: State, longest: float) -> float:
@@ -92,7 +92,7 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
 
 
 def contact_row(scene: FloatingScene, parameters: Parameters, state: State) -> list[tuple[str, str, str]]:
-    """The row of `ecume check`, with times between which the contact can be seen; nothing without a contact."""
+    """The row of `ecume check` on the first contact, with suggested times of frames; empty without a contact."""
     time = first_contact(parameters, state, 10.0 * scene.duration)
     if not math.isfinite(time):
         return []

@@ -187,7 +187,7 @@ def dish_position(parameters: Parameters, time: float) -> dict[str, float]:
 
 
 def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
-    """Kinetic, pair and wall energies (J), and their sum: without the kinetic energy if there is no inertia."""
+    """Kinetic, pair and wall energies (J), and their sum; without kinetic energy if floats have no inertia."""
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
     if (inertia := inertia_of(parameters)) is not None:
         kinetic += 0.5 * float(np.sum(inertia * state.turning[:, 1] ** 2))
@@ -291,7 +291,7 @@ def _energy(parameters: Parameters) -> Invariant:
 
 
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
-    """Whether floats interact with one another only."""
+    """Whether floats only interact with each other."""
     dragged = any(math.isfinite(float(time)) for time in parameters.floats.relaxation_time)
     pushed = is_driven(parameters) or not row_of(parameters).reciprocal or not parameters.scheme.inertia
     return scene.dish is None and not dragged and not pushed

@@ -55,7 +55,7 @@ class Scheme(NamedTuple):
 
 
 class Kick(NamedTuple):
-    """One kick of the scheme, with drag solved exactly for a constant force: v = decay v + gain F."""
+    """One kick of the scheme, with exact drag for a constant force: v = decay v + gain F."""
 
     decay: Array
     gain: Array
@@ -150,8 +150,8 @@ class Parameters(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """What a scene has chosen from the tables of the model: each part is a NamedTuple of constants, and its type is
-    the key of its record. Compiled code contains the functions of these records and no others.
+    """The selected rows of the tables of the model: each part is a NamedTuple of constants, whose type selects the
+    functions that are compiled.
     """
 
     integrator: Any

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 
 class FloatPair(NamedTuple):
-    """The two floats of a pair, as user-defined laws see them beside the distance of their centers."""
+    """The properties of the two floats of a pair for user-defined laws, beside the distance of their centers."""
 
     radius_i: float
     radius_j: float
@@ -74,7 +74,9 @@ OTHER = PairParameters(2e-3, 1e-3, -3e-5, 1e-4, 2.7e-3, 0.07)
 """Two typical spheres, and the same exchanged."""
 
 FIELDS = ("mask", "species", "radius", "charge", "cutoff", "length", "tension")
-"""Of a part: (S, S) laws of each pair of species; (N,) properties of floats; lengths (m), surface tension (N/m)."""
+"""The arrays of a part: (S, S) laws of each pair of species; (N,) properties of floats; lengths (m), surface tension
+(N/m).
+"""
 
 NUMBERS = itertools.count()
 KEPT = "UserLaws_"
@@ -95,7 +97,7 @@ def _kept(name: str) -> Any:
 
 
 def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
-    """Return the interaction of these laws. Raises BadInput for what is no such law.
+    """The interaction of these laws. Raises BadInput for functions that are not pair laws.
 
     A law is the same when i and j are exchanged. Faults are reported before the time step is compiled.
     """
@@ -199,7 +201,9 @@ def _sum_of_energies(energy: Any) -> Any:
 
 
 MOST_RADII, PLACES = 1e4, 400
-"""How far a user law is followed on an endless surface, in contact distances, and at how many distances."""
+"""The range of user laws without a cutoff, in contact distances, and the number of distances at which they are
+evaluated.
+"""
 
 
 def range_of(total: Any, part: Any, parameters: Parameters, accuracy: float) -> float:

@@ -17,7 +17,7 @@ from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
 CONTACT_LISTS = ("scalars", "vectors")
-"""How frames list contacts: see `report.observation`."""
+"""The forms of contact lists in frames: see `report.observation`."""
 
 
 class Contacts(NamedTuple):

@@ -21,11 +21,11 @@ from ecume.scenes.soft import PreparationSpec, SoftScene, StageSpec, dimensions_
 from ecume.units import Array
 
 DENSEST = 1.4
-"""The volume fraction up to which a packing is compressed in search of a pressure."""
+"""The largest volume fraction of a compression to a given pressure."""
 LONGEST = 1000
-"""Times 1/rate: a packing that has not relaxed by then does not."""
+"""The time, times the rate, after which an unrelaxed packing is given up."""
 FAINT = 1e-9
-"""Of the largest modulus times radius squared: smaller forces are those of spheres that do not press on one another."""
+"""The force below which spheres are not in contact, over the largest modulus times radius squared."""
 
 
 def start(scene: SoftScene, parameters: Parameters) -> State:
@@ -91,7 +91,7 @@ def compression(scene: SoftScene, spec: PreparationSpec) -> tuple[StageSpec, Sta
 
 
 def _rewind(scene: SoftScene, parameters: Parameters, state: State) -> None:
-    """Set the clock back to 0, and balance what begins there."""
+    """Set the clock to 0, and balance the forces that begin there."""
     state.step[:], state.pace[CLOCK], state.pace[PAST_ERROR], state.cell_rate[:] = 0, 0.0, 0.0, 0.0
     state.pace[LENGTH] = setup.first_length(scene, parameters, state)
     if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)):
@@ -122,7 +122,7 @@ def _go(parameters: Parameters, state: State, steps: int) -> None:
 
 
 def _forces(parameters: Parameters, state: State) -> tuple[Integers, Array]:
-    """Which contacts there are, by their spheres and image, and the force of each (N)."""
+    """The contacts, by their spheres and image, and the force of each (N)."""
     scratch, count = workspace(parameters, state, 1.0), int(state.contacts[0])
     begin_step(parameters, scratch.step, drive_at(parameters.protocol, float(state.pace[CLOCK])))
     return np.hstack([state.pair[:count], state.image[:count]]), scratch.step.responses.force.copy()

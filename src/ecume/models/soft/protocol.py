@@ -18,7 +18,7 @@ LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
 
 
 SAME = 1e-12
-"""Times with a smaller relative difference are equal."""
+"""The relative difference below which times are equal."""
 
 
 class Protocol(NamedTuple):
@@ -72,7 +72,7 @@ class Rules(NamedTuple):
 
 
 class SizeControl(NamedTuple):
-    """A row of the table: how the size of the box is controlled after a moment with this key."""
+    """The control of the box size after a moment with this key."""
 
     sides: tuple[int, int, int]
     """which of width, height and depth the stress of the key controls; all 0 where they are imposed"""

@@ -40,7 +40,7 @@ def checked_parameters(scene: SoftScene) -> Parameters:
 
 
 def layout(scene: SoftScene, parameters: Parameters, state: State) -> Layout:
-    """What a state of this scene looks like; contacts name spheres."""
+    """The layout of a state of this scene; contacts refer to spheres."""
     count, room = len(parameters.radius), state.pair.size // 2
     blank = make_state(parameters, np.zeros((count, parameters.dimensions)), room)
     if not state.budget.size:
@@ -67,7 +67,9 @@ def summary(scene: SoftScene) -> list[Row]:
 
 DEEP_CONTACT = "the largest of a contact, over the smaller radius, beyond which the contact laws are inaccurate"
 UNBALANCED = 1e-7
-"""Of the typical force: steps leave less than a tenth of it, but where deflections are lost in rounding."""
+"""The largest residual force over the typical force; steps leave less than a tenth of it, unless deflections are lost
+in rounding.
+"""
 
 
 def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
@@ -111,7 +113,7 @@ def _left(seen: NumberHistory) -> float:
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """Films, surfaces, what acts across."""
+    """The laws of films, surfaces and tangential forces."""
     films = scene.films
     laws: list[Source] = [soft_pair.squeeze_friction, soft_pair.shear_friction, soft_pair.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]

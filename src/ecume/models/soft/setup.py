@@ -1,4 +1,4 @@
-"""From a scene to parameters and the first state: random packings, checks of the start, and building."""
+"""Parameters and initial state from a scene: random packings, and checks of the start."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, dimensions_of, sides_o
 from ecume.units import Array, with_prefix
 
 GAP = 1e-2
-"""Of the smallest radius."""
+"""The initial gap over the smallest radius."""
 WIDER = 1.05
 """Spheres are pushed apart as if their gap were this much wider, so that it is there when they have nearly stopped."""
 WAY_OUT = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
 ROUNDS, PUSHES = 20, 400
-"""Of the minimization: at most so many rounds of so many evaluations."""
+"""The largest number of rounds of the minimization, and of evaluations in each."""
 
 
 def places(scene: SoftScene, parameters: Parameters) -> Array:
@@ -121,7 +121,7 @@ MOST_FILLED = 1.5
 
 
 def require_balance(parameters: Parameters) -> None:
-    """Forces that nothing balances would push all spheres away together."""
+    """Raise SceneError if external forces accelerate all spheres together."""
     if parameters.drag.any() or len(parameters.walls.modulus):
         return
     force = parameters.force + parameters.weight
@@ -139,7 +139,7 @@ def require_balance(parameters: Parameters) -> None:
 
 
 def require_no_torque(parameters: Parameters, state: State) -> None:
-    """Spinning spheres that nothing holds would be turned all together without resistance."""
+    """Raise SceneError if torques rotate freely rotating spheres together without resistance."""
     if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.modulus):
         return
     arm, force = np.zeros((2, len(state.position), 3))
@@ -217,19 +217,19 @@ def require_room(parameters: Parameters) -> None:
 
 
 TICKS = 1024
-"""Ticks between two frames, in which progress is reported; there are far fewer time steps."""
+"""The ticks between two frames, the unit of progress; time steps are far fewer."""
 FADE = 1.25
 """A film fades from the reach to this many reaches."""
 ROUNDING = 1e-12
-"""Of the smallest radius: deflections below it have a smooth magnitude."""
+"""The deflection, over the smallest radius, below which its magnitude is smoothed."""
 FIRST_STEP = 1e-6
-"""Of the time between frames, or between moments of the protocol."""
+"""The first step over the time between frames, or between moments of the protocol."""
 FIRST_SHEAR = 0.1
-"""Of what the tolerance may make of the narrowest gap, where something is sheared: forces that only begin are so large
-after the first step already that rounding is nothing beside them.
+"""The first shear over the error that the tolerance permits for the smallest gap, so that forces exceed rounding errors
+from the first step on.
 """
 REACH = 0.5
-"""Of the smallest radius: how far films reach in a box, when the scene does not say."""
+"""The default reach of films in a box, over the smallest radius."""
 ROOM = {2: 16, 3: 40}
 """Contacts a sphere that a state has room for, in each dimension."""
 
@@ -323,7 +323,7 @@ def first_length(scene: SoftScene, parameters: Parameters, state: State) -> floa
 
 
 def balance_first(parameters: Parameters, state: State) -> None:
-    """Balance the first state. Raises SceneError with the reason where there is no balance."""
+    """Balance the initial state. Raises SceneError with the reason if that is impossible."""
     drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
     at, scratch = (drive, drive, rules), workspace(parameters, state, 1.0)
     path = "protocol" if any(rules) else "particles"
@@ -342,8 +342,8 @@ def balance_first(parameters: Parameters, state: State) -> None:
 
 
 def rolled_into(parameters: Parameters, state: State) -> str:
-    """A sentence on spheres that are where others are, after forces have moved them at constant gaps: without drag,
-    nothing resists rolling around one film. Empty where there is room.
+    """A sentence on spheres that overlap after forces have moved them at constant gaps, since rolling around a single
+    film has no resistance without drag; empty without overlaps.
     """
     known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
     pair, _, between = new_pairs(parameters, state.position, box_in(parameters, state), known)
@@ -369,7 +369,7 @@ def _without_balance(
 
 
 def _planes(scene: SoftScene) -> Planes:
-    """The walls, and what moves them."""
+    """The walls with their motions and forces."""
     dimensions, count = dimensions_of(scene), len(scene.walls)
     point, normal, velocity = np.zeros((3, count, dimensions))
     force = np.zeros((count, 3))
@@ -415,7 +415,7 @@ def _spans(protocol: Protocol, otherwise: float) -> list[float]:
 
 
 def prefactors_of(films: FilmSpec) -> Prefactors:
-    """The set that a scene names, and what it overrules."""
+    """The set of prefactors that a scene names, with its changes."""
     known = chosen(PREFACTORS, films.prefactors, "set of prefactors")
     given = {name: getattr(films, name) for name in Prefactors._fields}
     return known._replace(**{name: value for name, value in given.items() if value is not None})

@@ -27,11 +27,11 @@ from ecume.units import Array, with_prefix
 NARROWEST, WIDEST = 1e-10, 1e4
 """Ends of a table: in radii of the smallest sphere, and of the largest one where films have no cutoff."""
 TESTED = (1e-6, 1e-3, 1.0)
-"""In radii of the smallest sphere: gaps at which laws are tested."""
+"""The gaps at which laws are tested, in radii of the smallest sphere."""
 
 
 class SpherePair(NamedTuple):
-    """The two spheres of a pair, as user-defined laws see them beside the gap."""
+    """The properties of the two spheres of a pair for user-defined laws, beside the gap."""
 
     radius_i: float
     radius_j: float
@@ -41,7 +41,7 @@ class SpherePair(NamedTuple):
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """Soft spheres with laws of the user. Raises BadInput for what is no such law."""
+    """The soft model with laws of the user. Raises BadInput for unsuitable functions."""
     require_kinds("soft", laws, [PAIR])
 
     def parameters_of(scene: SoftScene) -> Parameters:

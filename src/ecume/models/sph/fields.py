@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.floating]
-"""In the precision of a scene's sums."""
+"""Arrays in the precision of a scene's sums."""
 Precision = type[np.float64] | type[np.float32]
 
 

@@ -1,4 +1,4 @@
-"""Constants of the solver for incompressible liquids, and what such a liquid needs from other options of a scene."""
+"""Constants of the solver for incompressible liquids, and its requirements on other options."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def projection_of(scene: SphScene, free_surface: bool, weight: Array) -> Project
 
 
 def require_suitable(scene: SphScene, method: PressureMethod) -> None:
-    """Refuse options that need what the pressure method lacks. Raises SceneError."""
+    """Raise SceneError for options that are incompatible with the pressure method."""
     faults = [
         Fault(need.path, f"got {got}; {need.reason}")
         for need in NEEDS

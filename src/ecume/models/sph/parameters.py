@@ -360,7 +360,7 @@ class Parameters(NamedTuple):
 
     @property
     def transports(self) -> bool:
-        """Whether particles move with a transport velocity beside the liquid's."""
+        """Whether particles have a transport velocity."""
         return self.background > 0.0 or self.shifting != "none"
 
 

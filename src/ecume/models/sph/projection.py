@@ -209,7 +209,7 @@ def assemble(now: Parameters, settings: Projection, workspace: Workspace, time: 
 
 
 def mirrored(now: Parameters, workspace: Workspace) -> tuple[Integers, Array]:
-    """The particle of which each column is an image, and the signs of the components of its vectors."""
+    """The original particle of each image, and the signs of its vector components."""
     images, real, d = workspace.images, len(workspace.lists.counts), now.dimension
     root = np.concatenate([np.arange(real), roots_of(images, real)])
     sign, chains, sides = np.ones((d, len(root))), chains_of(images, real), now.boundary.sides

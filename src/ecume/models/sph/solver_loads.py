@@ -1,5 +1,5 @@
-"""Forces of an incompressible liquid on what holds it, as means over a step: at the positions and with the pressures of
-each of its substeps, so that what the liquid gets the solids lose.
+"""Mean forces of an incompressible liquid on walls and solids over a step, at the positions and pressures of its
+substeps, so that momentum is conserved.
 
 The pressures of a step act before the particles move. Evaluated after that, as in a compressible liquid, forces on
 walls missed 6 to 16 % of the momentum of a splash. A dummy w has the pressure of the particle i in front of it,

@@ -147,7 +147,7 @@ class Workspace:
     """whether this step ends in a frame, so that the mean loads of an incompressible liquid are of interest"""
 
     def take(self, other: Workspace) -> None:
-        """Take over all arrays of another workspace."""
+        """Replace all arrays by those of another workspace."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
         self.rates, self.records = other.rates, other.records
         self.before, self.cells, self.exchanged = other.before, other.cells, None

@@ -21,14 +21,14 @@ from ecume.trajectories.reader import open_trajectory
 from ecume.units import Array
 
 EVEN = 1e-5
-"""How far nodes may be from equal steps, over a step: files hold them in single precision."""
+"""The largest deviation of nodes from equal steps, over a step; files hold them in single precision."""
 EXTRA = "flows"
 MOST_NODES = 10**8
-"""Of the grid of a run, in all frames."""
+"""The largest number of grid nodes of a run in all frames."""
 FINE = 50
 """Cells along a tank, by default."""
 REACH = 2.0
-"""Of averages over the particles of a run, in spacings of the grid."""
+"""The averaging range over the particles of a run, in spacings of the grid."""
 
 
 class Names(NamedTuple):

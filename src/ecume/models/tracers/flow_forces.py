@@ -20,7 +20,7 @@ admit(unsteady_forces)
 
 
 class Forces(NamedTuple):
-    """Which forces there are; 1 or 0 each."""
+    """The selected forces, 1 or 0 each."""
 
     acceleration: float = 0.0
     faxen: float = 0.0
@@ -28,7 +28,7 @@ class Forces(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Whether any force is selected."""
         return max(self) > 0.0
 
 

@@ -65,7 +65,7 @@ Flowing = tuple[Loops, object, tuple[float, float]]
 
 
 def _forced_flight(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
-    """One step of particles with inertia, with the forces of an accelerating and curved flow."""
+    """Perform one step of particles with inertia, with the forces of an accelerating and curved flow."""
     if not plain.forces.any:
         return bool(fly(plain, state, scratch))
     (loops, current, when), bodies, fluid = flowing, plain.bodies, plain.fluid
@@ -84,7 +84,7 @@ def _forced_flight(plain: Parameters, state: State, scratch: Workspace, flowing:
 
 
 def _smooth_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
-    """One step of particles without inertia and noise."""
+    """Perform one step of particles without inertia and noise."""
     (loops, current, when), bodies = flowing, plain.bodies
     plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.kick)
@@ -96,7 +96,7 @@ def _smooth_step(plain: Parameters, state: State, scratch: Workspace, flowing: F
 
 
 def _noisy_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
-    """One step of particles without inertia, with thermal noise."""
+    """Perform one step of particles without inertia, with thermal noise."""
     (loops, current, when), bodies = flowing, plain.bodies
     key = (plain.seed, int(state.step[0]), plain.fluid.thermal)
     plan_own_drifts(bodies.settling, scratch.status, scratch.kick)

@@ -86,7 +86,7 @@ def cell_of(place: float, low: float, step: float, count: int) -> tuple[int, flo
 
 @compiled_inside
 def moment_of(times: Array, time: float) -> tuple[int, float]:
-    """The last instant before a time, and how much of the next one to take."""
+    """The last instant before a time, and the weight of the next one."""
     if len(times) < 2 or time <= times[0]:
         return 0, 0.0
     k = min(int(np.searchsorted(times, time)) - 1, len(times) - 2)
@@ -264,7 +264,7 @@ def _slope(values: Array, axis: int) -> Array:
 
 
 def _grown(land: Flags) -> Flags:
-    """Land, and the nodes beside it."""
+    """Land and the nodes next to it."""
     found = land.copy()
     found[1:] |= land[:-1]
     found[:-1] |= land[1:]
@@ -359,7 +359,9 @@ def _halves(values: Any, axis: int) -> tuple[Any, Any]:
 
 
 def _without_divergence(fluxes: list[Array], shut: list[Flags]) -> list[Array]:
-    """Fluxes through faces with the smallest change that leaves no divergence in any cell; none through shut faces."""
+    """The fluxes through faces after the smallest change that removes the divergence of all cells; zero through shut
+    faces.
+    """
     from scipy import sparse
     from scipy.sparse.linalg import cg
 

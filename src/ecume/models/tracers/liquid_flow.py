@@ -21,11 +21,11 @@ Corners = tuple[tuple[float, ...], tuple[float, ...]]
 SAMPLES = 1000
 """Points at which a flow is examined."""
 INSTANTS = 8
-"""Times at which it is."""
+"""The number of instants at which the flow is examined."""
 ACCURATE = 0.1
-"""Of the shortest time in which the velocity along a path changes: the longest step of Runge and Kutta's method."""
+"""The longest Runge-Kutta step, over the shortest time in which the velocity along a path changes."""
 NARROW = 0.1
-"""Of the length over which the velocity changes: the longest random displacement of a step."""
+"""The longest random displacement of a step, over the length in which the velocity changes."""
 DIFFERENCE = 1e-4
 """Step of differences, over the shortest length of the flow: a side of the box, a wavelength or a radius."""
 MOMENT = 1e-6
@@ -33,7 +33,7 @@ MOMENT = 1e-6
 
 
 class FlowScales(NamedTuple):
-    """On what scales the velocity of the liquid varies, from samples in the box around the tank."""
+    """The scales of variation of the liquid's velocity, from samples in the box around the tank."""
 
     speed: float
     """m/s, the largest"""
@@ -75,7 +75,7 @@ class LiquidFlow(NamedTuple):
         return found
 
     def instants(self, duration: float) -> list[float]:
-        """Times at which it is examined (s)."""
+        """The times (s) at which the flow is examined."""
         return [0.0] if self.steady else [duration * k / INSTANTS for k in range(INSTANTS)]
 
     @property

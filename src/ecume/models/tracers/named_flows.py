@@ -115,7 +115,7 @@ class Abc(NamedTuple):
 
 
 class Still(NamedTuple):
-    """No flow beside the uniform one."""
+    """No flow in addition to the uniform one."""
 
     speed: float
 
@@ -146,13 +146,13 @@ class PastCylinderIdeal(NamedTuple):
 
 @compiled_inside
 def still_velocity(shape: Still, x: float, y: float, z: float, time: float) -> Point:
-    """None."""
+    """Zero velocity."""
     return shape.speed, shape.speed, shape.speed
 
 
 @compiled_inside
 def past_sphere_velocity(shape: PastSphere, x: float, y: float, z: float, time: float) -> Point:
-    """What the sphere changes of the stream."""
+    """The change of the stream by the sphere."""
     center, stream = shape.center, shape.stream
     place = (x - center[0], y - center[1], z - center[2])
     found = carrier_flows.creeping_flow_past_sphere(place, shape.radius, stream)
@@ -161,7 +161,7 @@ def past_sphere_velocity(shape: PastSphere, x: float, y: float, z: float, time: 
 
 @compiled_inside
 def past_ideal_sphere_velocity(shape: PastSphereIdeal, x: float, y: float, z: float, time: float) -> Point:
-    """What the sphere changes of the stream."""
+    """The change of the stream by the sphere."""
     center, stream = shape.center, shape.stream
     place = (x - center[0], y - center[1], z - center[2])
     found = carrier_flows.ideal_flow_past_sphere(place, shape.radius, stream)
@@ -170,7 +170,7 @@ def past_ideal_sphere_velocity(shape: PastSphereIdeal, x: float, y: float, z: fl
 
 @compiled_inside
 def past_ideal_cylinder_velocity(shape: PastCylinderIdeal, x: float, y: float, z: float, time: float) -> Point:
-    """What the cylinder changes of the stream."""
+    """The change of the stream by the cylinder."""
     center, stream = shape.center, shape.stream
     place = (x - center[0], 0.0, z - center[2])
     found = carrier_flows.ideal_flow_past_cylinder(place, shape.radius, stream)
@@ -178,7 +178,7 @@ def past_ideal_cylinder_velocity(shape: PastCylinderIdeal, x: float, y: float, z
 
 
 class Detour(NamedTuple):
-    """A row of the table: how a uniform stream goes around one round obstacle."""
+    """The solution for a uniform stream around one round obstacle."""
 
     shape: type
     velocity: Callable[..., Point]
@@ -271,7 +271,7 @@ def abc_velocity(shape: Abc, x: float, y: float, z: float, time: float) -> Point
 
 
 class Request(NamedTuple):
-    """What a shape is made from."""
+    """The quantities from which a shape is made."""
 
     flow: FlowSpec
     box: Box

@@ -1,4 +1,5 @@
-"""Who comes in through openings: how many, when, where and how fast, all known before the run begins.
+"""Particles that enter through openings: their number, times, positions and velocities, known
+before the run begins.
 
 Each place and instant is a function of the scene's seed, the opening and the number of who comes (Philox), so that
 neither pauses nor threads matter. Newcomers of an opening come one in each span of 1/rate, at any instant of it.
@@ -51,7 +52,7 @@ class Arrivals(NamedTuple):
 
 
 class Inflow(NamedTuple):
-    """Those of a run before it is cut into steps."""
+    """The entering particles of a run, before the assignment to steps."""
 
     time: Array
     """(A,) s, one after the other"""
@@ -105,12 +106,12 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
 
 
 def species_of(scene: TracersScene, hole: OpeningSpec) -> int:
-    """The number of who comes in."""
+    """The species number of entering particles."""
     return [species.name for species in scene.particles].index(hole.species) if hole.species else 0
 
 
 def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int) -> Array:
-    """(n, d) what newcomers come in with."""
+    """The (n, d) velocities of entering particles."""
     if hole.velocity is not None:
         return np.tile(np.array(hole.velocity, np.float64), (len(places), 1))
     velocity = stream.flow.velocity(places, 0.0)
@@ -174,7 +175,7 @@ def _draws(who: Integers, when: int, key: tuple[int, int]) -> Array:
 
 @compiled
 def draw(who: Integers, when: int, key: tuple[int, int], drawn: Array) -> None:
-    """Fill (n, 4) with numbers in (0, 1) of each who."""
+    """Fill (n, 4) with random numbers in (0, 1) for each particle."""
     seed, purpose = key
     for i in range(len(who)):
         drawn[i, 0], drawn[i, 1] = uniforms(counter_of(int(who[i]), when, purpose), seed)

@@ -28,15 +28,15 @@ from ecume.units import Array
 
 REGIMES = ("auto", "inertial", "overdamped")
 ADDED_MASS = 0.5
-"""Of a sphere in an ideal liquid: half of the displaced mass."""
+"""The added mass of a sphere in an ideal liquid, over the displaced mass."""
 SHORTEST = 4.0
 """Steps in a relaxation time, when the model chooses."""
 LONGEST = 0.5
 """A step of the inertial regime, in relaxation times."""
 MOST_STEPS = 50_000
-"""Of a run whose step the model chooses; what relaxes faster is overdamped."""
+"""The largest number of steps of a run with an automatic time step; particles that relax faster are overdamped."""
 FINENESS = 0.05
-"""How much of the tank, or of the sedimentation length, an overdamped step may cross."""
+"""The largest displacement of an overdamped step, over the tank or the sedimentation length."""
 
 
 class Fluid(NamedTuple):
@@ -154,13 +154,13 @@ def forces_of(scene: TracersScene) -> Forces:
 
 
 ALIKE = 1e-6
-"""Of the largest speed: how much the velocities on two periodic sides may differ."""
+"""The largest difference of velocities on two periodic sides, over the largest speed."""
 
 
 def _require_periodic(
     flow: LiquidFlow, box: tuple[tuple[float, ...], tuple[float, ...]], periodic: Periodic, duration: float
 ) -> None:
-    """Raise SceneError where the liquid does not flow alike on both sides of a periodic axis."""
+    """Raise SceneError if the velocities on both sides of a periodic axis differ."""
     if not periodic.any:
         return
     low, high = (np.array(corner, float) for corner in box)
@@ -297,8 +297,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
 
 
 def crossing_time(scene: TracersScene, fluid: Fluid, bodies: Bodies, scales: FlowScales) -> float:
-    """The shortest time in which a particle may cross a periodic box with obstacles (s), whose copies are in the boxes
-    beside it only; infinite in other scenes.
+    """The shortest time (s) in which a particle may cross a periodic box with obstacles, which have copies in adjacent
+    boxes only; infinite in other scenes.
     """
     sides, (low, high) = periodic_of(scene).sides[: scene.dimensions], bounds(scene)
     if not (max(sides) > 0.0 and scene.obstacles):
@@ -316,7 +316,7 @@ def crossing_time(scene: TracersScene, fluid: Fluid, bodies: Bodies, scales: Flo
 
 
 def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
-    """Mass, friction, terminal speed, apparent gravity and radius of each kind there is."""
+    """Mass, friction, terminal speed, apparent gravity and radius of each kind of particles."""
     columns = (bodies.mass, bodies.friction, bodies.settling, bodies.apparent_gravity, bodies.radius)
     first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # of each run of one species
     for species in np.unique(bodies.species):  # and its extremes
@@ -437,7 +437,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 
 TOUCHING = 1e-6
-"""Of a radius: tracers that touch a wall may be this far in it."""
+"""The permitted overlap of touching tracers with a wall, over the radius."""
 
 
 def faults(scene: TracersScene, parameters: Parameters, state: State) -> list[str]:

@@ -65,11 +65,11 @@ SECONDS_PER_PARTICLE = 5e-7
 BYTES_PER_PARTICLE = 940
 """Resident at the most, while frames are recorded: measured with 1e5 and 4e5 particles in 3D."""
 NUMBERS = 20
-"""In a frame, about."""
+"""The approximate number of numbers in a frame."""
 
 
 def checked_parameters(scene: TracersScene) -> Parameters:
-    """The parameters of a scene that fits into the machine, and comes to an end."""
+    """The parameters of a scene. Raises SceneError if memory or steps exceed the limits."""
     count = sum(species.count for species in scene.particles)
     require_memory("particles", f"{count} particles", BYTES_PER_PARTICLE * count)
     parameters = within_steps(scene, parameters_of(scene))
@@ -83,7 +83,7 @@ class FlowWarning(UserWarning):
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
-    """The frame of this instant. Who has left stays where it went out, and counts for nothing."""
+    """The frame of this instant. Particles that left remain at their exit, and are ignored in numbers."""
     bodies, inside, there = parameters.bodies, np.flatnonzero(state.left < 0), len(state.left)
     speed = np.sqrt((state.velocity**2).sum(axis=1))
     mass, height = bodies.mass[inside], state.position[inside, -1]
@@ -171,7 +171,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
 
 
 def accuracy_of(parameters: Parameters) -> str:
-    """What a time step is accurate to."""
+    """The accuracy of a time step."""
     if parameters.current == ():
         return "exact between walls for linear drag"
     smooth = parameters.fluid.thermal == 0.0 and bool(parameters.bodies.overdamped.all())
@@ -218,7 +218,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
 
 
 SLIPS = 0.01
-"""The Knudsen number from which a remark states the slip: 1.3 % in the speed."""
+"""The Knudsen number from which a remark states the slip: 1.3 % of the speed."""
 
 
 def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, str, str]]:
@@ -237,7 +237,7 @@ def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, st
 
 
 CROSSING = 0.01
-"""Of the largest speed beside an obstacle: the normal velocity at its surface that is reported."""
+"""The reported normal velocity at the surface of an obstacle, over the largest speed."""
 
 
 def flow_at(parameters: Parameters, places: Array) -> Array:
@@ -339,7 +339,7 @@ def through_solids(scene: TracersScene, parameters: Parameters) -> list[tuple[st
 
 
 RISE = 1e-6
-"""Of the energy: flights between walls are exact."""
+"""The permitted relative rise of the energy; flights between walls are exact."""
 
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:

@@ -14,7 +14,7 @@ from ecume.scenes.tracers import ParticleSpec, TracersScene
 from ecume.units import Array, with_prefix
 
 TRIES = 2000
-"""Rounds of dice after which there is no room."""
+"""The number of rounds of random positions before a placement fails."""
 
 
 def start(scene: TracersScene, parameters: Parameters) -> State:
@@ -43,7 +43,7 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
 
 
 def layout(scene: TracersScene, parameters: Parameters, state: State) -> Layout:
-    """What a state with as many particles looks like: they enter through openings."""
+    """The layout of a state with the same number of particles, since particles enter through openings."""
     count = min(max(state.left.size, _at_first(scene)), len(parameters.bodies.radius))
     zeros = np.zeros((count, scene.dimensions))
     surfaces = surfaces_of(scene)
@@ -97,7 +97,7 @@ def scattered(
 
 
 def corners(species: ParticleSpec, scene: TracersScene) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The box in which a species is thrown."""
+    """The box for the random positions of a species."""
     low, high = bounds(scene)
     a, open_sides = largest_radius(species), np.array(periodic_of(scene).sides[: scene.dimensions]) > 0.0
     margin = np.where(open_sides, 0.0, a).tolist()

@@ -50,7 +50,7 @@ def with_sticking(surfaces: Surfaces, sticking: Array) -> Surfaces:
 
 
 def sticking_of(scene: TracersScene) -> Array:
-    """(K,) whether particles stay on each surface."""
+    """Flags (K,) of the sticking surfaces."""
     usual = scene.tank is not None and scene.tank.sticking
     rows = np.zeros(0, bool)
     if scene.tank is not None:
@@ -89,7 +89,7 @@ def periodic_of(scene: TracersScene) -> Periodic:
 
 
 def copies_of(scene: TracersScene) -> list[Array]:
-    """How far the copies of an obstacle are away (m), itself first: those in the boxes around a periodic one."""
+    """The displacements (m) of an obstacle and its copies in adjacent periodic boxes, zero first."""
     sides = np.array(periodic_of(scene).sides[: scene.dimensions])
     steps = [(0, 1, -1) if side > 0.0 else (0,) for side in sides]
     return [np.array(way) * sides for way in itertools.product(*steps)]
@@ -108,7 +108,7 @@ class Coefficients(NamedTuple):
 
 
 def coefficients_of(scene: TracersScene) -> Coefficients:
-    """Those of walls, then of obstacles. Raises SceneError for a wall that the tank does not have."""
+    """The coefficients of walls, then of obstacles. Raises SceneError for an unknown wall."""
     usual = (1.0, 1.0) if scene.tank is None else (scene.tank.restitution, scene.tank.tangential_restitution)
     rows = np.zeros((0, 2))
     if scene.tank is not None:

@@ -141,7 +141,7 @@ def move_with(parameters: Parameters, state: State, scratch: Workspace, time: fl
 
 @compiled
 def inertial_step(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """One step of particles with inertia in a uniform or sheared flow."""
+    """Perform one step of particles with inertia in a uniform or sheared flow."""
     fluid, last = parameters.fluid, state.position.shape[1] - 1
     flow, h = fluid.flow, parameters.time_step
     for i in range(len(scratch.status)):
@@ -154,7 +154,7 @@ def inertial_step(parameters: Parameters, state: State, scratch: Workspace) -> b
 
 @compiled
 def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """One step of particles with inertia, in a liquid with the velocities `flow` of the workspace."""
+    """Perform one step of particles with inertia, in a liquid with the velocities `flow` of the workspace."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     numbers = (h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal)
     plan_flights(
@@ -176,7 +176,7 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
 
 @compiled
 def overdamped_step(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """One step of particles without inertia."""
+    """Perform one step of particles without inertia."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
     if fluid.thermal > 0.0:
@@ -209,7 +209,7 @@ def store_drift_velocities(state: State, scratch: Workspace) -> None:
 def diffusive_step(
     parameters: Parameters, state: State, scratch: Workspace, flow: tuple[float, float, float, float]
 ) -> bool:
-    """One step of particles without inertia, with thermal noise."""
+    """Perform one step of particles without inertia, with thermal noise."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     key, last = (parameters.seed, state.step[0], fluid.thermal), state.position.shape[1] - 1
     plan_drifts(state.position, bodies.settling, scratch.status, h, flow, scratch.travel, scratch.flow)
@@ -417,7 +417,7 @@ def plan_drifts(
     velocity: Array,
     liquid: Array,
 ) -> None:
-    """The velocity of what has no inertia: with the liquid, and down at the terminal speed; and that of the liquid."""
+    """Compute the velocities of particles without inertia, the sum of flow and settling, and those of the liquid."""
     last = position.shape[1] - 1
     for i in range(position.shape[0]):
         if status[i] == 0:
@@ -432,7 +432,7 @@ def plan_drifts(
 
 @compiled
 def add_drifts(mass: Array, friction: Array, status: Integers, external: Array, velocity: Array) -> None:
-    """Add the velocity of what has no inertia by an acceleration: the force over Stokes's friction."""
+    """Add the drift of particles without inertia under external accelerations: the force over Stokes friction."""
     for i in range(velocity.shape[0]):
         if status[i] == 0:
             for axis in range(velocity.shape[1]):

@@ -40,13 +40,13 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 COARSE = 0.5
-"""Of the shortest time scale of a law: the longest good time step."""
+"""The longest accurate time step, over the shortest time scale of a law."""
 FINE = 1e-6
-"""Of a radius: step of finite differences."""
+"""The step of finite differences over the radius."""
 
 
 class Tracer(NamedTuple):
-    """The particle, as user-defined laws see it beside position, velocity and time."""
+    """The properties of a particle for user-defined laws, beside position, velocity and time."""
 
     radius: float
     density: float

@@ -252,7 +252,7 @@ class FloatSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FloatRow:
-    """One float of a table, or of another run's frame."""
+    """One float of a table or of a frame of another run."""
 
     x: Coordinate
     """The initial position along x (m). Effect: sets the start of this float."""

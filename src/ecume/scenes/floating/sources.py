@@ -27,7 +27,7 @@ MOST_MESSAGES = 20
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RowDefaults:
-    """The one [[particles]] entry beside `particles_from`: it fills the columns that the table does not have."""
+    """The single [[particles]] entry beside `particles_from`, which fills columns that are missing in the table."""
 
     name: Name = ""
     radius: Radius | None = None
@@ -91,7 +91,7 @@ def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
 
 
 def _few(messages: Sequence[str]) -> list[str]:
-    """The first messages, and how many more there are."""
+    """The first messages and the number of others."""
     left = len(messages) - MOST_MESSAGES
     return [*messages[:MOST_MESSAGES], *([f"and {left} more like these"] if left > 0 else [])]
 

@@ -116,8 +116,8 @@ class NodesSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FlowSpec:
-    """How the liquid's surface flows, which drags the floats along: a uniform flow, three linear ones and a table's,
-    added up.
+    """The flow of the liquid's surface, which drags the floats: the sum of a uniform flow, three linear ones and that
+    of a table.
     """
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
@@ -206,7 +206,7 @@ class DishMotionSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class CellSpec:
-    """A periodic rectangle from the origin on: what leaves it on one side enters it on the other."""
+    """A periodic rectangle with one corner at the origin."""
 
     size: tuple[Size, Size]
     """The width and height of the periodic cell (m); with `area_fraction` their proportions only. Example:
@@ -305,7 +305,7 @@ class HydrodynamicsSpec:
 
     @property
     def resists(self) -> bool:
-        """Whether there is drag."""
+        """Whether floats have drag."""
         return self.drag != "none"
 
 

@@ -43,7 +43,7 @@ Stress = Annotated[float, PlainValidator(stress), STRESS]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class OscillationSpec:
-    """A sine beside what the moment says of shear, from there to the next moment."""
+    """A sine added to the shear of a moment until the next moment."""
 
     frequency: Frequency
     """The frequency in cycles per second (1/s). Effect: faster oscillations meet a more viscous response."""
@@ -91,7 +91,7 @@ EXCLUSIVE = (
     ("oscillation", "rate_steps"),
     ("height_rate", "normal_stress", "pressure"),
 )
-"""Keys of a moment of which only one may be present."""
+"""Groups of keys of which a moment may contain only one."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -212,7 +212,7 @@ def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
 
 
 def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
-    """The faults of strains and scales after moments from which on another quantity is controlled."""
+    """Faults of strains and scales after moments in which another quantity is controlled."""
     found: Complaints = []
     sheared, sized = "", ""
     for index, stage in enumerate(stages):

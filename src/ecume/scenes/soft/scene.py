@@ -168,7 +168,7 @@ class SoftHydrodynamicsSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SphereSpec:
-    """Equal spheres, where they start, and what pulls at each."""
+    """Equal spheres with their initial positions and external forces."""
 
     name: Name = ""
     """The name of the species in frames, legends and exports; by default `sphere-1` and so on. Effect: none on the

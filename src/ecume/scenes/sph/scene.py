@@ -1,4 +1,4 @@
-"""The scene of the SPH model: a liquid in a tank, and how it is computed."""
+"""The scene of the SPH model: a liquid in a tank, and the numerical methods."""
 
 from __future__ import annotations
 
@@ -410,7 +410,7 @@ def _steps(scene: SphScene) -> Complaints:
 
 
 def _rheology_faults(scene: SphScene) -> list[tuple[Path, str]]:
-    """What no law is known for in a liquid whose viscosity depends on the rate of strain."""
+    """Faults of options without a law for liquids whose viscosity depends on the rate of strain."""
     if scene.liquid.rheology is None:
         return []
     complaints: list[tuple[Path, str]] = [

@@ -1,4 +1,4 @@
-"""Parts of space, and what is in the liquid: obstacles, bodies that move, and passive particles.
+"""Regions of space, and the contents of a tank: obstacles, bodies and passive particles.
 
 Passive particles, which the liquid carries without being moved by them: tracers, and grains that settle.
 """
@@ -105,7 +105,7 @@ class ShapeSpec:
 
 
 def _corner_fault(vertices: Sequence[tuple[float, ...]]) -> str:
-    """What is wrong with the corners of a shape; empty without a fault."""
+    """The fault of the corners of a shape; empty without one."""
     if not vertices:
         return ""
     dimension = len(vertices[0])

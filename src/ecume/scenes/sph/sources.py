@@ -81,7 +81,7 @@ AXES = "xyz"
 
 
 def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Put the contents of the scene's sources into `raw`; return their faults."""
+    """Insert the contents of the scene's sources into `raw`. Returns their faults."""
     faults: Complaints = []
     if RUN in raw:
         given = raw.pop(RUN)
@@ -105,7 +105,7 @@ all of its walls.
 
 
 def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
-    """Make a tank of any shape: a block around the drawing with a hole in it. Its open sides cut the drawing."""
+    """Build a tank of any shape from a drawing: a block with a hole. Open sides cut the drawing."""
     tank = raw.get("tank")
     if not isinstance(tank, dict) or not {OUTLINE, UNIT} & tank.keys():
         return []
@@ -130,7 +130,7 @@ DRAWN_TABLES = ("fluid", "obstacles", "bodies")
 
 
 def outline_followed(piece: dict[str, Any], path: Path, folder: Folder) -> Complaints:
-    """Put the outline that a piece of a scene names into it; return its faults."""
+    """Insert the outline that a piece of a scene names. Returns its faults."""
     if OUTLINE in piece:
         return followed((*path, OUTLINE), _outline_from, piece, piece.pop(OUTLINE), folder)
     if UNIT in piece:
@@ -165,7 +165,7 @@ def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
 
 
 def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
-    """Make one region for each region of the run."""
+    """Create a region for each region of the run."""
     from ecume.scenes.runs import frame_of_run
     from ecume.scenes.starts import refuse_a_file
 
@@ -183,7 +183,7 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def _from_file(raw: dict[str, Any], given: object, folder: Folder) -> Complaints:
-    """Make one region for each type of a file of another program."""
+    """Create a region for each type in a file of another program."""
     from ecume.scenes.starts import opened, regions
 
     if raw.get("fluid"):

@@ -1,4 +1,4 @@
-"""The tank: its sides and how they move, and the gauges whose readings are numbers of every frame."""
+"""The tank: its sides with their motions, and gauges, whose readings are numbers of every frame."""
 
 from __future__ import annotations
 
@@ -207,7 +207,7 @@ class TankSpec:
 
 
 def side_faults(tank: TankSpec, names: Sequence[str]) -> Complaints:
-    """The faults of the velocities of sides, whose names stand in the order of their axes."""
+    """Faults of the velocities of sides; `names` are ordered by axes."""
     dimension = len(tank.low)
     faults = [(name, _velocity_fault(getattr(tank, name), number // 2, dimension)) for number, name in enumerate(names)]
     return [(("tank", name, "velocity"), fault) for name, fault in faults if fault]

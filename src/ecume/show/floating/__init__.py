@@ -1,1 +1,1 @@
-"""How the floating model is shown."""
+"""Pictures of the floating model."""

@@ -1,4 +1,4 @@
-"""One instant as seen from above: floats to scale, the height of the liquid, the dish, time and scale bar."""
+"""A frame seen from above: floats to scale, the height of the liquid, the dish, time and scale bar."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The figures of the floating model: what floats do, and by which force.
+"""The figures of the floating model: trajectories, structure, rafts and forces.
 
 Measures of rafts over time and space come first, the table last.
 """
@@ -279,7 +279,7 @@ MEASURES = {
     "distance": distances,
     "shapes": shapes,
 }
-"""By the names that `ecume plot --what` takes."""
+"""Figures by the names of `ecume plot --what`."""
 
 
 BOND = 0.1
@@ -435,7 +435,7 @@ def _short(state: str) -> str:
 
 
 CLUSTER_FIGURES = {"raft-sizes": raft_sizes, "topologies": topology_figure, "transitions": transition_figure}
-"""By the names that `ecume plot --what` takes."""
+"""Figures by the names of `ecume plot --what`."""
 
 
 FURTHEST = 6.0

@@ -50,7 +50,7 @@ FORCE_LINES = {"superposition": ":", "pair-corrected": "-", "multipole": "o"}
 
 
 class Forces(NamedTuple):
-    """Of one pair of kinds, positive where they repel (N)."""
+    """The forces of one pair of kinds, positive for repulsion (N)."""
 
     label: str
     distance: Array
@@ -180,7 +180,7 @@ class Orbit(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """What the integrators did."""
+    """The results of the integrators."""
 
     steps: Array
     """s"""

@@ -269,7 +269,7 @@ def _solved_surface(frame: Frame, on: Sheet) -> Heights:
 
 
 def solved_heights(multipoles: Any, frame: Frame, x: Array, y: Array) -> Array:
-    """What the solver's floats add to the walls' own meniscus (m), shape (y, x)."""
+    """The contribution of the solver's floats to the meniscus of the walls (m), shape (y, x)."""
     from ecume.models.floating.forces.multipoles import heights_at, multipoles_in, solved
 
     across, along = (grid.ravel() for grid in np.meshgrid(x, y))
@@ -279,7 +279,7 @@ def solved_heights(multipoles: Any, frame: Frame, x: Array, y: Array) -> Array:
 
 
 def typical_meniscus(frame: Frame, on: Sheet) -> float:
-    """How far a typical float bends the surface at its own edge (m)."""
+    """The deformation of the surface at the edge of a typical float (m)."""
     if on.multipoles is not None:
         from ecume.models.floating.forces.multipoles import bends, multipoles_in, solved
 

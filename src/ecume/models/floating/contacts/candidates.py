@@ -15,8 +15,8 @@ from ecume.units import Array
 def find_pairs(
     lists: NeighborLists, slots: tuple[int, int], radius: Array, skin: float, room: int
 ) -> tuple[Integers, Integers]:
-    """Pairs of some slots and later slots that may touch while the lists are valid: the lower number of each pair, and
-    the higher. One more pair than there is room for if there are too many.
+    """Pairs of some slots and later slots that may touch while the lists are valid, as lower and higher numbers. If
+    there are too many, one more pair than the capacity is returned.
     """
     order, rows, widest, found = lists.cells.order, lists.rows, radius.max(), 0
     x, y = rows.sorted_position[0], rows.sorted_position[1]
@@ -43,7 +43,9 @@ def find_pairs(
 
 @compiled
 def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array, skin: float) -> bool:
-    """List pairs that may touch while the lists are valid, ordered by i, then j. False when there is no room."""
+    """List the pairs that may touch while the lists are valid, ordered by i, then j. Returns False if the capacity is
+    exceeded.
+    """
     room = len(candidates.partner)
     lower, higher = find_pairs(lists, (0, len(radius)), radius, skin, room)
     if len(lower) > room:

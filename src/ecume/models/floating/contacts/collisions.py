@@ -171,7 +171,7 @@ def store_friction_spins(
 
 
 def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
-    """Return contacts with friction; `friction_at_step` adds what depends on the time step."""
+    """The part of contacts with friction; `friction_at_step` adds the terms that depend on the time step."""
     kinds, number = distinct_kinds(scene)
     inertia = np.array([float_inertia(kind) for kind in kinds])[number]
     friction = turning_frictions(scene)
@@ -232,9 +232,7 @@ def impulses_at_step(part: Impulses, parameters: Parameters, turned: Array | Non
 
 
 class Solver(NamedTuple):
-    """How impulses are computed: the functions that differ between contacts with and without friction, and between
-    floats with and without thermal noise.
-    """
+    """The functions of the impulse solver that differ with and without friction, and with and without thermal noise."""
 
     stop: Callable[..., int]
     """stop(part, scratch, bodies, contacts, velocity, goal): impulses that stop all approaches; number of sweeps"""
@@ -389,7 +387,7 @@ def free_shares(parameters: Parameters, contacts: Contacts) -> Array:
 
 @compiled
 def collide_smoothly(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Let Brownian floats collide on their paths; only lasting contacts are left to the solve."""
+    """Compute the collisions of Brownian floats on their paths; only lasting contacts remain for the contact solve."""
     contacts, velocity, gain = workspace.contacts, workspace.midstep_velocity, parameters.kick.gain
     share, driven = free_shares(parameters, contacts), workspace.stages[DRIVEN]
     found = collide_on_paths(parameters, state, contacts, (velocity, driven), share, Flow(np.zeros(0), 0.0))
@@ -424,7 +422,7 @@ SOLVERS: dict[type, Solver] = {
     Friction: ROUGH,
     BrownianFriction: ROUGH._replace(collide_by_noise=collide_together),
 }
-"""By the type of the part."""
+"""The solvers by type of the part."""
 
 stop = selected(SOLVERS, "stop")
 push = selected(SOLVERS, "push")

@@ -61,7 +61,7 @@ admit(friction)
 
 
 class NoContacts(NamedTuple):
-    """Floats pass through one another."""
+    """No contacts: floats can overlap."""
 
 
 def no_energy(
@@ -199,7 +199,7 @@ CONTACTS = {
         inertia=lambda part: np.asarray(part.inertia) if len(part.inertia) else None,
     ),
 }  # fmt: skip
-"""By the name of the choice."""
+"""The contact models by name."""
 CONTACTS["coupled on a grid"] = replace(
     CONTACTS["coupled"], constants=GridImpulses, before_drift=collide_on_grid, state=unchanged_state,
     make=_simple(GridImpulses()),
@@ -221,7 +221,7 @@ def contacts_of(parameters: Parameters) -> ContactModel:
 
 
 def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: float) -> list[tuple[int, int, float]]:
-    """Pairs (i, j, gap) of floats with outlines that are nearer than `reach`; a wall number k stands as N + k."""
+    """Triples (i, j, gap) of floats with outlines closer than `reach`; N + k denotes wall number k."""
     gaps = contacts_of(parameters).gaps
     return [] if gaps is None else gaps(parameters.parts.contacts, parameters, position, angle, reach)
 

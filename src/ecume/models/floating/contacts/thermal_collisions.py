@@ -50,7 +50,7 @@ LASTING = 1.0
 """Approach by forces in one interval, over the standard deviation of that by noise, above which a contact lasts."""
 
 SOFTLY = 0.35
-"""This ratio in the intervals of a step, if there are not too many of them."""
+"""The target of this ratio in the intervals of a step, unless that requires too many of them."""
 
 MOST_INTERVALS = 8
 """The largest number of intervals of a step."""
@@ -84,7 +84,7 @@ class Paths(NamedTuple):
 
 
 class Flow(NamedTuple):
-    """How floats move one another through the liquid."""
+    """The hydrodynamic coupling of floats."""
 
     radius: Array
     """(N,) m: see `CoupledKicks`; (0,) if they do not"""
@@ -105,8 +105,9 @@ class Bounces(NamedTuple):
 def collide_on_paths(
     parameters: Parameters, state: State, contacts: Contacts, motion: tuple[Array, Array], share: Array, flow: Flow
 ) -> Bounces:
-    """Let floats collide on their paths of this step. `motion`: (N, 2) velocities with and without noise (m/s);
-    `share`: (rows, 2) the velocities of both floats of a contact by opposite unit forces along its normal (m/(N s)).
+    """Compute the collisions of floats on their paths of this step. `motion`: (N, 2) velocities with and without noise
+    (m/s); `share`: (rows, 2) the velocities of both floats of a contact by opposite unit forces along its normal (m/(N
+    s)).
     """
     count = len(parameters.floats.radius)
     number = intervals_of(parameters, contacts, motion[1], share) if len(flow.radius) == 0 else 1
@@ -218,7 +219,7 @@ def collide_in_interval(
     given: tuple[Array, Array],
     flow: Flow,
 ) -> bool:
-    """Let floats collide until the end of an interval; whether any did."""
+    """Compute the collisions until the end of an interval. Returns whether any occurred."""
     queue, count, (driven, share) = meetings.queue, len(parameters.floats.radius), given
     number, around = 0, (meetings.first, meetings.rows)
     for i in range(count):
@@ -334,7 +335,9 @@ def contacts_of_floats(contacts: Contacts, count: int) -> tuple[Integers, Intege
 
 @compiled
 def meeting_time(parameters: Parameters, state: State, contacts: Contacts, paths: Paths, row: int, end: float) -> float:
-    """When the two bodies of a contact meet on their paths (s); infinite if not before `end`, or if a contact lasts."""
+    """The time at which the two bodies of a contact meet on their paths (s); infinite after `end`, or for a lasting
+    contact.
+    """
     i, j, radius = contacts.first[row], contacts.second[row], parameters.floats.radius
     if paths.lasting[i] > 0 or contacts.bound[row] == -np.inf:
         return math.inf
@@ -364,7 +367,7 @@ def first_root(half: float, last: float, square: float) -> float:
 
 @compiled
 def time_of_wall(parameters: Parameters, state: State, paths: Paths, i: int, number: int) -> float:
-    """When a float meets a wall on its path (s)."""
+    """The time at which a float meets a wall on its path (s)."""
     walls, u, v = parameters.walls, paths.velocity[i, 0], paths.velocity[i, 1]
     x, y = state.position[i, 0] + paths.moved[i, 0], state.position[i, 1] + paths.moved[i, 1]
     if is_circle(walls, number):

@@ -1,4 +1,5 @@
-"""Many floats that interact through the liquid, without their mobility matrix: its products, the integrator, contacts.
+"""Hydrodynamic interaction of many floats by products with the mobility instead of its matrix;
+integrator and contacts.
 
 Forces, contacts and noise need only products with the mobility, which is split in two parts (`laws.ewald`). The
 short-range part is a sparse matrix of near pairs. For the smooth part, forces are assigned to a grid by splines,
@@ -162,7 +163,7 @@ def best_spacing(position: Array, radius: Array) -> float:
 
 
 def _pairs_within(position: Array, reach: float) -> float:
-    """About how many ordered pairs are nearer than this: from the numbers of floats in squares of this side."""
+    """The approximate number of ordered pairs within a distance, from the occupation of squares of this size."""
     column = np.floor((position - position.min(axis=0)) / reach).astype(np.int64)
     _, counts = np.unique(column[:, 0] * (int(column[:, 1].max()) + 1) + column[:, 1], return_counts=True)
     return min(math.pi * float(np.sum(counts.astype(np.float64) ** 2)), float(len(position)) ** 2)
@@ -523,7 +524,7 @@ def push_on_grid(
 
 @compiled
 def pair_shares(contacts: Contacts, position: Array, radius: Array, unit: float) -> Array:
-    """The velocities of both bodies of each contact by opposite unit forces, as if no others were there."""
+    """The velocities of both bodies of each contact by opposite unit forces, without other bodies."""
     share = np.zeros((contacts.total[0], 2))
     for row in range(len(share)):
         i, j = contacts.first[row], contacts.second[row]

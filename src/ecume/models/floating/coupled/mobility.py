@@ -1,4 +1,5 @@
-"""Floats that move one another by a mobility matrix: the matrix, the integrator, and contacts.
+"""Hydrodynamic interaction of floats by a mobility matrix: the matrix, the integrator, and
+contacts.
 
 The integrator of floats that interact through the liquid: v = u + M F, with Brownian motion. The current u adds to
 the velocities, and is no force zeta u: floats that drift with it are free of forces.
@@ -400,7 +401,7 @@ def collide_coupled(
 def collide_coupled_paths(
     part: CoupledImpulses, scratch: CoupledScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Let Brownian floats collide on their paths, without friction, and move all floats by these collisions."""
+    """Compute the frictionless collisions of Brownian floats on their paths, and the response of all floats."""
     contacts, count = workspace.contacts, len(scratch.current)
     share = closing_shares(scratch.mobility, count, contacts)
     lasting: Integers = np.ones(count, np.int64)

@@ -44,7 +44,7 @@ class Activity(NamedTuple):
 
 
 class ActivityScratch(NamedTuple):
-    """What the forces read: the state, and the forces of the step before."""
+    """The state and the forces of the previous step."""
 
     active: Array
     """(N, 3) that of the state"""

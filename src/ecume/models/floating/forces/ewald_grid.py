@@ -74,7 +74,7 @@ WIDEST = 0.1
 
 
 class Split(NamedTuple):
-    """How the sum is split: the constants of a scene with a grid."""
+    """The constants of the split of the sum in a scene with a grid."""
 
     eta: float
     """in squares of the capillary length"""
@@ -147,7 +147,7 @@ def statistics_of(parameters: Parameters, area: float) -> FloatStatistics:
 
 
 class Choice(NamedTuple):
-    """One way to split the sum."""
+    """One choice of the parameters of the split."""
 
     work: float
     """of a time step, in pairs"""

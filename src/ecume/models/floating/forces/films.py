@@ -31,7 +31,7 @@ CLOSEST = 1e-6
 """Smallest gap over R in the table for smooth floats."""
 
 REACH = 4.0
-"""Default distance of centers, in radii, beyond which there is no film."""
+"""The default distance of centers, in radii, beyond which a pair has no film."""
 
 TOLERANCE = 1e-10
 """Residual of the velocities over its initial value."""

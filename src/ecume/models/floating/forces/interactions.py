@@ -250,7 +250,7 @@ INTERACTIONS = {
         },
     ),
 }  # fmt: skip
-"""By the name of the choice."""
+"""The interactions by name."""
 
 METHODS = tuple(name for name, row in INTERACTIONS.items() if row.path == "interaction.method")
 """Choices of `interaction.method`."""
@@ -289,7 +289,7 @@ RESISTANCES = {
         },
     ),
 }  # fmt: skip
-"""By the name of the choice."""
+"""The resistances by name."""
 
 RESISTANCES["coupled films"] = replace(
     RESISTANCES["films"], constants=CoupledFilms, make=coupled_films_of, slow=apply_coupled_films,

@@ -1,4 +1,5 @@
-"""Magnetic floats: vertical dipoles that repel one another, and moments in a uniform field that may oscillate.
+"""Magnetic floats: repelling vertical dipoles, and moments in a uniform, possibly oscillating
+field.
 
 Floats in a uniform magnetic field that may oscillate: induced moments along the field, and permanent vertical ones.
 The force on j by i at the distance l in the direction n is F = (3 mu_0/(4 pi l^4)) [(m_i.m_j - 5 (m_i.n)(m_j.n)) n +

@@ -1,4 +1,4 @@
-"""Many-body forces: menisci of all floats solved together by multipoles, or corrected pair by pair.
+"""Many-body capillary forces by a common multipole solution, or by tables of pair corrections.
 
 Multipoles: each solution starts from the amplitudes of the last one, which are part of the state.
 
@@ -446,7 +446,7 @@ def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any])
 
 
 def corrections_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Return tables of pair corrections. Raises SceneError if there are too many kinds of floats."""
+    """The tables of pair corrections. Raises SceneError for too many kinds of floats."""
     kinds, number = distinct_kinds(scene)
     if len(kinds) > MOST_KINDS:
         raise scene_error(

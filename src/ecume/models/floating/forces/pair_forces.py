@@ -51,7 +51,7 @@ admit(*ADMITTED)
 
 
 def require_admitted(function: Callable[..., Any]) -> None:
-    """Raise TypeError where a law, or a function that it calls, is in a module that compiled code does not know."""
+    """Raise TypeError if a law, or a function that it calls, is in a module that is not admitted to compiled code."""
     known = {module.__name__ for module in ADMITTED} | {lane_sum.__module__}
     seen, ahead = {function}, [function]
     while ahead:
@@ -194,7 +194,7 @@ PADDED = 8
 """Neighbors are padded to a multiple of the vector width, since a remainder is not vectorized."""
 
 LEAST_DISTANCE = 1e-300
-"""m: shorter distances count as this one, so that nothing is divided by zero."""
+"""The lower limit of distances (m), which prevents divisions by zero."""
 
 
 @compiled_inside
@@ -332,7 +332,7 @@ def sum_serially(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, 
 
 @compiled
 def sum_in_parallel(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
-    """The forces of all pairs on all slots, computed by several threads if there are many floats."""
+    """Sum the pair forces on all slots, with threads in large systems."""
     if force.shape[1] < THREADS_FROM:
         sum_serially(law, rows, floats, pair, force)
     else:

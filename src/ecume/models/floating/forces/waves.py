@@ -42,7 +42,7 @@ MOST_WAVELENGTHS = 400.0
 STEEP = 0.3
 """Wavenumber times amplitude above which waves are not small."""
 CLOSEST = 1.0 / 16.0
-"""Distance of two sources, in wavelengths, down to which the time step resolves their force."""
+"""The distance of two sources, in wavelengths, down to which the time step resolves their force."""
 
 
 class Waves(NamedTuple):
@@ -152,7 +152,7 @@ def wave_forces(
 
 @compiled_inside
 def add_at(scratch: WavesScratch, i: int, arm_x: float, arm_y: float, x: float, y: float) -> None:
-    """Add a force (x, y) on float i at a place beside its center."""
+    """Add a force (x, y) on float i at a point away from its center."""
     scratch.force[i, 0] += x
     scratch.force[i, 1] += y
     scratch.torque[i] += arm_x * y - arm_y * x

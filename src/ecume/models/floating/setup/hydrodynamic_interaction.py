@@ -1,4 +1,4 @@
-"""The table of hydrodynamic interactions: whether and how floats move one another by the flow of the liquid."""
+"""The table of hydrodynamic interactions between floats."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ HYDRODYNAMICS = {
         },
     ),
 }  # fmt: skip
-"""By the name of the choice, `hydrodynamics.interaction`."""
+"""The hydrodynamic interactions by the names of `hydrodynamics.interaction`."""
 
 
 MANY = replace(

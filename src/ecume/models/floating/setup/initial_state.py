@@ -61,7 +61,7 @@ def periods_in(scene: FloatingScene) -> Array:
 
 
 class Range(NamedTuple):
-    """The range of a force of the scene (m), and a hint how to reduce it."""
+    """The range of a force of the scene (m), and a hint to reduce it."""
 
     name: str
     reach: float
@@ -90,7 +90,7 @@ def _contact_range(parameters: Parameters) -> Range:
 
 
 def _pair_range(parameters: Parameters, half: float) -> list[Range]:
-    """The range of the pair law; the hint says which part of the attraction a cutoff at half a side would omit."""
+    """The range of the pair law, with a hint on the part of the attraction that a cutoff at half a side would omit."""
     if not row_of(parameters).has_force:
         return []
     length, contact = float(parameters.pair[CAPILLARY_LENGTH]), 2.0 * float(parameters.floats.radius.max())

@@ -40,7 +40,7 @@ def turning_frictions(scene: FloatingScene) -> Array:
 
 
 class FloatKind(NamedTuple):
-    """One kind of float: its material, and its equilibrium by the laws."""
+    """One kind of float: its material and its equilibrium."""
 
     body: flotation.Body
     density: float

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene, FloatSpec
 
 OPEN_COVERAGE = 0.15
-"""Without a dish, floats are placed at random in a square, of which they cover this fraction."""
+"""The fraction of the square that floats cover when placed at random without a dish."""
 
 
 class Places(NamedTuple):

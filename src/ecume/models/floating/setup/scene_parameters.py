@@ -1,6 +1,4 @@
-"""From a scene to parameters: the names of laws, the rows of the tables that it chooses, their compatibility, and
-memory.
-"""
+"""Parameters from a scene: names of laws, selected rows of tables, their compatibility, and memory."""
 
 from __future__ import annotations
 

@@ -570,7 +570,7 @@ def constrain_outline_velocities(
 def find_outline_contacts(
     part: Outlined, scratch: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
-    """List the contacts that are possible in this step; `CROWDED` if there is no room."""
+    """List the possible contacts of this step. Returns `CROWDED` if the capacity is exceeded."""
     stance = Stance(state.position, scratch.angle, scratch.corner)
     # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop

@@ -1,4 +1,4 @@
-"""One time step, and many of them.
+"""The time step: contacts, drift and forces in their order; and the loop over steps.
 
 Kick, contacts, drift, forces, kick, contacts: velocity Verlet with unilateral constraints, as RATTLE is velocity
 Verlet with bilateral ones. The first contact solve acts on the midstep velocity, so that no float overlaps another
@@ -55,7 +55,7 @@ from ecume.units import Array
 def build_all(
     lists: NeighborLists, candidates: Candidates, position: Array, radius: Array, reach: float, skin: float
 ) -> bool:
-    """Make neighbor lists and candidates. False when there is no room."""
+    """Build neighbor lists and candidates. Returns False if the capacity is exceeded."""
     if not build(lists, position, reach):
         return False
     if not list_candidates(candidates, lists, radius, skin):
@@ -173,8 +173,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 
 def renew_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
-    """Make new lists at the present positions; only reference positions and skin of the state change, and neither when
-    there is no room: then the result is False.
+    """Build new lists at the present positions; of the state only reference positions and skin change. Returns False,
+    without a change, if the capacity is exceeded.
     """
     former, skin = state.reference.copy(), float(state.skin[0])
     state.reference[...] = state.position
@@ -203,7 +203,7 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
-    """Make the lists of a workspace at the reference positions. False when there is no room."""
+    """Build the lists of a workspace at the reference positions. Returns False if the capacity is exceeded."""
     lists, skin = workspace.lists, max(parameters.skin, float(state.skin[0]))
     reach = parameters.reach + (skin - parameters.skin)
     if not build_all(lists, workspace.candidates, state.reference, parameters.floats.radius, reach, skin):

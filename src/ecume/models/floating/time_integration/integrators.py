@@ -240,7 +240,7 @@ def predict_kicked(
 
 @compiled
 def add_thermal_motion(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Add Brownian motion to the velocities, if there is noise; those without it are kept."""
+    """Add Brownian displacements to the velocities, and keep the velocities without them."""
     if parameters.drift.thermal > 0.0:
         copy_rows(workspace.stages[DRIVEN], state.velocity)
         add_noise(parameters, state.velocity, int(state.step[0]))

@@ -134,7 +134,7 @@ def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
 
 
 def diffusion_step(parameters: Parameters) -> float:
-    """The time (s) in which noise moves a float by GOOD of its radius (r.m.s. along one axis)."""
+    """The time (s) in which the r.m.s. displacement of a float along one axis is GOOD of its radius."""
     thermal, floats = parameters.drift.thermal, parameters.floats
     if thermal == 0.0:
         return math.inf

@@ -1,4 +1,4 @@
-"""Connected pieces of a packing, and anchors of pieces that nothing holds.
+"""Connected pieces of a packing, and anchors of undetermined pieces.
 
 Without drag, the position of a sphere without films (a rattler) is undetermined, and so is that of spheres that are
 connected only with one another. If no force acts on such a piece, it moves with the box: its first sphere is anchored.

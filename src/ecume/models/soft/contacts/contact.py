@@ -154,7 +154,7 @@ def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Su
 def bent_by(
     contacts: Contacts, body: Body, gap: float, stretch: float, shear: float
 ) -> tuple[Widening, Bending, Surface]:
-    """How a deflection widens and bends a contact, and its surfaces as widened."""
+    """The widening and bending of a contact by a deflection, and the surfaces of the widened contact."""
     widening: Widening = widening_by(stretch, contacts, contacts.tension_law)
     surface = surface_of(contacts, body, gap, widening.deflection)
     ratio = surface.tangential / surface.normal

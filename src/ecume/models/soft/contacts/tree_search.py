@@ -52,7 +52,7 @@ def box_in(parameters: Parameters, state: State) -> Box:
 
 
 def image_indices(position: Array, box: Box) -> Integers:
-    """The periodic image in which each position is."""
+    """The periodic image that contains each position."""
     away = np.zeros(position.shape, np.int64)
     for axis in range(position.shape[1] - 1, -1, -1):
         if box.sides[axis] > 0.0:

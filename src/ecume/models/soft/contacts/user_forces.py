@@ -19,7 +19,7 @@ from ecume.engine.cells import Integers
 from ecume.units import Array
 
 INTERVALS = 8192
-"""Of a table."""
+"""The number of intervals of a table."""
 
 
 class Tables(NamedTuple):
@@ -72,7 +72,7 @@ def table_of(force: Array, ends: Array) -> Array:
 
 @compiled_inside
 def place_in(log_gap: float, ends: Array, intervals: int) -> tuple[int, float]:
-    """The interval of a gap, and the part of it that lies below; the gap is within the table."""
+    """The interval of a table that contains a gap, and the fraction of the interval below it."""
     u = (log_gap - ends[0]) / ends[1]
     k = min(max(math.floor(u), 0), intervals - 1)
     return k, u - k

@@ -1,4 +1,5 @@
-"""What all spheres share in a stage: shear and size of a box that answer to stresses, as borders of the system.
+"""Common unknowns of all spheres in a stage, the shear and size of a stress-controlled box, as borders of the linear
+system.
 
 An unknown moves everything by a gradient, K x, beside what each sphere is moved by. Its row of the system is the work
 done in it, sum of F_ij (K X_ij), which is to be volume times stress; its column is the forces that it changes. The
@@ -40,7 +41,7 @@ class Borders(NamedTuple):
 
 
 class ContactNetwork(NamedTuple):
-    """The contacts and what they answer, between spheres at their places."""
+    """The contacts between spheres at their positions, and their linear responses."""
 
     pairs: Pairs
     responses: ContactResponses
@@ -91,7 +92,7 @@ def work_change(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
 
 @compiled
 def box_stress_residual(cell: Cell, network: ContactNetwork, goal: StageTarget) -> float:
-    """The largest part of a work that is missing, over the work of all forces if they pulled alike; less rounding."""
+    """The largest residual work over the work of all forces with equal signs, without the rounding error."""
     first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
     force, stiffness = network.responses.force, network.responses.stiffness
     worst = 0.0
@@ -114,7 +115,7 @@ def box_stress_residual(cell: Cell, network: ContactNetwork, goal: StageTarget) 
 
 @compiled
 def fill_border(cell: Cell, network: ContactNetwork, goal: StageTarget, borders: Borders, unknown: int) -> None:
-    """The forces that an unknown changes, the row of the work done in it, and how much of that is missing."""
+    """Fill the forces that an unknown changes, the row of its work, and the residual of this work."""
     first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
     force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     column, rows, left = borders.right[1 + unknown], borders.rows[unknown], borders.left

@@ -1,4 +1,4 @@
-"""One time step: the implicit stages of a DIRK scheme, one after the other, and the estimate of its error."""
+"""One time step: the successive implicit stages of a DIRK scheme, and its error estimate."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ def step_many(
 
 @compiled
 def accept(step: Step) -> None:
-    """Make the end of a step the start of the next."""
+    """Copy the end of a step to the start of the next one."""
     carry(step.pairs, step.films.direction)
     accept_walls(step.walls, step.spins.turn)
     copy_line(step.log_gap, step.films.log_gap)

@@ -96,9 +96,9 @@ SCHEMES = {
 """Schemes for `integration.integrator`."""
 
 LOOSE = 5.0
-"""Times the error that a scheme's order and the tolerance leave in a whole run."""
+"""The permitted error of a run, over that by the order of the scheme and the tolerance."""
 ROUNDED = 1e-8
-"""Of the energy: what balances and rounding leave at any tolerance."""
+"""The relative energy error by force balances and rounding at any tolerance."""
 
 
 def error_of_run(scheme: str, tolerance: float) -> float:

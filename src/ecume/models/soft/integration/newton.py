@@ -238,7 +238,9 @@ def largest_value(values: Array) -> float:
 
 
 MOST_ITERATIONS = 24
-"""Where films and surfaces change regime, the first ten to fifteen iterations look for the side of the kink."""
+"""The largest number of iterations; at regime changes of films and surfaces, the first ten to fifteen search for the
+side of the kink.
+"""
 BALANCE = 1e-9
 """The largest permitted residual force over the largest force; also that of stresses."""
 CLOSE, LIKELY = 1e-10, 0.1

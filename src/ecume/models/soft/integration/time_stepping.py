@@ -58,7 +58,7 @@ LEAST_PER_CYCLE, COARSE = 20, 1e-3
 as the gaps.
 """
 AFTER_JUMP = 1e-6
-"""Of the time between frames: the first step after a jump, whose relaxation the steps before say nothing of."""
+"""The first step after a jump, over the time between frames; earlier steps contain no information on the relaxation."""
 PER_AGE = 16.0
 """Times the tolerance, to the power 1/(p + 1): the longest step over the time since a jump. What a jump leaves relaxes
 at all rates, that of the widest films first, whose gaps change little, so that their error says nothing of the work.
@@ -71,7 +71,7 @@ latter is a hundred times all that relaxes.
 SHRINK_FOR_WORK = 0.01, 0.5
 """The least and the largest factor of the length of a step whose budget is not."""
 LEAST_WORK = 1e-14
-"""Of modulus times radius cubed, summed over the spheres: rounding makes as much of a work."""
+"""The rounding error of a work, over modulus times radius cubed, summed over the spheres."""
 NARROW = 0.5
 """A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
 NEARLY = 1e-9
@@ -172,7 +172,8 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
 
 
 def missed_work(parameters: Parameters, state: State, step: Step, before: float) -> float:
-    """What the energy budget of a step misses, over what it may; `before` is the energy stored at its start (J).
+    """The residual of the energy budget of a step, over its limit; `before` is the stored energy at
+    its start (J).
 
     Where a film has just opened, or a load has begun, forces relax in a time far below that in which gaps change. Gaps
     are then exact to the tolerance while the power at the stages is not that of the step.

@@ -24,18 +24,18 @@ from ecume.models.soft.state import State, Workspace
 from ecume.units import Array, with_prefix
 
 HELD = 1e-9
-"""Of the mean stiffness: what is added to each unknown, so that a floppy network has a small resistance, not none."""
+"""The stiffness added to each unknown, over the mean stiffness, so that a floppy network has a small resistance."""
 FLOPPY = 1e-6
-"""Of the resistance to an affine deformation: below it, only what was added resists."""
+"""The ratio to the resistance against an affine deformation below which only the added stiffness resists."""
 YIELDING = 1e4
-"""Times the work in a network of the mean stiffness: beyond it, forces mostly move what only the added part resists."""
+"""The ratio to the work in a network of mean stiffness above which forces mostly act on the added stiffness."""
 MOST = 6000
 """Unknowns of a network that is tested."""
 
 
 def windings(state: State) -> Integers:
-    """How many boxes along each axis the closed loops of films lead, (L, d): a row for each loop that is not closed in
-    the box itself.
+    """The winding numbers of closed loops of films around each axis of the box, (L, d), without
+    loops inside the box.
     """
     count, contacts = len(state.position), int(state.contacts[0])
     ties: list[list[tuple[int, Integers]]] = [[] for _ in range(count)]
@@ -130,7 +130,7 @@ def mean_stiffness(matrix: Matrix) -> float:
 
 
 def _softened(scratch: Workspace, columns: Array) -> Array:
-    """What the spheres answer to the columns, a little held each."""
+    """The displacements of the spheres under the columns, with the added stiffness."""
     from scipy.sparse import bsr_array, eye_array
     from scipy.sparse.linalg import spsolve
 
@@ -145,20 +145,20 @@ def _softened(scratch: Workspace, columns: Array) -> Array:
 
 
 def remedies(parameters: Parameters) -> str:
-    """What lets a loose packing bear a stress."""
+    """Suggestions that let a loose packing support a stress."""
     reach = with_prefix(parameters.contacts.fade_from, "m", 3)
     return f"set hydrodynamics.drag = 'stokes', a larger films.cutoff (now {reach}) or a larger cell.volume_fraction"
 
 
 def unborne(parameters: Parameters, state: State, rules: Rules) -> str:
-    """A sentence on a stress that no films bear, with what helps; empty where films wind around the cell."""
+    """A sentence on a stress that no films support, with remedies; empty if films wind around the cell."""
     stress = unjoined(parameters, state, rules)
     where = "around the cell" if stress == "pressure" else "around the cell from bottom to top"
     return f"no films lead {where}, so that nothing bears any {stress}; {remedies(parameters)}" if stress else ""
 
 
 def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
-    """Why there is no balance: a sentence with what helps."""
+    """A sentence on the reason of a missing balance, with remedies."""
     drive, rules = at
     if not any(rules):
         large = "the surfaces cannot balance forces as large as these; reduce them"

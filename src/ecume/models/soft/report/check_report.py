@@ -66,7 +66,7 @@ def log_gaps_of(state: State) -> Array:
 
 
 def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
-    """Estimates of the largest force between two spheres (N), by what brings it about; those that are not zero."""
+    """Estimates of the largest force between two spheres (N), by cause, without zeros."""
     dimensions, across = parameters.dimensions, (2.0 * pair.radius) ** (parameters.dimensions - 1)
     courses = np.abs(parameters.protocol.courses[:, :, 0])
     load, sheared = float(courses[:, LOAD].max()), float(courses[:, WALL_SHEAR].max())
@@ -88,7 +88,7 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
 
 
 def pressed_force(pair: SoftPair, filled: float, dimensions: int) -> float:
-    """alpha_n c_d^(1/2) E R^2 (delta/R)^(3/2), where delta is by how much diameters are longer than distances (N)."""
+    """alpha_n c_d^(1/2) E R^2 (delta/R)^(3/2) (N), where delta is the excess of diameters over distances."""
     excess = 2.0 * (1.0 - (JAMMED[dimensions] / filled) ** (1.0 / dimensions)) if filled > JAMMED[dimensions] else 0.0
     factor = pair.prefactors.normal * math.sqrt(pair.prefactors.deflection_weight)
     return float(factor * pair.modulus * pair.radius**2 * excess**1.5)
@@ -168,7 +168,7 @@ def jamming_fraction(radius: Array, dimensions: int) -> float:
 
 
 CONTACT_LOADS = ("stress x cross-section", "compression", "shear of the films")
-"""What loads the contacts of a packing, of which the strongest is deflected more than the mean."""
+"""The loads on the contacts of a packing, whose strongest contact has a larger deflection than the mean."""
 STRONGEST = 3.0
 """Largest deflection over the sum of those that are expected of compression and shear: 2.9 to 3.2 at reduced rates of
 5e-7 to 5e-6, 2.1 at 5e-4 (60 spheres in 2D at a volume fraction of 0.87, the case `rheology`).
@@ -176,7 +176,7 @@ STRONGEST = 3.0
 
 
 def largest_deflection(scene: SoftScene, parameters: Parameters, typical: Expected) -> float:
-    """The largest deflection that Hertz's law makes of what is expected on a pair, over the radius."""
+    """The largest Hertzian deflection of the expected forces on a pair, over the radius."""
     pair = typical.pair
     unit = pair.prefactors.normal * math.sqrt(pair.prefactors.deflection_weight) * pair.modulus * pair.radius**2
     alone, shared = 0.0, 0.0
@@ -190,7 +190,7 @@ def largest_deflection(scene: SoftScene, parameters: Parameters, typical: Expect
 
 
 def deep_doubt(deflection: float) -> str:
-    """What a deflection beyond the range of Hertz's law means."""
+    """The consequence of a deflection beyond the range of Hertz's law."""
     return (
         f"deflections up to about {deflection:.2g} R are expected, beyond the range of Hertz's law, {LARGE:g} R: "
         "reduce forces, the shear rate or the volume fraction, or take a larger modulus"
@@ -257,7 +257,7 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 
 
 NUMBERS = 35
-"""In a frame, about."""
+"""The approximate number of numbers in a frame."""
 SATURATED = 1000
 """Spheres whose number of steps in a unit of strain does not grow further; of fewer it is as the root of their number:
 584 were taken by 40 spheres, 1,025 by 100, 1,490 by 200 (tr-bdf2, tolerance 1e-3).
@@ -267,7 +267,7 @@ THINNED = 0.3
 0.7 of a 2D cell took 26 steps up to a strain of 0.1, 65 up to 0.3, 262 up to 1, 1,022 up to 2 and 3,011 up to 4.
 """
 BORDERED = 2.0
-"""Times as long for a step in which stresses control the box or walls: every system has more right-hand sides."""
+"""The factor of the cost of a step with stress-controlled box or walls, whose systems have more right-hand sides."""
 FEW_SPHERES, PASSES = 2e-4, 3e-3
 """Seconds of a step besides: compiled as a whole, and with each pass over the spheres called by itself."""
 BYTES, COMPILER = 3000.0, 3.5e8
@@ -299,7 +299,7 @@ def strain_of(parameters: Parameters, end: float) -> float:
 
 
 def prepared_strain(scene: SoftScene) -> float:
-    """By how much the sides are shortened before time 0, in search of a pressure up to random packing at least."""
+    """The compression of the sides before time 0; for a given pressure, at least to random packing."""
     if scene.preparation is None:
         return 0.0
     goal = scene.preparation.volume_fraction or JAMMED[dimensions_of(scene)]

@@ -1,4 +1,4 @@
-"""Why a run of soft spheres cannot go on: the sphere or contact, the time, and the remedy."""
+"""The reason why a run of soft spheres ends: the sphere or contact, the time, and the remedy."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 def _closest(parameters: Parameters, state: State) -> str:
-    """The film whose gap is no number, the spheres that are in one another, or the narrowest gap."""
+    """The film with an invalid gap, the overlapping spheres, or the smallest gap."""
     contacts, box = int(state.contacts[0]), box_in(parameters, state)
     if contacts == 0:
         return "no sphere has a film with another"

@@ -1,4 +1,4 @@
-"""A state as a frame: what is where, how the contacts stand, and the lists of contacts.
+"""Frames of soft spheres: positions, states of contacts, and lists of contacts.
 
 Contacts as arrays over spheres, for frames: each contact is listed at its sphere of lower number. By default the
 narrowest gaps of a sphere, with scalars. With `films.output = "vectors"` all contacts, and what a force network, the
@@ -42,7 +42,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array, with_prefix
 
 FAINT = 1e-3
-"""Of the radius: in smaller deflections the ratio of both parts means nothing."""
+"""The deflection, over the radius, below which the ratio of its parts is meaningless."""
 LARGE = 0.1
 """Deflection over radius above which the contact laws are inaccurate."""
 
@@ -64,7 +64,7 @@ class Deflections(NamedTuple):
 
     @property
     def magnitude(self) -> Array:
-        """Of the whole deflection over the radius."""
+        """The magnitude of the deflection over the radius."""
         return np.asarray(np.hypot(self.normal, self.tangential) / self.radius)
 
 
@@ -108,7 +108,7 @@ def _split(pair: Integers, radius: Array, gap: Array, vector: Array, direction: 
 
 
 def extremes(found: Deflections) -> dict[str, float]:
-    """Numbers of a frame: how far contacts are from the limits of their laws."""
+    """Numbers of a frame on the largest deflections, relative to the limits of the contact laws."""
     magnitude = found.magnitude
     loaded = magnitude > FAINT
     ratio = found.tangential[loaded] / np.maximum(np.abs(found.normal[loaded]), FAINT**2 * found.radius[loaded])
@@ -140,7 +140,7 @@ def is_beyond(found: Deflections) -> bool:
 
 
 def remedy(found: Deflections, contacts: Contacts) -> str:
-    """What to change in the scene, by the contacts beyond the limits and by the laws."""
+    """Suggested changes of the scene for contacts beyond the limits of their laws."""
     tangential, tension = list(TANGENTIAL)[contacts.tangential_law], list(TENSION)[contacts.tension_law]
     beyond = found.magnitude > LARGE
     stretched = bool((found.normal[beyond] > LARGE * found.radius[beyond]).any())
@@ -242,7 +242,7 @@ LENGTHS = ("box_width", "box_height", "box_depth")
 AXES = "xyz"
 SIDE_NAMES = {place: name for name, place in SIDES.items()}
 CLOSE = 0.1
-"""Of the smaller radius: whose gap is narrower counts as a neighbor in `coordination` and `mean_gap`."""
+"""The largest gap of neighbors in `coordination` and `mean_gap`, over the smaller radius."""
 SIZE_WORK, STAKE = "size_work", "contact_work"
 UNITS = {
     "position": "m",

@@ -87,7 +87,7 @@ class T1:
 
     @property
     def time(self) -> Array:
-        """Times of the series."""
+        """The times of the series."""
         return self.curve("time")
 
     def curve(self, name: str) -> Array:
@@ -176,7 +176,7 @@ def _end(series: Sequence[Instant]) -> str:
 
 
 class Seen(NamedTuple):
-    """Times of each goal, infinite as long as it is not reached."""
+    """The times at which goals were reached; infinite for others."""
 
     since: Array
     """from which on the vertical pair carries the force"""
@@ -190,7 +190,8 @@ def unseen(goals: Sequence[float]) -> Seen:
 
 
 def watch(goals: Sequence[float], seen: Seen, begin: Instant, end: Instant, crossing: Callable[[float], float]) -> bool:
-    """Take note of a step; whether all goals are found. `crossing` is the time in it at which a force is reached.
+    """Record the goals reached in a step. Returns whether all are reached; `crossing` is the time at which a force is
+    reached.
 
     At first the distant vertical pair has a peak of force: a wide film has a large contact, and its surface is stiff.
     So a time counts once the vertical pair is the closer one, and only if the force has not fallen below since. A goal
@@ -207,12 +208,12 @@ def watch(goals: Sequence[float], seen: Seen, begin: Instant, end: Instant, cros
 
 
 REDUCED_RADIUS = 0.5
-"""In radii, of equal spheres."""
+"""The reduced radius of equal spheres, in radii."""
 MOST_ITERATIONS = 50
 BALANCED, CLOSE = 1e-15, 1e-9
 """The last relative change of the deflections; below the second it need not be the last if it no longer decreases."""
 FIRST_STEP = 1e-6
-"""Of the ramp."""
+"""The first step over the duration of the ramp."""
 DIFFERENCE = 1e-6
 """Step of the Jacobian's differences."""
 RELATIVE = 0.1
@@ -302,7 +303,7 @@ def balanced(pull: Pull, time: float, state: Array, guess: Array) -> Balance:
 
 
 def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
-    """Of ln(gaps), angle and closure: each film flows under the force of its surfaces."""
+    """The rates of ln(gaps), angle and closure: each film flows under the force of its surfaces."""
     balance, factors = balanced(pull, time, state, guess), pull.prefactors
     gaps = exp(state[:3])
     opening = np.array(
@@ -321,7 +322,7 @@ def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
 
 
 def jacobian(pull: Pull, guess: Array, time: float, state: Array) -> Array:
-    """Of the rates, by differences.
+    """The Jacobian of the rates by finite differences.
 
     The closure relaxes within kappa: differences over a part of the tolerance, which are common, are lost in rounding.
     """
@@ -336,7 +337,7 @@ def jacobian(pull: Pull, guess: Array, time: float, state: Array) -> Array:
 def follow_symmetric(
     gap: float, forces: tuple[float, float], thresholds: Sequence[float], how: tuple[str, float, float]
 ) -> T1:
-    """Integrate a cluster; `how` is the set of prefactors, the ramp and the tolerance."""
+    """Integrate a cluster; `how` contains the set of prefactors, the ramp and the tolerance."""
     prefactors, ramp, tolerance = how
     kappa, scale = abs(forces[0] - forces[1] / SQRT3), max(map(abs, forces))
     factors = prefactors_of(FilmSpec(prefactors=prefactors))

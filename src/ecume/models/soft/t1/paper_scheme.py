@@ -129,7 +129,7 @@ def displaced(places: Places, by: Places, part: float, to: Places) -> None:
 
 @compiled
 def one_step(contacts: Contacts, step: Step, course: Course, time: float, kept: tuple[Places, ...]) -> bool:
-    """One step of a scheme; `kept` are the places, a trial, and the velocities of four evaluations."""
+    """Perform one step of a scheme; `kept` contains positions, a trial, and the velocities of four evaluations."""
     places, trial, first, second, third, fourth = kept
     length = course.length
     # A step belongs to the ramp if its middle does.
@@ -201,7 +201,7 @@ def places_of(step: Step) -> Places:
 def follow(
     scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], how: tuple[str, float | None]
 ) -> T1:
-    """Integrate a cluster; `how` is the scheme and its time step, by default eta/E or a tenth of the ramp."""
+    """Integrate a cluster; `how` contains the scheme and its time step, by default eta/E or a tenth of the ramp."""
     horizontal, vertical = forces
     kappa, ramp = abs(horizontal - vertical / SQRT3), scene.protocol[-1].time
     length = min(kappa, 0.1 * ramp) if how[1] is None else how[1]

@@ -58,15 +58,15 @@ second there would be no difference from rigid spheres that could be computed.
 MOST_FORCE = 2.0
 """E R^2: it deflects a surface by more than a radius."""
 NARROWEST, WIDEST = 1e-10, 1.0
-"""In radii: gaps at the start."""
+"""The range of initial gaps, in radii."""
 LONGEST_PARTING = 1e16
 """eta R^2 / F_N."""
 EQUAL = 1e-12
-"""Relative: forces that close to the line between the outcomes pull at nothing."""
+"""The relative distance of forces from the boundary between outcomes below which the driving force vanishes."""
 TOLERANCES = 1e-11, 1e-2
-"""What `rtol` may be, as in a scene."""
+"""The range of `rtol`, as in a scene."""
 CLOSE = 1e-13
-"""Of a step: how closely the moment is found at which a threshold is crossed."""
+"""The accuracy of the time of a threshold, over the step."""
 
 
 def t1_process(
@@ -83,7 +83,7 @@ def t1_process(
     method: str = "implicit",
     time_step: float | None = None,
 ) -> T1:
-    """Let four spheres swap neighbors, and time it.
+    """Simulate the neighbor exchange of four spheres, and measure its duration.
 
     `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v, by
     default 0), or `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the
@@ -154,7 +154,7 @@ def _items(value: object) -> tuple[float, ...] | None:
 
 
 def _thresholds(threshold: float | Sequence[float]) -> tuple[float, ...]:
-    """In the given order."""
+    """The thresholds in the given order."""
     several = _items(threshold)
     found = cast("tuple[float, ...]", (threshold,)) if several is None else several
     if not found:
@@ -169,7 +169,7 @@ def _thresholds(threshold: float | Sequence[float]) -> tuple[float, ...]:
 
 
 def _require_between(name: str, value: float, ends: tuple[float, float], unit: str = "") -> None:
-    """Refuse what is not a number in a range; the upper end belongs to it only for tolerances."""
+    """Raise BadInput for numbers outside of a range, whose upper end is included for tolerances only."""
     require_number(name, value)
     if not ends[0] <= value <= ends[1] or (unit and value == ends[1]):
         expected = f"at least {ends[0]:g} and below {ends[1]:g}, {unit}" if unit else f"{ends[0]:g} to {ends[1]:g}"
@@ -188,7 +188,7 @@ def _require_choices(prefactors: str, method: str, rotation: bool) -> None:
 
 
 def _require_explicit(method: str, rotation: bool, kappa: float) -> None:
-    """Refuse what explicit steps of positions cannot do."""
+    """Raise BadInput for options that explicit steps of positions cannot simulate."""
     if rotation:
         raise BadInput(f"method={method!r} has no rotation; expected method='implicit'")
     if kappa < FAINT:
@@ -226,7 +226,7 @@ def follow(
 
 
 class Span(NamedTuple):
-    """A step: its beginning, to which one can go back, and its end."""
+    """The start of a step, to which it can return, and its end."""
 
     begin_step: Instant
     end: Instant
@@ -273,7 +273,7 @@ def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
 
 
 def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
-    """The step's end as numbers: what the last solution left in `films` and `responses`."""
+    """The end of a step in numbers, from the last solution in `films` and `responses`."""
     films, force = scratch.step.films, scratch.step.responses.force
     gap, tension = exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
     x, y, _ = films.direction[DIAGONAL]

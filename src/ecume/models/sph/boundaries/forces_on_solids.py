@@ -317,7 +317,7 @@ def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers
 
 
 def roots_of(images: Images, real: int) -> Integers:
-    """The real column from which each image descends."""
+    """The original particle of each image."""
     roots = images.source
     while (roots >= real).any():
         roots = np.where(roots >= real, images.source[np.maximum(roots - real, 0)], roots)
@@ -325,7 +325,7 @@ def roots_of(images: Images, real: int) -> Integers:
 
 
 def _crossed(owner: Integers, chain: int) -> set[int]:
-    """The axes across which mirrors of a chain stand."""
+    """The axes of the mirrors in a chain of images."""
     return {int(side) // 2 for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0}
 
 

@@ -50,8 +50,8 @@ def speed_at(opening: OpenBoundary, points: Array) -> Array:
 
 
 def with_buffers(parameters: Parameters, state: State) -> State:
-    """The initial state with filled buffers: completely behind an inflow; behind an outflow, as far as there is liquid
-    in front of it.
+    """The initial state with filled buffers: completely behind an inflow, and behind an outflow where it is adjacent to
+    liquid.
     """
     for opening in parameters.open_boundaries:
         points, volume = _rows(opening, parameters.spacing)

@@ -41,7 +41,7 @@ from ecume.units import Array
 admit(kernels)
 
 SEALED = 1e-6
-"""In spacings: an obstacle's panel this close to a wall is dry."""
+"""The distance to a wall, in spacings, below which a panel of an obstacle is dry."""
 PROBE = 0.01
 """The step along the normal, in spacings, by which it is decided whether a panel faces what is near to it."""
 FAR = 1.5

@@ -259,6 +259,8 @@ def wrap(parameters: Parameters, state: State) -> None:
 
 
 INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step, "projection": projection_step}
-"""By name."""
+"""The integrators by name."""
 LATE = frozenset({"verlet"})
-"""Those whose acoustic damping is by the rate of density a step ago: see `time_step_limits.late_damping_limit`."""
+"""Integrators whose acoustic damping uses the density rate of the previous step: see
+`time_step_limits.late_damping_limit`.
+"""

@@ -219,7 +219,7 @@ def pair_corrected_pressure(
 
 @summed_inside
 def completion(own: Particle, other: Particle, apart: Vector) -> float:
-    """x.(B_i + B_j) x of a pair: twice r^2 times how much it counts for the friction that is missing."""
+    """x.(B_i + B_j) x of a pair: 2 r^2 times its weight for the missing friction."""
     found: float = dot(completed(own, apart), apart) + dot(completed(other, apart), apart)
     return found
 

@@ -227,7 +227,7 @@ strain_rate = by_dimension(_strain_rate2, _strain_rate3)
 
 
 class ByStrain(NamedTuple):
-    """What the viscosity depends on, beside the rate of strain."""
+    """The parameters of a viscosity that depends on the rate of strain."""
 
     slope_factor: float
     spacing: float

@@ -36,7 +36,7 @@ class PressureMethod(NamedTuple):
 
     @property
     def compressible(self) -> bool:
-        """Whether there are sound waves."""
+        """Whether the liquid has sound waves."""
         return SOUND in self.has
 
 

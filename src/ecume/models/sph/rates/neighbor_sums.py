@@ -175,7 +175,7 @@ def one_particle(columns: Floats, k: np.uint64, like: Vector) -> Particle:
 
 @summed_inside
 def nine_of(columns: Floats, k: np.uint64, like: Vector) -> Particle:
-    """What record k of eight says, and the number beside it."""
+    """The particle with eight numbers in record k and one beside it."""
     found: Particle = _particle(columns, k, columns[FURTHER, k], like)
     return found
 

@@ -40,7 +40,7 @@ from ecume.units import Array
 admit(tension, kernels)
 
 NODES = 0.6
-"""From node to node, in spacings. At 0.5 and 0.67 forces are the same within some percent of their noise."""
+"""The distance of nodes in spacings. At 0.5 and 0.67 forces are equal within some percent of their noise."""
 BLOCKS = 16
 """The number of parts of the grid that are filled separately; it must not depend on the number of threads."""
 ENERGY = 4
@@ -141,7 +141,7 @@ def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) ->
 
 
 def alone(parameters: Parameters, workspace: Workspace) -> bool:
-    """Whether there is only liquid: no solids, and no mirror within reach."""
+    """Whether the liquid has no solids and no mirrors within range."""
     mirrored = np.diff(workspace.images.start) * parameters.boundary.sides.mirrors
     return len(workspace.lists.counts) == workspace.rates.shape[1] and not mirrored.any()
 
@@ -285,7 +285,7 @@ def surface_energy(parameters: Parameters, workspace: Workspace) -> float:
 
 
 def add_nothing(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Add nothing."""
+    """Do nothing: no surface tension."""
 
 
 def no_energy(parameters: Parameters, workspace: Workspace) -> float:
@@ -425,4 +425,4 @@ TENSIONS: Mapping[str, Tension] = {
         laws=(tension.surface_weight, tension.steepness, kernels.wendland_c4_bend),
     ),
 }  # fmt: skip
-"""By name."""
+"""The methods of surface tension by name."""

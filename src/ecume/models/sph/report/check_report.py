@@ -137,7 +137,7 @@ def _waves(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 FINER = "; choose a finer spacing, since most of it is artificial"
-"""What helps where waves do not swing."""
+"""The remedy for waves that do not oscillate."""
 
 
 class Water(NamedTuple):
@@ -400,11 +400,13 @@ def sound_rows(scene: SphScene, material: Material) -> list[Row]:
 
 
 BRIEF = 0.1
-"""In sqrt(H/g): readings of an incompressible liquid at an impact, averaged over this, do not depend on the step."""
+"""The averaging time, in sqrt(H/g), for which impact readings of an incompressible liquid are
+independent of the step.
+"""
 
 
 def solver_rows(parameters: Parameters) -> list[Row]:
-    """The rows on the pressure solver of an incompressible liquid, and on what its pressures say."""
+    """The rows on the pressure solver of an incompressible liquid and on the meaning of its pressures."""
     settings, pull = parameters.projection, float(np.linalg.norm(parameters.gravity))
     if settings is None:
         raise ValueError("got a compressible liquid; expected one with a Projection")
@@ -450,7 +452,7 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def uniform_inflows(scene: SphScene) -> list[Row]:
-    """The rows on uniform inflows between no-slip walls, which stop the liquid beside them within a spacing."""
+    """The rows on uniform inflows between no-slip walls, which slow the liquid near them within a spacing."""
     remark = 'particles accumulate where no-slip walls stop the liquid; profile = "parabolic" avoids it'
     return [
         (f"inflow {scene.sides[number]}", "uniform", remark)

@@ -142,14 +142,14 @@ def has_numerical_work(parameters: Parameters) -> bool:
 
 
 def forces_work(parameters: Parameters) -> bool:
-    """Whether there are moving walls, buffers, dummies, or laws of the user."""
+    """Whether moving walls, buffers, dummies or user laws do work."""
     sliding = len(moving_sides(parameters)) or dummies_work(parameters)
     moving = parameters.drives or parameters.bodies.paths or parameters.open_boundaries or sliding
     return bool(moving or parameters.user_forces is not None)
 
 
 def dummies_work(parameters: Parameters) -> bool:
-    """Whether there are dummies; the work of their pressure is known for forces that are sums of two pressures."""
+    """Whether dummies do work; it is known for forces that are sums of two pressures."""
     compressed = parameters.pressure_method.compressible and not parameters.pressure_force.transported
     return bool(parameters.boundary.dummies.position.shape[1]) and compressed
 

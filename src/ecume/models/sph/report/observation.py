@@ -1,4 +1,4 @@
-"""From a state to a frame: particles in their order at the start, pressures, gauges, numbers and invariants.
+"""Frames of tanks: particles in their initial order, pressures, gauges, numbers and invariants.
 
 The four pressures of a liquid. Frames hold the gauge pressure; the others are derived from it and the position.
 

@@ -1,4 +1,4 @@
-"""From a scene to parameters and the first state.
+"""Parameters and initial state from a scene.
 
 Start with `building`, which makes the parameters. `choices` resolves the scene's liquid and methods, with their
 defaults; `shapes` turns regions and solids into points, `walls_and_bodies` makes everything that holds the liquid, and

@@ -121,7 +121,7 @@ def largest_viscosity(scene: SphScene, fastest: float) -> float:
 
 
 def rheology_of(scene: SphScene, material: Material) -> Rheology | None:
-    """How the viscosity depends on the rate of strain; None: it does not."""
+    """The dependence of the viscosity on the rate of strain, or None."""
     spec = scene.liquid.rheology
     return None if spec is None else Rheology(spec.consistency, spec.exponent, spec.yield_stress, material.viscosity)
 
@@ -356,7 +356,7 @@ def damping_step(scene: SphScene, material: Material, bulk_viscosity: float) -> 
 
 
 WAVENUMBERS = 64
-"""How many are tried along each direction."""
+"""The number of wavenumbers tried along each direction."""
 
 
 def largest_wavenumber(kernel: Kernel, smoothing_length: float, spacing: float) -> float:
@@ -379,7 +379,7 @@ def largest_wavenumber(kernel: Kernel, smoothing_length: float, spacing: float) 
 
 
 def speed_limit(smoothing_length: float, material: Material, courant: float) -> dict[str, float]:
-    """The limit by sound, or by the flow where there is no sound."""
+    """The time step limit by sound, or by the flow in incompressible liquids."""
     if math.isfinite(material.sound_speed):
         return {"sound": acoustic_limit(smoothing_length, material.sound_speed, material.fastest, courant)}
     return {"the maximum speed": advective_limit(smoothing_length, material.fastest, courant)}
@@ -415,7 +415,7 @@ def body_limit(scene: SphScene, spec: BodySpec, material: Material, bulk_viscosi
 
 
 def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
-    """The time step and how many fit between two frames."""
+    """The time step and the number of steps between two frames."""
     limits = limits_of(scene, material, bulk_viscosity_of(scene, material))
     longest = min(limits.values())
     step = scene.integration.time_step or longest

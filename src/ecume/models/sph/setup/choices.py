@@ -89,7 +89,7 @@ def held_pull(scene: SphScene) -> Array:
 
 
 def pressure_of(scene: SphScene) -> PressureMethod:
-    """How the pressure is computed."""
+    """The pressure method of a scene."""
     return PRESSURES[chosen(scene.method.pressure, PRESSURES, "method.pressure")]
 
 

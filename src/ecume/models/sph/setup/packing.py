@@ -44,7 +44,7 @@ shift by as many spacings in the run, and the pressure in a full tank by some pe
 """
 MOST_STEPS = 300
 SKIN, LONGEST = 0.4, 0.1
-"""In spacings: how far beyond the support pairs are listed, and the longest displacement of a step."""
+"""The skin of pair lists and the longest displacement of a step, in spacings."""
 FIRST_STEP, LAST_STEP, GROWTH, CUT = 0.3, 0.9, 1.1, 0.5
 """The time step of FIRE, in periods of a particle about its place over 2 pi, its largest value, and the factors of its
 growth and reduction.
@@ -70,7 +70,7 @@ class Particles(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """Where moved particles may go."""
+    """The region of moved particles."""
 
     low: Array
     """(m, d)"""

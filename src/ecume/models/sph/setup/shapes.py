@@ -150,7 +150,7 @@ def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
 ARC = 360
 """The number of corners of a circle that the sides of a tank cut."""
 ON_SIDE = 1e-9
-"""Of the tank's size: an edge this close to a side lies on it."""
+"""The distance, over the size of the tank, below which an edge is on a side."""
 
 
 def _cut_rows(shape: Shape, tank: tuple[Array, Array], spacing: float, support: float) -> tuple[Array, Array] | None:

@@ -320,7 +320,7 @@ def side_of(scene: SphScene, number: int) -> Any:
 
 
 def _walled(scene: SphScene, axis: int) -> bool:
-    """Whether there is a wall at the low end; above a free surface there is air."""
+    """Whether the low end has a wall."""
     return bool(side_of(scene, 2 * axis).kind == "wall")
 
 
