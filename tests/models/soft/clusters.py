@@ -9,7 +9,6 @@ from ecume.models.law_codes import code_of
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, contact_response, make_responses
-from ecume.models.soft.contacts.user_forces import no_laws
 from ecume.models.soft.parameters import Contacts
 from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 
@@ -80,7 +79,8 @@ def one_contact(given, between, log_gap, direction, span, start=None):
         np.array([1.7]),
         np.array([0.4]),
         np.array([2.3]),
-        *no_laws(1),
+        (),
+        np.zeros((1, 2)),
     )
     n = np.zeros((1, 3))
     n[0, : len(direction)] = direction / np.linalg.norm(direction)

@@ -57,7 +57,7 @@ def test_a_sphere_alone_starts_with_the_spin_that_stokes_says(torque):
 
 def rebalance(parameters, step, span):
     """Solve the contacts over a span at held spheres."""
-    turn_pairs(step.pairs, step.spins)
+    turn_pairs(step.pairs, step.spins.turn)
     for _ in range(40):
         contact_response(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.responses)
         step.films.log_gap[:] += step.responses.shift[:, 0]
@@ -141,7 +141,7 @@ def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions,
         step.spins.turn[:] = np.array(RADII)[:, None] * angle
         for one in (still_step, step):
             rebalance(parameters, one, span)
-            carry(one.pairs, one.films.direction)
+            carry(one.pairs.turn, one.films.direction)
             one.films.log_gap_start[:], one.films.direction_start[:] = one.films.log_gap, one.films.direction
         expected = still_step.responses.force[:, :dimensions] @ whole.T
         assert step.responses.force[:, :dimensions] == pytest.approx(expected, abs=1e-13)

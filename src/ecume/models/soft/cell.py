@@ -15,6 +15,7 @@ from ecume._jit import compiled, compiled_inside
 from ecume._portable import exp
 from ecume.engine.array_copies import clear_rows
 from ecume.engine.cells import Integers
+from ecume.models.soft.contacts.contact import Vector
 from ecume.models.soft.contacts.films import Pairs
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.protocol import Drive
@@ -167,12 +168,12 @@ def first_cell(cell: Cell, drive: Drive) -> None:
 
 
 @compiled
-def begin_cell(cell: Cell, scheme: Scheme, stage: int, time_step: float) -> None:
+def begin_cell(cell: Cell, row: Array, time_step: float) -> None:
     """Set the start of a stage, from the start of the step and the slopes of the stages before."""
     for k in range(6):
         cell.start[k] = cell.before[k] if k < 5 else 0.0
-        for earlier in range(stage):
-            cell.start[k] += time_step * scheme.rows[stage, earlier] * cell.slope[earlier, k]
+        for earlier in range(len(row)):
+            cell.start[k] += time_step * row[earlier] * cell.slope[earlier, k]
 
 
 @compiled
@@ -209,6 +210,16 @@ def largest_strain(cell: Cell) -> float:
         for k in range(len(cell.shape)):
             largest = max(largest, abs(cell.shape[k]))
     return largest
+
+
+@compiled_inside
+def transformed(gradient: Array, x: Vector) -> Vector:
+    """A gradient times a vector."""
+    return (
+        gradient[0, 0] * x[0] + gradient[0, 1] * x[1] + gradient[0, 2] * x[2],
+        gradient[1, 0] * x[0] + gradient[1, 1] * x[1] + gradient[1, 2] * x[2],
+        gradient[2, 0] * x[0] + gradient[2, 1] * x[1] + gradient[2, 2] * x[2],
+    )
 
 
 @compiled

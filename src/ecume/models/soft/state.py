@@ -19,7 +19,7 @@ from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, make_films, make_responses
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
 from ecume.models.soft.contacts.user_forces import across
-from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
+from ecume.models.soft.contacts.walls import Touches, Walls, make_walls
 from ecume.models.soft.integration.bordered_system import MOST, Borders, make_borders
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.parameters import Parameters
@@ -180,10 +180,11 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
     state.direction[:contacts] = step.direction[:, :dimensions]
-    places, touches = all_walls(step.walls)
-    state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
-    state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
-    state.wall[:], state.wall_rate[:] = places.before, places.past
+    if step.walls:
+        places, touches = step.walls
+        state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
+        state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
+        state.wall[:], state.wall_rate[:] = places.before, places.past
     state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
 
 
@@ -216,7 +217,8 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
         radius_sum=radius[first] + radius[second],
         reduced_radius=np.asarray(soft_pair.reduced_radius(radius[first], radius[second])),
         modulus=np.asarray(soft_pair.pair_modulus(modulus[first], modulus[second])),
-        **across(parameters.user_forces, parameters.species, state.pair[:contacts])._asdict(),
+        laws=across(parameters.user_forces, parameters.species, state.pair[:contacts]),
+        across=np.zeros((contacts, 2)),
     )
 
 
@@ -224,15 +226,17 @@ def force_residual(step: Step) -> float:
     """The largest residual force on a sphere, less what rounding of positions makes of it, over the typical force: the
     root mean square of contact forces, or of external forces if that is larger.
     """
-    forces = (step.responses.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
-    typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
+    forces = [step.responses.force, step.bodies.force, step.bodies.weight]
     # As in `newton.imbalance`: places are known to the last digits of themselves, not of the distances between them.
     far = 2.0 * float(np.abs(step.bodies.position).max(initial=0.0))
-    touches = all_walls(step.walls).touches
-    rounding = ROUNDING * max(
-        stiffest(step.responses.stiffness, step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)),
-        stiffest(touches.stiffness, touches.radius + far),
-    )
+    size = step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)
+    firmest = stiffest(step.responses.stiffness, size)
+    if step.walls:
+        touches = step.walls.touches
+        forces.append(touches.force)
+        firmest = max(firmest, stiffest(touches.stiffness, touches.radius + far))
+    typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
+    rounding = ROUNDING * firmest
     residual = float(np.abs(step.bodies.right).max())
     return max(residual - rounding, 0.0) / typical if typical > rounding else 0.0
 

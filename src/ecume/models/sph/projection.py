@@ -525,6 +525,6 @@ def record(state: State, found: Solution) -> None:
     state.tally[WORST] = state.identity[int(np.argmax(np.abs(found.gradient)))]
 
 
-def failed(parameters: Parameters, state: State) -> bool:
+def failed(projection: Projection, state: State) -> bool:
     """Whether the solver did not reach its tolerance in the last step."""
-    return parameters.projection is not None and not state.tally[RESIDUAL] <= parameters.projection.tolerance
+    return not state.tally[RESIDUAL] <= projection.tolerance

@@ -169,7 +169,7 @@ def bytes_per_particle(scene: SphScene) -> float:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """The message on the first particle that failed: the time, and the remedy."""
-    if failed(parameters, state):
+    if parameters.projection is not None and failed(parameters.projection, state):
         return unsolved(parameters, state)
     with np.errstate(over="ignore"):  # a diverged particle may have an infinite speed
         speed = np.sqrt((state.velocity**2).sum(axis=0))

@@ -30,7 +30,7 @@ def update_contact_list(parameters: Parameters, state: State, opened: PairList |
     """
     if np.isinf(parameters.contacts.fade_to):
         return False
-    walls = update_wall_contacts(parameters, state)
+    walls = state.touching.shape[1] > 0 and update_wall_contacts(parameters, state)
     kept = _kept(parameters, state)
     if opened is None:
         known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]

@@ -26,7 +26,7 @@ from ecume.models.soft.contacts.contact import (
     linearized,
     square_across,
 )
-from ecume.models.soft.contacts.user_forces import user_force
+from ecume.models.soft.contacts.user_forces import Across, set_user_forces
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
 
@@ -45,11 +45,10 @@ class Pairs(NamedTuple):
     radius_sum: Array
     reduced_radius: Array
     modulus: Array
-    row: Integers
-    """(C,) the table of the user's law of each contact, or -1; see `user_forces`"""
-    ends: Array
-    values: Array
-    """the tables of these laws"""
+    laws: Across | tuple[()]
+    """the user's laws; empty without any, whose code is then not compiled"""
+    across: Array
+    """(C, 2) the force of the user's law of each contact (N), and its slope over the gap (N/m)"""
 
 
 class Films(NamedTuple):
@@ -99,15 +98,15 @@ def contact_response(
     force, correction, stiffness = responses.force, responses.correction, responses.stiffness
     shift, response, slope = responses.shift, responses.response, responses.slope
     flat, spinning = position.shape[1] == 2, len(pairs.turn) > 0
-    turn, row, ends, values = pairs.turn, pairs.row, pairs.ends, pairs.values
+    turn, across = pairs.turn, pairs.across
+    set_user_forces(pairs.laws, log_gap, across)
     for c in prange(len(first)):
         x = center_distance(position, offset, first[c], second[c], c)
         if spinning:
             x = turned(x, (-turn[c, 0], -turn[c, 1], -turn[c, 2]))
         n = (direction[c, 0], direction[c, 1], direction[c, 2])
         frame = frame_of(x, n, flat)
-        force_across, slope_across = user_force(row[c], ends, values, log_gap[c])
-        body = Body(radius_sum[c], reduced_radius[c], modulus[c], force_across, slope_across)
+        body = Body(radius_sum[c], reduced_radius[c], modulus[c], across[c, 0], across[c, 1])
         film = film_of(contacts, body, log_gap[c], dot(x, n), dot(x, frame.t))
         b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
         begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))

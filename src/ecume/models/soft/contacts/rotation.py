@@ -60,9 +60,9 @@ def axial(rows: Array, i: int) -> Vector:
 
 
 @compiled
-def turn_pairs(pairs: Pairs, spins: Spins) -> None:
-    """Compute the rotation of each pair from the spins."""
-    turn, to = spins.turn, pairs.turn
+def turn_pairs(pairs: Pairs, turn: Array) -> None:
+    """Compute the rotation of each pair from those of its spheres."""
+    to = pairs.turn
     for c in range(len(to)):
         a, b = axial(turn, pairs.first[c]), axial(turn, pairs.second[c])
         for k in range(3):
@@ -185,31 +185,12 @@ def regularize_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
 
 
 @compiled
-def begin_spins(spins: Spins, row: Array, time_step: float) -> None:
-    """Set the rotation at the start of a stage, from the slopes of earlier stages."""
-    start, slope = spins.start, spins.slope
-    for i in range(len(spins.drag)):
-        for k in range(start.shape[1]):
-            start[i, k] = 0.0
-            for earlier in range(len(row)):
-                start[i, k] += time_step * row[earlier] * slope[earlier, i, k]
-
-
-@compiled
-def end_spins(spins: Spins, stage: int, span: float) -> None:
-    """Compute the slopes of a solved stage."""
-    for i in range(len(spins.drag)):
-        for k in range(spins.turn.shape[1]):
-            spins.slope[stage, i, k] = (spins.turn[i, k] - spins.start[i, k]) / span
-
-
-@compiled
-def carry(pairs: Pairs, direction: Array) -> None:
+def carry(turn: Array, direction: Array) -> None:
     """Rotate the directions of gap vectors with their pairs, from the frame at the start of the step to that at its
     end.
     """
-    for c in range(len(pairs.turn)):
-        angle = (pairs.turn[c, 0], pairs.turn[c, 1], pairs.turn[c, 2])
+    for c in range(len(turn)):
+        angle = (turn[c, 0], turn[c, 1], turn[c, 2])
         n = turned((direction[c, 0], direction[c, 1], direction[c, 2]), angle)
         length = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
         for k in range(3):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside
+from ecume._jit import compiled, compiled_inside, where_there
 from ecume._portable import exp
 from ecume.engine.cells import Integers
 from ecume.units import Array
@@ -42,15 +42,10 @@ class Across(NamedTuple):
     values: Array
 
 
-def no_laws(count: int) -> Across:
-    """Contacts without laws."""
-    return Across(np.full(count, -1), np.array([0.0, 1.0]), np.zeros((0, 2, 3)))
-
-
-def across(tables: Tables | tuple[()], species: Array, pair: Integers) -> Across:
+def across(tables: Tables | tuple[()], species: Array, pair: Integers) -> Across | tuple[()]:
     """The laws of contacts between these spheres, (C, 2)."""
     if not tables:
-        return no_laws(len(pair))
+        return ()
     kinds = np.asarray(species, np.int64)
     return Across(tables.row[kinds[pair[:, 0]], kinds[pair[:, 1]]], tables.ends, tables.values)
 
@@ -118,10 +113,9 @@ def user_energies(laws: Across, log_gap: Array) -> Array:
     return found
 
 
-@compiled
-def forces_across(laws: Across, log_gap: Array) -> Array:
-    """The force of the law of each contact (N); positive repels."""
-    row, ends, values, found = laws.row, laws.ends, laws.values, np.zeros(len(log_gap))
+@where_there()
+def set_user_forces(laws: Across, log_gap: Array, found: Array) -> None:
+    """Write the force of the law of each contact (N), positive repels, and its slope over the gap (N/m)."""
+    row, ends, values = laws.row, laws.ends, laws.values
     for c in range(len(log_gap)):
-        found[c] = user_force(row[c], ends, values, log_gap[c])[0]
-    return found
+        found[c, 0], found[c, 1] = user_force(row[c], ends, values, log_gap[c])

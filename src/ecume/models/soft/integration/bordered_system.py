@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import dots, solve
-from ecume.models.soft.cell import Cell, StageTarget, flow_gradient, gradient_of, stress_goal, unknowns
+from ecume.models.soft.cell import Cell, StageTarget, flow_gradient, gradient_of, stress_goal, transformed, unknowns
 from ecume.models.soft.contacts.contact import ROUNDING, Vector
 from ecume.models.soft.contacts.films import ContactResponses, Pairs, center_distance
 from ecume.models.soft.contacts.rotation import cross
@@ -67,16 +67,6 @@ def make_borders(count: int, width: int, most: int) -> Borders:
         np.zeros((most, count, width)),
         np.zeros(most),
         np.zeros((most, most)),
-    )
-
-
-@compiled_inside
-def transformed(gradient: Array, x: Vector) -> Vector:
-    """A gradient times a vector."""
-    return (
-        gradient[0, 0] * x[0] + gradient[0, 1] * x[1] + gradient[0, 2] * x[2],
-        gradient[1, 0] * x[0] + gradient[1, 1] * x[1] + gradient[1, 2] * x[2],
-        gradient[2, 0] * x[0] + gradient[2, 1] * x[1] + gradient[2, 2] * x[2],
     )
 
 

@@ -9,7 +9,6 @@ from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
 from ecume.models.soft.cell import (
     STRAIN,
     WIDTH,
-    Cell,
     StageTarget,
     begin_cell,
     cell_error,
@@ -17,8 +16,8 @@ from ecume.models.soft.cell import (
     first_cell,
     place_images,
 )
-from ecume.models.soft.contacts.films import contact_response
-from ecume.models.soft.contacts.rotation import begin_spins, carry, end_spins, turn_pairs
+from ecume.models.soft.contacts.films import Films, contact_response
+from ecume.models.soft.contacts.rotation import carry, turn_pairs
 from ecume.models.soft.contacts.walls import (
     accept_walls,
     begin_walls,
@@ -43,60 +42,81 @@ constant gaps, or compute a step.
 """
 
 
-@compiled
+@composed
 def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> None:
     """Set the start of a stage, from the start of the step and the slopes of the stages before."""
-    films, slope, bodies = step.films, step.slope, step.bodies
-    log_gap, direction, rows = step.log_gap, step.direction, scheme.rows
-    for c in range(len(log_gap)):
-        films.log_gap_start[c] = log_gap[c]
-        for k in range(3):
-            films.direction_start[c, k] = direction[c, k]
-        for earlier in range(stage):
-            weight = time_step * rows[stage, earlier]
-            films.log_gap_start[c] += weight * slope[earlier, c, 0]
-            for k in range(3):
-                films.direction_start[c, k] += weight * slope[earlier, c, 1 + k]
-    for i in range(len(bodies.drag)):
-        if bodies.drag[i] > 0.0:
-            for k in range(bodies.start.shape[1]):
-                value = 0.0
-                for earlier in range(stage):
-                    value += time_step * rows[stage, earlier] * bodies.slope[earlier, i, k]
-                bodies.start[i, k] = value
-    begin_spins(step.spins, rows[stage, :stage], time_step)
-    begin_cell(step.cell, scheme, stage, time_step)
+    films, bodies, spins, row = step.films, step.bodies, step.spins, scheme.rows[stage, :stage]
+    begin_contacts(films.log_gap_start, step.log_gap, films.direction_start, step.direction, step.slope, row, time_step)
+    begin_motion(bodies.start, bodies.slope, bodies.drag, row, time_step)
+    begin_motion(spins.start, spins.slope, spins.drag, row, time_step)
+    begin_cell(step.cell, row, time_step)
     begin_walls(step.walls, scheme, stage, time_step)
 
 
 @compiled
+def begin_contacts(
+    log_gap_start: Array,
+    log_gap: Array,
+    direction_start: Array,
+    direction: Array,
+    slope: Array,
+    row: Array,
+    time_step: float,
+) -> None:
+    """Set ln(gap) and direction of all contacts at the start of a stage."""
+    for c in range(len(log_gap)):
+        log_gap_start[c] = log_gap[c]
+        for k in range(3):
+            direction_start[c, k] = direction[c, k]
+        for earlier in range(len(row)):
+            weight = time_step * row[earlier]
+            log_gap_start[c] += weight * slope[earlier, c, 0]
+            for k in range(3):
+                direction_start[c, k] += weight * slope[earlier, c, 1 + k]
+
+
+@compiled
+def begin_motion(start: Array, slope: Array, drag: Array, row: Array, time_step: float) -> None:
+    """Set the displacements, or rotations, of spheres with drag at the start of a stage."""
+    for i in range(len(drag)):
+        if drag[i] > 0.0:
+            for k in range(start.shape[1]):
+                value = 0.0
+                for earlier in range(len(row)):
+                    value += time_step * row[earlier] * slope[earlier, i, k]
+                start[i, k] = value
+
+
+@composed
 def end_stage(step: Step, goal: StageTarget, stage: int) -> None:
     """Compute the slopes of a solved stage from its difference to its start, which does not amplify rounding errors."""
-    films, slope, bodies, span = step.films, step.slope, step.bodies, goal.span
+    films, bodies, spins, span = step.films, step.bodies, step.spins, goal.span
     end_cell(step.cell, goal, stage)
     end_walls(step.walls, stage, span)
-    for c in range(len(step.log_gap)):
-        slope[stage, c, 0] = (films.log_gap[c] - films.log_gap_start[c]) / span
+    end_contacts(films, step.slope[stage], span)
+    end_motion(bodies.slope[stage], bodies.moved, bodies.start, bodies.drag, span)
+    end_motion(spins.slope[stage], spins.turn, spins.start, spins.drag, span)
+
+
+@compiled
+def end_contacts(films: Films, slope: Array, span: float) -> None:
+    """Compute the rates of ln(gap) and direction of all contacts in a solved stage."""
+    for c in range(len(slope)):
+        slope[c, 0] = (films.log_gap[c] - films.log_gap_start[c]) / span
         lean = 0.0
         for k in range(3):
             lean += films.direction[c, k] * films.direction_start[c, k]
         for k in range(3):
-            slope[stage, c, 1 + k] = (lean * films.direction[c, k] - films.direction_start[c, k]) / span
-    for i in range(len(bodies.drag)):
-        if bodies.drag[i] > 0.0:
-            for k in range(bodies.start.shape[1]):
-                bodies.slope[stage, i, k] = (bodies.moved[i, k] - bodies.start[i, k]) / span
-    end_spins(step.spins, stage, span)
+            slope[c, 1 + k] = (lean * films.direction[c, k] - films.direction_start[c, k]) / span
 
 
 @compiled
-def background_velocity(cell: Cell, position: Array, i: int, k: int) -> float:
-    """A component of the velocity of the liquid at a sphere, from the deformation rate of the box at the start of the
-    step.
-    """
-    slope = cell.slope[0]
-    speed = slope[WIDTH + k] * position[i, k]
-    return float(speed + slope[STRAIN] * position[i, 1] if k == 0 else speed)
+def end_motion(slope: Array, moved: Array, start: Array, drag: Array, span: float) -> None:
+    """Compute the velocities, or spins, of spheres with drag in a solved stage."""
+    for i in range(len(drag)):
+        if drag[i] > 0.0:
+            for k in range(start.shape[1]):
+                slope[i, k] = (moved[i, k] - start[i, k]) / span
 
 
 @composed
@@ -109,10 +129,10 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     first_slopes(step)
 
 
-@compiled
+@composed
 def reset_to_start(step: Step, drive: Drive) -> None:
     """Reset all positions to the start of the step."""
-    films, bodies = step.films, step.bodies
+    films, bodies, spins = step.films, step.bodies, step.spins
     copy_line(films.log_gap, step.log_gap)
     copy_rows(films.direction, step.direction)
     copy_line(films.log_gap_start, step.log_gap)
@@ -120,44 +140,54 @@ def reset_to_start(step: Step, drive: Drive) -> None:
     copy_rows(bodies.position, bodies.before)
     clear_rows(bodies.moved)
     clear_rows(bodies.start)
-    clear_rows(step.spins.turn)
-    clear_rows(step.spins.start)
-    turn_pairs(step.pairs, step.spins)
+    clear_rows(spins.turn)
+    clear_rows(spins.start)
+    turn_pairs(step.pairs, spins.turn)
     first_cell(step.cell, drive)
     first_walls(step.walls)
     place_images(step.pairs, step.cell)
 
 
-@compiled
+@composed
 def first_slopes(step: Step) -> None:
     """Compute the rates of contacts, walls, and of spheres with drag at the start of the step."""
-    bodies = step.bodies
+    bodies, spins, rates = step.bodies, step.spins, step.cell.slope[0]
     copy_rows(step.slope[0], step.responses.slope)
     slopes_at_walls(step.walls)
-    for i in range(len(bodies.drag)):
-        if bodies.drag[i] > 0.0:
-            for k in range(bodies.start.shape[1]):
-                bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i] + background_velocity(
-                    step.cell, bodies.position, i, k
-                )
-    first_spins(step)
+    first_velocities(bodies.slope[0], bodies.right, bodies.drag, bodies.position, rates)
+    first_spins(spins.slope[0], bodies.right, spins.drag, spins.radius, rates[STRAIN])
 
 
 @compiled
-def first_spins(step: Step) -> None:
+def first_velocities(velocity: Array, right: Array, drag: Array, position: Array, rates: Array) -> None:
+    """Compute the velocities of spheres with drag at the start of a step: those of the liquid in the box with these
+    rates, plus force over drag.
+    """
+    for i in range(len(drag)):
+        if drag[i] > 0.0:
+            for k in range(velocity.shape[1]):
+                along = rates[WIDTH + k] * position[i, k]
+                if k == 0:
+                    along += rates[STRAIN] * position[i, 1]
+                velocity[i, k] = right[i, k] / drag[i] + along
+
+
+@compiled
+def first_spins(spin: Array, right: Array, drag: Array, radius: Array, strain_rate: float) -> None:
     """Compute the spins at the start of a step with drag: half the vorticity of the liquid, plus torque over drag."""
-    spins, right, dimensions = step.spins, step.bodies.right, step.bodies.position.shape[1]
-    for i in range(len(spins.drag)):
-        for k in range(spins.turn.shape[1]):
-            spins.slope[0, i, k] = right[i, dimensions + k] / spins.drag[i] if spins.drag[i] > 0.0 else 0.0
-        if spins.turn.shape[1] > 0:
-            spins.slope[0, i, spins.turn.shape[1] - 1] -= 0.5 * step.cell.slope[0, STRAIN] * spins.radius[i]
+    width = spin.shape[1]
+    begin = right.shape[1] - width
+    for i in range(len(drag)):
+        if drag[i] > 0.0:
+            for k in range(width):
+                spin[i, k] = right[i, begin + k] / drag[i]
+                if k == width - 1:
+                    spin[i, k] -= 0.5 * strain_rate * radius[i]
 
 
 @compiled
-def error_of(step: Step, scheme: Scheme, time_step: float) -> float:
+def error_of(slope: Array, weights: Array, time_step: float) -> float:
     """The largest difference from the embedded scheme, of ln(gap) or of a direction."""
-    slope, weights = step.slope, scheme.error
     largest = 0.0
     for c in range(slope.shape[1]):
         for k in range(4):
@@ -191,8 +221,9 @@ def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme
         end_stage(step, goal, stage)
         if scheme.weights[0, stage] != 0.0:
             add_stage(contacts, step, scheme, during, stage)
+    of_contacts = error_of(step.slope, scheme.error, during.length)
     of_walls = float(wall_error(step.walls, scheme, during.length))
-    return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length), of_walls)
+    return max(of_contacts, cell_error(step.cell, scheme, during.length), of_walls)
 
 
 @compiled
@@ -220,10 +251,10 @@ def step_many(
     return 0.0 if task == BEGIN or newton(contacts, step, goal) else FAILED
 
 
-@compiled
+@composed
 def accept(step: Step) -> None:
     """Copy the end of a step to the start of the next one."""
-    carry(step.pairs, step.films.direction)
+    carry(step.pairs.turn, step.films.direction)
     accept_walls(step.walls, step.spins.turn)
     copy_line(step.log_gap, step.films.log_gap)
     copy_rows(step.direction, step.films.direction)

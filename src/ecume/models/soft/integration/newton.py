@@ -23,6 +23,7 @@ from ecume.models.soft.cell import (
     impose,
     largest_strain,
     place_images,
+    transformed,
     unknowns,
 )
 from ecume.models.soft.contacts.contact import ROUNDING
@@ -55,7 +56,6 @@ from ecume.models.soft.integration.bordered_system import (
     change_walls,
     fill_all_borders,
     fill_wall_borders,
-    transformed,
 )
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.state import Bodies, Step
@@ -393,7 +393,7 @@ def balance_borders(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
     apply_drive(step, goal)
     bodies, spins, change, last = step.bodies, step.spins, step.borders.change, math.inf
     spins.turn[:, -1:] -= 0.5 * flow_gradient(step.cell)[0, 1] * spins.radius[:, None]
-    turn_pairs(step.pairs, spins)
+    turn_pairs(step.pairs, spins.turn)
     for _ in range(MOST_ITERATIONS):
         contact_response(contacts, step.pairs, step.films, bodies.position, 0.0, step.responses)
         wall_response(step.walls, contacts, bodies.position, spins.turn, 0.0)
@@ -432,7 +432,7 @@ def move(step: Step, goal: StageTarget) -> float:
         return math.inf
     part = min(1.0, LONGEST_CHANGE / max(largest, 1e-300))
     displace(bodies, step.spins.turn, by, part)
-    turn_pairs(step.pairs, step.spins)
+    turn_pairs(step.pairs, step.spins.turn)
     deform(step.cell, goal, part)
     move_walls(step.walls, part)
     place_images(step.pairs, step.cell)

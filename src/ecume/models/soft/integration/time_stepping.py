@@ -11,7 +11,7 @@ from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.models.soft.cell import box_of
 from ecume.models.soft.contacts.contact_list import new_pairs, update_contact_list, wall_gaps
 from ecume.models.soft.contacts.tree_search import PairList
-from ecume.models.soft.contacts.walls import Walls, all_walls
+from ecume.models.soft.contacts.walls import Walls
 from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
 from ecume.models.soft.integration.dirk import accept, reset_to_start
 from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme, error_of_run
@@ -202,7 +202,7 @@ def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool
     """Whether a pair of spheres, or a sphere and a wall, are closer than new contacts should be: their film should have
     appeared in an earlier step.
     """
-    if missed_wall_contact(parameters, step, all_walls(step.walls)):
+    if step.walls and missed_wall_contact(parameters, step, step.walls):
         return True
     reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
     if 2.0 * float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max()) < (1.0 - NARROW) * reach:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, prange, shared, where_there
+from ecume._jit import compiled, compiled_inside, composed, prange, shared, where_there
 from ecume._portable import exp
 from ecume.laws.surfaces import Body
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, flow_gradient, unknowns
@@ -32,8 +32,8 @@ from ecume.models.soft.contacts.contact import (
 )
 from ecume.models.soft.contacts.films import Films, Pairs, center_distance, stored_energy, turned
 from ecume.models.soft.contacts.rotation import Spins, carry
-from ecume.models.soft.contacts.user_forces import Across, user_energies, user_force
-from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
+from ecume.models.soft.contacts.user_forces import user_energies
+from ecume.models.soft.contacts.walls import Walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import CHUNK
 from ecume.models.soft.parameters import Contacts
@@ -51,7 +51,6 @@ rates.
 
 OF_CONTACTS = ("first", "second", "image", "offset", "radius_sum", "reduced_radius", "modulus")
 """The fields of `Pairs` that determine the stored energy."""
-Five = tuple[float, float, float, float, float]
 ContactArrays = tuple[tuple[Any, ...], tuple[Any, ...], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
 """Arrays of contacts: spheres and images; sizes; states of films; forces and rates; positions with the rates of the box
 and the values of the last stage.
@@ -74,35 +73,42 @@ def surface_work(
     return -contact_gap_energy(contacts, body, gap, stretch, square), shrunk, surface
 
 
-def count_pairs(contacts: Contacts, step: Step, *_: object) -> int:
+@composed
+def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, stage: int) -> None:
+    """Write the row of a solved stage; after the last stage, the contribution of the step to the energy budget."""
+    pairs, bodies, spins, cell, lines = step.pairs, step.bodies, step.spins, step.cell, step.budget.lines
+    line, sheared, span = lines[stage], step.budget.sheared, scheme.diagonal * during.length
+    among = (bodies.position, box_rates(cell, stage), sheared)
+    start_line(line, sum_pairs(contacts, pairs, step.films, (step.responses.force, step.slope[stage]), among), cell)
+    at_walls = (bodies.position, spins.turn, sheared[len(pairs.first) :], line)
+    add_walls(step.walls, contacts, at_walls, stage)
+    add_bodies((bodies, spins), carried(cell, stage, span), stage, line)
+    if stage == len(scheme.times) - 1:
+        add_step(lines, scheme, during.length, during.drives)
+
+
+def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
     """The number of contacts, for the choice between serial and threaded loops."""
-    return len(step.pairs.first)
+    return len(pairs.first)
 
 
 @shared(count_pairs)
-def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, stage: int) -> None:
-    """Write the row of a solved stage; after the last stage, the contribution of the step to the energy budget."""
-    pairs, budget, box = step.pairs, step.budget, box_rates(step.cell, stage)
+def sum_pairs(
+    contacts: Contacts, pairs: Pairs, films: Films, moving: tuple[Array, Array], at: tuple[Array, Array, Array]
+) -> Array:
+    """Sum the energy budget of all pairs, in chunks: a row for each. `moving` contains forces and rates, `at` the
+    positions, the rates of the box, and the values of the last stage.
+    """
     first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
-    row, ends, values = pairs.row, pairs.ends, pairs.values
-    log_gap, direction, force = step.films.log_gap, step.films.direction, step.responses.force
-    position, slope, sheared, count = step.bodies.position, step.slope[stage], budget.sheared, len(first)
+    across, log_gap, direction = pairs.across, films.log_gap, films.direction
+    (force, slope), (position, box, sheared), count = moving, at, len(first)
     sums = np.zeros(((count + CHUNK - 1) // CHUNK, 4))
     for chunk in prange(len(sums)):
-        who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values)
+        who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, across)
         arrays = (who, sizes, (log_gap, direction), (force, slope), (position, box, sheared))
         add_pairs(contacts, arrays, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
-    line = budget.lines[stage]
-    gather_line(sums, line, step.cell)
-    walls = add_walls(step.walls, contacts, (position, step.spins.turn), stage, sheared[count:])
-    for k in range(4):
-        line[k] += walls[k]
-    line[RESPONDING] += walls[4]
-    span = scheme.diagonal * during.length
-    add_bodies((step.bodies, step.spins), carried(step.cell, stage, span), stage, line)
-    if stage == len(scheme.times) - 1:
-        add_step(budget.lines, scheme, during.length, during.drives)
+    return sums
 
 
 @compiled_inside
@@ -110,10 +116,7 @@ def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int],
     """Sum the energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
     dissipates it, minus the power of long-range forces.
     """
-    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, row, ends, values) = (
-        arrays[0],
-        arrays[1],
-    )
+    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, across) = arrays[0], arrays[1]
     (log_gap, direction), (force, slope), (position, box, sheared) = arrays[2], arrays[3], arrays[4]
     film, size, driven, shrunk = 0.0, 0.0, 0.0, 0.0
     for c in range(among[0], among[1]):
@@ -125,11 +128,8 @@ def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int],
             x, f = turned(x, back), turned(f, back)
         n, gap, opening = (direction[c, 0], direction[c, 1], direction[c, 2]), math.exp(log_gap[c]), slope[c, 0]
         turning, pull = (slope[c, 1], slope[c, 2], slope[c, 3]), dot(x, n)
-        across = (
-            remote_force_and_slope(gap, reduced_radius[c], contacts)[0]
-            + user_force(row[c], ends, values, log_gap[c])[0]
-        )
-        film += gap * opening * (dot(f, n) + across)
+        apart = remote_force_and_slope(gap, reduced_radius[c], contacts)[0] + across[c, 0]
+        film += gap * opening * (dot(f, n) + apart)
         film += (radius_sum[c] + gap) * dot(f, turning)
         at = (gap, pull - radius_sum[c] - gap, square_across(x, n))
         body, before = Body(radius_sum[c], reduced_radius[c], modulus[c], 0.0, 0.0), (sheared[c, 0], sheared[c, 1])
@@ -142,7 +142,7 @@ def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int],
 
 
 @compiled
-def gather_line(sums: Array, line: Array, cell: Cell) -> None:
+def start_line(line: Array, sums: Array, cell: Cell) -> None:
     """Start the row of a stage with the sums over all pairs."""
     for k in range(len(line)):
         line[k] = 0.0
@@ -160,10 +160,12 @@ def image_velocity(box: Array, image: Array, c: int) -> Vector:
     return box[0, 0] * i + box[0, 1] * j, box[1, 1] * j, box[2, 2] * k
 
 
-@where_there((0.0, 0.0, 0.0, 0.0, 0.0))
-def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: int, sheared: Array) -> Five:
-    """The sums over contacts with walls: the first four columns, and the power of walls that forces move."""
-    touches, places, (position, turn) = walls.touches, walls.places, at
+@where_there()
+def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array, Array, Array], stage: int) -> None:
+    """Add the sums over contacts with walls to the row of a stage. `at` contains the positions and rotations of
+    spheres, the values of the last stage, and the row.
+    """
+    touches, places, (position, turn, sheared, line) = walls.touches, walls.places, at
     film, size, driven, shrunk, answered = 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(len(touches.first)):
         w, radius = touches.wall[c], touches.radius[c]
@@ -185,7 +187,11 @@ def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: 
         by_gap, more, surface = surface_work(contacts, body, (gap, stretch, square), (sheared[c, 0], sheared[c, 1]))
         size, shrunk = size + by_gap * opening, shrunk + more
         sheared[c, 0], sheared[c, 1] = surface.tangential, square
-    return film, size, driven, shrunk, answered
+    line[TO_FILMS] += film
+    line[TO_SIZE] += size
+    line[DRIVEN] += driven
+    line[SHRUNK] += shrunk
+    line[RESPONDING] += answered
 
 
 @compiled
@@ -272,26 +278,22 @@ def elastic_energy(contacts: Contacts, step: Step) -> float:
 def elastic_energy_at_end(contacts: Contacts, step: Step) -> float:
     """The same at the end of a step that is not accepted yet, whose contacts rotate with their spheres."""
     direction = step.films.direction.copy()
-    carry(step.pairs, direction)
+    carry(step.pairs.turn, direction)
     between = stored_energy(contacts, step.pairs, step.films._replace(direction=direction), step.bodies.position)
     return float(between + wall_energy(step.walls, contacts, step.bodies.position, step.spins.turn))
 
 
 def remote_energy(contacts: Contacts, step: Step) -> float:
     """The energy of long-range forces in films (J), relative to that at their reach."""
-    pairs, touches, log_gap = step.pairs, all_walls(step.walls).touches, step.films.log_gap
+    pairs, log_gap = step.pairs, step.films.log_gap
     found = across_energy(contacts, log_gap, pairs.reduced_radius)
-    found += across_energy(contacts, touches.log_gap, touches.radius)
-    laws = laws_in(pairs)
-    found += user_energies(laws, log_gap).sum()
-    if contacts.fade_from < math.inf:
-        found -= user_energies(laws, np.full(len(log_gap), math.log(contacts.fade_from))).sum()
+    if step.walls:
+        found += across_energy(contacts, step.walls.touches.log_gap, step.walls.touches.radius)
+    if pairs.laws:
+        found += user_energies(pairs.laws, log_gap).sum()
+        if contacts.fade_from < math.inf:
+            found -= user_energies(pairs.laws, np.full(len(log_gap), math.log(contacts.fade_from))).sum()
     return float(found)
-
-
-def laws_in(pairs: Pairs) -> Across:
-    """The user's laws of the present contacts."""
-    return Across(pairs.row, pairs.ends, pairs.values)
 
 
 @compiled
@@ -309,8 +311,10 @@ def stake(step: Step) -> float:
     """The work of the forces of contacts while gaps open by their width, and directions rotate by a radian (J): the
     scale of tolerances.
     """
-    places, touches = all_walls(step.walls)
     between = _stake(step.responses.force, step.films.direction, exp(step.films.log_gap), step.pairs.radius_sum)
+    if not step.walls:
+        return between
+    places, touches = step.walls
     return between + _stake(touches.force, places.normal[touches.wall], exp(touches.log_gap), touches.radius)
 
 
@@ -324,13 +328,13 @@ def energy_of_faded(contacts: Contacts, step: Step) -> float:
     """The elastic energy of contacts whose films have faded (J), which films dissipate at once."""
     if math.isinf(contacts.fade_to):
         return 0.0
-    far, walls, total = math.log(contacts.fade_to), all_walls(step.walls), 0.0
+    far, total = math.log(contacts.fade_to), 0.0
     faded = np.flatnonzero(step.log_gap >= far)
     if len(faded):
         pairs = step.pairs._replace(**{name: getattr(step.pairs, name)[faded] for name in OF_CONTACTS})
         films = Films._make(array[faded] for array in step.films)
         total += stored_energy(contacts, pairs, films, step.bodies.position)
-    if (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
+    if (walls := step.walls) and (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
         used = ("first", "wall", "radius", "modulus", "log_gap", "slip")
         touches = walls.touches._replace(**{name: getattr(walls.touches, name)[gone] for name in used})
         position = step.bodies.position

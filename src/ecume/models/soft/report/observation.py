@@ -21,7 +21,6 @@ from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
 from ecume.models.soft.contacts.tree_search import box_in, image_indices, wrapped
-from ecume.models.soft.contacts.user_forces import forces_across
 from ecume.models.soft.contacts.walls import all_walls
 from ecume.models.soft.integration.linear_solvers import begin_step
 from ecume.models.soft.parameters import Contacts, Parameters
@@ -32,7 +31,6 @@ from ecume.models.soft.report.energy_budget import (
     INJECTED,
     SIZE,
     elastic_energy,
-    laws_in,
     remote_energy,
     stake,
 )
@@ -403,7 +401,7 @@ def _remote_forces(parameters: Parameters, step: Step, gap: Array) -> Array:
     """The repulsion across each film (N)."""
     law = _remote_law(parameters, parameters.laws.remote.force)
     built_in = np.array([law(h, r) for h, r in zip(gap, step.pairs.reduced_radius, strict=True)])
-    return built_in + forces_across(laws_in(step.pairs), step.log_gap)
+    return np.asarray(built_in + step.pairs.across[:, 0])
 
 
 def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:

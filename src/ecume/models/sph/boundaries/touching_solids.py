@@ -287,8 +287,6 @@ def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -
 def power_on_bodies(now: Parameters, state: State, workspace: Workspace) -> float:
     """The power (W) of the exchanged loads on bodies, which is not contained in the forces of pairs."""
     bodies, first = len(now.bodies.shapes), len(now.boundary.names) - len(now.bodies.shapes)
-    if not bodies:
-        return 0.0
     found = exchanged_loads(now, state, workspace, movers=True) if workspace.exchanged is None else workspace.exchanged
     power, driven = 0.0, {body for body, _ in now.bodies.paths}
     for body in range(bodies):

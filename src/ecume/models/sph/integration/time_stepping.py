@@ -81,7 +81,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     # A particle with a NaN position has no neighbors, so that the error would stay undetected.
     if not np.isfinite(state.position).all():
         return DIVERGED
-    status = DONE
+    status, crossed = DONE, bool(parameters.open_boundaries) or bool(np.isfinite(parameters.bounds).any())
     for ahead in reversed(range(steps)):
         workspace.records_loads = ahead == 0
         divisions = divisions_needed(parameters, state)
@@ -89,11 +89,12 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             return DIVERGED
         state.struck[...] = 0.0
         for _ in range(divisions):
-            set_buffer_pressures(parameters, state)
+            if parameters.open_boundaries:
+                set_buffer_pressures(parameters, state)
             began = power_of_base_excitation(parameters, state) + float(state.budget[RATE]), bool(state.ready[0])
             step(parameters, state, workspace, parameters.time_step / divisions)
             add_work(parameters, state, workspace, began, parameters.time_step / divisions)
-            if failed(parameters, state):
+            if parameters.projection is not None and failed(parameters.projection, state):
                 return DIVERGED
             if parameters.passive_tracers.start[-1]:
                 move_passive_particles(
@@ -103,7 +104,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions
         state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
-        if exchange_due(parameters, state):
+        if crossed and exchange_due(parameters, state):
             status = EXCHANGE
             break
     # A state that the last step made invalid must not be recorded.

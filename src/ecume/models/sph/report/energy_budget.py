@@ -264,7 +264,8 @@ def powers_of_forces(now: Parameters, state: State, workspace: Workspace) -> tup
     if dummies_work(now):
         compressing = power_of_dummies(now, state, workspace)
         power += compressing
-    power += power_on_bodies(now, state, workspace)
+    if now.bodies.shapes:
+        power += power_on_bodies(now, state, workspace)
     return power + power_of_buffers(now, state, workspace) if now.open_boundaries else power, compressing
 
 
