@@ -4,6 +4,7 @@ import dataclasses
 import math
 import tomllib
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from ecume.models.sph import SPH
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
+from tests.models.sph.test_sources import ball, stl
 
 CASES = Path(__file__).parent / "cases"
 GRAVITY = 9.81
@@ -93,6 +95,61 @@ def test_right_disc(density, moved):
     plain |= {"duration": 0.05, "bodies": [{**plain["bodies"][0], "density": density}]}
     first, *_, last = simulate(from_plain(plain))
     assert last.numbers["body0_y"] - first.numbers["body0_y"] == pytest.approx(moved, abs=2e-4)
+
+
+@pytest.mark.compiled
+@pytest.mark.long
+def test_right_square():
+    """A square prism of half the density of water floats with a corner down."""
+    frames = list(simulate(case("right_square")))
+    turned = 3.0 + np.degrees([frame.numbers["body0_angle"] for frame in frames if frame.time > 5.0])
+    assert np.mean(turned) == pytest.approx(45.0, abs=2.0)
+    assert np.std(turned) < 4.0
+
+
+def beside_its_mesh(folder, name):
+    """The scene of a case beside the file that it reads: one ball of 1 m, or two of 0.6 m that overlap by half."""
+    whole, halves = [(0.5, 0.0)], [(0.3, -0.15), (0.3, 0.15)]
+    parts = halves if name == "stl_overlapping_shells" else whole
+    parts_of = [ball(1000.0 * radius, [1000.0 * x, 0.0, 0.0]) for radius, x in parts]
+    triangles = np.round(np.concatenate(parts_of), 6) + 0.0
+    triangles = triangles[[len(np.unique(each, axis=0)) == 3 for each in triangles]]
+    text = (CASES / f"{name}.toml").read_text()
+    (folder / f"{name if len(parts) > 1 else 'stl_large'}.stl").write_text(stl(triangles))
+    (folder / f"{name}.toml").write_text(text)
+    return load_scene(folder / f"{name}.toml")
+
+
+def test_stl_overlapping_shells(tmp_path):
+    """Their union is filled, the overlap too, and no particle is heavier than its cell."""
+    pytest.importorskip("trimesh")
+    scene = beside_its_mesh(tmp_path, "stl_overlapping_shells")
+    state = SPH.start(scene, SPH.parameters(scene))
+    assert state.mass.sum() / 1000.0 == pytest.approx(0.191, rel=0.02)
+    assert (np.linalg.norm(state.position, axis=0) < 0.1).sum() > 20
+    assert state.mass.max() < 1.1 * 1000.0 * scene.spacing**3
+
+
+@pytest.mark.compiled
+@pytest.mark.long
+def test_stl_large(tmp_path):
+    """A report on half a million particles takes seconds of processor time; it took more than two minutes."""
+    pytest.importorskip("trimesh")
+    scene = beside_its_mesh(tmp_path, "stl_large")
+    began = process_time()
+    rows = {name: value for name, value, _ in SPH.summary(scene)}
+    assert process_time() - began < 30.0
+    assert int(rows["particles"]) == pytest.approx(math.pi / 6.0 / scene.spacing**3, rel=0.01)
+
+
+@pytest.mark.parametrize("name", ["stl_body", "stl_obstacle"])
+def test_gate_and_cad_solids(tmp_path, name):
+    """Solids from STL files: the liquid stays out of the ball."""
+    pytest.importorskip("trimesh")
+    scene = beside_its_mesh(tmp_path, name)
+    state = SPH.start(scene, SPH.parameters(scene))
+    assert np.linalg.norm(state.position, axis=0).min() > 0.48
+    assert state.mass.sum() == pytest.approx(1000.0 * (4.0 - 0.5 * math.pi / 6.0), rel=0.01)
 
 
 def test_drop_on_plate():

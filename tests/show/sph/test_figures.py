@@ -84,6 +84,22 @@ def test_gauges_are_drawn_by_kind_over_time(frames):
     assert [text.get_text() for text in velocity.get_legend().get_texts()] == ["V_1_x", "V_2_x"]
 
 
+@pytest.mark.parametrize(("method", "remarks"), [("incompressible", [1, 0]), ("tait", [0, 0])])
+def test_single_readings_of_an_incompressible_liquid_are_called_so(frames, method, remarks):
+    """Where it may hit a wall: their size depends on the time step."""
+    read = [
+        frame._replace(
+            numbers={**frame.numbers, "P_pressure": frame.time, "P_level": 1.0},
+            units=frame.units | {"P_pressure": "Pa", "P_level": "m"},
+        )
+        for frame in frames
+    ]
+    probe = {"name": "P", "position": [1.0, 0.2], "quantities": ["pressure", "level"]}
+    drawn = figures.gauges(read, scene_of(gauges=[probe], method={"pressure": method}))
+    found = [sum("averages" in text.get_text() for text in axes.texts) for axes in drawn.axes]
+    assert found == remarks
+
+
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
     with pytest.raises(BadInput, match="no gauges"):
         figures.gauges(frames, scene)

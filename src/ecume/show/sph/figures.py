@@ -15,6 +15,7 @@ from ecume.analysis.pressures import with_pressures
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.laws.hydrostatics import column_height, column_pressure
+from ecume.models.sph.setup.choices import free_surface, pressure_of
 from ecume.show.curves import (
     Frames,
     cut_spikes,
@@ -29,7 +30,7 @@ from ecume.show.curves import (
 from ecume.show.sph.liquid import free_lines, walls_at
 from ecume.show.sph.picture import DERIVED, liquid_picture
 from ecume.show.sph.solids import rectangle, solid_cells
-from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -274,10 +275,24 @@ def gauges(frames: Frames, scene: SphScene) -> Figure:
             axes.margins(x=0)
             cut_spikes(axes, instants, scale.factor * np.array(curves), scale.unit)
             axes.set_ylabel(f"{kind.replace('_', ' ')} ({scale.unit})")
+            if single_readings(frames, scene, kind, names):
+                axes.text(0.99, 0.96, SINGLE, transform=axes.transAxes, ha="right", va="top", color=MUTED, fontsize=8)
             legend_outside(axes)
         drawn.axes[0].set_title(titled("Gauges", scene))
         drawn.axes[-1].set_xlabel("time (s)")
     return drawn
+
+
+SINGLE = "single readings: at impacts only averages are meaningful"
+"""The remark on pressures of an incompressible liquid with a free surface, which grow at impacts as steps shorten."""
+
+
+def single_readings(frames: Frames, scene: SphScene, kind: str, names: Sequence[str]) -> bool:
+    """Whether the values of a kind of gauge are pressures to which this remark applies."""
+    if GAUGE_UNITS[kind] != "Pa" or pressure_of(scene).compressible or not free_surface(scene):
+        return False
+    sampled, spec = samples_of(frames), scene.output.samples
+    return sampled is None or not set(names) <= set(sampled.names) or spec is None or spec.block == 1
 
 
 def _over_time(frames: Frames, shown: Sequence[Frame], names: Sequence[str]) -> tuple[Array, list[Array]]:
