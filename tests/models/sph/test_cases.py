@@ -143,7 +143,7 @@ def test_stl_large(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["stl_body", "stl_obstacle"])
-def test_gate_and_cad_solids(tmp_path, name):
+def test_cad_solids(tmp_path, name):
     """Solids from STL files: the liquid stays out of the ball."""
     pytest.importorskip("trimesh")
     scene = beside_its_mesh(tmp_path, name)
