@@ -16,10 +16,10 @@ from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume_validation import drops, full_tanks
+from ecume_validation.reproduced import draw_midlines
 from ecume_validation.runner import case_scene, read_table
 
 TAUS = (0.0225, 0.045, 0.1125, 0.225, 0.5)
-COARSE = "spacing=0.04"
 
 
 def confined() -> Figure:
@@ -28,7 +28,7 @@ def confined() -> Figure:
     left, middle, right = drawn.subplots(1, 3)
     _errors(left)
     _profiles(middle)
-    _lines(right)
+    draw_midlines(right)
     return drawn
 
 
@@ -55,21 +55,6 @@ def _profiles(axes: Axes) -> None:
         axes.plot(frame.arrays["velocity"][:, 0], frame.arrays["position"][:, 1], ".", color=PALETTE[0], markersize=4)
     axes.set(xlabel="speed", ylabel="height", xlim=(0, 1.05), ylim=(0, 1))
     axes.set_title("Starting channel flow, 15 across")
-
-
-def _lines(axes: Axes) -> None:
-    *_, last = simulate(case_scene("cavity", [COARSE]))
-    along = np.linspace(0.01, 0.99, 99)
-    half = np.full(99, 0.5)
-    for line, color in zip(full_tanks.LINES, (PALETTE[0], PALETTE[1]), strict=True):
-        places = np.stack([half, along] if line == "u" else [along, half], axis=1)
-        found = full_tanks.velocity_at(last, places, 0.08)[:, full_tanks.LINES[line]]
-        axes.plot(along, found, color=color, label=f"{line}, {'vertical' if line == 'u' else 'horizontal'} midline")
-        place, expected = full_tanks.table(line)
-        axes.plot(place[:, 1 if line == "u" else 0], expected, "o", color=INK, markersize=4, fillstyle="none")
-    axes.set(xlabel="position / L", ylabel="velocity", xlim=(0, 1))
-    axes.set_title("Lid-driven cavity, 25 per side")
-    axes.legend()
 
 
 def free() -> Figure:

@@ -18,7 +18,6 @@ from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import PREFACTORS, SoftPair, passage_time, surface_force
 from ecume.laws.surfaces import bubble_force
-from ecume.models.soft import t1_process
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
@@ -26,6 +25,7 @@ from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
 from ecume.simulation import simulate
+from ecume_validation.reproduced import t1_course, t1_durations, t1_phases
 from ecume_validation.rheology import computed, fitted
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
@@ -33,67 +33,6 @@ SMALL = (
     "duration=0.8 s", "frame_every=0.8 s", "particles[0].count=35", "particles[1].count=35",
     "cell.size=[0.0207, 0.0207]",
 )  # fmt: skip
-FORCES = (-2.0, -1.5, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 1.5, 2.0)
-LOOKS = {"t1": ("o", PALETTE[2], "swap (T1)"), "blocked": ("s", PALETTE[0], "blocked"),
-         "dissociated": ("x", PALETTE[1], "dissociated")}  # fmt: skip
-
-
-def t1_phases() -> Figure:
-    """What becomes of four spheres under every pair of forces: the paper's third figure."""
-    drawn = figure(5.6, 4.4)
-    axes = drawn.add_subplot(xlabel="F_h (E R²/1000), inward", ylabel="F_v (E R²/1000), inward")
-    found: dict[str, list[tuple[float, float]]] = {name: [] for name in LOOKS}
-    for across in FORCES:
-        for along in FORCES:
-            if across != along / math.sqrt(3.0):
-                outcome = t1_process(gap=1e-2, forces=(1e-3 * across, 1e-3 * along), rtol=1e-5).outcome
-                found[outcome].append((across, along))
-    for name, (marker, color, label) in LOOKS.items():
-        axes.plot(*zip(*found[name], strict=True), marker, color=color, label=label, markersize=6)
-    axes.plot([0.0, 2.0 / math.sqrt(3.0)], [0.0, 2.0], color=INK, linewidth=1.0, label="F_h = F_v/√3")
-    legend_outside(axes)
-    return drawn
-
-
-def t1_course() -> Figure:
-    """Angle, gaps and forces of one swap: the paper's fourth figure."""
-    found = t1_process(gap=1e-3, reduced_force=1e-3, rtol=1e-6, threshold=0.99)
-    drawn = figure(7.2, 5.6)
-    angle, gap, force = drawn.subplots(3, 1, sharex=True)
-    angle.plot(found.time, np.degrees(found.curve("angle")), color=INK)
-    angle.set(ylabel="angle (°)", title="κ = 10⁻³, h₀ = 10⁻³ R")
-    for name, color in zip(("horizontal", "vertical", "diagonal"), PALETTE, strict=False):
-        gap.plot(found.time, found.curve(f"gap_{name}"), color=color)
-        force.plot(found.time, found.curve(f"tension_{name}"), color=color, label=name)
-    force.plot(found.time, found.curve("sliding_force"), "--", color=MUTED, label="sliding, diagonal")
-    gap.set(yscale="log", ylabel="gap / R")
-    force.set(ylabel="tension / F_N", xlabel="time (η R²/F_N)", ylim=(-1.8, 1.2))
-    legend_outside(force)
-    return drawn
-
-
-def t1_durations() -> Figure:
-    """How long swaps take over the gap and over the force, with both asymptotes: the paper's fifth figure."""
-    drawn = figure(9.0, 3.8)
-    left, right = drawn.subplots(1, 2)
-    gaps = np.geomspace(1e-5, 1e-1, 13)
-    for kappa, color in zip((1e-6, 1e-4, 1e-3, 1e-2), PALETTE, strict=False):
-        times = [t1_process(gap=gap, reduced_force=kappa, rtol=1e-6).duration for gap in gaps]
-        left.plot(gaps, times, "o", color=color, markersize=4, label=f"κ = {kappa:.0e}")
-        pair = SoftPair(1.0, 1.0, kappa)
-        left.plot(gaps, [passage_time(pair, kappa, gap, 1.0) for gap in gaps], color=color, linewidth=1.0)
-        left.plot(gaps, 0.75 * math.pi * kappa ** (4 / 3) / gaps**2, ":", color=color, linewidth=1.0)
-    left.plot(gaps, 1.5 * math.pi * np.log(1.0 / gaps), "--", color=INK, linewidth=1.0, label="Poiseuille")
-    left.set(xscale="log", yscale="log", xlabel="h₀ / R", ylabel="duration (η R²/F_N)", ylim=(5, 2e8))
-    left.legend()
-    kappas = np.geomspace(1e-6, 1e-2, 17)
-    for gap, color in zip((1e-2, 1e-3, 1e-4), PALETTE, strict=False):
-        times = [t1_process(gap=gap, reduced_force=kappa, rtol=1e-6).duration / kappa for kappa in kappas]
-        right.plot(kappas, times, "o-", color=color, markersize=4, linewidth=1.0, label=f"h₀ = {gap:g} R")
-    right.set(xscale="log", yscale="log", xlabel="κ = F_N/(E R²)", ylabel="duration (η/E)")
-    right.set_title("Duration over the force")
-    right.legend()
-    return drawn
 
 
 def sheared_packing() -> Figure:

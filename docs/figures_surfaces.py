@@ -19,6 +19,7 @@ from ecume.show.style import INK, PALETTE, figure
 from ecume.simulation import simulate
 from ecume_validation import dam_break as dam
 from ecume_validation import standing_wave as wave
+from ecume_validation.reproduced import draw_front, draw_levels
 from ecume_validation.runner import case_scene
 
 WALLS = {
@@ -60,26 +61,9 @@ def dam_break() -> Figure:
         axis.set(xlim=(0, dam.FAR_WALL), ylim=(0, 1.6), title=f"t √(g/H) = {time:g}")
         liquid(axis, scene, frame, frame.arrays["pressure"], scale_to(1.0))
     run = dam.gauged(frames, dam.FAR_WALL, 0.1)
-    _front(drawn.add_subplot(grid[3, 0]), run)
-    _levels(drawn.add_subplot(grid[3, 1]), run)
+    draw_front(drawn.add_subplot(grid[3, 0]), run)
+    draw_levels(drawn.add_subplot(grid[3, 1]), run)
     return drawn
-
-
-def _front(axis: Axes, run: dam.Broken) -> None:
-    early = run.times <= 2.4
-    axis.plot(run.times[early], run.fronts[early], color=PALETTE[0], label="ecume, H/40")
-    axis.plot(*dam.published("front", "wcsph-400"), "o", color=INK, markersize=4, label="SPH, H/400 (published)")
-    axis.set(xlabel="t √(g/H)", ylabel="front / H")
-    axis.legend()
-
-
-def _levels(axis: Axes, run: dam.Broken) -> None:
-    for number, (gauge, color) in enumerate(zip(dam.GAUGES, PALETTE, strict=False)):
-        axis.plot(run.times, run.levels[:, number], color=color, label=gauge)
-        times, depths = dam.published(f"level_{gauge}", "run-A")
-        axis.plot(times[times <= 5.0], depths[times <= 5.0], "o", color=color, markersize=4)
-    axis.set(xlabel="t √(g/H)", ylabel="level / H; dots: experiment")
-    axis.legend()
 
 
 def standing_wave() -> Figure:

@@ -35,6 +35,7 @@ cannot be read or written, 75 stopped with a checkpoint (continue with `ecume re
 ALONE = (
     scenes.new,
     comparisons.validate,
+    comparisons.reproduce,
     comparisons.bench,
     runs.resume,
     runs.info,

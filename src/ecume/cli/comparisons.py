@@ -1,4 +1,4 @@
-"""The verbs validate and bench: comparisons with published numbers, and speed in comparison with other packages."""
+"""The verbs validate, reproduce and bench: comparisons with published numbers and figures, and with other packages."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import typer
 
 from ecume.cli.endings import say
 from ecume.cli.output import Json, Record, echo, keep, print_json, print_table
+from ecume.cli.pictures import PictureFormat
 from ecume.cli.progress import lasting
 from ecume.errors import BadInput, EcumeError, install
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from ecume_validation import Case
+    from ecume_validation.reproduced import Reproduced
     from ecume_validation.runner import Row
 
 
@@ -40,6 +42,59 @@ def _cases() -> dict[str, Case]:
             "pip install ./packaging/validation"
         ) from None
     return CASES
+
+
+def _reproduced() -> dict[str, Reproduced]:
+    """The table of figures of papers. Raises BadInput where the package that contains them is not installed."""
+    _cases()
+    from ecume_validation.reproduced import REPRODUCED
+
+    return REPRODUCED
+
+
+def reproduce(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Names of figures; default: list all.", show_default=False),
+    ] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Output folder.")] = Path("reproduced"),
+    form: PictureFormat = "png",
+    quick: Annotated[bool, typer.Option("--quick", help="Draw few points or particles.")] = False,
+) -> None:
+    """Draw figures of papers again, with their data.
+
+    Writes each figure, the points of its curves as NAME.csv, and NAME.txt with the paper, the source of the data, and
+    the command.
+
+    Examples: `ecume reproduce` · `ecume reproduce t1-course` · `ecume reproduce dam-front --format pdf -o figures`
+    """
+    from ecume.cli.pictures import require_picture, wrote
+    from ecume.scenes.faults import suggestion
+
+    known = _reproduced()
+    if not names:
+        rows = [(one.name, one.paper, one.shown, "takes minutes" if one.long else "") for one in known.values()]
+        print_table(("figure", "paper", "what it shows", ""), rows)
+        return
+    require_picture(None, form)
+    for name in names:
+        if name not in known:
+            raise BadInput(f"no figure {name!r}; {suggestion(name, known)}")
+    from ecume._version import __version__
+    from ecume.show.publishing import written_data
+    from ecume.show.style import save, style
+    from ecume.trajectories.records import storing, write_whole
+    from ecume_validation.reproduced import described
+
+    for name in dict.fromkeys(names):
+        with style():
+            drawn = known[name].draw(quick=quick)
+        with storing(out):
+            out.mkdir(parents=True, exist_ok=True)
+        wrote(written_data(drawn, out / f"{name}.csv"), quiet=False)
+        command = f"ecume reproduce {name}{' --quick' * quick}"
+        write_whole(out / f"{name}.txt", described(known[name], command, __version__))
+        wrote(save(drawn, out / f"{name}.{form}"), quiet=False)
 
 
 def _case_names(incomplete: str) -> list[str]:
@@ -302,5 +357,5 @@ def _output_of(command: list[str]) -> tuple[int, str]:
     return process.returncode, "".join(lines)
 
 
-VERBS = (validate, bench)
+VERBS = (validate, reproduce, bench)
 """The verbs of this file."""
