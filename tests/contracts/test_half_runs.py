@@ -74,6 +74,7 @@ TOGETHER = [
     ("springs", "noise"),
     ("noise", "flow of neighbors", "friction"),
     ("noise", "flow of neighbors", "no contacts"),
+    ("noise", "shapes"),
 ]
 """Options whose states meet only together."""
 

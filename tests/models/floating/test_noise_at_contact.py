@@ -6,41 +6,16 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.scenes.load import load_scene
+from tests.models.floating.brownian_discs import RADIUS, discs_at
 from tests.oracles.hard_discs import gap_counts, lattice, monte_carlo
 
-RADIUS, SIDE = 1e-6, 6.0
-DISCS = """\
-model = "floating"
-duration = {duration}
-frame_every = {every}
-seed = 4
-[liquid]
-density = 1000.0
-viscosity = 1e-3
-surface_tension = 0.0728
-[[particles]]
-radius = 1e-6
-density = 1000.0
-contact_angle = 1.5707963267948966
-positions = {places}
-{around}
-[interaction]
-law = "none"
-[contacts]
-restitution = 0.0
-[integration]
-integrator = "overdamped"
-[hydrodynamics]
-brownian = true
-"""
+SIDE = 6.0
 
 
 def gaps_of_two(around, duration, every=0.03):
     """The gaps between two discs in a periodic square, in radii."""
-    places = [[-1.5e-6, 0.0], [1.5e-6, 0.0]]
-    text = DISCS.format(around=around, duration=duration, every=every, places=places)
-    place = np.array([frame.arrays["position"] for frame in ecume.simulate(load_scene(text))]) / RADIUS
+    scene = discs_at([[-1.5, 0.0], [1.5, 0.0]], around, duration=duration, every=every)
+    place = np.array([frame.arrays["position"] for frame in ecume.simulate(scene)]) / RADIUS
     apart = place[:, 0] - place[:, 1]
     apart -= SIDE * np.round(apart / SIDE)
     return np.hypot(*apart.T) - 2.0
@@ -73,10 +48,9 @@ def test_gaps_of_two_discs_are_those_of_equilibrium_from_contact_on():
 @pytest.mark.compiled
 def test_a_hundred_discs_have_the_pair_distribution_and_the_pressure_of_monte_carlo():
     side, edges = np.sqrt(100 * np.pi / 0.3), np.array([0.0, 0.01, 0.03, 0.05, 0.1, 0.2])
-    places = ((lattice(100, side) - side / 2.0) * RADIUS).tolist()
     cell = f"[cell]\nsize = [{side * RADIUS}, {side * RADIUS}]"
-    text = DISCS.format(around=cell, duration=600.0, every=0.1, places=places)
-    frames = [frame.arrays["position"] / RADIUS for frame in ecume.simulate(load_scene(text))]
+    scene = discs_at(lattice(100, side) - side / 2.0, cell, duration=600.0, every=0.1)
+    frames = [frame.arrays["position"] / RADIUS for frame in ecume.simulate(scene)]
     found = gap_counts(np.array(frames[20:]), side, edges)
     # Two thousand configurations of Monte Carlo are within 2 %.
     assert found == pytest.approx(gap_counts(monte_carlo(100, side, 12_000, 1), side, edges), rel=0.06)

@@ -21,7 +21,7 @@ from ecume.models.floating.contacts.thermal_collisions import (
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
-from tests.models.floating.test_noise_at_contact import DISCS, RADIUS
+from tests.models.floating.brownian_discs import RADIUS, discs_at
 
 ALONE = Flow(np.zeros(0), 0.0)
 pytestmark = pytest.mark.filterwarnings("ignore:overflow encountered")  # philox, by design
@@ -42,18 +42,6 @@ def test_a_step_in_front_of_a_wall_has_the_exact_distribution(start, drift):
     assert found == pytest.approx(exact, abs=4.0 * np.sqrt(0.25 / count))
 
 
-def scene_of(places, radii, around, more="", duration=1.0):
-    """Hard discs without attraction, some of another size, and thermal noise."""
-    text = DISCS.format(around=around, duration=duration, every=duration, places="[]")
-    particles = "".join(
-        f'[[particles]]\nname = "s{k}"\nradius = {radius * RADIUS}\ndensity = 1000.0\ncontact_angle = "90 deg"\n'
-        f"positions = {[[float(x) * RADIUS for x in place]]}\n"
-        for k, (place, radius) in enumerate(zip(places, radii, strict=True))
-    )
-    begin, end = text.index("[[particles]]"), text.index(around) if around else text.index("[interaction]")
-    return load_scene(text[:begin] + particles + text[end:] + more)
-
-
 def contacts_at(scene):
     """The parameters, the state, all contacts of the first step, and the shares of both floats in each."""
     model = MODELS["floating"]
@@ -70,7 +58,7 @@ def test_collisions_exert_opposite_forces_and_leave_no_overlap(seed):
     dice = np.random.default_rng(seed)
     spots = np.array([[x, y] for x in range(4) for y in range(3)]) * 2.04 + 0.03 * dice.random((12, 2))
     radii = dice.choice([1.0, 0.8], 12)
-    scene = scene_of(spots - spots.mean(axis=0), radii, "")
+    scene = discs_at(spots - spots.mean(axis=0), radii=radii.tolist())
     parameters, state, contacts, share = contacts_at(scene)
     time, mass = parameters.time_step, 1.0 / parameters.kick.gain
     speed = 0.3 * RADIUS / time
@@ -87,7 +75,7 @@ def test_collisions_exert_opposite_forces_and_leave_no_overlap(seed):
 
 
 def test_a_collision_without_forces_is_elastic_for_masses_that_are_inverse_to_the_mobilities():
-    scene = scene_of([[-1.01, 0.0], [0.81, 0.0]], [1.0, 0.8], "")
+    scene = discs_at([[-1.01, 0.0], [0.81, 0.0]], radii=[1.0, 0.8])
     parameters, state, contacts, share = contacts_at(scene)
     time, gain = parameters.time_step, parameters.kick.gain
     velocity = np.array([[0.05, 0.0], [-0.03, 0.0]]) * RADIUS / time
@@ -99,7 +87,7 @@ def test_a_collision_without_forces_is_elastic_for_masses_that_are_inverse_to_th
 
 
 def test_lasting_contacts_are_left_to_the_solver():
-    scene = scene_of([[-1.001, 0.0], [1.001, 0.0]], [1.0, 1.0], "")
+    scene = discs_at([[-1.001, 0.0], [1.001, 0.0]])
     parameters, state, contacts, share = contacts_at(scene)
     spread = math.sqrt(2.0 * parameters.drift.thermal * share[0].sum() * parameters.time_step)
     fast = spread / parameters.time_step
@@ -118,14 +106,14 @@ def test_lasting_contacts_are_left_to_the_solver():
 ])  # fmt: skip
 def test_dense_discs_end_their_steps_apart_and_inside(around, more):
     spots = [[2.1 * x, 2.1 * y] for x in (-1, 0, 1) for y in (-1, 0, 1)]
-    scene = scene_of(spots, [1.0] * 9, around, more, duration=0.15)
+    scene = discs_at(spots, around, more=more, duration=0.15)
     for frame in simulate(scene):
         assert frame.numbers["deepest_overlap"] < 1e-4 * RADIUS
         assert frame.numbers["unconverged_steps"] == 0.0
 
 
 def test_a_step_has_more_intervals_the_stronger_forces_press():
-    parameters, _, contacts, share = contacts_at(scene_of([[-1.001, 0.0], [1.001, 0.0]], [1.0, 1.0], ""))
+    parameters, _, contacts, share = contacts_at(discs_at([[-1.001, 0.0], [1.001, 0.0]]))
     fast = math.sqrt(2.0 * parameters.drift.thermal * share[0].sum() / parameters.time_step)
     for ratio, number in ((0.0, 1), (0.9 * SOFTLY, 1), (1.9 * SOFTLY, 4), (2.7, MOST_INTERVALS), (2.9, 1)):
         driven = 0.5 * ratio * fast * np.array([[1.0, 0.0], [-1.0, 0.0]])
@@ -133,7 +121,7 @@ def test_a_step_has_more_intervals_the_stronger_forces_press():
 
 
 def test_the_noise_of_intervals_leaves_that_of_the_step_and_has_their_variance():
-    parameters, state, contacts, _ = contacts_at(scene_of([[-1.001, 0.0], [1.001, 0.0], [9.0, 0.0]], [1.0] * 3, ""))
+    parameters, state, contacts, _ = contacts_at(discs_at([[-1.001, 0.0], [1.001, 0.0], [9.0, 0.0]]))
     found, time = [], parameters.time_step
     for step in range(800):
         state.step[0] = step
