@@ -11,7 +11,7 @@ from ecume.models.sph import SPH
 from ecume.models.sph.boundaries import touching_solids
 from ecume.models.sph.boundaries.touching_solids import exchanged_loads, kernel_sums
 from ecume.models.sph.setup.walls_and_bodies import PANEL
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN
 
 RADIUS, SPACING = 0.15, 0.05
@@ -106,6 +106,31 @@ def test_the_energy_budget_takes_the_loads_that_moved_the_bodies(monkeypatch):
     monkeypatch.setattr(touching_solids, "exchanged_loads", None)  # `right_hand_side` has its own
     *_, after = ecume.simulate(scene)
     assert after.numbers["injected_work"] == before.numbers["injected_work"] != 0.0
+
+
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+@pytest.mark.parametrize("place", [(0.5, 0.4), (0.5, 0.25)])
+def test_loads_of_a_mirrored_tank_are_mirrored(place, walls):
+    """Also of a disc that two walls are equally close to: the exchange once took the first of them."""
+    found = []
+    for x, sign in ((place[0], 1.0), (1.0 - place[0], -1.0)):
+        scene = pool(spacing=0.125, walls=walls, obstacles=[{"center": [x, place[1]], "radius": 0.2}])
+        plain = to_plain(scene)
+        plain["tank"]["high"], plain["fluid"] = [1.0, 1.5], [{"low": [0.0, 0.0], "high": [0.5, 1.0]}]
+        if sign < 0.0:
+            plain["fluid"] = [{"low": [0.5, 0.0], "high": [1.0, 1.0]}]
+        numbers = next(iter(ecume.simulate(from_plain(plain)))).numbers
+        sides = ("left", "right", "bottom", "obstacle0")
+        other = {"left": "right", "right": "left"} if sign < 0.0 else {}
+        found.append(
+            [
+                numbers[f"{other.get(side, side)}_force_{axis}"] * (sign if axis == "x" else 1.0)
+                for side in sides
+                for axis in "xy"
+            ]
+        )
+    np.testing.assert_allclose(found[0], found[1], atol=1e-12)
+    assert np.abs(found[0]).max() > 0.1
 
 
 @pytest.mark.parametrize("bodies", [[disc(RADIUS, density=2.0)], [disc(RADIUS, density=2.0), disc(0.46, density=0.5)]])

@@ -210,7 +210,7 @@ def exchanged_loads(
         points = mine.middle + product(local, mine.turn.T)
         gaps = gaps_of(now, solids, mine, points)
         least = {owner: float(gap.min()) for owner, gap in gaps.items()}
-        share = min(1.0, 2.0 - 2.0 * min(least.values(), default=np.inf) / now.support)
+        share = _share(now, min(least.values(), default=np.inf))
         if share <= 0.0:
             continue
         gap = np.min(list(gaps.values()), axis=0)
@@ -249,39 +249,55 @@ def _along_walls(
     wall: half of it acts between parts of the wall. In a corner of the tank it is on the dummies there (`bearer`).
     """
     boundary, (force, place) = now.boundary, on_dummies
-    touched = [owner for owner in least if owner < 2 * now.dimension and least[owner] < now.support]
-    for wall in touched:
+    sides = {owner: _share(now, gap) for owner, gap in least.items() if owner < 2 * now.dimension}
+    for wall, touched in sides.items():
         of_wall = boundary.dummies.bearer == wall
-        if not of_wall.any() or len({owner // 2 for owner in touched}) < 2:
+        if touched == 0.0 or not of_wall.any():
             continue
         near = of_wall.any(axis=0)
         near[near] = mine.gap(place[: now.dimension, near].T) < now.support
-        for axis in {owner // 2 for owner in touched} - {wall // 2}:
-            other = min((owner for owner in touched if owner // 2 == axis), key=lambda owner: least[owner])
+        for other, share in sides.items():
+            axis = other // 2
+            if axis == wall // 2 or share == 0.0:
+                continue
+            opposite = sides.get(other ^ 1, 0.0)
+            part = 0.5 * min(touched, max(share, opposite)) * share / (share + opposite)
             along = np.zeros((3, int(near.sum())))
-            along[axis] = 0.5 * force[axis, near] * of_wall[axis, near]
+            along[axis] = part * force[axis, near] * of_wall[axis, near]
             yield other, total(along, place[:, near], boundary.centers[other])
-            lost = total(-along, place[:, near], boundary.centers[wall])
-            yield wall, lost
+            yield wall, total(-along, place[:, near], boundary.centers[wall])
 
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
-    """Yield the additional loads of a solid and of its neighbors, which add up to zero: along each axis the neighbor is
-    the nearest wall within a support, or else the nearest solid. Each of two solids gets half of the difference that it
-    has and half of the other's.
+    """Yield the additional loads of a solid and of its neighbors, which add up to zero: see `_portions`. Each of two
+    solids gets half of the difference that it has and half of the other's.
     """
     centers, (force, torque) = now.boundary.centers, more
-    nearest = min(least, key=lambda owner: least[owner])
-    for axis in range(3):
-        walls = [owner for owner in (2 * axis, 2 * axis + 1) if least.get(owner, np.inf) < now.support]
-        other = min(walls, key=lambda owner: least[owner]) if walls and axis < now.dimension else nearest
-        part = np.zeros(3)
-        part[axis] = force[axis] * (1.0 if other < 2 * now.dimension else 0.5)
-        yield mine.owner, (part, np.zeros(3))
-        yield other, (-part, -np.cross(centers[mine.owner] - centers[other], part))
-    turn = torque * (1.0 if nearest < 2 * now.dimension else 0.5)
-    yield mine.owner, (np.zeros(3), turn)
-    yield nearest, (np.zeros(3), -turn)
+    weight = {owner: share for owner, gap in least.items() if (share := _share(now, gap)) > 0.0}
+    portions = np.array([_portions(now, weight, axis) for axis in range(3)]).T
+    whole = sum(weight.values())
+    for other, portion in zip(weight, portions, strict=True):
+        once = 1.0 if other < 2 * now.dimension else 0.5
+        part, turn = once * portion * force, once * weight[other] / whole * torque
+        yield mine.owner, (part, turn)
+        yield other, (-part, -turn - np.cross(centers[mine.owner] - centers[other], part))
+
+
+def _share(now: Parameters, gap: float) -> float:
+    """How much of the integral counts at this least gap: all of it up to half a support, nothing from a whole one."""
+    return min(1.0, max(0.0, 2.0 - 2.0 * gap / now.support))
+
+
+def _portions(now: Parameters, weight: dict[int, float], axis: int) -> list[float]:
+    """The part of a force along an axis that is exchanged with each neighbor: with walls across the axis as far as the
+    solid touches one, and the rest with all.
+    """
+    across = [share * (owner < 2 * now.dimension and owner // 2 == axis) for owner, share in weight.items()]
+    most, total_across, whole = max(across), sum(across) or 1.0, sum(weight.values())
+    return [
+        most * wall / total_across + (1.0 - most) * share / whole
+        for wall, share in zip(across, weight.values(), strict=True)
+    ]
 
 
 def power_on_bodies(now: Parameters, state: State, workspace: Workspace) -> float:
