@@ -141,7 +141,7 @@ def _on_time(scene: Common, frame: Frame, number: float) -> Frame:
 
 
 class Integration:
-    """The open loop of one simulation: a workspace that grows, and how many steps fit into the patience."""
+    """The state of one simulation: its workspace, which grows on demand, and the number of steps per pause."""
 
     def __init__(self, model: Model, parameters: Any, state: Any, patience: float) -> None:
         from ecume._jit import require_threads
@@ -157,7 +157,7 @@ class Integration:
         return self.model.observe(self.parameters, self.state, self.workspace)
 
     def renew(self) -> None:
-        """Make a new workspace, after a change of the state."""
+        """Allocate a new workspace after a change of the state."""
         self.workspace = self.model.workspace(self.parameters, self.state, self.room)
 
     def go(self, most: int) -> None:

@@ -48,7 +48,7 @@ ROOM = 293.15
 
 @dataclass(frozen=True)
 class Unit:
-    """The SI unit of an annotated number. `symbol` is what Pint reads: `kg/m^3`."""
+    """The SI unit of an annotated number; `symbol` is a text for Pint: `kg/m^3`."""
 
     symbol: str
 
@@ -93,7 +93,9 @@ def parse(text: str, symbol: str) -> float:
 
 
 def _converted(number: str, unit: str, symbol: str) -> float:
-    """So many `unit` in units of `symbol`, through fractions, so that "1.7 mm" is the same float as 0.0017."""
+    """The value of a number of `unit` in units of `symbol`, computed by fractions, so that "1.7 mm" is the same float
+    as 0.0017.
+    """
     shift, scale = _offset(unit) if symbol == "K" else ("0", repr(factor(unit, symbol)))
     try:
         return float((Fraction(number) + Fraction(shift)) * Fraction(scale))
@@ -291,7 +293,7 @@ NAMED: Mapping[str, tuple[Fraction, Mapping[str, int]]] = {
 }
 """Units by value and powers of SI base units. Scenes with these need no Pint, which takes a quarter of a second."""
 NOT_PREFIXED = {"hbar", *(f"{prefix}min" for prefix in POWERS_OF_TEN)}
-"""A constant of nature, and what is no unit."""
+"""Names that accept no prefix: a constant of nature, and words that are not units."""
 DEGREE = math.pi / 180.0
 
 
@@ -304,7 +306,7 @@ class Base(NamedTuple):
 
 @lru_cache(maxsize=256)
 def base_of(unit: str) -> Base | None:
-    """A product or quotient of prefixed units in base units; None for what only Pint knows.
+    """A product or quotient of prefixed units in base units; None for units that only Pint knows.
 
     >>> base_of("mN/m")
     Base(value=Fraction(1, 1000), powers={'kg': 1, 's': -2})
@@ -345,7 +347,7 @@ def same_dimension(one: str, other: str) -> bool:
 
 
 def _in_base_units(unit: str, symbol: str) -> Any:
-    """One `unit` as Pint knows it, in base units; radians stay apart from plain numbers."""
+    """One `unit` in base units by Pint; radians are distinguished from plain numbers."""
     try:
         one, none = (_registry().Quantity(value, unit).to_base_units() for value in (1.0, 0.0))
     except Exception:  # Pint leaks its tokenizer's and registry's errors; all of them mean an unknown unit.
@@ -356,14 +358,14 @@ def _in_base_units(unit: str, symbol: str) -> Any:
 
 
 def _dimension(quantity: Any) -> str:
-    """The dimension of a quantity, in words where there is one: `length`, `an angle`, `mass / length ** 3`."""
+    """The dimension of a quantity as text: `length`, `an angle`, `mass / length ** 3`."""
     if quantity.dimensionless:
         return "an angle" if str(quantity.units) == "radian" else "a plain number"
     return str(quantity.dimensionality).replace("[", "").replace("]", "")
 
 
 def _snapped(scale: float) -> float:
-    """Without the last-digit noise of Pint's products: 0.001, not 0.0010000000000000002."""
+    """A scale without the rounding errors of Pint's products: 0.001, not 0.0010000000000000002."""
     short = float(f"{scale:.12g}")
     return short if math.isclose(short, scale, rel_tol=1e-15) else scale
 

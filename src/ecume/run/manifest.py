@@ -110,7 +110,7 @@ def record(home: RunDirectory, **facts: Any) -> None:
 
 
 def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -> None:
-    """Record how the work ended."""
+    """Record the outcome of the session."""
     manifest = manifest_of(home)
     ending = {"ended": now(), "to_step": step, "seconds": round(seconds, 3), "outcome": outcome}
     manifest["sessions"][-1] |= ending

@@ -1,4 +1,4 @@
-"""The recording of a run: each frame goes to the trajectory and to the table of numbers."""
+"""The recording of a run: each frame is written to the trajectory and to the table of numbers."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from ecume.trajectories.segments import Repaired
 
 
 class RunSummary(NamedTuple):
-    """One run of a folder; `state` is as in `Info`, or damaged."""
+    """One run of a folder; `state` is as in `Info`, or "damaged"."""
 
     directory: Path
     model: str
@@ -136,8 +136,8 @@ def info(directory: str | os.PathLike[str]) -> Info:
 
 
 def repair(directory: str | os.PathLike[str]) -> Repaired:
-    """Make the remains of a damaged run readable: whole frames are kept, each damaged one is named; other files are
-    made again or set aside.
+    """Repair a damaged run: complete frames are kept, damaged ones are listed, other files are
+    restored or set aside.
     """
     home = existing(directory)
     with held(home):
@@ -212,7 +212,7 @@ class Change(NamedTuple):
 
 
 class QuantityDifference(NamedTuple):
-    """How a quantity differs between the frames of two runs."""
+    """The difference of a quantity between the frames of two runs."""
 
     name: str
     unit: str
@@ -301,7 +301,7 @@ def _same_times(first: NDArray[np.float64], second: NDArray[np.float64]) -> list
 
 
 def _differences(pairs: Iterator[tuple[Frame, Frame]]) -> list[QuantityDifference]:
-    """One entry for each quantity that differs in some pair of frames."""
+    """One entry for each quantity that differs in any pair of frames."""
     found: dict[str, QuantityDifference] = {}
     scales: dict[str, float] = {}
     for first, second in pairs:

@@ -38,7 +38,7 @@ FEWEST = 20
 PART = 0.02
 """The largest fraction of values, and at least two, that may be outliers at either end."""
 FENCE = 1.0
-"""How far beyond the range of all other values an outlier is, in parts of that range."""
+"""The distance of an outlier from the range of all other values, over this range."""
 ROOM = 0.06
 """The margin beyond the limits, over the range."""
 
@@ -88,7 +88,7 @@ def _peaks(values: Array, edge: float) -> list[int]:
 
 
 def _mark(axes: Axes, at: tuple[float, float], text: str, *, up: bool) -> None:
-    """Draw a triangle that points out of the axes, and a value beside it."""
+    """Draw a triangle at the edge of the axes, with a value beside it."""
     axes.plot(*at, marker="^" if up else "v", color=INK, markersize=5, clip_on=False, zorder=5)
     axes.annotate(text, at, (6, 0), textcoords="offset points", va="center", fontsize=8, color=INK)
 
@@ -165,8 +165,8 @@ def number_over_time(frames: Frames, scene: Scene, name: str) -> Figure:
 
 
 def displacement(frames: Frames, scene: Scene) -> Figure:
-    """The mean square displacement over time, beside ballistic and diffusive motion;
-    of particles that enter and leave while they are inside.
+    """The mean square displacement over time with ballistic and diffusive slopes; particles count while they are
+    inside.
     """
     # Frames at equal intervals, so that all lags are exact.
     kept = range(0, len(frames), max(1, len(frames) // MOST_INSTANTS))
@@ -248,12 +248,12 @@ def scaling(values: Any) -> str:
 
 
 def span(instants: Array) -> tuple[float, float] | None:
-    """The interval from the first value to the last, if there are two."""
+    """The interval from the first to the last value; None for fewer than two."""
     return (float(instants[0]), float(instants[-1])) if instants[-1] > instants[0] else None
 
 
 def titled(what: str, scene: Scene) -> str:
-    """The title of a figure: what it shows, and of which scene."""
+    """The title of a figure: the quantity and the scene."""
     return f"{what}: {plain(scene.title).strip()}" if scene.title else what
 
 
@@ -265,7 +265,7 @@ def over_time(drawn: Figure, scene: Scene, what: str) -> Axes:
 
 
 MOST_PANELS = 8
-"""The largest number of panels in a figure; if there are more numbers, the main ones of the model are shown."""
+"""The largest number of panels in a figure; of more numbers, the main ones of the model are drawn."""
 
 
 def samples_of(frames: Frames) -> Samples | None:

@@ -159,7 +159,7 @@ def _webp(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
 
 
 def _gif(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
-    """One palette for all pictures, without dithering: what stands still then costs nothing."""
+    """Write a GIF with one palette for all pictures and without dithering, so that unchanged pixels cost nothing."""
     images = _images(pictures)
     first = next(images)
     palette = _palette(first)
@@ -305,7 +305,7 @@ def film(
     *,
     progress: Reporter | None = None,
 ) -> Path:
-    """Make a movie of frames that need not come from a run, as `movie` does of those that do."""
+    """Make a movie of frames, which need not belong to a run."""
     target = writable(Path(out))
     shown = options.shown(frames)
     picture = picture_of(scene, shown, options, target)
@@ -313,7 +313,7 @@ def film(
 
 
 def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, target: Path) -> Picture:
-    """The open picture in which these frames are shown."""
+    """The open picture for these frames."""
     asked: dict[str, Any] = {"color": options.color, "eye": options.eye, "particles": options.particles or None}
     given = {name: value for name, value in asked.items() if value is not None}
     for name in given:
@@ -326,7 +326,7 @@ def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, targ
 
 
 def pace_text(shown: Sequence[Frame], fps: int) -> str:
-    """The speed of a movie over real time, as it stands beside the time in the picture; empty for a single frame."""
+    """The speed of a movie over real time, as it is shown beside the time; empty for a single frame."""
     span = shown[-1].time - shown[0].time if len(shown) > 1 else 0.0
     return f"   {span / (len(shown) - 1) * fps:.2g} × real time" if span > 0.0 else ""
 

@@ -121,13 +121,13 @@ DPI = 100
 LONGEST_TITLE = 50
 """The largest number of characters of a title."""
 LETTER, CLOCK = 9.0, 90.0
-"""The width of a letter of the title and of the time beside it, in pixels of a picture of the usual size."""
+"""The widths in pixels of a letter of the title and of the time, in a picture of the default size."""
 
 Pixels = NDArray[np.uint8]
 
 
 class Picture:
-    """An open picture of a model's frames: what a row of `FILMS` makes of (scene, sample, size).
+    """An open picture of a model's frames, made by a row of `FILMS` from (scene, sample, size).
 
     `sample` are frames of the run: from them a picture takes its extent, and the range of its colors.
     """
@@ -202,7 +202,7 @@ def species(scene: Scene) -> list[Species]:
 
 
 class Layers:
-    """A figure of which most never changes: that is drawn once, and then only what moves, from the lowest up."""
+    """A figure whose static part is drawn once and whose moving parts are drawn for each frame, from the lowest up."""
 
     def __init__(self, figure: Figure, moving: Sequence[Artist]) -> None:
         self._figure, self._moving = figure, moving
@@ -230,7 +230,7 @@ class Layers:
 
 
 HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
-"""Room above what is shown, right of it and around all, in pixels of a picture of the usual size."""
+"""The space above, right of and around the contents, in pixels of a picture of the default size."""
 NARROWEST, LOWEST = 380.0, 250.0
 """The least width and height of a picture of the usual size that is trimmed, in pixels."""
 
@@ -255,7 +255,7 @@ def _per_meter(width: float, height: float, view: View, side: float) -> float:
 
 
 def axes_for(figure: Figure, view: View, side: float = SIDE) -> Axes:
-    """Axes that show the view, both directions to one scale, without ticks: a scale bar says the lengths."""
+    """Axes for a view, with equal scales and without ticks; a scale bar gives lengths."""
     width, height = DPI * figure.get_size_inches()
     per_meter = _per_meter(width, height, view, side)
     across, along = view.width * per_meter, view.height * per_meter
@@ -267,7 +267,7 @@ def axes_for(figure: Figure, view: View, side: float = SIDE) -> Axes:
 
 
 def discs(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollection | Splat:
-    """The particles of a frame, to scale whatever the picture's size."""
+    """The particles of a frame, drawn to scale for any size of the picture."""
     diameter, place = 2 * frame.arrays["radius"], frame.arrays["position"][:, :2]
     colors = [kinds[kind].color for kind in frame.arrays["species"]]
     if len(diameter) >= MANY:
@@ -288,7 +288,7 @@ def clock(axes: Axes) -> Any:
 
 
 BAR = (6.0, 11.0)
-"""How far the scale bar and its text are above the lower end of the axes, in points."""
+"""The heights of the scale bar and its text above the lower end of the axes, in points."""
 
 
 def scale_bar(axes: Axes, view: View) -> list[Artist]:

@@ -39,7 +39,7 @@ MOST_BYTES = 64 * 2**20
 
 
 class Finish(NamedTuple):
-    """The size of a figure and what it shows beside its curves."""
+    """The size of a figure and its elements beside the curves."""
 
     width: float | None = None
     """m; by default that of the figure"""

@@ -60,7 +60,7 @@ class Site(Protocol):
 
 
 class _Requests(BaseHTTPRequestHandler):
-    """One request."""
+    """The handler of one request."""
 
     server_version, sys_version = "ecume", ""
     timeout = SILENCE
@@ -104,7 +104,7 @@ class _Requests(BaseHTTPRequestHandler):
             return None
 
     def _trusted(self, token: str) -> bool:
-        """Whether a request comes from a page of this server: by its address, its origin, and the token."""
+        """Whether a request comes from a page of this server, by its address, origin and token."""
         host, port = cast("tuple[str, int]", self.server.server_address)
         ours = f"{host}:{port}"
         origin = self.headers.get("Origin", f"http://{ours}")

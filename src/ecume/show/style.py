@@ -1,4 +1,4 @@
-"""One look for all pictures: fonts, lines, and colors that color-blind readers tell apart."""
+"""The common style of all pictures: fonts, lines, and colors suitable for color-blind readers."""
 
 from __future__ import annotations
 
@@ -74,11 +74,11 @@ LIQUID_COLORS = {
     "coffee": "#4a2c1a",
     "syrup": "#c98a4b",
 }
-"""By the name of the substance."""
+"""The colors of liquids by name."""
 DARK_CANVAS = "#12181f"
-"""Of the pages in dark mode."""
+"""The background of pages in dark mode."""
 LEAST_CONTRAST = 2.0
-"""Of a color with the dark canvas: the ratio of luminances (each plus 0.05) as WCAG defines it."""
+"""The smallest contrast of a color with the dark background: the ratio of luminances (each plus 0.05) by WCAG."""
 
 
 def luminance(color: Any) -> float:
@@ -175,7 +175,7 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """A context in which everything is drawn in ecume's style, whatever the user's own settings are."""
+    """A context with ecume's style for figures, independent of the user's settings."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(cast(Any, STYLE))

@@ -1,4 +1,5 @@
-"""Tanks as seen from the side: walls, obstacles, what moves, and particles to scale, colored by a quantity.
+"""Tanks from the side: walls, obstacles, moving parts, and particles to scale, colored by a
+quantity.
 
 Any model with a tank can have its pictures here. In 3D they show the first and the last axis, or what a camera of the
 setting sees.
@@ -100,7 +101,7 @@ class Setting(NamedTuple):
 
 
 def stand_apart(setting: Setting) -> bool:
-    """Whether there are species that keep their own colors."""
+    """Whether some species keep their own colors."""
     return setting.apart is not None and setting.apart < len(setting.kinds)
 
 
@@ -113,7 +114,7 @@ def colored(setting: Setting, frame: Frame) -> Frame:
 
 
 def extent(shape: Shape) -> tuple[Array, Array]:
-    """The lowest and the highest corner of what is around a shape."""
+    """The lower and the upper corner of the box around a shape."""
     if isinstance(shape, Round):
         middle = np.array([shape.x, shape.y])
         return middle - shape.radius, middle + shape.radius
@@ -155,7 +156,7 @@ def draw_movers(axes: Axes, setting: Setting, frame: Frame) -> list[Polygon]:
 
 
 def draw_wires(axes: Axes, setting: Setting) -> list[Line2D]:
-    """Walls, sides that come back at the other side, and edges, all before the particles."""
+    """Draw walls, periodic sides and edges in front of the particles."""
     lines = [Line2D(*ends.T, color=RIM, linewidth=2.0, solid_capstyle="projecting") for ends in setting.walls or ()]
     lines += [Line2D(*ends.T, color=RIM, linewidth=1.2, linestyle=":") for ends in setting.dotted]
     edges = zip(setting.wires, each_color(setting.wire_colors, RIM), strict=False)
@@ -186,13 +187,13 @@ MARGIN, BELOW = 0.02, 0.065
 LEAST_BAR = 150.0
 """The least height of the bar of colors, in pixels of a picture of the usual size."""
 LEAST_PIXELS = 2.0
-"""What would be smaller is drawn so large: it would not be seen."""
+"""The smallest drawn size of a particle in pixels."""
 RARE = 0.005
 """The part of all values beyond either end of the colors' range: one particle's peak must not pale all others."""
 
 
 class Coloring(NamedTuple):
-    """Values of a frame's particles as colors, with a bar that says what they mean."""
+    """The colors of a quantity of particles, with a color bar."""
 
     values: Callable[[Frame], Array]
     label: str
@@ -201,7 +202,7 @@ class Coloring(NamedTuple):
 
 
 class Tank(Picture):
-    """An open picture: `show` puts a frame into it, `pixels` gives what is then seen.
+    """An open picture: `show` draws a frame, and `pixels` returns the result.
 
     `sample` are frames of the run: from them the picture takes its extent, and its colors' range.
     """
@@ -241,7 +242,7 @@ class Tank(Picture):
         self.show(sample[0])
 
     def _contents(self, axes: Axes, frame: Frame) -> list[Artist]:
-        """What the tank holds, from the lowest up."""
+        """The contents of the tank, from the lowest up."""
         self.particles = self._particles(axes, frame)
         return [self.particles]
 
@@ -265,26 +266,26 @@ class Tank(Picture):
         return colors
 
     def show(self, frame: Frame) -> None:
-        """Put a frame into the picture."""
+        """Draw a frame."""
         self._fill(frame)
         for patch, outline in zip(self.movers, self.setting.movers(frame) if self.setting.movers else (), strict=True):
             patch.set_xy(outline)
         self.time.set_text(time_text(frame.time) + self.pace)
 
     def _fill(self, frame: Frame) -> None:
-        """Put the contents of a frame into the tank."""
+        """Draw the contents of a frame."""
         position, camera = frame.arrays["position"], self.setting.camera
         depth = None if camera is None else position @ camera[2]
         self.particles.put(seen(position, camera), depth, self._colors(frame))
 
     def place(self, frame: Frame, one: int) -> Array:
-        """Where a particle is seen (m)."""
+        """The position of a particle in the picture (m)."""
         there: Array = seen(frame.arrays["position"][one : one + 1], self.setting.camera)[0]
         return there
 
 
 def circles(axes: Axes, view: View, frame: Frame) -> Circles | Splat:
-    """Particles of many sizes; what would be too small to be seen is drawn larger."""
+    """Particles of various sizes, drawn with a smallest size."""
     figure: Any = axes.figure
     across = axes.get_position().width * float(figure.get_size_inches()[0]) * figure.dpi
     pixel = view.width / across
@@ -301,17 +302,19 @@ def circles(axes: Axes, view: View, frame: Frame) -> Circles | Splat:
 
 
 class Circles(EllipseCollection):
-    """Few particles, as curves."""
+    """Few particles, drawn as curves."""
 
     def put(self, places: Array, depth: Array | None, colors: Array) -> None:
-        """Where they are seen, and their colors; circles have no depth."""
+        """Set positions and colors; circles have no depth."""
         self.set_offsets(places)
         shown: Any = colors
         self.set_facecolor(shown)
 
 
 def seen(position: Array, camera: Array | None = None) -> Array:
-    """The first axis and the last, which points up; or what a camera has at its right and above."""
+    """The horizontal and the vertical coordinate of positions in the picture: the first and the last axis, or those of
+    a camera.
+    """
     if camera is not None:
         shown: Array = position @ camera[:2].T
         return shown
@@ -340,7 +343,7 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
 
 
 def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:
-    """The colors' range is that of the sampled frames, but for what is rare; the bar stands right of the tank."""
+    """The color bar right of the tank; its range is that of the sampled frames without rare values."""
     values = np.concatenate([coloring.values(frame) for frame in sample])
     low = float(np.quantile(values, RARE, method="lower"))
     high = float(np.quantile(values, 1.0 - RARE, method="higher"))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ecume.scenes.tracers import TankSpec, TracersScene
 
 SLICES = 30
-"""Of a profile."""
+"""The number of slices of a profile."""
 
 
 def setting_of(scene: TracersScene) -> Setting:
@@ -60,7 +60,7 @@ def tracers_picture(scene: TracersScene, sample: Sequence[Frame], size: Size = U
 
 
 def setting_in_space(scene: TracersScene, eye: Eye) -> Setting:
-    """The edges of tank and obstacles as they are seen; of what is round those of the box around it."""
+    """The visible edges of tank and obstacles; round ones are shown as their bounding box."""
     camera = eye.camera(STANDING)
     tank = wires_of(*_box_around(scene.tank), camera) if scene.tank is not None else Wires([], [])
     solids = [edge for body in scene.obstacles for part in wires_of(*_box_around(body), camera) for edge in part]
@@ -85,7 +85,7 @@ def _mean_height(frame: Frame, index: int) -> float:
 
 
 def heights(frames: Frames, scene: TracersScene) -> Figure:
-    """The mean height of each species: how fast it settles."""
+    """The mean height of each species over time."""
     shown = evolution(frames)
     kinds = species(scene)
     curves = [[_mean_height(frame, index) for frame in shown] for index in range(len(kinds))]
@@ -122,7 +122,7 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
 
 
 SIDES = {2: ("left", "floor", "right", "ceiling"), 3: ("left", "front", "floor", "right", "back", "ceiling")}
-"""Of a box, by its dimensions: the lower sides of all axes, then the upper ones."""
+"""The sides of a box by its dimensions: the lower sides of all axes, then the upper ones."""
 
 
 def wall_names(scene: TracersScene) -> list[str]:

@@ -1,4 +1,4 @@
-"""Sweeps: many runs of one scene, a run directory for each point, and a table of what was measured.
+"""Sweeps: many runs of one scene, a run directory for each point, and a table of measures.
 
 ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()

@@ -47,7 +47,7 @@ from ecume.trajectories.records import (
 KEY_LENGTH = 16
 POINTS_FOLDER = "points"
 MOST_BYTES = 2**30
-"""Of a file of a sweep, which may contain a scene with tables."""
+"""The largest size of a file of a sweep, which may contain a scene with tables."""
 MADE_AGAIN = "delete it, and sweep again: that makes it again"
 POINTS = listed(table({"settings": named(anything), "repeat": whole, "folder": key, "values": named(anything)}))
 """The content of `points.json`."""
@@ -97,7 +97,7 @@ class Job(NamedTuple):
 
 
 class Sweeping(NamedTuple):
-    """A sweep as it lies on disk."""
+    """A sweep on disk."""
 
     path: Path
     spec: SweepSpec
@@ -122,7 +122,7 @@ def _owner(path: Path) -> str:
 
 
 def _refuse_foreign(directory: Path) -> None:
-    """Raise BadInput where a file has the name of one of a sweep, and there is no sweep."""
+    """Raise BadInput if a file has a reserved name although the directory contains no sweep."""
     path = directory / "points.json"
     if path.exists() and not (directory / POINTS_FOLDER).is_dir():
         raise BadInput(f"{path}: exists, and was not written by a sweep; choose another folder with -o")
@@ -133,11 +133,11 @@ Check = Callable[[Sequence[str], Mapping[str, Any]], None]
 
 
 def unchecked(measures: Sequence[str], plan: Mapping[str, Any]) -> None:
-    """No check."""
+    """Accept any measures."""
 
 
 def laid_out(asked: Asked, directory: Path, check: Check = unchecked) -> Sweeping:
-    """Write what each point is to simulate; every scene is read, and all is checked, before anything is written."""
+    """Write the scene of each point, after all scenes have been read and checked."""
     spec = asked.spec
     if spec.process:
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
@@ -250,9 +250,7 @@ def is_sweep(directory: Path) -> bool:
 
 
 def _checked_plan(asked: Asked, point: Point) -> dict[str, Any]:
-    """What is simulated at a point. Raises SceneError where that is nothing: what the sweep's file asks there is named,
-    and the lines of the scene's file where they are to blame.
-    """
+    """The plan of a point. Raises SceneError for faults of the sweep's file, or of the scene's file with its lines."""
     try:
         return _plan(asked, point)
     except SceneError as error:
@@ -287,7 +285,7 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 
 def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
-    """What the plan of a run in LAMMPS has in addition. Raises BadInput for scenes that LAMMPS cannot simulate."""
+    """Additional entries of the plan of a run in LAMMPS. Raises BadInput for scenes that LAMMPS cannot simulate."""
     from ecume.lammps.engine import require_runnable
 
     require_runnable(scene)
@@ -335,7 +333,7 @@ def _toml(value: Any) -> str:
 
 
 def _digest(plan: dict[str, Any]) -> str:
-    """Names what is simulated. Another number of ranks changes last digits only, and no name."""
+    """The digest of a plan. The number of ranks, which changes last digits only, does not count."""
     further = [plan[key] for key in ("engine", "extra_laws") if key in plan]
     if "hash" in plan and not further:
         return str(plan["hash"])[:KEY_LENGTH]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 THREADS = 1
-"""Of each run: many runs share the machine."""
+"""The number of threads of each run, since many runs share the machine."""
 
 
 def work(folder: str, laws: Sequence[str] = ()) -> str:
@@ -60,7 +60,7 @@ def work(folder: str, laws: Sequence[str] = ()) -> str:
 
 
 def _record_failure(job: Job, error: Exception) -> None:
-    """Keep in a line why a point failed; what is no answer to a user is named by its kind."""
+    """Record the reason of a failed point in a line, with the kind of unexpected errors."""
     kind, why = type(error).__name__, " ".join(str(error).split())
     result = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
     write_whole(job.failure, written(result, job.failure), job.folder)
@@ -102,19 +102,19 @@ def engine_of(plan: Mapping[str, Any]) -> Iterator[Engine | None]:
 
 
 ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-"""Of a worker: there are as many workers as cores."""
+"""The environment of a worker with one thread; there are as many workers as cores."""
 BEFORE_THE_END = 300
-"""Seconds before the end of a cluster's job in which a worker takes no more points."""
+"""The time in seconds before the end of a cluster's job from which a worker starts no points."""
 
 WAIT = "10 s"
-"""For a scheduler's first answer."""
+"""The waiting time for the first answer of a scheduler."""
 UNWATCHED = {"distributed.worker.profile.enabled": False}
 """Turns off the profiler of Dask's threads, whose dashboard is not used here; workers inherit the setting."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExecutorOptions:
-    """The executor of a sweep, and whom to report to."""
+    """The executor of a sweep and the recipients of its reports."""
 
     workers: int | None = None
     """by default as many as the machine has cores; 1 works in this process and needs no Dask"""
@@ -133,7 +133,7 @@ class ExecutorOptions:
 
 
 Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
-"""From jobs to each with the word that it ended with, as they end."""
+"""A function from jobs to pairs of a job and its outcome, in the order of completion."""
 
 
 @contextlib.contextmanager
@@ -243,7 +243,7 @@ def require_safe(address: str) -> None:
 
 @contextlib.contextmanager
 def slurm_cluster(asked: Cluster, folder: Path, cores: int = 1) -> Iterator[Any]:
-    """Workers that SLURM starts, encrypted between one another; each ends before its job does.
+    """Workers that SLURM starts, with encrypted connections; each ends before its job.
 
     Their key lies in the sweep's folder while they work, for its owner's eyes only.
     """
@@ -275,9 +275,9 @@ def slurm_cluster(asked: Cluster, folder: Path, cores: int = 1) -> Iterator[Any]
 
 
 FAREWELL = 120
-"""Seconds before the end of a job at which its run leaves a checkpoint."""
+"""The time in seconds before the end of a job at which its run writes a checkpoint."""
 MOST_TASKS = 1000
-"""Of an array; a task takes each so many-th point."""
+"""The largest number of tasks of an array; tasks take points in turn."""
 
 
 def write_array(sweeping: Sweeping, laws: Sequence[str] = ()) -> Path:

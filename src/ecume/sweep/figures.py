@@ -26,13 +26,13 @@ from ecume.units import Array
 
 KINDS = ("curves", "map", "scatter", "fit")
 WIDE = 30.0
-"""The ratio of the largest to the least positive value from which on an axis is logarithmic."""
+"""The ratio of the largest to the smallest positive value from which an axis is logarithmic."""
 DASHES = ("-", "--", ":")
 MOST_CURVES = len(DASHES) * len(PALETTE)
 
 
 class Column(NamedTuple):
-    """A column of the table as it is drawn: words stand at 0, 1, 2 ..."""
+    """A column of the table as it is drawn; words are at 0, 1, 2 ..."""
 
     name: str
     values: Array
@@ -45,7 +45,7 @@ class Column(NamedTuple):
         return f"{plain(self.name)} ({self.unit})" if self.unit else plain(self.name)
 
     def at(self, value: float) -> str:
-        """One of its values with its unit, in a legend."""
+        """A value with its unit, for a legend."""
         if self.words:
             return plain(self.words[int(value)])
         scale = scale_for(value, self.unit) if self.unit else Scale(1.0, "")
@@ -53,7 +53,7 @@ class Column(NamedTuple):
 
 
 def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path | None = None) -> Path:
-    """Draw a figure of a sweep into `out`; by default into its directory. The table of a fit is written beside it."""
+    """Draw a figure of a sweep into `out`, by default into its directory. The table of a fit is written beside it."""
     sweep = open_sweep(directory)
     drawn = sweep_figure(sweep, kind, measure)
     name = f"{kind}-{re.sub(r'[^A-Za-z0-9]+', '-', measure).strip('-')}" if measure else kind
@@ -72,7 +72,7 @@ def kinds_of(directory: Path) -> list[str]:
 
 
 def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None) -> Figure:
-    """The figure of a measure (by default the first) over what varies."""
+    """The figure of a measure (by default the first) over the varied keys."""
     if kind not in KINDS:
         raise BadInput(f"no such figure of a sweep as {kind!r}; {suggestion(kind, KINDS)}")
     if kind == "curves" and sweep.drawn:
@@ -86,7 +86,7 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
 
 
 def _columns(sweep: Sweep, measure: str | None) -> tuple[list[Column], Column]:
-    """What varies among the finished points, and the measure."""
+    """The varied keys of the completed points, and the measure."""
     rows = [row for row in sweep.table() if row["state"] == "done"]
     if not rows:
         raise BadInput(f"{sweep.directory}: no point is finished; nothing to draw")
@@ -165,13 +165,13 @@ def groups_of(x: Column, others: Sequence[Column]) -> list[tuple[str, NDArray[np
 
 
 def fitted_points(axes: Sequence[Column], measure: Column) -> list[Points]:
-    """The points of each curve to which a power law is fitted."""
+    """The points of each curve for the fit of a power law."""
     x, *others = by_length(axes)
     return [points_of(label, x.values[mine], measure.values[mine]) for label, mine in groups_of(x, others)]
 
 
 def fits(on: Axes, axes: Sequence[Column], measure: Column) -> None:
-    """As curves, with a power law and its interval."""
+    """Draw curves with power laws and their intervals."""
     draw_fits(on, fitted_points(axes, measure))
     _scaled(on, by_length(axes)[0], measure)
 
@@ -211,7 +211,7 @@ def colored_map(on: Axes, axes: Sequence[Column], measure: Column) -> None:
 
 
 MOST_FIELDS = 4
-"""For each point; beyond that points lie on no grid."""
+"""The largest number of grid fields per point; with more, points do not form a grid."""
 
 
 def _averaged(x: Column, y: Column, z: Column) -> Array:

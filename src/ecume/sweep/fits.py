@@ -80,7 +80,7 @@ def draw_fits(on: Axes, curves: Sequence[Points]) -> None:
 
 
 def rows_of(points: Points) -> Iterator[tuple[object, ...]]:
-    """The table of a curve: its points, what the fit says there, and the parameters; intervals of 95 %."""
+    """The table of a curve: its points, the fit at these points, and the parameters with intervals of 95 %."""
     fit, width = fit_of(points), points.width
     for x, mean, runs in zip(points.at, points.means, points.runs, strict=True):
         yield points.label, "measured", x, mean.value, mean.error, "", "", runs

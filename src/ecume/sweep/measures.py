@@ -15,7 +15,7 @@ from ecume.scenes.faults import echo
 from ecume.units import Array
 
 Measure = Callable[[Any], float]
-"""From a trajectory to a number."""
+"""A function from a trajectory to a number."""
 
 
 def final(times: Array, values: Array) -> float:
@@ -63,7 +63,7 @@ MEASURES: dict[str, Callable[[Array, Array], float]] = {
     "std": spread,
     "steady": steady,
 }
-"""By name: from times and values to a number."""
+"""Functions from times and values to a number, by name."""
 FIRST = re.compile(r"first\s+(\w+)\s*([<>])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")
 USUAL = re.compile(r"(\w+)\s+(\w+)")
 

@@ -1,4 +1,4 @@
-"""The points of a sweep, run one after the other or on many workers, and the table of what was measured.
+"""The points of a sweep, computed one by one or by many workers, and the table of measures.
 
 The runner of a sweep: all missing points, one after the other or on many workers.
 """
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 CACHE = "measures.json"
 UNCOVERED = "? "
-"""Before the digest of a function that uses what has none."""
+"""The prefix of the digest of a function that uses objects without a digest."""
 TABLE = "table.csv"
 Row = dict[str, Any]
 
@@ -57,7 +57,7 @@ def open_sweep(directory: str | os.PathLike[str]) -> Sweep:
 
 
 class Sweep:
-    """The points of a sweep, and what can be measured in them."""
+    """The points of a sweep and their measures."""
 
     def __init__(self, sweeping: Sweeping) -> None:
         self._sweeping = sweeping
@@ -66,13 +66,13 @@ class Sweep:
 
     @property
     def axes(self) -> list[str]:
-        """The columns of what varies."""
+        """The columns of the varied keys."""
         columns = [self._sweeping.spec.named(key) for key in self._sweeping.keys]
         return [*columns, *(["repeat"] if self._sweeping.spec.repeats > 1 else [])]
 
     @property
     def ways(self) -> list[str]:
-        """The columns that vary each for itself: of keys that go together the first stands for all."""
+        """The columns that vary independently; the first of linked keys represents all."""
         spec = self._sweeping.spec
         axes = [axis.key or axis.keys[0] for axis in spec.axes]
         sampled = [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
@@ -85,7 +85,7 @@ class Sweep:
         return sampling is not None and len(sampling.axes) > 1
 
     def units(self, columns: Sequence[str]) -> dict[str, str]:
-        """The units of these columns, as far as they have one."""
+        """The units of these columns, if they have one."""
         spec = self._sweeping.spec
         if spec.process:
             known = process_of(spec.process).units
@@ -103,7 +103,7 @@ class Sweep:
         return [job.state for job in self._sweeping.jobs]
 
     def table(self, measures: Mapping[str, str | Measure] | None = None) -> list[Row]:
-        """A row a point: what varies, its state, and measures of what is done, NaN elsewhere.
+        """One row per point: varied keys, state, and measures of completed runs, otherwise NaN.
 
         `measures` are texts such as `final kinetic_energy`, or functions of a trajectory, by the name of their column;
         default: those in the sweep's file.
@@ -114,12 +114,12 @@ class Sweep:
         return [{name: row.get(name, math.nan) for name in columns} for row in rows]
 
     def polars(self, measures: Mapping[str, str | Measure] | None = None) -> PolarsFrame:
-        """The table as a DataFrame of Polars (extra `tables`); what is missing is null."""
+        """The table as a DataFrame of Polars (extra `tables`); missing values are null."""
         rows = self.table(measures)
         return library("polars").DataFrame(_with_nulls(rows), infer_schema_length=None, strict=False)
 
     def pandas(self, measures: Mapping[str, str | Measure] | None = None) -> PandasFrame:
-        """The table as a DataFrame of Pandas, if that is installed; what is missing is NaN."""
+        """The table as a DataFrame of Pandas, if it is installed; missing values are NaN."""
         return library("pandas").DataFrame(_with_nulls(self.table(measures)))
 
     def _asked(self) -> dict[str, str | Measure] | None:
@@ -143,7 +143,7 @@ class Sweep:
 
 
 def _with_nulls(rows: Sequence[Row]) -> list[Row]:
-    """Rows in which nothing stands for what is not there, so that columns of words and of switches keep their kind."""
+    """Rows with null for missing values, so that columns of words and booleans keep their type."""
     return [{name: None if _is_nan(value) else value for name, value in row.items()} for row in rows]
 
 
@@ -152,7 +152,7 @@ def _is_nan(value: Any) -> bool:
 
 
 def units_of_keys(sweeping: Sweeping) -> dict[str, str]:
-    """The units of what varies in a scene, by column."""
+    """The units of the varied keys of a scene, by column."""
     plain = json_at(sweeping.jobs[0].asked, dict)["scene"]
     return {sweeping.spec.named(key): unit_of(plain, read_path(key)) for key in sweeping.keys}
 
@@ -194,7 +194,7 @@ def require_numbers(
 
 
 def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
-    """The measures of a completed run, from its cache as far as it is there."""
+    """The measures of a completed run, from its cache if possible."""
     cache = _cached(job)
     if measures is None:
         with open_trajectory(job.run) as run:
@@ -224,8 +224,8 @@ def _cached(job: Job) -> dict[str, float]:
 
 
 def _digest(measure: str | Measure) -> str:
-    """The digest of a measure: of its text, or of the source of the function and of what it uses. A number is not kept
-    if its function uses what has no digest.
+    """The digest of a measure: of its text, or of the source of the function and of everything that it uses. Values of
+    functions that use objects without a digest are not cached.
     """
     if isinstance(measure, str):
         return measure
@@ -236,7 +236,7 @@ def _digest(measure: str | Measure) -> str:
 
 
 def write_table(sweeping: Sweeping) -> Path:
-    """The table as CSV, beside the points."""
+    """Write the table as CSV into the directory of the sweep. Returns its path."""
     path = sweeping.path / TABLE
     rows = Sweep(sweeping).table()
     with storing(path):
@@ -289,7 +289,7 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], optio
 
 
 def _worked(options: ExecutorOptions, sweeping: Sweeping, missing: Sequence[Job]) -> Counter[str]:
-    """Run these points, and tell what becomes of them; how many ended with which word."""
+    """Run these points and report each. Returns the number of points by outcome."""
     words: Counter[str] = Counter()
     count = len(distinct(sweeping.jobs))
     report = options.progress or (lambda done, of: None)

@@ -49,7 +49,7 @@ def _t1() -> Process:
 
 
 PROCESSES: Mapping[str, Callable[[], Process]] = {"t1": _t1}
-"""By name; called only when one is used."""
+"""Functions that return processes, by name; called at the first use."""
 
 
 def process_of(name: str) -> Process:
@@ -83,7 +83,7 @@ def require_settings(name: str, settings: Mapping[str, Any]) -> None:
 
 
 def _is_a(value: Any, kind: Any) -> bool:
-    """Whether a value of TOML is of an annotation's kind; a list stands for what is to be several."""
+    """Whether a TOML value has the type of an annotation; lists match tuples."""
     try:
         TypeAdapter(kind).validate_json(json.dumps(value), strict=True)
     except ValidationError:
@@ -185,7 +185,7 @@ class Span:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Axis:
-    """One thing that varies: a key of the scene, or several keys that go together."""
+    """One varied quantity: a key of the scene, or several linked keys."""
 
     key: Key | None = None
     """such as `liquid.viscosity` or `particles[0].radius`"""
@@ -221,7 +221,7 @@ class Axis:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SampledAxis:
-    """One key, whose values are drawn between two ends."""
+    """One key with random values in an interval."""
 
     key: Key
     span: Span
@@ -278,7 +278,7 @@ class Cluster:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SweepSpec:
-    """A sweep: a scene or a process, what varies, how often, and what is measured."""
+    """A sweep: a scene or process, the varied keys, the repetitions, and the measures."""
 
     title: Text = ""
     scene: Text = ""
@@ -414,7 +414,7 @@ def load_sweep(path: Path) -> Asked:
 
 
 class Point(NamedTuple):
-    """One combination."""
+    """One combination of values."""
 
     settings: Settings
     """what differs from the scene's file"""

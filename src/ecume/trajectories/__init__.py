@@ -1,4 +1,4 @@
-"""Frames, and how they are stored; no model is known here.
+"""Frames and their storage, independent of the models.
 
 `frame.Frame` is one instant. `segments.Recorder` writes frames into append-only GSD files (`gsd`), and
 `reader.open_trajectory` reads them as a sequence; start there. `samples` reads the numbers between frames. `segments`

@@ -114,7 +114,7 @@ def _write_numbers(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Gro
 
 
 class _Table:
-    """A dataset to which frames are added, and the offset of each."""
+    """A dataset that grows by frames, with the offset of each."""
 
     def __init__(self, group: h5py.Group, name: str) -> None:
         self._group, self._name, self._last = group, name, np.zeros(0)
@@ -185,12 +185,12 @@ HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="Litt
 
 
 def write_pvd(trajectory: ExportedFrames, path: Path) -> None:
-    """Write the list of frames to `path`, and the frames into the folder beside it with the same name."""
+    """Write the list of frames to `path`, and the frames to a folder with the same name."""
     write_series(path, ".vtp", trajectory.times.tolist(), map(vtp_of, trajectory))
 
 
 def write_series(path: Path, ending: str, times: Sequence[float], files: Iterable[str]) -> None:
-    """Write a list of files to `path`, and the files into the folder beside it."""
+    """Write a list of files to `path`, and the files to a folder with the same name."""
     folder = path.with_suffix("") if path.suffix else path.with_name(f"{path.name}-frames")
     names = [f"{number:04d}{ending}" for number in range(len(times))]
     with _replacing_folder(folder, ending) as part:
@@ -329,8 +329,8 @@ def write_numbers(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 
 def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
-    """Extended XYZ: SI numbers; positions and velocities with three components; the particles' species as elements,
-    and in the comment what each element stands for: `Species="H: cereal, He: bead"`.
+    """Write extended XYZ in SI units: positions and velocities with three components, species as chemical elements,
+    with a comment that assigns them: `Species="H: cereal, He: bead"`.
     """
     legend = _legend(trajectory.species)
     for frame in trajectory:
@@ -432,7 +432,7 @@ def _xyz_box(frame: Frame) -> str:
 
 
 def _legend(species: Sequence[str]) -> str:
-    """The chemical element that stands for each species."""
+    """The chemical element that represents each species."""
     named = ", ".join(f"{_symbol(kind)}: {' '.join(name.split())}" for kind, name in enumerate(species))
     plain = named.replace('"', "'")
     return f'Species="{plain}" ' if named else ""

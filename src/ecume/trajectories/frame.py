@@ -1,4 +1,4 @@
-"""One instant of a run."""
+"""The record of one instant of a run."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def omitted_from(frame: Frame) -> tuple[str, ...]:
 
 
 class Frame(NamedTuple):
-    """One instant: the time (s), named arrays, named numbers, and the unit of each. A frame owns its arrays.
+    """One instant: the time (s), named arrays, named numbers, and the unit of each. A frame owns
+    its arrays.
 
     `arrays["position"]` has the shape (N, d); every other array has N as its first axis too. All are float64 or int64.
     """
@@ -65,6 +66,6 @@ SHOWN = 5
 
 
 def _few(names: list[str]) -> str:
-    """The first names, and how many more there are."""
+    """The first names and the number of others."""
     more = [f"{len(names) - SHOWN} more"] if len(names) > SHOWN else []
     return ", ".join([*names[:SHOWN], *more])

@@ -64,7 +64,7 @@ TYPES = {
 }
 CODES = {kind: code for code, kind in TYPES.items()}
 NAME_UNIT = 64
-"""The size in bytes in units of which the list of names grows."""
+"""The increment in bytes of the list of names."""
 CHECKSUM = "ecume/crc32"
 """The name of the chunk that completes a frame."""
 
@@ -139,7 +139,7 @@ def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]
 
 
 def sizes(entries: NDArray[Any]) -> NDArray[np.int64]:
-    """The sizes in bytes of the data of each of these entries, all of which are credible."""
+    """The data sizes of these entries in bytes. Raises an error for implausible ones."""
     cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
     found: NDArray[np.int64] = cells * _SIZES[entries["type"]]
     return found
@@ -199,7 +199,7 @@ def _size(file: FileIO) -> int:
 
 
 def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
-    """The bytes of the file at a position; fewer at the end of the file, whatever a damaged header requests."""
+    """The bytes of the file at a position, fewer at the end of the file."""
     size = _size(file)
     if start >= size:
         return b""

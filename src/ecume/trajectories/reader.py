@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 from ecume.trajectories.samples import FILE, Samples
 
 OF_A_RUN = ("manifest.json", "resolved.json")
-"""Files beside the folder of frames of a run."""
+"""The files beside the folder of frames of a run."""
 
 
 def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
@@ -118,11 +118,11 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def species(self) -> tuple[str, ...]:
-        """The names of the species in the order of their numbers, as far as they have names."""
+        """The names of the species in the order of their numbers; empty without names."""
         return self._segments[-1].header.species if self._segments else ()
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """One of the named numbers (`kinetic_energy`), of all frames."""
+        """The values of a named number (`kinetic_energy`) in all frames."""
         known = {known for segment in self._segments for known in segment.header.numbers}
         if name not in known:
             raise BadInput(f"{self.directory}: no number {name}; expected one of {', '.join(sorted(known))}")
@@ -210,7 +210,7 @@ class Trajectory(Sequence[Frame]):
         return segment, local
 
     def _column(self, name: str) -> NDArray[Any]:
-        """One number of all frames; NaN in segments without a number of this name."""
+        """The values of a number in all frames; NaN in segments without it."""
         columns = [np.zeros(0)]
         for segment in self._segments:
             numbers = segment.numbers()
@@ -271,7 +271,7 @@ class ExportedFrames:
         return self._trajectory.samples
 
     def numbers(self, name: str) -> NDArray[np.float64]:
-        """One of the named numbers, of all frames."""
+        """The values of a named number in all frames."""
         return self._trajectory.numbers(name)
 
     def __len__(self) -> int:

@@ -68,7 +68,7 @@ def partial_of(path: Path) -> Path:
 
 
 def remove_abandoned(path: Path) -> None:
-    """Remove what killed processes left of a file: partial files of processes that ended some time ago."""
+    """Remove partial files of processes that ended some time ago."""
     name = re.compile(rf"\.{re.escape(path.stem)}\.([0-9]{{1,9}})-[0-9a-f]{{8}}\.partial{re.escape(path.suffix)}")
     for other in path.parent.glob(".*.partial*"):
         with contextlib.suppress(OSError):
@@ -122,7 +122,7 @@ CRC = "crc32"
 MOST_BYTES = 16 * 2**20
 """The largest size of a record."""
 MOST_SCENE_BYTES = 2**31
-"""Of a resolved scene, which may contain tables and meshes."""
+"""The largest size of a resolved scene, which may contain tables and meshes."""
 READ = 32
 """The largest ratio of memory to bytes of JSON: for single-digit numbers and nested lists."""
 MOST_CHARACTERS = 10_000
@@ -275,7 +275,7 @@ LINE = table({"step": whole, "time": number}, rest=optional(number))
 
 
 def as_json(plain: Any) -> str:
-    """Plain data as text for people and machines; floats come back to the bit."""
+    """Plain data as readable JSON text, from which floats are recovered exactly."""
     return json.dumps(plain, indent=2) + "\n"
 
 

@@ -165,7 +165,7 @@ class Segment:
 NUMBER = 8
 """Bytes of a number, and of the checksums of a frame."""
 NEAR = 256
-"""The distance in bytes of two numbers up to which they are read together."""
+"""The largest distance in bytes of two numbers that are read together."""
 
 
 def _gathered(file: FileIO, places: NDArray[np.int64]) -> NDArray[np.uint8]:
@@ -364,8 +364,8 @@ def segment_files(folder: Path) -> list[Path]:
 
 
 class Recorder:
-    """An open trajectory to which frames are appended: a folder with `0000.gsd`, `0001.gsd` and so
-    on.
+    """An open trajectory, a folder with `0000.gsd`, `0001.gsd` and so on, to which frames are
+    appended.
 
     A folder that holds frames is continued. When `write` returns, the frame is on the disk, whole.
     """
@@ -452,7 +452,7 @@ class Recorder:
 
 
 class Checked(NamedTuple):
-    """The number of frames of a trajectory, those before the first that is missing or damaged, and what is wrong."""
+    """The number of frames of a trajectory, the number before the first missing or damaged one, and the faults."""
 
     frames: int
     good: int
@@ -467,7 +467,7 @@ def require_own(segment: Segment, run: str) -> None:
 
 
 def set_foreign_aside(folder: Path, run: str) -> list[str]:
-    """Set aside the segments of other runs; return what was done."""
+    """Set aside the segments of other runs. Returns a list of the actions."""
     found = []
     for path in segment_files(folder):
         with contextlib.suppress(StorageError), contextlib.closing(Segment(path)) as segment:
@@ -570,7 +570,7 @@ def _gaps(segment: Segment, names: int) -> tuple[int, list[tuple[int, int]]]:
 
 
 def _was_block(content: bytes, entries: bytes) -> bool:
-    """Whether this is a former block of the index: its first entries, then zeros; or nothing but zeros."""
+    """Whether this is a former block of the index: its first entries followed by zeros."""
     filled = content.rstrip(b"\0")
     whole = -(-len(filled) // ENTRY.itemsize) * ENTRY.itemsize
     return content[:whole] == entries[:whole] or not filled
@@ -585,8 +585,7 @@ class Repaired(NamedTuple):
 
 
 def repair(folder: Path) -> Repaired:
-    """Make the segments of a folder readable again: whole frames are kept, incomplete ones are
-    removed.
+    """Repair the segments of a folder: complete frames are kept, incomplete ones are removed.
 
     Each damaged frame is named. A file without any whole frame is set aside, under a name that ends in `.damaged`.
     """

@@ -23,10 +23,10 @@ QUANTITY = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?( [\w/^*.°%]+)?|[+
 
 
 class Written(Protocol):
-    """A file to which text is written."""
+    """A text file that is open for writing."""
 
     def write(self, text: str, /) -> object:
-        """Take this text."""
+        """Write text."""
 
 
 def write_rows(file: Written, rows: Iterable[Iterable[object]]) -> None:
@@ -40,7 +40,7 @@ def write_cells(file: Written, rows: Iterable[Iterable[float]]) -> None:
 
 
 def cell(value: object) -> object:
-    """A value as it may stand in CSV: what a spreadsheet would evaluate begins with an apostrophe.
+    """A value for a CSV file: text that a spreadsheet would evaluate gets an apostrophe in front.
 
     >>> [cell(value) for value in ("=1+1", "-1.5e-3 mm", "-a", -2.0)]
     ["'=1+1", '-1.5e-3 mm', "'-a", -2.0]

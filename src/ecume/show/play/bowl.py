@@ -31,13 +31,13 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 DEPTH = 0.02
-"""m, of the liquid: scenes of floats say none."""
+"""The depth of the liquid (m), which scenes of floats do not specify."""
 DAMPING = 0.08
-"""Of the swing, over the critical one: what is seen in bowls of some centimeters."""
+"""The damping ratio of sloshing, as observed in bowls of some centimeters."""
 
 
 class Slosh(NamedTuple):
-    """The slope of the surface against the dish along x and y, and how fast each changes (1/s)."""
+    """The slopes of the surface relative to the dish along x and y, and their rates (1/s)."""
 
     slope: tuple[float, float] = (0.0, 0.0)
     rate: tuple[float, float] = (0.0, 0.0)
@@ -52,7 +52,7 @@ def slosh_frequency(scene: FloatingScene) -> float:
 
 
 def swung(slosh: Slosh, tilt: tuple[float, float], scene: FloatingScene, seconds: float) -> Slosh:
-    """The swing a while later, exactly, under a tilt (radians, small) that stays meanwhile."""
+    """The exact state of sloshing after a time under a constant small tilt (rad)."""
     omega = slosh_frequency(scene)
     both = [_swung(s, v, aim, omega, seconds) for s, v, aim in zip(slosh.slope, slosh.rate, tilt, strict=True)]
     return Slosh((both[0][0], both[1][0]), (both[0][1], both[1][1]))
@@ -77,24 +77,24 @@ def current(slosh: Slosh, scene: FloatingScene) -> tuple[float, float]:
 FASTEST = 0.15
 """m/s: a hand drags no faster, and throws no faster."""
 GRASP = 0.05
-"""s in which a dragged float would reach the hand."""
+"""The time (s) in which a dragged float would reach the pointer."""
 LONGEST = 0.1
 """s of simulated time at once: a machine that is too slow plays in slow motion, and is not hurried."""
 ROOM = 1.02
-"""How far apart centers must be for a new float, in sums of radii."""
+"""The smallest distance of centers from a new float, in sums of radii."""
 SOON = 0.2
 """s after which floats that were brought to rest and diverge again are put back to where the last change left them."""
 CALMED = "The floats went too fast for their time step: they were brought to rest where they were."
 PUT_BACK = "The floats could not be brought to rest: they are back where the last change left them."
 TRIES = 60
-"""Places around the asked one where there may be room."""
+"""The number of positions tried around the requested one."""
 
 SHELF: dict[str, dict[str, Any]] = {
     "cereal": {"radius": 1.5e-3, "density": 300.0, "contact_angle": math.radians(70.0), "color": "#f5deb3"},
     "bead": {"radius": 1.2e-3, "density": 1250.0, "contact_angle": math.radians(95.0), "color": "#b2182b"},
     "bubble": {"radius": 1.8e-3, "density": 40.0, "contact_angle": math.radians(25.0), "color": "#a6d8f0"},
 }
-"""What can be dropped into any bowl: what is light rises at the wall, what is heavy leaves it."""
+"""Species that can be added to any bowl: light floats rise at the wall, heavy ones move away from it."""
 
 
 CHANGED = ("surface_tension", "viscosity", "density", "contact_angle")
@@ -110,7 +110,7 @@ class Hand(NamedTuple):
 
 
 class Bowl:
-    """An open bowl. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
+    """An open bowl. Its scene and state only change during calls."""
 
     def __init__(self, scene: FloatingScene) -> None:
         if scene.model != "floating" or scene.dish is None:
@@ -153,11 +153,11 @@ class Bowl:
         self.hand = Hand(one, x, y)
 
     def release(self) -> None:
-        """Let go: what was thrown flies on."""
+        """Release the dragged float, which keeps its velocity."""
         self.hand = None
 
     def drop(self, name: str, x: float, y: float) -> None:
-        """Drop a float of a species of the bowl, or of the shelf, where there is room near a place (m)."""
+        """Add a float of a species of the bowl or of `SHELF` near a position (m)."""
         scene = self.present()
         known = {species.name: index for index, species in enumerate(scene.particles)}
         if name not in known and name not in SHELF:
@@ -176,7 +176,7 @@ class Bowl:
         self._begin(_with(scene, taken, more))
 
     def take(self, one: int) -> None:
-        """Take a float out. The last one stays."""
+        """Remove a float, except the last one."""
         frame, scene = self.frame, self.present()
         if not 0 <= one < len(frame.arrays["species"]):
             raise BadInput(f"there is no float {one}")
@@ -218,12 +218,12 @@ class Bowl:
             raise BadInput(f"{part}.{key} = {value:g}: {_said(fault)}") from None
 
     def present(self) -> FloatingScene:
-        """The scene as it stands: to go on from there is to simulate it."""
+        """The present scene, from which a simulation can continue."""
         arrays = self.frame.arrays
         return placed(self.scene, arrays["position"], arrays["velocity"], arrays["species"])
 
     def _begin(self, scene: FloatingScene) -> None:
-        """Go on with another scene, at once and where it stands."""
+        """Continue with another scene from the present positions."""
         model = MODELS["floating"]
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # superposition's errors are reported by `ecume check`, once
@@ -270,7 +270,7 @@ def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:
 
 
 def placed(scene: FloatingScene, position: Array, velocity: Array, species: Array) -> FloatingScene:
-    """A scene whose floats stand and go as these do; rows of one species become its own table."""
+    """A scene whose floats have these positions and velocities; rows of one species become one table."""
     kinds = list(scene.kinds)
     made = []
     for index, kind in enumerate(kinds):
@@ -295,7 +295,7 @@ def placed(scene: FloatingScene, position: Array, velocity: Array, species: Arra
 
 
 def _like(scene: FloatingScene, name: str) -> FloatSpec:
-    """A table with what the floats of a species are."""
+    """A table with the properties of the floats of a species."""
     for species in scene.particles:
         if species.name == name:
             return species

@@ -35,13 +35,13 @@ if TYPE_CHECKING:
 
 
 TICK = 1.0 / 60.0
-"""Seconds between two looks at the clock, where there is time."""
+"""The time in seconds between two updates, if the computer is fast enough."""
 BREATH = 0.002
 """Seconds between two checks for requests if none is waiting."""
 STEADY = 0.1
 """The weight of the last tick in the displayed rate: single ticks are sometimes late."""
 SPEEDS = (0.0, 0.25, 1.0, 4.0)
-"""Of the toy's time over the clock's."""
+"""The choices of simulated time over real time."""
 
 Asked = Mapping[str, Any]
 Deed = Callable[[Asked], None]
@@ -54,15 +54,15 @@ class Moving(Protocol):
     """s, simulated so far"""
 
     def play(self, seconds: float) -> None:
-        """Go on by so much simulated time, or as far as there is time for."""
+        """Advance by a simulated time, or as far as the time budget allows."""
 
     def present(self) -> Any:
-        """The scene as it stands."""
+        """The present scene."""
         ...
 
 
 class Toy(Protocol):
-    """A simulation together with its page: what it draws, and what can be done."""
+    """A simulation with its page: pictures and actions."""
 
     @property
     def parts(self) -> Parts:
@@ -71,7 +71,7 @@ class Toy(Protocol):
 
     @property
     def deeds(self) -> Mapping[str, Deed]:
-        """The actions by name; they raise BadInput for what is impossible."""
+        """The actions by name; they raise BadInput for impossible ones."""
         ...
 
     @property
@@ -88,7 +88,7 @@ class Toy(Protocol):
         ...
 
     def paint(self, now: float) -> None:
-        """Update what is drawn less often than the page asks; `now` is the clock's time."""
+        """Update the pictures that need not follow every request; `now` is the time of the clock."""
 
 
 class Game:
@@ -105,7 +105,7 @@ class Game:
         return policy_of(self.toy.parts, live=True)
 
     def get(self, path: str, query: Query) -> Answer | None:
-        """The page, how all stands now, or the scene of it."""
+        """The page, the present state, or the present scene."""
         with self.lock:
             if path == "/":
                 return Answer(self._page().encode(), HTML)
@@ -130,7 +130,7 @@ class Game:
         return Answer(json.dumps({"said": said}).encode(), JSON)
 
     def run(self) -> None:
-        """Let the toy go by the clock until the game is over."""
+        """Advance the game with the clock until it ends."""
         last = time.monotonic()
         while not self.over.wait(max(BREATH, TICK - (time.monotonic() - last))):
             now = time.monotonic()
@@ -176,7 +176,7 @@ GRID = 72
 PAINT = 0.1
 """Seconds between two pictures of the surface."""
 STEEPEST_DISH = 0.2
-"""rad: as far as a dish can be tilted."""
+"""The largest tilt of a dish (rad)."""
 
 
 class BowlPage:
@@ -253,11 +253,11 @@ class BowlPage:
 
 
 COLORINGS = {"speed": ("m/s", "cividis"), "pressure": ("Pa", "viridis")}
-"""What colors mean, with its unit and its map."""
+"""The quantities of colors, with unit and color map."""
 FINEST = 65535
-"""Steps from one end of what is seen to the other."""
+"""The number of steps across the visible range."""
 ABOVE = 0.35
-"""How much is seen above the tank, over its height: splashes, and a hand that pours."""
+"""The visible space above the tank over its height, for splashes and pouring."""
 
 
 class TankPage:
@@ -317,7 +317,7 @@ class TankPage:
         }
 
     def paint(self, now: float) -> None:
-        """Nothing that takes long."""
+        """Do nothing: all pictures are quick."""
 
     def _values(self, liquid: Liquid) -> tuple[Array, float]:
         """The values that colors show, and the end of their scale."""

@@ -30,7 +30,7 @@ from ecume.units import Array
 MOST = 3000
 """Largest number of particles: with more the motion is too slow to watch."""
 ROOM = 0.8
-"""How near to the liquid that is there new liquid may begin, in spacings."""
+"""The smallest distance of new liquid from existing liquid, in spacings."""
 PIECES = 8
 """Straight lines between two looks at the hand: jumps of a wall's speed are bangs in the liquid."""
 KINDS = ("wall", "open", "periodic")
@@ -66,7 +66,7 @@ class Push(NamedTuple):
 
 
 def require_playable(scene: SphScene) -> None:
-    """Raises BadInput for what is no tank to play with."""
+    """Raise BadInput for scenes that the game cannot simulate."""
     if scene.model != "sph" or len(scene.tank.low) != 2:
         raise BadInput("play supports tanks in 2D; expected a 2D scene of model 'sph'")
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
@@ -97,7 +97,7 @@ def fixed(scene: SphScene) -> SphScene:
 
 
 def with_hands(scene: SphScene, pushed: float, more: tuple[float, float]) -> SphScene:
-    """The scene with a left wall that stands so far inwards (m), and so much pull beside gravity (m/s^2)."""
+    """The scene with the left wall displaced inwards (m) and an additional acceleration (m/s^2)."""
     left = dataclasses.replace(scene.tank.left, motion=MotionSpec(times=(0.0,), positions=(pushed,)))
     tank = dataclasses.replace(scene.tank, left=left) if movable(scene) else scene.tank
     return dataclasses.replace(
@@ -111,7 +111,7 @@ def movable(scene: SphScene) -> bool:
 
 
 def tilting(scene: SphScene, angle: float) -> tuple[float, float]:
-    """The acceleration in a tilted tank beside gravity (m/s^2): gravity, rotated, minus gravity."""
+    """The additional acceleration in a tilted tank (m/s^2): rotated gravity minus gravity."""
     x, y = scene.gravity or (0.0, 0.0)
     cosine, sine = math.cos(angle), math.sin(angle)
     return x * (cosine - 1.0) - y * sine, x * sine + y * (cosine - 1.0)
@@ -127,19 +127,19 @@ def poured(scene: SphScene, material: Material, points: Array) -> Liquid:
 
 
 def joined(first: Liquid, second: Liquid) -> Liquid:
-    """One after the other."""
+    """Both parts of the liquid."""
     parts: Any = zip(first, second, strict=True)
     return Liquid(*(np.concatenate(both, axis=-1) for both in parts))
 
 
 def those(liquid: Liquid, which: Flags) -> Liquid:
-    """Some of it."""
+    """A part of the liquid."""
     parts: Any = liquid
     return Liquid(*(np.ascontiguousarray(part[..., which]) for part in parts))
 
 
 def room_around(scene: SphScene, place: tuple[float, float], reach: float, pushed: float, taken: Array) -> Array:
-    """(n, 2) places for liquid on a lattice around a place (m), where there is neither liquid nor a solid."""
+    """(n, 2) free lattice positions around a point (m), outside of liquid and solids."""
     steps = int(reach)
     across = np.arange(-steps, steps + 1) * scene.spacing
     points = np.array([(place[0] + dx, place[1] + dy) for dx in across for dy in across])
@@ -158,8 +158,8 @@ def with_room(scene: SphScene, points: Array, pushed: float, taken: Array) -> Ar
 
 
 def pushed_aside(scene: SphScene, liquid: Liquid, pushed: float, rest: float) -> Liquid:
-    """The liquid without anything in solids: who stands there goes to the nearest place with room, the highest first,
-    and stands still there at the density of rest (kg/m^3). Its mass stays. Raises BadInput where there is no such room.
+    """The liquid with particles inside solids moved to the nearest free positions, the highest first, at rest and with
+    the density at rest (kg/m^3). Mass is conserved. Raises BadInput without free positions.
     """
     within = np.flatnonzero(~free_of(liquid.position.T, solids_of(scene), scene.spacing))
     within = within[np.argsort(-liquid.position[1, within], kind="stable")]
@@ -200,17 +200,17 @@ LONGEST = 0.05
 BUDGET = 0.04
 """Seconds of wall time per batch: pages need several updates per second."""
 JET = 2.5
-"""What is poured at once reaches so many spacings around the hand."""
+"""The radius of poured liquid in spacings."""
 LADLE = 4.0
-"""And what is scooped out so many."""
+"""The radius of removed liquid in spacings."""
 GRASP = 0.15
-"""s in which the wall would reach the hand, the tank its tilt, and a wall that stands its highest speed."""
+"""The time (s) in which the wall would reach the pointer, the tank its tilt, and a wall its highest speed."""
 PUSHED, STROKE = 0.25, 0.1
-"""How far a wall can be pushed, and how far it goes for a wave, over the tank's width."""
+"""The largest displacement of a wall, and that of a wave, over the tank's width."""
 HURRY = 0.3
-"""How fast a wall is pushed at most, over the fastest speed that the scene expects."""
+"""The largest speed of a wall over the maximum speed of the scene."""
 STEEPEST = math.radians(20.0)
-"""As far as a tank can be tilted."""
+"""The largest tilt of a tank."""
 SOON = 0.2
 """s after which liquid that was calmed and breaks again is not worth keeping."""
 CALMED = "The liquid went too fast for its time step: it was brought to rest where it stood."
@@ -218,7 +218,7 @@ ANEW = "The liquid could not be brought to rest: the tank was restarted."
 
 
 class Tank:
-    """An open tank. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
+    """An open tank. Its scene and state only change during calls."""
 
     def __init__(self, scene: SphScene) -> None:
         require_playable(scene)
@@ -242,7 +242,9 @@ class Tank:
         return self.push.at(self._now)
 
     def play(self, seconds: float) -> None:
-        """Go on by so much simulated time, at most `LONGEST`, or as far as `BUDGET` allows. What diverges is calmed."""
+        """Advance by a simulated time, at most `LONGEST`, or as far as `BUDGET` allows. A diverged state is reset to
+        rest.
+        """
         step = self.integration.parameters.time_step
         steps = max(1, round(min(seconds, LONGEST) / step))
         self._take_hands(steps * step)
@@ -254,7 +256,7 @@ class Tank:
             self._calm(kept)
 
     def pour(self, x: float, y: float) -> None:
-        """Pour some liquid at a place (m), as much as there is room for. Raises BadInput without room."""
+        """Add liquid at a position (m) as far as there is free space. Raises BadInput without any."""
         liquid = self.liquid()
         points = room_around(self.scene, (x, y), JET, self.pushed, liquid.position.T)
         if not len(points):
@@ -264,7 +266,7 @@ class Tank:
         self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
 
     def scoop(self, x: float, y: float) -> None:
-        """Remove the liquid around a place (m). Raises BadInput if there is no liquid, or no other liquid."""
+        """Remove the liquid around a position (m). Raises BadInput if there is none, or if none would remain."""
         liquid = self.liquid()
         stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
         if stays.all():
@@ -286,8 +288,8 @@ class Tank:
         return len(self.first.obstacles) - len(self.scene.obstacles)
 
     def close_gate(self) -> None:
-        """Put back the obstacle that was taken out last; liquid that stands there is pushed aside. Raises BadInput
-        where no gate is open, and where there is no room for that liquid.
+        """Restore the obstacle that was removed last and displace the liquid there. Raises BadInput without an open
+        gate, or without space for the liquid.
         """
         if not self.opened:
             raise BadInput("no gate to close")
@@ -296,7 +298,7 @@ class Tank:
         self._begin(closed, Push(places=(self.pushed,)), pushed_aside(closed, self.liquid(), self.pushed, rest))
 
     def drag(self, x: float) -> None:
-        """Let the left wall follow a hand at this place (m)."""
+        """Move the left wall toward a pointer at this position (m)."""
         self._require_movable()
         self.aim = min(max(x - self.scene.tank.low[0], 0.0), PUSHED * self.width)
         self.wave_since = -math.inf
@@ -311,7 +313,7 @@ class Tank:
         self.tilt = min(max(angle, -STEEPEST), STEEPEST)
 
     def present(self) -> SphScene:
-        """The scene as it stands: to go on from there is to simulate it, without hands."""
+        """The present scene, from which a simulation can continue, without actions of the player."""
         held = self.pushed != 0.0 or self.leaning != 0.0
         scene = with_hands(self.scene, self.pushed, self._pull) if held else self.scene
         return dataclasses.replace(scene, fluid=regions_of(self.scene, self.liquid()))
@@ -367,7 +369,7 @@ class Tank:
         self.news.append(CALMED)
 
     def _take_hands(self, seconds: float) -> None:
-        """Let the wall and the tilt follow the hands for so long."""
+        """Move wall and tilt toward their targets during a time."""
         now = self._now
         self.leaning += min(1.0, seconds / GRASP) * (self.tilt - self.leaning)
         fastest = HURRY * self.integration.parameters.material.fastest
@@ -386,7 +388,7 @@ class Tank:
         return 0.5 * STROKE * self.width * (1.0 - math.cos(2.0 * math.pi * phase))
 
     def _drive(self) -> None:
-        """Put what hands do into the parameters."""
+        """Set the parameters that depend on the player's actions."""
         parameters = self.integration.parameters
         tilt = Drive(np.zeros(1), 0.0, 0.0, 0.0, np.zeros(1), np.array(self._pull)[:, None])
         drives = tuple((side, self.push.drive()) for side, _ in parameters.drives)

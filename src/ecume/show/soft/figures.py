@@ -50,7 +50,7 @@ LEAST = 8
 
 
 class SteadyFlow(NamedTuple):
-    """A part of the protocol in which the packing is sheared while its normal stress is a compression."""
+    """A part of the protocol with steady shear under a compressive normal stress."""
 
     frames: Sequence[Frame]
     """of the whole part"""
@@ -97,7 +97,7 @@ def _required_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
 
 
 class Look(NamedTuple):
-    """How a set of points is drawn."""
+    """The style of a set of points."""
 
     color: str
     label: str = "_"
@@ -412,7 +412,7 @@ Key = tuple[int, int]
 
 
 def gaps(frames: Frames, scene: SoftScene) -> Figure:
-    """The gap of every contact over time, or their spread where there are many."""
+    """The gap of each contact over time, or their distribution for many contacts."""
     return _of_contacts(frames, scene, "gap", "m", "Gaps of contacts")
 
 

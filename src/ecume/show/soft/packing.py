@@ -1,4 +1,4 @@
-"""One instant of soft spheres: a layer with its films and forces, or 3D packings as shaded balls.
+"""A frame of soft spheres: a layer with its films and forces, or 3D packings as shaded balls.
 
 One instant of soft spheres, to scale: films colored by their gap, forces by their sign. A periodic box is drawn with
 its outline, and with the copies beside it, paler: nothing ends at its borders.
@@ -67,7 +67,7 @@ GAP_COLORS = "viridis"
 MARK = (0.3, 0.85)
 """The start and the end of the mark that shows a sphere's rotation, in radii."""
 BESIDE = 1.6
-"""How far around a box its copies are shown, in radii of the largest sphere."""
+"""The width of the visible periodic copies around a box, in radii of the largest sphere."""
 PALE = 0.4
 """The opacity of copies."""
 CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for wave in (np.cos, np.sin)], axis=1)
@@ -147,7 +147,7 @@ def reached(frames: Sequence[Frame]) -> tuple[Array, Array]:
 
 
 class Packing(Picture):
-    """An open picture: `show` puts a frame into it, `pixels` gives what is then seen."""
+    """An open picture: `show` draws a frame, and `pixels` returns the result."""
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> None:
         self.view = view_of(sample)
@@ -232,7 +232,7 @@ def _wall_line(axes: Axes, side: str) -> Line2D:
 
 
 def _film_lines(links: Links) -> NDArray[np.float64]:
-    """Across each line of centers, where the surfaces face each other."""
+    """The lines perpendicular to each line of centers, between the facing surfaces."""
     length = np.linalg.norm(links.along, axis=1, keepdims=True)
     unit = links.along / np.maximum(length, 1e-300)
     middle = links.first + unit * (links.radius[:, :1] + 0.5 * links.gap[:, None])
@@ -241,7 +241,7 @@ def _film_lines(links: Links) -> NDArray[np.float64]:
 
 
 def _gap_scale(links: Sequence[Links]) -> LogNorm:
-    """From half the narrowest gap that is drawn to twice the widest."""
+    """The color scale from half the narrowest gap to twice the widest."""
     gaps = np.concatenate([one.gap[one.gap < WIDE * one.radius.min(axis=1)] for one in links])
     low, high = (float(gaps.min()), float(gaps.max())) if len(gaps) else (1e-6, 1e-3)
     return LogNorm(0.5 * low, 2.0 * high)
@@ -286,7 +286,7 @@ MANY = 60
 def soft_picture(
     scene: SoftScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None
 ) -> Packing | Tank:
-    """Few spheres from above, with the forces between them; many in 3D as balls, or any in perspective."""
+    """Few spheres from above with their forces; many spheres in 3D as balls, or any number in perspective."""
     count, dimensions = sample[0].arrays["position"].shape
     if dimensions == 2 and eye is not None:
         raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")

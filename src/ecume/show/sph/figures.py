@@ -110,7 +110,8 @@ def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
 
 
 def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]:
-    """Depths and pressures of as much liquid, at rest all over the tank's floor, beside the solids that stand in it.
+    """Depths and pressures of the same amount of liquid at rest on the whole floor, around the
+    solids there.
 
     What is solid below the level is as good as liquid there, so that the level is a fixed point: each solid raises it,
     and a higher level may wet more of the solid.
@@ -133,14 +134,14 @@ def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]
 
 
 LEVELS, CLOSE = 1000, 1e-9
-"""Of the search for a level: steps at most, and the part of the level by which the last one rises."""
+"""The largest number of steps in the search for a level, and the relative change at its end."""
 
 
 FRONTS = (("right", "front", "front, largest x"), ("top", "top", "top, the largest height"))
 
 
 def _flowing(scene: SphScene) -> list[str]:
-    """The sides through which liquid enters or leaves."""
+    """The sides with inflow or outflow."""
     return [side for side in scene.sides if getattr(scene.tank, side).kind in FLOWS]
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 SMOOTHING = wall_forces.SPREAD
-"""Of the kernel: its standard deviation in spacings, that by which gauges tell liquid from air."""
+"""The standard deviation of the kernel in spacings, as used by gauges to distinguish liquid and air."""
 SUPPORT = 4.0
 """The range of the kernel, in standard deviations."""
 SLOPE = 1.0 / (SMOOTHING * math.sqrt(2.0 * math.pi))
@@ -108,7 +108,7 @@ class Region(NamedTuple):
 
 
 def region_of(liquid: Liquid, grid: Grid, spacing: float, solid: Inside | None = None) -> Region:
-    """The liquid's region and the means of its quantities; `solid` says which points are inside solids."""
+    """The region of the liquid and its mean quantities; `solid` flags the points inside solids."""
     inside = np.all((liquid.position >= grid.low) & (liquid.position <= grid.high), axis=1)
     liquid = Liquid(*(part[inside] for part in liquid))
     widths = SMOOTHING * spacing / grid.cell
@@ -214,7 +214,7 @@ class Surface(NamedTuple):
     grid: Grid
 
     def padded(self) -> tuple[Array, Array, Array]:
-        """The level with the sides of the grid added, where it is as in the cells beside them: x, y, level (y, x)."""
+        """The level extended to the sides of the grid by the adjacent cells: x, y, level (y, x)."""
         axes = [
             np.concatenate([[self.grid.low[axis]], self.grid.centers(axis), [self.grid.high[axis]]]) for axis in (0, 1)
         ]
@@ -276,7 +276,7 @@ def liquid_in(frame: Frame, spacing: float, values: Array) -> Liquid:
 def room_of(
     scene: SphScene, frame: Frame, position: Array, window: tuple[Array, Array] | None = None
 ) -> tuple[Array, Array]:
-    """The corners of the tank where its walls are now; at open sides as far as the liquid reaches."""
+    """The corners of the tank at the present positions of its walls; at open sides those of the liquid."""
     low, high = walls_at(scene, frame)
     reach = SUPPORT * SMOOTHING * scene.spacing
     for number, side in enumerate(scene.sides):

@@ -60,7 +60,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
     "density": Coloring(array("density"), "density", "kg/m³", "cividis"),
     "region": None,
 }
-"""By the name that `ecume movie --color` takes; `region` colors by the [[fluid]] table of a particle."""
+"""The colorings by the names of `ecume movie --color`; `region` colors by the [[fluid]] table of a particle."""
 DERIVED = ("hydrostatic_pressure", "dynamic_pressure", "absolute_pressure")
 """Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`."""
 
@@ -84,7 +84,8 @@ def liquid_picture(
     eye: Eye | None = None,
     particles: bool = False,
 ) -> Tank:
-    """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says.
+    """The tank with its liquid colored by pressure under gravity, otherwise by speed, or as `color`
+    specifies.
 
     In 2D the liquid is a continuous region, in 3D translucent water unless there is a `color`; with `particles` each
     particle is a disc or a ball as large as the spacing.

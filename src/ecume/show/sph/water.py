@@ -90,7 +90,7 @@ def _depth(solid: Solid, points: Array, margin: float) -> Array:
 
 
 class Scenery(NamedTuple):
-    """What a picture of water is made of."""
+    """The surroundings in a picture of water."""
 
     region: Region
     grid: Grid

@@ -13,10 +13,10 @@ from ecume.show.view.scenery import Links, Stage
 from ecume.trajectories.frame import Frame
 
 STEPS = 65535
-"""Of a quantized number, from the least to the largest that occurs: 1.5e-5 of the range."""
+"""The number of steps between the smallest and the largest value: 1.5e-5 of the range."""
 FEW_STEPS = 255
 WIDE = 1e3
-"""The ratio of the largest to the least value from which on steps of one length would lose what is small."""
+"""The ratio of the largest to the smallest value above which equal steps would lose small values."""
 NEAR = 1e-6
 """Ways across a border that differ by less are one, over the size of all."""
 ALIGNED = 4
@@ -28,14 +28,14 @@ Numbers = NDArray[Any]
 
 
 class Chunk(NamedTuple):
-    """Some frames, packed."""
+    """A packed sequence of frames."""
 
     header: dict[str, Any]
     blob: bytes
 
 
 class _Packing:
-    """A blob that grows, and where what stands in it."""
+    """A growing block of data, with the offsets of its entries."""
 
     def __init__(self, rows: int) -> None:
         """Begin with this number of frames with as many particles; 1 where their number changes."""
@@ -47,11 +47,11 @@ class _Packing:
         self.scales: dict[str, list[float]] = {}
 
     def add(self, name: str, values: Numbers, kind: str) -> None:
-        """Bare numbers of a kind that the page knows."""
+        """Add numbers in a format that the page reads."""
         self._put(name, values.size, kind, np.ascontiguousarray(values, f"<{kind}").tobytes())
 
     def moved(self, name: str, values: Numbers) -> None:
-        """Numbers of two bytes, as how far they went since the frame before, where all frames have as many."""
+        """Add 16-bit numbers as differences from the previous frame, if all frames have equally many."""
         if self.rows < 2 or values.size % self.rows:
             self.add(name, values, "u2")
             return
@@ -78,13 +78,13 @@ class _Packing:
         self.ranges[name] = [low, high]
 
     def few(self, name: str, values: Numbers) -> None:
-        """Numbers of which the page shows a color or a width: as one of few steps from the least to the largest."""
+        """Add numbers that the page shows as color or width, in few steps from the smallest to the largest."""
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
         self.add(name, np.rint((values - low) * (FEW_STEPS / max(high - low, 1e-300))), "u1")
         self.ranges[name] = [low, high]
 
     def scale(self, name: str, values: Numbers) -> None:
-        """Note between which values nearly all lie: one particle's peak must not pale all others."""
+        """Record the range of nearly all values, so that single peaks do not compress the color scale."""
         finite = values[np.isfinite(values)]
         if finite.size:
             self.scales[name] = [float(end) for end in np.quantile(finite, (RARE, 1.0 - RARE))]
@@ -152,7 +152,7 @@ def quantities(frame: Frame) -> dict[str, Numbers]:
 
 
 def _quantities(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[str]:
-    """Quantities of the particles; the names of those that never change, which stand once."""
+    """Add the quantities of the particles. Returns the names of the constant ones, which are stored once."""
     steady = []
     columns = [quantities(frame) for frame in frames]
     colored = [_colored(frame, stage) for frame in frames]
@@ -187,7 +187,7 @@ def _numbers(packing: _Packing, frames: Sequence[Frame]) -> None:
 
 
 def _movers(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
-    """Outlines of what moves beside the particles; how many points each has."""
+    """Add the outlines of moving parts. Returns the number of points of each."""
     if stage.movers is None:
         return []
     outlines = [stage.movers(frame) for frame in frames]
@@ -196,7 +196,7 @@ def _movers(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[in
 
 
 def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
-    """Contacts; how many each frame has.
+    """Add the contacts. Returns the number in each frame.
 
     They are stored as pairs of particle numbers, whose positions are known: from frame to frame these are nearly the
     same, which gzip takes for little. What leads from a particle to its copy across a border is one of few ways.
@@ -218,7 +218,7 @@ def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int
 
 
 def _ways(frame: Frame, links: Links) -> tuple[Numbers, Numbers]:
-    """Which way each contact's second particle is shifted to, and these ways (W, d) (m): none, and across borders."""
+    """The periodic shift of each contact's second particle, as an index into the list of shifts (W, d) (m)."""
     first, second = links.pairs.T
     place = frame.arrays["position"][:, : links.along.shape[1]]
     shift = links.along - (place[second] - place[first])

@@ -85,7 +85,7 @@ MOST_TEXT = 2**24
 
 
 def json_of(value: Any) -> str:
-    """JSON that no title can leave: what HTML could read is written as its number."""
+    """JSON without characters that HTML could interpret; these are escaped."""
     text = json.dumps(value, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
@@ -109,16 +109,16 @@ MOST = 50.0
 IN_TEXT = 4 / 3
 """Bytes of base64 a byte."""
 SAMPLES = 5
-"""Frames that decide what is to be seen, and the range of the surface's colors."""
+"""The number of frames that determine the visible region and the color range of the surface."""
 MODELS = {"sph": "tank of liquid", "floating": "floating bodies", "soft": "soft spheres", "tracers": "tracers"}
-"""What a page without a title is called."""
+"""The default titles of pages, by model."""
 SLOW = ("speed", "density")
-"""Colored from dark blue to yellow; what lies on both sides of zero is blue and red, all else goes over green."""
+"""Quantities colored from dark blue to yellow; signed ones are blue and red, others pass through green."""
 FACTS = ("ecume", "model", "seed", "processor", "platform")
 
 
 class Page(NamedTuple):
-    """A page that was written, and how much of the run is in it."""
+    """A written page, and the part of the run that it contains."""
 
     path: Path
     size: int
@@ -166,7 +166,8 @@ def stage_of(trajectory: Trajectory) -> Stage:
 
 
 def spacing(frames: Sequence[Frame], stage: Stage, empty: int, max_size: float) -> int:
-    """Which frames fit into so many MB: each, each second ..., judged by what one in the middle adds to the one before.
+    """The interval of frames for a size in MB, estimated from the increment of one frame in the
+    middle.
 
     `empty` is what the page takes without frames (bytes).
     """
@@ -200,7 +201,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
 
 
 def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
-    """The visible quantities between two frames, and how they are drawn."""
+    """The visible quantities between two frames, and their style."""
     first, last = shown(first, stage), shown(last, stage)
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
@@ -251,7 +252,7 @@ def _coloring(name: str, first: Frame) -> dict[str, Any]:
 
 
 def hexadecimal(color: str) -> str:
-    """`#rrggbb` of any color that scenes know."""
+    """A color of a scene as `#rrggbb`."""
     return str(mpl.colors.to_hex(color))
 
 
@@ -266,7 +267,7 @@ def color_map(name: str, *, dark: bool = False) -> str:
 
 
 def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
-    """The facts of the run's manifest that say where it comes from."""
+    """The entries of the run's manifest on its origin."""
     manifest = trajectory.manifest
     facts = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
     facts += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
@@ -290,9 +291,9 @@ def page(header: dict[str, Any], chunks: Sequence[Chunk], *, live: bool = False)
 
 
 MOST_IN_A_CELL = 4.0
-"""MB that a cell's output may take by default: notebooks are kept with what they showed."""
+"""The largest output of a notebook cell by default, in MB."""
 HEIGHT = 560
-"""Of the player, pixels."""
+"""The height of the player in pixels."""
 EDGE = 0.05
 """Room around a frame's particles, over their extent."""
 
@@ -314,7 +315,7 @@ def player(trajectory: Trajectory, max_size: float = MOST_IN_A_CELL) -> str:
 
 
 def still(frame: Frame) -> str:
-    """One frame as a piece of HTML. It knows its particles and numbers, and nothing of walls, which a scene knows."""
+    """One frame as HTML, with particles and numbers but without walls, which only scenes contain."""
     stage = bare_stage(frame)
     facts = {"title": f"at {frame.time:.6g} s", "model": "", "facts": [], "papers": [], "scene": "", "live": False}
     # One instant is no curve.
@@ -323,7 +324,7 @@ def still(frame: Frame) -> str:
 
 
 def bare_stage(frame: Frame) -> Stage:
-    """Particles, and nothing around them."""
+    """Particles without surroundings."""
     position = frame.arrays["position"]
     if not len(position):
         raise BadInput("the frame has no particles; nothing to show")
@@ -336,7 +337,7 @@ def bare_stage(frame: Frame) -> Stage:
 
 
 def in_notebook(what: Any) -> str | None:
-    """The notebook view of a frame, a trajectory or the directory of a run; None where nothing can be shown."""
+    """The notebook view of a frame, trajectory or run directory; None for anything else."""
     try:
         if isinstance(what, Frame):
             return still(what)
@@ -356,18 +357,18 @@ def _framed(text: str) -> str:
 
 
 MOST_FRAMES = 50
-"""In one answer."""
+"""The largest number of frames in one answer."""
 PATIENCE = 30.0
 """Seconds for which a run may have no frame."""
 EVERY = 0.1
-"""Seconds between two looks whether there is one."""
+"""The time in seconds between two checks for a new frame."""
 FAREWELL = 3.0
-"""Seconds for which the server stays when the run has ended, so that the page hears of it."""
+"""The time in seconds for which the server continues after the end of the run, so that the page is informed."""
 
 
 @dataclass
 class Source:
-    """A run, as the server reads it. Requests come in threads of their own; the files are one's at a time."""
+    """A run for the server. Requests run in separate threads; the files are accessed by one at a time."""
 
     directory: Path
     state: Callable[[], str]

@@ -189,7 +189,7 @@ def _regions(scene: Any) -> list[Species]:
 
 
 def _filled(scene: Any, low: Array, high: Array) -> Filled:
-    """The tank; beyond open sides what is seen, and where sides move the room that they leave at most."""
+    """The tank; beyond open sides the visible region, and the largest extent of moving sides."""
     corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
     for number, side in enumerate(scene.sides):
         axis, end = number // 2, number % 2
@@ -201,7 +201,7 @@ def _filled(scene: Any, low: Array, high: Array) -> Filled:
 
 
 def _mover_colors(scene: Any, low: Array) -> list[str | None]:
-    """The colors of bodies, line by line; moving sides come after them, and have none."""
+    """The colors of bodies in the order of lines; moving sides follow without colors."""
     flat = len(low) == 2
     lines = [1 if flat else BALL_LINES if is_ball(body) else len(edges(shape_of(body))) for body in scene.bodies]
     return [body.color for body, count in zip(scene.bodies, lines, strict=True) for _ in range(count)]
@@ -216,7 +216,7 @@ def _joined(lines: list[Line | list[Line]]) -> list[Line]:
 
 
 def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
-    """Walls; dashed where what leaves comes back at the other side; nothing where all is open."""
+    """The walls, dashed at periodic sides; empty if all sides are open."""
     kinds = {side: getattr(scene.tank, side).kind for side in scene.sides}
     if len(low) == 3:
         around = any(kind in ("wall", "periodic") for kind in kinds.values())
@@ -297,7 +297,7 @@ def _tank_in_space(tank: Any) -> list[Line]:
 
 
 CELLS = 110
-"""Of the surface's picture along its longer side."""
+"""The number of cells of the surface picture along its longer side."""
 
 
 def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
@@ -376,7 +376,7 @@ def _box(frame: Frame, dimensions: int) -> list[Array]:
 
 
 def _wall(frame: Frame, side: str, low: Array, high: Array) -> Array:
-    """A wall where it is, as long as what is to be seen."""
+    """The visible part of a wall at its present position."""
     axis = WALL_SIDES[side][0]
     low, high = low.copy(), high.copy()
     low[axis] = high[axis] = frame.numbers[f"{side}_{'xyz'[axis]}"]
@@ -395,4 +395,4 @@ STAGES: dict[str, Callable[[Any, Sequence[Frame]], Stage]] = {
     "sph": sph_stage,
     "tracers": tracers_stage,
 }
-"""By model: what is around the particles of (scene, some frames of the run)."""
+"""Functions from (scene, some frames of the run) to the surroundings of particles, by model."""

@@ -149,7 +149,7 @@ def _names(labels: Sequence[str], sections: Mapping[str, Section]) -> tuple[str,
 
 
 def _kind(label: str, names: tuple[str, ...], line: int) -> int:
-    """The number of a type, which is written as its name or, beside names, as its number from 1."""
+    """The number of a type, given as a name or as a number from 1."""
     if label in names:
         return names.index(label)
     if label.isascii() and label.isdigit() and 1 <= int(label) <= len(names):

@@ -1,4 +1,4 @@
-"""The particles of a file of another program, and how its faults are reported."""
+"""Particles of a file of another program, and the report of its faults."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LONGEST_WORD = 40
 
 
 class Particles(NamedTuple):
-    """Particles in the units of their file; `None` for what the file does not contain."""
+    """Particles in the units of their file; missing quantities are `None`."""
 
     names: tuple[str, ...]
     """The types, in the order of their numbers."""

@@ -1,4 +1,4 @@
-"""Files of other programs as a series of frames: how many there are, and each of them."""
+"""Files of other programs as sequences of frames."""
 
 from __future__ import annotations
 
