@@ -237,7 +237,7 @@ def _module(module: ModuleType, named: list[Any], words: frozenset[str]) -> str:
     if _of_library(module.__name__):
         return f"module {module.__name__}"
     inside = vars(module)
-    # Of a module in the module, the same words less its own, so that two that name each other come to an end.
+    # In a module that a module names, the same words without its own, so that the recursion ends.
     rest = words - {module.__name__.rpartition(".")[2]}
     found = [f"{name} {_value(inside[name], named, rest - {name})}" for name in sorted(words & inside.keys())]
     return f"module {module.__name__} {found}"

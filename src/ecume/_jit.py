@@ -74,7 +74,7 @@ def compiled_apart(*arrays: str) -> Callable[[Function], Function]:
 
 
 def threaded(function: Function) -> Function:
-    """The same, with `prange` over threads."""
+    """Compile a function whose `prange` loops use threads."""
     made: Any = Threaded(function) if COMPILES else function
     kept: Function = made
     return kept

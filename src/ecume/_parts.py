@@ -206,7 +206,7 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Nowhere: Python does not call a part."""
+        """The null address, since Python never calls a part."""
         self._ensure_finalized()
         return 0
 

@@ -49,7 +49,7 @@ class Moment(NamedTuple):
 
     @property
     def done(self) -> float:
-        """The fraction of the simulated time that is behind us."""
+        """The completed fraction of the simulated time."""
         return self.step / self.steps if self.steps else 1.0
 
 

@@ -222,7 +222,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
 
 def odd_values(file: Path, changes: Sequence[str]) -> list[tuple[str, str, str]]:
-    """A row for each value of a scene file that matter does not have."""
+    """A row for each implausible value of a scene file."""
     from ecume.scenes.load import parsed, source_of
     from ecume.scenes.overrides import overridden
     from ecume.scenes.plausible import remarks

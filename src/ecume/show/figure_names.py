@@ -70,7 +70,7 @@ NUMBER = "number:"
 
 
 def require_figure(model: str, name: str) -> None:
-    """Raise BadInput where a model has no figure of this name; other models than those of the table are not known."""
+    """Raise BadInput if a model of the table has no figure of this name."""
     known = FIGURE_NAMES.get(model, ())
     if known and name not in known and not name.startswith(NUMBER):
         raise BadInput(f"no such figure as {name!r}; {suggestion(name, known)}")

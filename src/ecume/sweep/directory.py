@@ -240,7 +240,7 @@ def require_own_run(job: Job) -> None:
 
 
 def distinct(jobs: Sequence[Job]) -> list[Job]:
-    """Points that simulate the same share a folder."""
+    """The different points: points with equal plans share a folder."""
     return list({job.folder: job for job in jobs}.values())
 
 

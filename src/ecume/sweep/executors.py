@@ -154,7 +154,7 @@ def _spread(client: Any, jobs: Sequence[Job], options: ExecutorOptions) -> Itera
     """The jobs on the workers of a Dask client: each receives the name of a folder and returns a short answer."""
     import distributed
 
-    library: Any = distributed  # leaves its functions without types
+    library: Any = distributed  # the library has no types
     folders = {str(job.folder.resolve()): job for job in jobs}
     kept = {"retries": options.retries, "pure": False}
     futures = {client.submit(work, folder, options.laws, **kept): job for folder, job in folders.items()}
@@ -190,7 +190,7 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         import distributed
     except ImportError as error:
         raise BadInput(f"many workers need Dask, which is not installed: {install('sweep')}, or --workers 1") from error
-    library: Any = distributed  # leaves its functions without types
+    library: Any = distributed  # the library has no types
     for name in ("distributed", "distributed.client"):  # ecume reports failures in one line
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if options.scheduler is not None:

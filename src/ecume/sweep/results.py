@@ -175,8 +175,8 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
 def require_numbers(
     measures: Sequence[str], plan: Mapping[str, Any], laws: Sequence[Callable[..., float]] = ()
 ) -> None:
-    """Raise BadInput where a measure is of a number that runs do not have; the run of this plan begins for that, and
-    no more. Raise it also where the engine is missing.
+    """Raise BadInput if a measure uses a number that runs do not have, which the first frame of a run shows, or if the
+    engine is missing.
 
     A sweep should not end with it.
     """

@@ -204,7 +204,7 @@ def channel_velocity(shape: Channel, x: float, y: float, z: float, time: float) 
 
 @compiled_inside
 def couette_velocity(shape: Couette, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of a plane Couette flow."""
     return carrier_flows.couette_speed(z - shape.bottom, shape.width, shape.speed), 0.0, 0.0
 
 
@@ -226,21 +226,21 @@ def duct_velocity(shape: Duct, x: float, y: float, z: float, time: float) -> Poi
 
 @compiled_inside
 def stagnation_velocity(shape: Stagnation, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of a stagnation-point flow."""
     center = shape.center
     return shape.along * (x - center[0]), shape.across * (y - center[1]), shape.upward * (z - center[2])
 
 
 @compiled_inside
 def rotation_velocity(shape: Rotation, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of a rigid rotation."""
     along, across, up = x - shape.center[0], y - shape.center[1], z - shape.center[2]
     return -shape.flat * up - shape.upright * across, shape.upright * along, shape.flat * along
 
 
 @compiled_inside
 def cellular_velocity(shape: Cellular, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of a cellular flow."""
     k = shape.wavenumber
     found = carrier_flows.cellular_velocity(k * (x - shape.x), k * (z - shape.z), shape.speed)
     return found[0], 0.0, found[1]
@@ -248,7 +248,7 @@ def cellular_velocity(shape: Cellular, x: float, y: float, z: float, time: float
 
 @compiled_inside
 def double_gyre_velocity(shape: DoubleGyre, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of a double gyre."""
     swing = shape.swing * math.sin(shape.turning * time)
     place, up = (x - shape.x) / shape.half, (z - shape.z) / shape.height
     found = carrier_flows.double_gyre_velocity(place, up, swing, shape.speed)
@@ -257,7 +257,7 @@ def double_gyre_velocity(shape: DoubleGyre, x: float, y: float, z: float, time: 
 
 @compiled_inside
 def surface_wave_velocity(shape: Wave, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of a surface wave."""
     phase = shape.wavenumber * x - shape.turning * time
     found = carrier_flows.wave_velocity(phase, z - shape.bottom, shape.wavenumber, shape.depth, shape.speed)
     return found[0], 0.0, found[1]
@@ -265,7 +265,7 @@ def surface_wave_velocity(shape: Wave, x: float, y: float, z: float, time: float
 
 @compiled_inside
 def abc_velocity(shape: Abc, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity."""
+    """The velocity of an ABC flow."""
     k, center = shape.wavenumber, shape.center
     return carrier_flows.abc_velocity(k * (x - center[0]), k * (y - center[1]), k * (z - center[2]), shape.speed)
 

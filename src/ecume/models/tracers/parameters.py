@@ -274,8 +274,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
         steps = scene.frame_every / asked
         if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             fits = scene.frame_every / max(1, math.ceil(steps))
-            entered_count = f"got {asked:g} s; frame_every ({scene.frame_every:g} s) is not a multiple of it"
-            raise SceneError([Fault("integration.time_step", f"{entered_count}; {fits:.9g} s would fit")])
+            message = f"got {asked:g} s; frame_every ({scene.frame_every:g} s) is not a multiple of it"
+            raise SceneError([Fault("integration.time_step", f"{message}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(
         scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf, scales.longest_step()
@@ -284,7 +284,7 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
     shortest = 0.0 if scene.integration.integrator == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
     for mass, friction, speed, gravity, radius in kinds_of(bodies):
         if friction > 0.0:
-            # Where drag is more than Stokes's it also slows down sooner.
+            # With more drag than Stokes drag, particles relax faster.
             inertial = min(mass / friction, abs(speed / gravity) if gravity and speed else math.inf) / SHORTEST
             late = scene.integration.integrator == "overdamped" or inertial < shortest
             body = (friction, speed, mass * gravity, radius)
@@ -346,9 +346,9 @@ def _require_names(scene: TracersScene) -> None:
         ("hydrodynamics.drag", scene.hydrodynamics.drag, DRAGS),
         ("integration.integrator", scene.integration.integrator, REGIMES),
     )
-    for path, entered_count, known in tables:
-        if entered_count not in known:
-            faults.append(Fault(path, f"got {entered_count!r}; {suggestion(entered_count, known)}"))
+    for path, name, known in tables:
+        if name not in known:
+            faults.append(Fault(path, f"got {name!r}; {suggestion(name, known)}"))
     drag = scene.hydrodynamics.drag
     if scene.hydrodynamics.brownian and drag in DRAGS and not DRAGS[drag].resists:
         faults.append(Fault("hydrodynamics.brownian", "needs drag: what the liquid kicks, it also slows down"))

@@ -261,7 +261,7 @@ ABOVE = 0.35
 
 
 class TankPage:
-    """A tank as its page sees it."""
+    """The page of a tank: its pictures, numbers and actions."""
 
     def __init__(self, tank: Tank) -> None:
         self.moving, self.parts = tank, TANK

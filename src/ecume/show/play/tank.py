@@ -266,7 +266,7 @@ class Tank:
         self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
 
     def scoop(self, x: float, y: float) -> None:
-        """Remove the liquid around a position (m). Raises BadInput if there is none, or if none would remain."""
+        """Remove the liquid around a position (m). Raises BadInput if there is no liquid, or no other."""
         liquid = self.liquid()
         stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
         if stays.all():

@@ -118,7 +118,9 @@ def make_coupled_scratch(part: CoupledKicks) -> CoupledScratch:
 
 
 def coupled_memory(part: CoupledKicks) -> float:
-    """Bytes of the matrix, and of the motion by each contact of floats in a raft (three for each float)."""
+    """The memory of the mobility matrix, and of the responses to each contact of a raft (three contacts per float), in
+    bytes.
+    """
     count, size = len(part.radius), 2 * len(part.radius) + len(part.spin)
     contacts = 3 * count * (2 if len(part.spin) else 1)
     return float(8 * size * (size + contacts))

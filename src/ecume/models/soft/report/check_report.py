@@ -53,7 +53,7 @@ def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expe
     liquid = material_of(scene.liquid)
     pair = SoftPair(radius, modulus, liquid.viscosity, prefactors_of(scene.films))
     gaps = log_gaps_of(state)
-    # Half of what is tied is far: of the narrower half, as many as bear forces.
+    # Half of the connected pairs are distant: of the closer half, as many as there are contacts with forces.
     gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
     found = forces(scene, parameters, pair, gap)
     source = max(found, key=lambda name: found[name], default="")
