@@ -76,6 +76,11 @@ CASES: dict[str, Case] = {
             "Grains in water: terminal speeds, diffusion, and the equilibrium of both",
             place="tracers:settling_rows",
         ),
+        _case(
+            "tracers-flows",
+            "Tracers in flows: dispersion, walls, settling layers, vortices, impaction, deposition, lift",
+            long=True,
+        ),
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853", place="floats:meeting_rows"),
         _case(
             "raft",

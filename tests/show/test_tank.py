@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 
+from ecume.errors import BadInput
 from ecume.scenes.tracers import ObstacleSpec, OpeningSpec, ParticleSpec, TankSpec, TracersScene
 from ecume.show.picture import Size
 from ecume.show.tank import Coloring, Round, Setting, Tank
+from ecume.show.tracer_measures import MEASURES
 from ecume.show.tracers import TRACER_FIGURES, setting_of, tracers_picture, wall_names
 from ecume.trajectories.frame import Frame
 
@@ -73,7 +75,40 @@ def test_walls_have_names_in_the_order_of_their_numbers():
     assert wall_names(SCENE) == [*sides, *(f"obstacle 1, {side}" for side in sides), "obstacle 2"]
 
 
-@pytest.mark.parametrize("name", TRACER_FIGURES)
+def measured(time):
+    """A frame of particles of which one is deposited, and others have left since."""
+    spread = np.linspace(0.1, 0.9, 9)
+    position = np.stack([0.1 + 0.5 * time * spread, spread], axis=1)
+    left = np.array([-1] * 5 + [0 if time > 0.3 else -1, 0 if time > 0.7 else -1, 1 if time > 0.4 else -1, -1])
+    arrays = {"position": position, "left": left, "species": np.zeros(9, int), "speed": spread}
+    numbers = {"left_through_opening_0": float((left == 0).sum()), "deposited_on_wall_1": float((left == 1).sum())}
+    return Frame(time, arrays, numbers, {})
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_every_figure_of_measures_has_curves_and_errors(name):
+    drawn = MEASURES[name]([measured(time) for time in (0.0, 0.5, 1.0)], SCENE)
+    axes = drawn.axes[0]
+    assert axes.get_ylabel()
+    assert len(axes.lines) + len(axes.patches) > 0
+    assert len(axes.collections) > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("residence", "0 particles have left"),
+        ("breakthrough", "no openings"),
+        ("deposition", "no particle is deposited"),
+        ("efficiency", "no particle is deposited or has left"),
+    ],
+)
+def test_a_run_without_the_quantity_says_so(name, words):
+    with pytest.raises(BadInput, match=words):
+        MEASURES[name](FRAMES, SCENE)
+
+
+@pytest.mark.parametrize("name", [name for name in TRACER_FIGURES if name not in MEASURES])
 def test_every_figure_of_tracers_draws_what_it_says(name):
     drawn = TRACER_FIGURES[name](FRAMES, SCENE)
     assert drawn.axes[0].get_xlabel() or drawn.axes[0].get_ylabel()

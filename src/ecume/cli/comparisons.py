@@ -250,6 +250,7 @@ BENCHES: dict[str, Bench] = {
         Bench("page", "A page of 2,000 particles: size, opening, pictures a second without a graphics card",
               "looking.py", ("page",), needs=("playwright",), long=True),
         Bench("movie", "A movie of 20,000 balls, 300 pictures at 720p", "looking.py", ("movie",), long=True),
+        Bench("tracers", "A million tracers in a steady gyre on a grid", "parcels_tracers.py", long=True),
         Bench("growth", "How time and memory grow with a cube of water", "growth.py",
               ("--edges", "22", "46"), long=True),
     )

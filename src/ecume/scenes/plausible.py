@@ -76,6 +76,8 @@ RANGES = (
         r"floating (dish|particles|rows)\..*(radius|size|spacing|positions|center|[xy])", (1e-9, 1.0), (1e-9, 50.0),
         ("cm", "mm", "um"),
     ),
+    # Fields may be of oceans.
+    Range(r"tracers .*\.(low|high|center|vertices|positions|heights)", (1e-12, 1e3), (1e-12, 1e8), LENGTHS),
     Range(r"(soft|tracers) (particles|films)\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
     Range(
         r"(sph|tracers|soft) (tank|fluid|obstacles|bodies|gauges|spacing|cell|openings|walls|passive_tracers)\b.*",

@@ -39,23 +39,27 @@ def _model_of(text: str) -> str:
 
 
 def copy_template(name: str, to: Path) -> list[Path]:
-    """Write a template and its table, if any, into one folder without overwriting; return the written files."""
+    """Write a template and the table or field beside it into one folder, without overwriting; return the files."""
     known = templates() | sweep_templates()
     if name not in known:
         near = suggestion(name, known)
         raise BadInput(f"no template {name!r}; {near if 'mean' in near else '`ecume new` lists them'}")
     home = folder() / "sweeps" if name in sweep_templates() else folder()
-    table = home / f"{name}.csv"
-    texts = {to: (home / f"{name}.toml").read_text(encoding="utf-8")}
-    if table.is_file():
-        texts[to.with_name(table.name)] = table.read_text(encoding="utf-8")
-    for path in texts:
+    contents = {to: (home / f"{name}.toml").read_bytes()}
+    for beside in (home / f"{name}{suffix}" for suffix in BESIDE):
+        if beside.is_file():
+            contents[to.with_name(beside.name)] = beside.read_bytes()
+    for path in contents:
         if path.exists():
             raise BadInput(f"{path} exists already; name another file with -o")
-    for path, text in texts.items():
+    for path, content in contents.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-    return list(texts)
+        path.write_bytes(content)
+    return list(contents)
+
+
+BESIDE = (".csv", ".nc")
+"""Files that belong to a template: tables of particles, and fields."""
 
 
 def folder() -> Traversable:

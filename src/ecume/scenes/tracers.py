@@ -18,7 +18,6 @@ from ecume.scenes.quantities import (
     AbsoluteTemperature,
     Color,
     Concentration,
-    Coordinate,
     Count,
     Duration,
     LawName,
@@ -34,13 +33,17 @@ from ecume.scenes.quantities import (
 )
 from ecume.scenes.sizes import Share, SizeSpec, list_faults, shared_out, sized
 from ecume.scenes.tables import beside, require_there
-from ecume.units import ROOM, Acceleration, Number, Rate, Speed, Unit
+from ecume.units import ROOM, Acceleration, Length, Number, Rate, Speed, Unit
 
+Coordinate = Annotated[Length, Field(ge=-1e8, le=1e8)]
+"""As far as around the Earth, since fields may be of oceans."""
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
 Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
 ComingRate = Annotated[float, Unit("1/s"), Field(gt=0.0, le=1e12)]
 WallNumber = Annotated[int, Field(strict=True, ge=0, le=10_000)]
+Diffusivity = Annotated[float, Unit("m^2/s"), Field(ge=0.0, le=1e6)]
+Sphericity = Annotated[Number, Field(ge=0.1, le=1.0)]
 ShearRate = Annotated[float, Unit("1/s"), Field(ge=-1e6, le=1e6)]
 Complaints = list[tuple[Path, str]]
 
@@ -88,6 +91,28 @@ class PulseSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class TurbulenceSpec:
+    """Mixing by turbulence that the flow does not resolve, as a diffusivity; of particles without inertia in a box."""
+
+    heights: tuple[Coordinate, ...]
+    """Rising heights (m). Example: `["0 m", "5 m", "20 m"]`. Effect: where the diffusivities apply."""
+    diffusivities: tuple[Diffusivity, ...]
+    """The vertical diffusivity at each height (m^2/s), linear between them and constant beyond. Example: `["1 cm^2/s",
+    "50 cm^2/s", "1 cm^2/s"]`. Effect: mixes particles over height; a well-mixed suspension stays so."""
+    horizontal: Diffusivity = 0.0
+    """The diffusivity along the other axes (m^2/s). Effect: spreads particles sideways."""
+
+    @model_validator(mode="after")
+    def _profile(self) -> Self:
+        if len(self.heights) != len(self.diffusivities) or not self.heights:
+            message = f"got {len(self.diffusivities)} for {len(self.heights)} heights; expected one for each"
+            raise Inconsistent([(("diffusivities",), message)])
+        if any(b <= a for a, b in zip(self.heights, self.heights[1:], strict=False)):
+            raise Inconsistent([(("heights",), "expected rising numbers")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class FieldSpec:
     """Velocities of the liquid on a grid of equal steps, from a file, or from a run of the model `sph`."""
 
@@ -127,8 +152,9 @@ class FlowSpec:
     """The gradient of the x velocity of the liquid with height (1/s). Effect: particles at different heights drift
     apart."""
     around_obstacles: Literal["none", "creeping", "ideal"] = "none"
-    """How a uniform flow goes around one disc or sphere without a tank: `none`, through it; `creeping` past a sphere,
-    at small Reynolds numbers; `ideal`, without viscosity. Effect: particles are carried around the obstacle."""
+    """How the flow passes obstacles: `none`, through them; `creeping`, at small Reynolds numbers, a uniform flow past
+    one sphere without a tank, or in 2D the flow `channel` of a box past any of them; `ideal`, without viscosity, a
+    uniform flow past one disc or sphere. Effect: particles are carried around obstacles."""
     name: Annotated[str, Field(max_length=LONGEST_NAME)] = ""
     """A flow that adds to these two: `channel`, `couette`, `tube`, `duct`, `stagnation`, `rotation`, `cellular`,
     `double-gyre`, `wave` or `abc`. Example: `"channel"`. Effect: particles follow this flow."""
@@ -157,6 +183,8 @@ class FlowSpec:
     """The upper corner of the box of the named flow (m); by default that of the tank. Effect: shifts its walls."""
     field: FieldSpec | None = None
     """Velocities from a file or a run, instead of a named flow. Effect: particles follow these velocities."""
+    turbulence: TurbulenceSpec | None = None
+    """Mixing by eddies that the flow does not contain. Effect: particles diffuse."""
     pulse: PulseSpec | None = None
     """How the speed of the named flow or of the file changes in time; by default it is steady. Effect: makes the flow
     pulsate or decay."""
@@ -185,6 +213,10 @@ class ParticleSpec:
     has a count. Example: `"30 %"`. Effect: sets the number of particles."""
     density: PositiveDensity
     """The density of each sphere (kg/m^3). Effect: spheres denser than the liquid settle, others rise."""
+    sphericity: Sphericity = 1.0
+    """The surface of the sphere of the same volume over that of the particle: 1 of spheres, 0.81 of cubes; for the drag
+    law `haider-levenspiel`, with `radius` that of this sphere. Effect: fast particles that are not round settle more
+    slowly."""
     positions: tuple[Point, ...] = ()
     """The initial position of each particle (m); by default random in the tank. Effect: replaces the random
     positions."""
@@ -369,9 +401,9 @@ class TracerHydrodynamicsSpec:
     """The forces of the liquid on moving particles."""
 
     drag: LawName = "schiller-naumann"
-    """The drag law: `stokes` for slow particles, `schiller-naumann`, which grows with the Reynolds number, or
-    `none`. Effect: `schiller-naumann` lowers the settling speed of large particles; without drag particles fly
-    freely."""
+    """The drag law: `stokes` for slow particles, `schiller-naumann`, which grows with the Reynolds number,
+    `haider-levenspiel`, for particles that are not round, or `none`. Effect: `schiller-naumann` lowers the settling
+    speed of large particles; without drag particles fly freely."""
     added_mass: Switch = True
     """Whether the inertia includes half the mass of the displaced liquid. Effect: makes light particles slower to
     accelerate."""
@@ -384,6 +416,9 @@ class TracerHydrodynamicsSpec:
     lift: Switch = False
     """Saffman's lift on a particle that moves relative to sheared liquid; acts on particles with inertia. Effect:
     particles that lag move toward faster liquid."""
+    wall_drag: Switch = False
+    """Whether drag grows near the walls of a box, by the exact series for a sphere and a plane: along each wall, and
+    toward it. Effect: particles settle and diffuse more slowly near walls, and do not touch them."""
     brownian: Switch = False
     """Brownian motion at the temperature of the liquid; requires drag. Effect: disperses particles; those of a
     micrometer remain suspended."""

@@ -17,6 +17,7 @@ from ecume.show.curves import Frames, displacement, energies, evolution, over_ti
 from ecume.show.picture import STANDING, USUAL, Eye, Size, Wires, species, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Round, Setting, Shape, Tank, seen
+from ecume.show.tracer_measures import MEASURES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -186,4 +187,5 @@ TRACER_FIGURES: Mapping[str, Any] = {
     "heights": heights,
     "profile": profile,
     "hits": wall_hits,
+    **MEASURES,
 }

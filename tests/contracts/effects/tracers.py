@@ -55,6 +55,10 @@ AROUND = {
     "obstacles": [{"center": [0.02, 0.0, 0.0], "radius": 0.01}],
     "particles": [{"count": None, "positions": [[0.005, 0.004, 0.0], [0.008, 0.006, 0.0]]}],
 }
+TURBULENT = {
+    "flow": {"turbulence": {"heights": [0.0, 0.016], "diffusivities": [1e-6, 3e-6], "horizontal": 2e-6}},
+    "integration": {"integrator": "overdamped"},
+}
 FORCED = {"flow": {"name": "channel", "speed": 0.2}, "integration": {"integrator": "inertial", "time_step": 1e-3}}
 FIELD = {"flow": {"field": {"file": grid("one")}}}
 STEERED = {"flow": {"field": {"file": grid("one"), "coordinates": ["x", "y"], "velocities": ["u", "v"]}}}
@@ -97,6 +101,9 @@ EFFECTS = {
     "flow.swing": of(0.3, **GYRE),
     "flow.radius": of(0.01, **TUBE),
     "flow.center": of([0.002, 0.001], **CELLS),
+    "flow.turbulence.heights": of([0.0, 0.008], **TURBULENT),
+    "flow.turbulence.diffusivities": of([1e-5, 3e-5], **TURBULENT),
+    "flow.turbulence.horizontal": of(1e-6, **TURBULENT),
     "flow.low": of([0.0, -0.01], **CHANNEL),
     "flow.high": of([0.02, 0.03], **CHANNEL),
     "flow.pulse.amplitude": of(0.9, **PULSE),
@@ -123,6 +130,7 @@ EFFECTS = {
     "particles.sizes.weights": of([1.0, 9.0], **HISTOGRAM),
     "particles.volume_share": of(0.3, **SHARED),
     "particles.density": of(3000.0),
+    "particles.sphericity": of(0.5, hydrodynamics={"drag": "haider-levenspiel"}),
     "particles.positions": of([[0.005, 0.005], [0.008, 0.006]], **PLACED),
     "particles.low": of([0.01, 0.008], particles=[{"low": [0.005, 0.004], "high": [0.018, 0.014]}]),
     "particles.high": of([0.01, 0.014], particles=[{"low": [0.005, 0.004], "high": [0.018, 0.014]}]),
@@ -166,6 +174,7 @@ EFFECTS = {
     ),
     "hydrodynamics.faxen": of(True, **FORCED),
     "hydrodynamics.lift": of(True, **FORCED),
+    "hydrodynamics.wall_drag": of(True),
     "hydrodynamics.brownian": of(True),
     "integration.integrator": of("overdamped", integration={"time_step": 2e-3, "integrator": "inertial"}),
     "integration.time_step": of(1e-3),

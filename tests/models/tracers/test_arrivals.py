@@ -15,6 +15,7 @@ from ecume.scenes.tracers import (
     FlowSpec,
     OpeningSpec,
     ParticleSpec,
+    PulseSpec,
     TankSpec,
     TracerIntegrationSpec,
     TracersScene,
@@ -145,6 +146,26 @@ def test_an_opening_that_admits_no_particle_is_refused_with_the_reason(hole, sai
         MODELS["tracers"].summary(from_plain(plain))
     assert "openings" in str(error.value)
     assert said in str(error.value)
+
+
+def test_particles_enter_a_pulsating_flow_with_the_velocity_of_their_time():
+    flow = FlowSpec(name="channel", speed=0.2, pulse=PulseSpec(amplitude=0.5, period=0.4))
+    hole = OpeningSpec(wall=0, low=(0.0, 0.2), high=(0.0, 0.6), rate=200.0)
+    scene = channel(flow=flow, openings=(hole,), duration=0.4, frame_every=0.4)
+    arrivals = MODELS["tracers"].parameters(scene).arrivals
+    share = arrivals.position[:, 1] / scene.tank.high[1]
+    factor = arrivals.velocity[:, 0] / (6.0 * 0.2 * share * (1.0 - share))
+    step = MODELS["tracers"].parameters(scene).time_step
+    time = arrivals.step * step
+    assert factor.max() > 1.45
+    assert np.abs(factor - 1.0 - 0.5 * np.sin(2.0 * np.pi * time / 0.4)).max() < 0.5 * 2.0 * np.pi * step / 0.4 + 1e-9
+
+
+def test_a_flow_that_reverses_in_an_opening_is_refused():
+    flow = FlowSpec(name="channel", speed=0.2, pulse=PulseSpec(amplitude=2.0, period=0.4))
+    hole = OpeningSpec(wall=0, low=(0.0, 0.2), high=(0.0, 0.8), rate=200.0)
+    with pytest.raises(SceneError, match="at all times"):
+        MODELS["tracers"].parameters(channel(flow=flow, openings=(hole,), duration=0.4, frame_every=0.4))
 
 
 def test_no_particle_enters_through_a_curved_wall():

@@ -63,6 +63,55 @@ def test_saffman_s_lift_drives_a_settling_grain_across_the_flow():
     assert relative == pytest.approx((mass * shear * speed - lift) / friction, rel=0.02)
 
 
+def test_lift_is_of_second_order_also_for_fast_grains():
+    """It takes the slip in the middle of a step, which drag, weight and the lift itself predict."""
+    particles = {"density": 2500.0, "positions": [[0.05, 0.08]], "velocity": [0.1, 0.05]}
+    found = []
+    for steps in (20, 40, 80):
+        changes = {"gravity": 9.81, "hydrodynamics": {"lift": True, "fluid_acceleration": True}}
+        changes["integration"] = {"integrator": "inertial", "time_step": 0.04 / steps}
+        last = last_of({"name": "rotation", "rate": 20.0}, particles, 0.04, **changes)
+        found.append(last.arrays["position"][0])
+    ratio = np.linalg.norm(found[0] - found[1]) / np.linalg.norm(found[1] - found[2])
+    assert math.log2(ratio) == pytest.approx(2.0, abs=0.25)
+
+
+def test_flat_grains_settle_at_the_speed_of_haider_and_levenspiel_s_drag():
+    """C_D is solved for the balance of weight and drag by another library."""
+    from scipy.optimize import brentq
+
+    radius, excess, gravity, speeds = 5e-4, 1500.0, 9.81, {}
+    for sphericity in (1.0, 0.67):
+
+        def balance(speed, s=sphericity):
+            reynolds = 2.0 * radius * speed * 1e6
+            a, b = math.exp(2.3288 - 6.4581 * s + 2.4486 * s**2), 0.0964 + 0.5565 * s
+            c = math.exp(4.905 - 13.8944 * s + 18.4222 * s**2 - 10.2599 * s**3)
+            d = math.exp(1.4681 + 12.2584 * s - 20.7322 * s**2 + 15.8855 * s**3)
+            coefficient = 24.0 / reynolds * (1.0 + a * reynolds**b) + c / (1.0 + d / reynolds)
+            return coefficient * 0.5 * 1000.0 * speed**2 * radius**2 - 4.0 / 3.0 * radius**3 * excess * gravity
+
+        particles = {"density": 2500.0, "positions": [[0.05, 0.08]], "sphericity": sphericity, "radius": radius}
+        changes = {"gravity": gravity, "hydrodynamics": {"drag": "haider-levenspiel"}}
+        last = last_of({}, particles, 0.3, tank={"high": [0.2, 0.5]}, **changes)
+        speeds[sphericity] = -last.arrays["velocity"][0, 1]
+        assert speeds[sphericity] == pytest.approx(brentq(balance, 1e-4, 1.0), rel=1e-5)
+    assert 0.6 < speeds[0.67] / speeds[1.0] < 0.8
+
+
+def test_haider_and_levenspiel_s_drag_of_spheres_is_near_their_fit_to_spheres_alone():
+    """C_D = 24/Re (1 + 0.1806 Re^0.6459) + 0.4251/(1 + 6880.95/Re), as the package `fluids` has it."""
+    for reynolds in (1.0, 10.0, 200.0, 5000.0):
+        alone = 24.0 / reynolds * (1.0 + 0.1806 * reynolds**0.6459) + 0.4251 / (1.0 + 6880.95 / reynolds)
+        coefficient = 24.0 / reynolds * drag.haider_levenspiel_factor(reynolds, 1.0)
+        assert coefficient == pytest.approx(alone, rel=0.08)
+
+
+def test_sphericity_without_its_drag_law_is_refused():
+    with pytest.raises(SceneError, match=r"particles\[0\]\.sphericity: is not used by the drag law stokes; .* haider"):
+        last_of({}, {"density": 2500.0, "positions": [[0.05, 0.08]], "sphericity": 0.5})
+
+
 def test_the_energy_with_these_forces_never_rises():
     forces = {"drag": "stokes", "lift": True, "faxen": True, "fluid_acceleration": True}
     plain = {

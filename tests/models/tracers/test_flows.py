@@ -15,6 +15,7 @@ from ecume.models.tracers.gridded_flows import Grid
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
 from ecume.models.tracers.tank import bounds
+from ecume.models.user_laws import bind
 from ecume.run import run
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
@@ -375,6 +376,15 @@ def test_a_function_of_place_and_time_is_a_flow():
     angle = 2.0 * 1.0**2 / 2.0
     expected = [1.0 + 0.3 * math.cos(angle), 0.5 + 0.3 * math.sin(angle)]
     assert last.arrays["position"][0] == pytest.approx(expected, abs=2e-4)
+
+
+def test_check_states_the_speed_of_a_flow_by_a_function():
+    scene = scene_of({}, duration=1.0, user_laws=[{"law": "swirl", "constants": [2.0]}])
+    model = MODELS["tracers"].extended(bind(scene, [swirl]))
+    rows = {row[0]: row[1:] for row in model.summary(scene)}
+    assert rows["flow"][1].startswith("by a function of the user: largest speed")
+    assert float(rows["flow"][0].split()[0]) == pytest.approx(2.0 * math.hypot(1.0, 0.5) * 7.0 / 8.0, rel=0.05)
+    assert float(rows["history force"][0]) > 0.0
 
 
 def shaken(position, time, constants):

@@ -18,29 +18,40 @@ def unit_factor(reynolds: float) -> float:
 class DragLaw:
     """A row of the table: a drag law and everything that depends on it."""
 
-    factor: Callable[[float], float]
-    """factor(reynolds): the drag over Stokes's, by the particle's Reynolds number"""
-    settling_reynolds: Callable[[float], float]
-    """settling_reynolds(stokes): the Reynolds number at the terminal speed, from that with Stokes's drag"""
+    factor: Callable[..., float]
+    """factor(reynolds), or factor(reynolds, sphericity): the drag over Stokes's, by the particle's Reynolds number"""
+    settling_reynolds: Callable[[float, float], float]
+    """settling_reynolds(stokes, sphericity): the Reynolds number at the terminal speed, from that with Stokes's drag"""
     papers: tuple[Callable[..., Any], ...] = ()
     """functions whose docstrings name the references that `ecume cite` lists"""
     resists: bool = True
     """whether there is any drag"""
     linear: bool = True
     """whether the drag is in proportion to the speed"""
+    shaped: bool = False
+    """whether it depends on the sphericity"""
 
 
-def same_reynolds(reynolds: float) -> float:
+def same_reynolds(reynolds: float, sphericity: float) -> float:
     """The terminal speed is that with Stokes's drag."""
     return reynolds
+
+
+def settling_reynolds_of_sphere(reynolds: float, sphericity: float) -> float:
+    """That of Schiller and Naumann's drag on a sphere."""
+    return drag.settling_reynolds(reynolds)
 
 
 DRAGS = {
     "none": DragLaw(unit_factor, same_reynolds, resists=False),
     "stokes": DragLaw(unit_factor, same_reynolds, (drag.stokes_friction,)),
     "schiller-naumann": DragLaw(
-        drag.schiller_naumann_factor, drag.settling_reynolds,
+        drag.schiller_naumann_factor, settling_reynolds_of_sphere,
         (drag.stokes_friction, drag.schiller_naumann_factor), linear=False,
+    ),
+    "haider-levenspiel": DragLaw(
+        drag.haider_levenspiel_factor, drag.settling_reynolds_of_shape,
+        (drag.stokes_friction, drag.haider_levenspiel_factor), linear=False, shaped=True,
     ),
 }  # fmt: skip
 """Drag laws for `hydrodynamics.drag`."""

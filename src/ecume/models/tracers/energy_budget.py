@@ -109,15 +109,15 @@ def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, tim
 
 
 @compiled
-def work_of_noise(parameters: Parameters, state: State, scratch: Workspace) -> float:
+def work_of_noise(parameters: Parameters, state: State, scratch: Workspace, time: float) -> float:
     """Work on tracers without inertia in a step with thermal noise (J): the change of potential energy, plus the
-    dissipation by settling.
+    dissipation by settling in a time.
     """
     total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
     for i in range(len(scratch.status)):
         start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.apparent_gravity[i]
         if scratch.status[i] <= 0:
-            total += weight * (state.position[i, last] - start + parameters.time_step * bodies.settling[i])
+            total += weight * (state.position[i, last] - start + time * bodies.settling[i])
         elif scratch.status[i] < INACTIVE:
             total -= weight * start
     return total

@@ -7,45 +7,38 @@ during a step. `ecume check` states the size of the history.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
-from ecume.engine.walls.sheets import cross, length
-from ecume.laws import unsteady_forces
+from ecume.engine.walls.sheets import axpy, cross, length
+from ecume.laws import brownian_motion, unsteady_forces
+from ecume.models.tracers.drag_laws import DragChoice
 from ecume.models.tracers.flow_loops import ACCELERATION, CURVATURE, VORTICITY
+from ecume.models.tracers.time_stepping import friction_at
 from ecume.units import Array
 
-admit(unsteady_forces)
-
-
-class Forces(NamedTuple):
-    """The selected forces, 1 or 0 each."""
-
-    acceleration: float = 0.0
-    faxen: float = 0.0
-    lift: float = 0.0
-
-    @property
-    def any(self) -> bool:
-        """Whether any force is selected."""
-        return max(self) > 0.0
+admit(brownian_motion, unsteady_forces)
 
 
 @compiled
 def add_forces(
     velocity: Array,
     status: Integers,
-    bodies: tuple[Array, Array, Array],
-    liquid: tuple[Array, Array],
-    numbers: tuple[float, float, float, float, float, float],
+    bodies: tuple[Array, Array, Array, Array, Array],
+    liquid: tuple[Array, Array, DragChoice],
+    numbers: tuple[float, float, float, float, float, float, float],
+    laws: Array,
     found: Array,
 ) -> None:
-    """Set the accelerations by these forces (m/s^2). bodies = (mass, radius, friction); liquid = (velocities,
-    gradients); numbers = (density, viscosity, added mass over displaced mass, and the three of `Forces`).
+    """Set the accelerations by these forces (m/s^2). bodies = (mass, radius, friction, apparent gravity,
+    sphericity); liquid = (velocities, gradients, drag law); numbers = (time step, density, viscosity, added mass over
+    displaced mass, and the three of `Forces`); `laws`: accelerations by laws of the user.
+
+    Lift takes the slip in the middle of the step, which drag and the forces at its beginning predict: it is of second
+    order.
     """
-    (mass, radius, friction), (flow, gradients) = bodies, liquid
-    density, viscosity, added, moves, curved, lifted = numbers
+    (mass, radius, friction, weight, sphericity), (flow, gradients, law) = bodies, liquid
+    h, density, viscosity, added, moves, curved, lifted = numbers
     d = velocity.shape[1]
     for i in range(len(status)):
         if status[i] != 0:
@@ -56,15 +49,27 @@ def add_forces(
             flow[i, 1] - velocity[i, 1],
             flow[i, 2] - velocity[i, 2] if d > 2 else 0.0,
         )
-        turn = (gradients[i, VORTICITY], gradients[i, VORTICITY + 1], gradients[i, VORTICITY + 2])
-        spin = length(turn)
-        push = cross(slip, turn)
-        strength = unsteady_forces.saffman_lift(1.0, radius[i], density, viscosity, spin) / spin if spin > 0.0 else 0.0
         for axis in range(d):
             force = moves * unsteady_forces.liquid_inertia(displaced, gradients[i, ACCELERATION + axis], added)
             bent = unsteady_forces.faxen_velocity(radius[i], gradients[i, CURVATURE + axis])
-            force += curved * friction[i] * bent + lifted * strength * push[axis]
-            found[i, axis] = force / mass[i]
+            found[i, axis] = (force + curved * friction[i] * bent) / mass[i]
+        turn = (gradients[i, VORTICITY], gradients[i, VORTICITY + 1], gradients[i, VORTICITY + 2])
+        spin = length(turn)
+        if lifted == 0.0 or spin == 0.0:
+            continue
+        strength = lifted * unsteady_forces.saffman_lift(1.0, radius[i], density, viscosity, spin) / spin / mass[i]
+        rate = friction_at(length(slip), (radius[i], friction[i], sphericity[i]), (law, density, viscosity))
+        rate /= mass[i]
+        gain, push = 0.5 * h * brownian_motion.velocity_gain(0.5 * h * rate), cross(slip, turn)
+        fall = weight[i]
+        start = (
+            rate * slip[0] + strength * push[0] + found[i, 0] + laws[i, 0],
+            rate * slip[1] + strength * push[1] + found[i, 1] + laws[i, 1] - (fall if d == 2 else 0.0),
+            rate * slip[2] + strength * push[2] + found[i, 2] + laws[i, 2] - fall if d > 2 else 0.0,
+        )
+        push = cross(axpy(slip, -gain, start), turn)
+        for axis in range(d):
+            found[i, axis] += strength * push[axis]
 
 
 @compiled

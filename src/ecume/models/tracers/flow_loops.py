@@ -18,6 +18,7 @@ from ecume.engine.walls.sheets import axpy, load, store
 from ecume.laws import carrier_flows
 from ecume.models.tracers.gridded_flows import GRIDDED_VELOCITIES
 from ecume.models.tracers.named_flows import NAMED_FLOWS, OTHER_VELOCITIES
+from ecume.models.tracers.obstacle_flows import ChannelFlow, obstacle_velocity
 from ecume.models.user_laws import compiled_for_laws
 from ecume.units import Array
 
@@ -44,6 +45,8 @@ class Loops(NamedTuple):
 
     velocities: Callable[..., None]
     """velocities(position, time, current, found)"""
+    velocities_then: Callable[..., None]
+    """velocities_then(position, times, current, found): each at its own time"""
     midways: Callable[..., None]
     """midways(position, velocity, status, (time, step), current, flow): velocities of the liquid, half a step ahead"""
     paths: Callable[..., None]
@@ -56,7 +59,8 @@ class Loops(NamedTuple):
 
 def _velocity_functions() -> dict[type, Callable[..., Vector]]:
     named = {typing.get_type_hints(row.shape)["return"]: row.velocity for row in NAMED_FLOWS.values()}
-    return {**named, **OTHER_VELOCITIES, **GRIDDED_VELOCITIES}  # type: ignore[dict-item]  # compiled functions are functions
+    solved = {ChannelFlow: obstacle_velocity}
+    return {**named, **OTHER_VELOCITIES, **GRIDDED_VELOCITIES, **solved}  # type: ignore[dict-item]  # compiled functions are functions
 
 
 def loops_for(current: Current, dimensions: int) -> Loops:
@@ -68,7 +72,9 @@ def loops_for(current: Current, dimensions: int) -> Loops:
 def loops_of(velocity: Callable[..., Vector], dimensions: int) -> Loops:
     """The loops of a flow with this velocity(shape, x, y, z, time), in two or three dimensions."""
     at = _velocity_at(velocity, dimensions)
-    return Loops(_velocities(at), _midways(at), _paths(at), _noisy_paths(at), _gradients(at, dimensions))
+    return Loops(
+        _velocities(at), _velocities_then(at), _midways(at), _paths(at), _noisy_paths(at), _gradients(at, dimensions)
+    )
 
 
 def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, float], Vector]:
@@ -103,6 +109,15 @@ def _velocities(at: Callable[..., Vector]) -> Callable[..., None]:
             store(found, i, at(current, load(position, i), time))
 
     return velocities
+
+
+def _velocities_then(at: Callable[..., Vector]) -> Callable[..., None]:
+    @compiled_for_laws
+    def velocities_then(position: Array, times: Array, current: Current, found: Array) -> None:
+        for i in range(len(position)):
+            store(found, i, at(current, load(position, i), times[i]))
+
+    return velocities_then
 
 
 def _midways(at: Callable[..., Vector]) -> Callable[..., None]:

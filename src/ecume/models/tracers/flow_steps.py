@@ -17,6 +17,7 @@ from ecume.models.tracers.energy_budget import work_of_drifts, work_of_noise
 from ecume.models.tracers.flow_forces import add_forces, work_of_forces
 from ecume.models.tracers.flow_loops import Loops, loops_for
 from ecume.models.tracers.parameters import ADDED_MASS, Parameters, State, Workspace
+from ecume.models.tracers.place_diffusion import Surroundings, diffuse, set_hindrances, sink
 from ecume.models.tracers.time_stepping import (
     add_drifts,
     all_finite,
@@ -39,18 +40,27 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         return time_stepping.advance(parameters, state, scratch, steps)
     loops = loops or loops_for(parameters.current, parameters.dimensions)
     # Compiled steps need not know the flow, and so are compiled once for all flows.
-    plain, overdamped = parameters._replace(current=()), parameters.bodies.overdamped
+    plain, overdamped = parameters._replace(current=(), around=()), parameters.bodies.overdamped
+    around = parameters.around
     for _ in range(steps):
         if not all_finite(state.position, state.velocity):
             return DIVERGED
         when = (int(state.step[0]) * parameters.time_step, parameters.time_step)
         if select_regime(scratch.status, state.left, overdamped, 0) > 0:
             loops.midways(state.position, state.velocity, scratch.status, when, parameters.current, scratch.flow)
+            if len(scratch.hindrance):
+                moving = (state.position, state.velocity, scratch.status, parameters.bodies.radius)
+                set_hindrances(*moving, around, when[1], scratch.hindrance)
             if not _forced_flight(plain, state, scratch, (loops, parameters.current, when)):
                 return DIVERGED
         if select_regime(scratch.status, state.left, overdamped, 1) > 0:
-            step = _noisy_step if parameters.fluid.thermal > 0.0 else _smooth_step
-            if not step(plain, state, scratch, (loops, parameters.current, when)):
+            flowing = (loops, parameters.current, when)
+            if around != ():
+                well = _place_step(plain, state, scratch, flowing, around)
+            else:
+                step = _noisy_step if parameters.fluid.thermal > 0.0 else _smooth_step
+                well = step(plain, state, scratch, flowing)
+            if not well:
                 return DIVERGED
         if len(state.image) > 0:
             state.work[0] += wrap(plain, state)
@@ -72,9 +82,9 @@ def _forced_flight(plain: Parameters, state: State, scratch: Workspace, flowing:
     count, added = len(state.left), ADDED_MASS if plain.added_mass else 0.0
     gradients, forces, laws = np.zeros((count, 9)), np.zeros_like(state.position), scratch.external.copy()
     loops.gradients(state.position, state.velocity, scratch.status, when, current, gradients)
-    own = (bodies.mass, bodies.radius, bodies.friction)
-    numbers = (fluid.density, fluid.viscosity, added, *plain.forces)
-    add_forces(state.velocity, scratch.status, own, (scratch.flow, gradients), numbers, forces)
+    own = (bodies.mass, bodies.radius, bodies.friction, bodies.apparent_gravity, bodies.sphericity)
+    numbers = (when[1], fluid.density, fluid.viscosity, added, *plain.forces)
+    add_forces(state.velocity, scratch.status, own, (scratch.flow, gradients, plain.drag), numbers, laws, forces)
     scratch.external[:] = laws + forces
     well = fly(plain, state, scratch)
     ends = (scratch.origin, state.position, scratch.shift)
@@ -107,8 +117,42 @@ def _noisy_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
     add_up(scratch.status, scratch.travel, scratch.noise, scratch.travel)
     reflect_noise(plain, state, scratch)
     well = move_with(plain, state, scratch, when[1], plain.mirroring)
-    state.work[0] += work_of_noise(plain, state, scratch)
+    state.work[0] += work_of_noise(plain, state, scratch, when[1])
     return _finished(plain, state, scratch, flowing) and well
+
+
+def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing, around: Surroundings) -> bool:
+    """One step of particles without inertia where diffusivity depends on place: half a step with the liquid, settling
+    and diffusion, and the other half.
+    """
+    (_, _, (time, h)), bodies = flowing, plain.bodies
+    well = _half_path(plain, state, scratch, flowing, time)
+    select_regime(scratch.status, state.left, bodies.overdamped, 1)
+    key = (plain.seed, int(state.step[0]), plain.fluid.thermal)
+    noisy = plain.fluid.thermal > 0.0 or len(around.heights) > 0
+    if noisy:
+        own = (bodies.radius, bodies.friction, bodies.settling)
+        diffuse(state.position, scratch.status, own, around, key, h, scratch.travel)
+    else:
+        sink(state.position, scratch.status, (bodies.radius, bodies.settling), around, h, scratch.travel)
+    well = move_with(plain, state, scratch, h, plain.mirroring if noisy else plain.stopping) and well
+    state.work[0] += work_of_noise(plain, state, scratch, h)
+    select_regime(scratch.status, state.left, bodies.overdamped, 1)
+    well = _half_path(plain, state, scratch, flowing, time + 0.5 * h) and well
+    plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
+    return _finished(plain, state, scratch, flowing) and well
+
+
+def _half_path(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing, time: float) -> bool:
+    """Half a step with the liquid and the laws of the user."""
+    loops, current, (_, h) = flowing
+    fill(scratch.kick, 0.0)
+    add_drifts(plain.bodies.mass, plain.bodies.friction, scratch.status, scratch.external, scratch.kick)
+    loops.paths(state.position, scratch.status, (time, 0.5 * h), current, scratch.kick, scratch.flow)
+    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
+    well = move_with(plain, state, scratch, 0.5 * h, plain.stopping)
+    state.work[0] += work_of_noise(plain, state, scratch, 0.0)
+    return well
 
 
 def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:

@@ -11,9 +11,10 @@ import numpy as np
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.tracers import field_files, gridded_flows
 from ecume.models.tracers.flow_loops import Current, Loops, loops_for
-from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS, Request, Still
+from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS, PastObstacle, Request, Still
+from ecume.models.tracers.obstacle_flows import channel_flow, disc_outline
 from ecume.scenes.faults import suggestion
-from ecume.scenes.tracers import FlowSpec, TracersScene
+from ecume.scenes.tracers import FlowSpec, ObstacleSpec, TracersScene
 from ecume.units import Array
 
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
@@ -66,12 +67,13 @@ class LiquidFlow(NamedTuple):
     removed: float = 0.0
     """of the fluxes in a file: divergence that the interpolation omits"""
 
-    def velocity(self, places: Array, time: float) -> Array:
-        """(n, d) m/s at places."""
+    def velocity(self, places: Array, time: float | Array) -> Array:
+        """(n, d) m/s at places, at one time or at one for each."""
         found = np.tile(self.uniform[: places.shape[1]], (len(places), 1))
         found[:, 0] += self.shear_rate * places[:, -1]
         if self.loops is not None:
-            self.loops.velocities(np.ascontiguousarray(places), time, self.current, found)
+            loop = self.loops.velocities_then if isinstance(time, np.ndarray) else self.loops.velocities
+            loop(np.ascontiguousarray(places), time, self.current, found)
         return found
 
     def instants(self, duration: float) -> list[float]:
@@ -110,11 +112,16 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
     shapes = [name for name, given in (("name", flow.name), ("field", flow.field), ("user_laws", own)) if given]
     if len(shapes) > 1:
         raise SceneError([Fault(f"flow.{shapes[0]}", f"got it beside {shapes[1]}; expected one flow")])
-    forced = scene.hydrodynamics.fluid_acceleration or scene.hydrodynamics.faxen or scene.hydrodynamics.lift
-    if flow.around_obstacles != "none" and (shapes or flow.shear_rate or not any(uniform)):
-        raise SceneError([Fault("flow.around_obstacles", "needs a uniform flow.velocity, and no other flow beside it")])
+    forces = scene.hydrodynamics
+    forced = forces.fluid_acceleration or forces.faxen or forces.lift or forces.wall_drag or flow.turbulence is not None
+    in_channel = flow.around_obstacles == "creeping" and shapes == ["name"] and flow.name == "channel"
+    if flow.around_obstacles != "none" and not in_channel and (shapes or flow.shear_rate or not any(uniform)):
+        message = "needs a uniform flow.velocity and no other flow beside it, or a creeping flow in a channel"
+        raise SceneError([Fault("flow.around_obstacles", message)])
     shape: Any
-    if flow.around_obstacles != "none":
+    if in_channel:
+        shape = _around_in_channel(scene)
+    elif flow.around_obstacles != "none":
         _require_unused(flow, frozenset(), "a flow around an obstacle")
         shape, box = _detour(scene, (uniform[0], uniform[1], uniform[2]))
     elif not shapes:
@@ -155,12 +162,43 @@ def _detour(scene: TracersScene, stream: tuple[float, float, float]) -> tuple[An
         message = "got 'creeping' in 2D: no slow stream goes around a disc (Stokes's paradox); expected 'ideal', or 3D"
         raise SceneError([Fault("flow.around_obstacles", message)])
     if len(bodies) != 1 or bodies[0].center is None or bodies[0].radius is None or scene.tank is not None:
-        message = "there is an exact solution for one disc or sphere without a tank only; use flow.field for others"
+        message = "there is an exact solution for one disc or sphere without a tank only; "
+        message += "use a creeping flow in a channel, or flow.field, for others"
         raise SceneError([Fault("flow.around_obstacles", message)])
     center, radius = bodies[0].center, bodies[0].radius
     box = (tuple(each - 3.0 * radius for each in center), tuple(each + 3.0 * radius for each in center))
     deep = stream if d == 3 else (stream[0], 0.0, stream[1])
-    return DETOURS[kind, d].shape(_deep(center), radius, deep), box
+    return PastObstacle(_deep(center), radius, deep, list(DETOURS).index((kind, d))), box
+
+
+def _around_in_channel(scene: TracersScene) -> Any:
+    """The solved flow of a channel around obstacles. Raises SceneError where it cannot be."""
+    flow, tank, path = scene.flow, scene.tank, "flow.around_obstacles"
+    _require_unused(flow, frozenset({"speed", "pulse"}), "a channel with obstacles")
+    if scene.dimensions != 2 or tank is None or tank.high is None or tank.low is None:
+        message = "there is a creeping flow in channels in 2D, between the sides of a box; use flow.field for others"
+        raise SceneError([Fault(path, message)])
+    if flow.speed is None:
+        raise SceneError([Fault("flow.speed", "is missing; the flow channel needs it")])
+    if flow.velocity is not None or flow.shear_rate:
+        raise SceneError([Fault(path, "got flow.velocity or shear_rate beside a channel; they would cross obstacles")])
+    if not scene.obstacles:
+        raise SceneError([Fault(path, "got no obstacles; remove it, or add [[obstacles]]")])
+    try:
+        outlines = tuple(_outline(body) for body in scene.obstacles)
+        return channel_flow((tank.low[0], tank.low[1]), (tank.high[0], tank.high[1]), outlines, float(flow.speed))
+    except BadInput as error:
+        raise SceneError([Fault(path, str(error.args[0]))]) from error
+
+
+def _outline(body: ObstacleSpec) -> tuple[tuple[float, float], ...]:
+    """The corners of an obstacle in 2D; of a disc those of a polygon around it."""
+    if body.center is not None and body.radius is not None:
+        return disc_outline(body.center, body.radius)
+    if body.low is not None and body.high is not None:
+        (a, b), (c, d) = body.low, body.high
+        return (a, b), (c, b), (c, d), (a, d)
+    return tuple((corner[0], corner[1]) for corner in body.vertices)
 
 
 def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:

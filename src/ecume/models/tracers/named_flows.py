@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ecume._jit import admit, compiled_inside
+from ecume._jit import admit, compiled_inside, selection
 from ecume.errors import BadInput
 from ecume.laws import carrier_flows, flows, water_waves
 from ecume.scenes.tracers import FlowSpec
@@ -120,28 +120,14 @@ class Still(NamedTuple):
     speed: float
 
 
-class PastSphere(NamedTuple):
-    """A slow stream past a sphere, less the stream."""
+class PastObstacle(NamedTuple):
+    """A stream past a round obstacle, less the stream."""
 
     center: Point
     radius: float
     stream: Point
-
-
-class PastSphereIdeal(NamedTuple):
-    """A fast stream past a sphere, less the stream."""
-
-    center: Point
-    radius: float
-    stream: Point
-
-
-class PastCylinderIdeal(NamedTuple):
-    """A fast stream past a cylinder, less the stream."""
-
-    center: Point
-    radius: float
-    stream: Point
+    law: int
+    """of the row of `DETOURS`"""
 
 
 @compiled_inside
@@ -150,48 +136,26 @@ def still_velocity(shape: Still, x: float, y: float, z: float, time: float) -> P
     return shape.speed, shape.speed, shape.speed
 
 
-@compiled_inside
-def past_sphere_velocity(shape: PastSphere, x: float, y: float, z: float, time: float) -> Point:
-    """The change of the stream by the sphere."""
-    center, stream = shape.center, shape.stream
-    place = (x - center[0], y - center[1], z - center[2])
-    found = carrier_flows.creeping_flow_past_sphere(place, shape.radius, stream)
-    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
-
-
-@compiled_inside
-def past_ideal_sphere_velocity(shape: PastSphereIdeal, x: float, y: float, z: float, time: float) -> Point:
-    """The change of the stream by the sphere."""
-    center, stream = shape.center, shape.stream
-    place = (x - center[0], y - center[1], z - center[2])
-    found = carrier_flows.ideal_flow_past_sphere(place, shape.radius, stream)
-    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
-
-
-@compiled_inside
-def past_ideal_cylinder_velocity(shape: PastCylinderIdeal, x: float, y: float, z: float, time: float) -> Point:
-    """The change of the stream by the cylinder."""
-    center, stream = shape.center, shape.stream
-    place = (x - center[0], 0.0, z - center[2])
-    found = carrier_flows.ideal_flow_past_cylinder(place, shape.radius, stream)
-    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
-
-
-class Detour(NamedTuple):
-    """The solution for a uniform stream around one round obstacle."""
-
-    shape: type
-    velocity: Callable[..., Point]
-    law: Callable[..., Any]
-
-
-DETOURS = {
-    ("creeping", 3): Detour(PastSphere, past_sphere_velocity, carrier_flows.creeping_flow_past_sphere),
-    ("ideal", 3): Detour(PastSphereIdeal, past_ideal_sphere_velocity, carrier_flows.ideal_flow_past_sphere),
-    ("ideal", 2): Detour(PastCylinderIdeal, past_ideal_cylinder_velocity, carrier_flows.ideal_flow_past_cylinder),
+DETOURS: dict[tuple[str, int], Callable[..., Point]] = {
+    ("creeping", 3): carrier_flows.creeping_flow_past_sphere,
+    ("ideal", 3): carrier_flows.ideal_flow_past_sphere,
+    ("ideal", 2): carrier_flows.ideal_flow_past_cylinder,
 }
 """Exact solutions for `flow.around_obstacles`, by its value and the dimensions of the scene."""
-OTHER_VELOCITIES = {Still: still_velocity, **{row.shape: row.velocity for row in DETOURS.values()}}
+detour = selection(
+    "detour", dict(enumerate(DETOURS.values())), __name__, __file__, ("place", "radius", "stream")
+)  # fmt: skip
+
+
+@compiled_inside
+def past_obstacle_velocity(shape: PastObstacle, x: float, y: float, z: float, time: float) -> Point:
+    """What the obstacle changes of the stream."""
+    center, stream = shape.center, shape.stream
+    found = detour((x - center[0], y - center[1], z - center[2]), shape.radius, stream, shape.law)
+    return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
+
+
+OTHER_VELOCITIES = {Still: still_velocity, PastObstacle: past_obstacle_velocity}
 
 
 @compiled_inside

@@ -86,14 +86,15 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
     species = species_of(scene, hole)
     if hole.concentration is not None and not stream.flow.steady:
         raise BadInput("concentration: the flow changes in time; give rate")
-    speeds = inward_speed(door, velocity_at(_inner(door), hole, stream, species))
+    instants = stream.flow.instants(scene.duration)
+    speeds = [inward_speed(door, velocity_at(_inner(door), hole, stream, species, now)) for now in instants]
     varies = stream.flow.loops is not None
     middle = inward_speed(door, velocity_at(door.middle[None], hole, stream, species))[0]
-    speed, slowest = float(speeds.mean()) if varies else middle, float(speeds.min())
+    speed, slowest = float(speeds[0].mean()) if varies else middle, float(np.min(speeds))
     if slowest <= 0.0:
         way = ", ".join(f"{part:.3g}" for part in door.normal)
         entered_count = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
-        raise BadInput(f"{entered_count}; expected above 0 in all of the opening: set velocity, or flow")
+        raise BadInput(f"{entered_count}; expected above 0 in all of the opening at all times: set velocity, or flow")
     rate = hole.rate if hole.rate is not None else (hole.concentration or 0.0) * speed * door.area()
     count = math.floor(rate * scene.duration)
     if count > MOST_PARTICLES:
@@ -101,7 +102,7 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
     who = np.arange(count)
     time = (who + _draws(who, 0, (scene.seed, PURPOSE + 4 * index))[:, 0]) / rate
     position = _places(scene, surfaces, stream, index, count)
-    velocity = velocity_at(position, hole, stream, species)
+    velocity = velocity_at(position, hole, stream, species, 0.0 if stream.flow.steady else time)
     return Inflow(time, position, velocity, np.full(count, species), np.full(count, index))
 
 
@@ -110,11 +111,11 @@ def species_of(scene: TracersScene, hole: OpeningSpec) -> int:
     return [species.name for species in scene.particles].index(hole.species) if hole.species else 0
 
 
-def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int) -> Array:
-    """The (n, d) velocities of entering particles."""
+def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int, time: float | Array = 0.0) -> Array:
+    """The (n, d) velocities of entering particles, at one time or at one for each."""
     if hole.velocity is not None:
         return np.tile(np.array(hole.velocity, np.float64), (len(places), 1))
-    velocity = stream.flow.velocity(places, 0.0)
+    velocity = stream.flow.velocity(places, time)
     velocity[:, -1] -= stream.settling[species]
     return velocity
 

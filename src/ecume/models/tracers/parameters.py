@@ -11,15 +11,15 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet, Surfaces, clearance, described, sheet
 from ecume.errors import Fault, SceneError
-from ecume.laws import brownian_motion, drag, gases
+from ecume.laws import brownian_motion, drag, gases, wall_drag
 from ecume.models.actions import Access
 from ecume.models.law_codes import code_of
 from ecume.models.liquids import named_liquid
 from ecume.models.step_counts import ending_on_a_step
 from ecume.models.tracers.drag_laws import DRAGS, DragChoice
-from ecume.models.tracers.flow_forces import Forces
 from ecume.models.tracers.liquid_flow import FlowScales, LiquidFlow, OwnFlow, varying_flow
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, inflow_of
+from ecume.models.tracers.place_diffusion import Surroundings
 from ecume.models.tracers.tank import Periodic, bounds, coefficients_of, periodic_of, sticking_of, surfaces_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sizes import radii_of
@@ -71,6 +71,21 @@ class Bodies(NamedTuple):
     """1 without inertia"""
     density: Array
     species: Integers
+    sphericity: Array
+    """the surface of the sphere of the same volume over that of the particle"""
+
+
+class Forces(NamedTuple):
+    """Which forces of a liquid whose velocity varies there are; 1 or 0 each."""
+
+    acceleration: float = 0.0
+    faxen: float = 0.0
+    lift: float = 0.0
+
+    @property
+    def any(self) -> bool:
+        """Whether there is one."""
+        return max(self) > 0.0
 
 
 class Parameters(NamedTuple):
@@ -91,6 +106,8 @@ class Parameters(NamedTuple):
     """the same without restitution: an overdamped particle that is pulled against a wall stays there"""
     mirroring: Sheet
     """the same with all of it: what diffuses is turned back whole"""
+    around: Any = ()
+    """`place_diffusion.Surroundings` where the diffusivity depends on place; otherwise an empty tuple"""
     current: Any = ()
     """a flow that varies, `flow_loops.Current`; an empty tuple without one"""
     periodic: Periodic = Periodic((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -111,7 +128,9 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
     fluid = fluid._replace(varies=flow.current != ())
     periodic = periodic_of(scene)
     _require_periodic(flow, bounds(scene), periodic, scene.duration)
-    settling = np.array([settling_speed(scene, fluid, (one.radius, one.density)) for one in scene.particles])
+    settling = np.array(
+        [settling_speed(scene, fluid, (one.radius, one.density, one.sphericity)) for one in scene.particles]
+    )
     stream = Stream(flow, np.where(np.isfinite(settling), settling, 0.0))
     inflow = inflow_of(scene, surfaces, stream)
     bodies = bodies_of(scene, fluid, inflow.species)
@@ -127,6 +146,9 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
         cause = f"{step:g} s is longer than half a relaxation time"
         cure = 'shorten it, or set integration.integrator = "auto"'
         raise SceneError([Fault("integration.time_step", f"{cause}; {cure}")])
+    if scene.flow.turbulence is not None and not overdamped.all():
+        message = 'acts on particles without inertia; set integration.integrator = "overdamped"'
+        raise SceneError([Fault("flow.turbulence", message)])
     return Parameters(
         step,
         round(scene.frame_every / step),
@@ -139,12 +161,49 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
         sheet(surfaces, *coefficients_of(scene)),
         sheet(surfaces, 0.0, 1.0),
         sheet(surfaces),
+        around_of(scene, surfaces),
         flow.current,
         periodic,
         forces_of(scene),
         scene.hydrodynamics.added_mass,
         int(sticking_of(scene).sum()),
     )
+
+
+def around_of(scene: TracersScene, surfaces: Surfaces) -> Any:
+    """What makes the diffusivity depend on place, or an empty tuple. Raises SceneError where walls do not allow it."""
+    mixing, near = scene.flow.turbulence, scene.hydrodynamics.wall_drag
+    if mixing is None and not near:
+        return ()
+    path = "hydrodynamics.wall_drag" if near else "flow.turbulence"
+    tank, d = scene.tank, scene.dimensions
+    faults = []
+    if mixing is not None and near:
+        faults.append(Fault(path, "got it beside flow.turbulence, which acts on far larger scales; expected one"))
+    if tank is None or tank.high is None:
+        raise SceneError([*faults, Fault(path, "needs a box: tank.high")])
+    if near and scene.obstacles:
+        faults.append(Fault(path, "got obstacles; the series holds for the walls of a box"))
+    if near and not DRAGS[scene.hydrodynamics.drag].resists:
+        faults.append(Fault(path, "needs drag"))
+    sides = periodic_of(scene).sides
+    walled = tuple(int(k < d and sides[k] == 0.0 and (near or k == d - 1)) for k in range(3))
+    axes = [k for k in range(d) if sides[k] == 0.0] * 2
+    across = {wall for wall, axis in enumerate(axes) if walled[axis]}
+    if across & set(surfaces.hole.tolist()):
+        faults.append(Fault(path, "got openings or sticking in walls toward which particles diffuse; expected none"))
+    if faults:
+        raise SceneError(faults)
+    low, high = (*(tank.low or (0.0,) * d), 0.0)[:3], (*tank.high, 0.0)[:3]
+    heights = np.array(mixing.heights if mixing is not None else (), float)
+    spreads = np.array(mixing.diffusivities if mixing is not None else (), float)
+    table = wall_drag.mobility_table() if near else np.zeros((2, 2))
+    level = 0.0 if mixing is None else mixing.horizontal
+    return Surroundings(low, high, walled, int(near), table, heights, spreads, level, ACCEPTING)  # type: ignore[arg-type]
+
+
+ACCEPTING = 8
+"""The purpose of random numbers that accept moves, see `counter_of`: three of them."""
 
 
 def forces_of(scene: TracersScene) -> Forces:
@@ -214,7 +273,8 @@ def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
     radius, of = _radii(scene, kind, equal)
     density = np.array([one.density for one in scene.particles])[of]
     along = ADDED_MASS * fluid.density if scene.hydrodynamics.added_mass else 0.0
-    grains = zip(radius.tolist(), density.tolist(), strict=True)
+    sphericity = np.array([one.sphericity for one in scene.particles])[of]
+    grains = zip(radius.tolist(), density.tolist(), sphericity.tolist(), strict=True)
     settling = np.array([settling_speed(scene, fluid, grain) for grain in grains])
     dragged = float(DRAGS[scene.hydrodynamics.drag].resists)
     slip = [drag.cunningham_factor(fluid.mean_free_path, a) for a in radius]
@@ -229,6 +289,7 @@ def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
         overdamped=np.zeros(len(kind), np.int64),
         density=density[kind],
         species=species,
+        sphericity=sphericity[kind],
     )
 
 
@@ -248,8 +309,8 @@ def _radii(scene: TracersScene, kind: Integers, equal: bool) -> tuple[Array, Int
     return radius, kind
 
 
-def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float]) -> float:
-    """The terminal speed of a sphere of this radius and density (m/s), downwards; infinite without drag."""
+def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float, float]) -> float:
+    """The terminal speed for a radius, density and sphericity (m/s), downwards; infinite without drag."""
     radius, excess = grain[0], grain[1] - fluid.density
     law = DRAGS[scene.hydrodynamics.drag]
     if not law.resists or fluid.viscosity == 0.0:
@@ -259,7 +320,7 @@ def settling_speed(scene: TracersScene, fluid: Fluid, grain: tuple[float, float]
     if law.linear or slow == 0.0:
         return slow
     reynolds = drag.particle_reynolds(abs(slow), radius, fluid.density, fluid.viscosity)
-    return slow * law.settling_reynolds(reynolds) / reynolds
+    return slow * law.settling_reynolds(reynolds, grain[2]) / reynolds
 
 
 def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies, scales: FlowScales) -> float:
@@ -288,7 +349,7 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             inertial = min(mass / friction, abs(speed / gravity) if gravity and speed else math.inf) / SHORTEST
             late = scene.integration.integrator == "overdamped" or inertial < shortest
             body = (friction, speed, mass * gravity, radius)
-            longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
+            longest = min(longest, overdamped_step(scene, body, surfaces, fluid) if late else inertial)
             if fluid.thermal > 0.0:
                 longest = min(longest, scales.longest_diffusion(brownian_motion.diffusivity(fluid.thermal, friction)))
     longest = min(max(longest, shortest), 0.5 * crossing)
@@ -325,7 +386,35 @@ def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
     return set(zip(*(column[first].tolist() for column in columns), strict=True))
 
 
-def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid) -> float:
+def place_limit(scene: TracersScene, body: tuple[float, float, float, float], fluid: Fluid) -> float:
+    """The longest step where the diffusivity depends on place: particles cross a part of the length over which it does,
+    a radius near walls, by settling and by diffusion.
+    """
+    friction, speed, _, radius = body
+    mixing, limit = scene.flow.turbulence, math.inf
+    if scene.hydrodynamics.wall_drag:
+        limit = NEAR * radius / abs(speed) if speed else math.inf
+        if fluid.thermal > 0.0:
+            spread = brownian_motion.diffusivity(fluid.thermal, friction)
+            limit = min(limit, 0.5 * (NEAR * radius) ** 2 / spread)
+    if mixing is not None:
+        spreads, heights = np.array(mixing.diffusivities), np.array(mixing.heights)
+        largest = float(spreads.max())
+        slope = float(np.abs(np.diff(spreads) / np.diff(heights)).max(initial=0.0))
+        low, high = bounds(scene)
+        room = high[-1] - low[-1]
+        limit = min(limit, 0.5 * (NEAR * room) ** 2 / largest if largest else math.inf)
+        limit = min(limit, NEAR * room / slope if slope else math.inf)
+    return limit
+
+
+NEAR = 0.2
+"""Of the length over which the diffusivity changes: the longest displacement of a step."""
+
+
+def overdamped_step(
+    scene: TracersScene, body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid
+) -> float:
     """The longest step of tracers without inertia: they cross a small part of the tank or of their layer."""
     friction, speed, weight, radius = body
     sizes = surfaces.size
@@ -335,6 +424,7 @@ def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces,
         # A layer thinner than its grains is a floor with grains on it.
         layer = min(room, max(radius, brownian_motion.sedimentation_length(fluid.thermal, abs(weight))))
     limit = FINENESS * room / abs(speed) if speed else math.inf
+    limit = min(limit, place_limit(scene, body, fluid))
     if fluid.thermal > 0.0:
         limit = min(limit, FINENESS * layer * layer / brownian_motion.diffusivity(fluid.thermal, friction))
     return limit
@@ -352,6 +442,11 @@ def _require_names(scene: TracersScene) -> None:
     drag = scene.hydrodynamics.drag
     if scene.hydrodynamics.brownian and drag in DRAGS and not DRAGS[drag].resists:
         faults.append(Fault("hydrodynamics.brownian", "needs drag: what the liquid kicks, it also slows down"))
+    for k, species in enumerate(scene.particles):
+        if species.sphericity != 1.0 and drag in DRAGS and not DRAGS[drag].shaped:
+            usable = " or ".join(name for name, row in DRAGS.items() if row.shaped)
+            message = f"is not used by the drag law {drag}; set hydrodynamics.drag to {usable}"
+            faults.append(Fault(f"particles[{k}].sphericity", message))
     if faults:
         raise SceneError(faults)
 
@@ -400,6 +495,8 @@ class Workspace(NamedTuple):
     """(N, d) m/s^2: the acceleration by laws of the user"""
     flow: Array
     """(N, d) m/s: the velocity of the liquid, in the middle of a step or its mean along the path"""
+    hindrance: Array
+    """(N, d) the friction along each axis over that without walls; (0, d) without drag near walls"""
     radius: Array
     hits: Integers
     """(N,)"""
@@ -433,7 +530,9 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     count, shape = len(state.position), state.position.shape
     a, b, c, d, e, f, g, k = (np.zeros(shape) for _ in range(8))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])
-    return Workspace(a, b, c, d, e, f, g, k, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
+    near = parameters.around != () and parameters.around.near_walls
+    hindrance = np.zeros((count if near else 0, shape[1]))
+    return Workspace(a, b, c, d, e, f, g, k, hindrance, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 TOUCHING = 1e-6

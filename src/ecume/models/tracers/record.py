@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,26 +9,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.laws import brownian_motion, carrier_flows, drag, gases, unsteady_forces
-from ecume.models.costs import Content, frame_cost, require_memory, within_steps
+from ecume.models.costs import require_memory, within_steps
 from ecume.models.diagnosis import first_broken, when
-from ecume.models.gravity import gravity_text
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
-from ecume.models.size_report import sizes_rows
-from ecume.models.step_counts import last_step
-from ecume.models.tracers import gridded_flows
+from ecume.models.tracers import gridded_flows, obstacle_flows
+from ecume.models.tracers.check_report import BYTES_PER_PARTICLE, summary_in, through_solids
 from ecume.models.tracers.drag_laws import DRAGS
 from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy
 from ecume.models.tracers.flow_loops import loops_for
 from ecume.models.tracers.flow_steps import advance
 from ecume.models.tracers.liquid_flow import LiquidFlow, OwnShape, varying_flow
 from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS
-from ecume.models.tracers.openings import species_of
 from ecume.models.tracers.parameters import (
     AIR,
     CAPPED,
-    Fluid,
     Parameters,
     State,
     Workspace,
@@ -40,12 +35,12 @@ from ecume.models.tracers.parameters import (
 )
 from ecume.models.tracers.parameters import TRACERS as ACCESS
 from ecume.models.tracers.start import layout, start
-from ecume.models.tracers.tank import around, body_of, bounds
+from ecume.models.tracers.tank import bounds
 from ecume.models.tracers.time_stepping import UNBOUNDED
-from ecume.scenes.tracers import ObstacleSpec, TracersScene
+from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd import SIDES
-from ecume.units import Array, duration_text, size_text, with_prefix
+from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
@@ -60,12 +55,6 @@ ARRAY_UNITS = {
     "left": "1",
     "image": "1",
 }
-SECONDS_PER_STEP = 2e-5
-SECONDS_PER_PARTICLE = 5e-7
-BYTES_PER_PARTICLE = 940
-"""Resident at the most, while frames are recorded: measured with 1e5 and 4e5 particles in 3D."""
-NUMBERS = 20
-"""The approximate number of numbers in a frame."""
 
 
 def checked_parameters(scene: TracersScene) -> Parameters:
@@ -73,9 +62,16 @@ def checked_parameters(scene: TracersScene) -> Parameters:
     count = sum(species.count for species in scene.particles)
     require_memory("particles", f"{count} particles", BYTES_PER_PARTICLE * count)
     parameters = within_steps(scene, parameters_of(scene))
-    for _, speed, remark in through_solids(scene, parameters):
+    for _, speed, remark in through_solids(scene, parameters, flow_of(parameters)):
         warnings.warn(f"obstacles: {remark} ({speed})", FlowWarning, stacklevel=2)
     return parameters
+
+
+def flow_of(parameters: Parameters) -> LiquidFlow:
+    """The flow that parameters contain, without the scales on which it varies; without a function of the user."""
+    fluid, current, d = parameters.fluid, parameters.current, parameters.dimensions
+    loops = None if current == () or isinstance(current.shape, OwnShape) else loops_for(current, d)
+    return LiquidFlow(np.array(fluid.flow), fluid.shear_rate, current, loops)
 
 
 class FlowWarning(UserWarning):
@@ -146,193 +142,7 @@ def _somewhere(numbers: Array) -> Array:
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
-    parameters = checked_parameters(scene)
-    start(scene, parameters)
-    fluid = parameters.fluid
-    steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
-    stepping = steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count)
-    vectors = dict.fromkeys(("position", "velocity"), scene.dimensions)
-    cost = frame_cost(scene, Content(count, {**vectors, "speed": 1, "left": 1}, NUMBERS), steps)
-    return [
-        ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
-        ("gravity", *gravity_text((*(0.0,) * (scene.dimensions - 1), -fluid.gravity))),
-        *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
-        *sizes_rows(parameters.bodies.radius),
-        *flow_rows(scene, parameters),
-        *through_solids(scene, parameters),
-        ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
-        *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
-        ("time step", with_prefix(parameters.time_step, "s"), accuracy_of(parameters)),
-        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
-        *cost.rows(),
-        ("memory", size_text(count * BYTES_PER_PARTICLE), f"{count} particles"),
-        ("time on this machine", duration_text(stepping + cost.seconds), f"roughly{cost.remark(stepping)}"),
-    ]
-
-
-def accuracy_of(parameters: Parameters) -> str:
-    """The accuracy of a time step."""
-    if parameters.current == ():
-        return "exact between walls for linear drag"
-    smooth = parameters.fluid.thermal == 0.0 and bool(parameters.bodies.overdamped.all())
-    return f"of {'fourth' if smooth else 'second'} order in a flow that varies"
-
-
-def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
-    """The particles that will enter through an opening."""
-    count = int((parameters.arrivals.opening == index).sum())
-    hole = scene.openings[index]
-    if hole.rate is None and hole.concentration is None:
-        return []
-    species = scene.particles[species_of(scene, hole)].name
-    return [(f"opening {index}", f"{count} enter", f"of {species}, {count / scene.duration:.4g} per second")]
-
-
-def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
-    """The rows of one species."""
-    fluid, bodies, species = parameters.fluid, parameters.bodies, scene.particles[index]
-    first = int(np.argmax(bodies.species == index))
-    mass, friction, speed = (float(values[first]) for values in (bodies.mass, bodies.friction, bodies.settling))
-    name, rows = species.name, []
-    if friction > 0.0:
-        reynolds = drag.particle_reynolds(abs(speed), float(bodies.radius[first]), fluid.density, fluid.viscosity)
-        way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "neutrally buoyant"
-        regime = "overdamped: without inertia" if bodies.overdamped[first] else "inertial"
-        rows += [
-            (f"{name}: terminal speed", with_prefix(abs(speed), "m/s"), f"{way}; Reynolds number {reynolds:.3g}"),
-            (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
-        ]
-        rows += slip_of(scene, fluid, index)
-    if fluid.thermal > 0.0 and friction > 0.0:
-        spread, weight = (
-            brownian_motion.diffusivity(fluid.thermal, friction),
-            abs(mass * float(bodies.apparent_gravity[first])),
-        )
-        rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
-        if weight > 0.0:
-            layer = brownian_motion.sedimentation_length(fluid.thermal, weight)
-            rows.append(
-                (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
-            )
-    return rows
-
-
-SLIPS = 0.01
-"""The Knudsen number from which a remark states the slip: 1.3 % of the speed."""
-
-
-def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, str, str]]:
-    """The slip of a gas along one species, estimated at one atmosphere where the scene states no mean free path."""
-    known, path, species = fluid.mean_free_path > 0.0, fluid.mean_free_path, scene.particles[index]
-    if not known and 0.0 < fluid.density < gases.DENSEST:
-        path = gases.mean_free_path(fluid.density, fluid.viscosity, gases.ATMOSPHERE)
-    if path < SLIPS * species.radius:
-        return []
-    factor = drag.cunningham_factor(path, species.radius)
-    remark = f"the gas slips: {factor:.3g} times as fast as by Stokes's law"
-    if not known:
-        remark = f"Stokes's law is {factor:.3g} times too slow in a gas at 1 atm: set liquid.mean_free_path"
-        remark += f' = "{with_prefix(path, "m", 3)}"'
-    return [(f"{species.name}: Knudsen number", f"{path / species.radius:.3g}", remark)]
-
-
-CROSSING = 0.01
-"""The reported normal velocity at the surface of an obstacle, over the largest speed."""
-
-
-def flow_at(parameters: Parameters, places: Array) -> Array:
-    """(n, d) the velocity of the liquid at places, at time 0 (m/s)."""
-    fluid, current, d = parameters.fluid, parameters.current, parameters.dimensions
-    loops = None if current == () or isinstance(current.shape, OwnShape) else loops_for(current, d)
-    return LiquidFlow(np.array(fluid.flow), fluid.shear_rate, current, loops).velocity(places, 0.0)
-
-
-def flow_through(parameters: Parameters, body: ObstacleSpec) -> float:
-    """The largest velocity of the liquid normal to the surface of an obstacle (m/s)."""
-    places, normals = surface_points(body)
-    return float(np.abs((flow_at(parameters, places) * normals).sum(axis=1)).max())
-
-
-def surface_points(body: ObstacleSpec) -> tuple[Array, Array]:
-    """Points on an obstacle, and the normals there."""
-    low, high = (np.array(corner, float) for corner in around(body))
-    surfaces, middle = body_of(body), 0.5 * (low + high)
-    ways = np.random.default_rng(0).normal(size=(POINTS, len(low)))
-    ways /= np.sqrt((ways**2).sum(axis=1))[:, None]
-    if body.radius is not None:
-        return middle + body.radius * ways, ways
-    # Each way from the middle ends at the nearest plane that it meets.
-    inward = surfaces.place[:, : len(low)]
-    if body.vertices:
-        middle = np.mean(np.array(body.vertices, float), axis=0)
-    depth = middle @ inward.T + surfaces.size
-    with np.errstate(divide="ignore", invalid="ignore"):
-        far = np.where(ways @ inward.T < 0.0, depth / -(ways @ inward.T), np.inf)
-    face = far.argmin(axis=1)
-    return middle + far[np.arange(POINTS), face][:, None] * ways, -inward[face]
-
-
-POINTS = 400
-"""On an obstacle, at which the flow is examined."""
-
-
-def largest_flow(parameters: Parameters, low: Array, high: Array) -> float:
-    """The largest speed of the liquid around a box (m/s)."""
-    wide = 0.5 * (high - low)
-    places = np.random.default_rng(0).uniform(low - wide, high + wide, (POINTS, len(low)))
-    return float(np.sqrt((flow_at(parameters, places) ** 2).sum(axis=1)).max())
-
-
-def flow_rows(scene: TracersScene, parameters: Parameters) -> list[tuple[str, str, str]]:
-    """The flow that varies in place or time."""
-    if parameters.current == ():
-        return []
-    given = scene.flow
-    by_keys = given.name or given.field is not None or given.around_obstacles != "none"
-    if scene.user_laws and not by_keys:  # the flow may be one of the laws
-        return []
-    flow = varying_flow(scene, bounds(scene))
-    past = f"{given.around_obstacles}, around the obstacle"
-    plain = "uniform or sheared" if given.around_obstacles == "none" else past
-    scales, what = flow.scales, given.name or ("from a file" if given.field is not None else plain)
-    length = with_prefix(scales.length, "m", 3) if math.isfinite(scales.length) else "infinity"
-    rows = [("flow", with_prefix(scales.speed, "m/s", 3), f"{what}: largest speed; changes over {length}")]
-    viscosity = parameters.fluid.viscosity / parameters.fluid.density
-    if given.around_obstacles == "creeping" and viscosity > 0.0:
-        reynolds = 2.0 * flow.current.shape.radius * float(np.sqrt((flow.uniform**2).sum())) / viscosity
-        rows.append(("obstacle: Reynolds number", f"{reynolds:.3g}", "the creeping flow is that at numbers below 1"))
-    if given.name == "tube" and not (scene.tank is not None and scene.tank.vertices):
-        rows.append(("wall of the tube", "none", "the tank alone turns particles back: beyond the radius they go on"))
-    slow = int(parameters.bodies.overdamped.sum())
-    if parameters.forces.any and slow:
-        remark = "fluid_acceleration, faxen and lift act on particles with inertia only"
-        rows.append(("forces of the flow", f"none on {slow} of {len(parameters.bodies.radius)} particles", remark))
-    if viscosity > 0.0 and scales.rate > 0.0:
-        ratio = unsteady_forces.history_ratio(float(parameters.bodies.radius.max()), viscosity, scales.rate)
-        rows.append(("history force", f"{ratio:.2g}", "Basset's over Stokes's drag: not included"))
-    if scene.flow.field is not None:
-        remark = "of the fluxes of the file is divergence, which the interpolation omits"
-        if scene.flow.field.interpolation == "linear":
-            rows.append(("divergence", "kept", "the interpolation is linear: particles may cluster"))
-        else:
-            rows.append(("divergence", f"{100.0 * flow.removed:.2g} %", remark))
-    return rows
-
-
-def through_solids(scene: TracersScene, parameters: Parameters) -> list[tuple[str, str, str]]:
-    """The flow through obstacles, with its size: the liquid does not go around them."""
-    rows = []
-    for index, body in enumerate(scene.obstacles):
-        low, high = (np.array(corner) for corner in around(body))
-        speed, usual = flow_through(parameters, body), largest_flow(parameters, low, high)
-        if speed > CROSSING * usual:
-            size, bodies = 0.5 * float((high - low).max()), parameters.bodies
-            slowest = float((bodies.mass / np.where(bodies.friction > 0.0, bodies.friction, np.inf)).max())
-            remark = "the flow does not go around obstacles: particles in their way are held against the front; Stokes "
-            remark += f"number {slowest * speed / size:.2g}"
-            remark += ": in a real flow they would pass by" if slowest * speed < 0.1 * size else ""
-            rows.append((f"flow through obstacle {index}", with_prefix(speed, "m/s"), remark))
-    return rows
+    return summary_in(scene, checked_parameters(scene), varying_flow(scene, bounds(scene)))
 
 
 # --- Invariants of tracers: their number and their energy
@@ -382,7 +192,8 @@ def laws_of(scene: Any) -> list[Source]:
     named = NAMED_FLOWS.get(scene.flow.name)
     flow: list[Source] = [*named.papers] if named is not None else []
     around = DETOURS.get((scene.flow.around_obstacles, scene.dimensions))
-    flow += [around.law] if around is not None else []
+    flow += [around] if around is not None and named is None else []
+    flow += [obstacle_flows.channel_flow] if scene.flow.around_obstacles != "none" and named is not None else []
     given = scene.hydrodynamics
     forces: dict[Source, bool] = {
         unsteady_forces.liquid_inertia: given.fluid_acceleration,

@@ -158,8 +158,10 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     numbers = (h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal)
     plan_flights(
-        state.velocity, bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius, scratch.status,
-        scratch.acceleration, scratch.kick, scratch.noise, scratch.shift, scratch.external, scratch.flow, numbers,
+        state.velocity,
+        (bodies.mass, bodies.apparent_gravity, bodies.friction, bodies.radius, bodies.sphericity),
+        scratch.status, scratch.acceleration, scratch.kick, scratch.noise, scratch.shift, scratch.external,
+        scratch.flow, scratch.hindrance, numbers,
     )  # fmt: skip
     copy(scratch.origin, state.position)
     copy(scratch.travel, state.velocity)
@@ -223,7 +225,7 @@ def diffusive_step(
                 scratch.travel[i, axis] += scratch.noise[i, axis]
     reflect_noise(parameters, state, scratch)
     well = move_with(parameters, state, scratch, h, parameters.mirroring)
-    state.work[0] += work_of_noise(parameters, state, scratch)
+    state.work[0] += work_of_noise(parameters, state, scratch, h)
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
     plan_drifts(state.position, bodies.settling, scratch.status, 0.0, flow, scratch.travel, scratch.flow)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.travel)
@@ -279,16 +281,19 @@ def inflow_due(parameters: Parameters, state: State) -> bool:
 
 # --- Free flight: exact for linear drag, constant force and thermal noise, for any time step
 
-drag_factor = selection("drag_factor", codes(DRAGS, lambda row: row.factor), __name__, __file__, ("reynolds",))
+drag_factor = selection(
+    "drag_factor", codes(DRAGS, lambda row: row.factor), __name__, __file__, ("reynolds", "sphericity")
+)
 
 
 @compiled_inside
-def friction_at(speed: float, own: tuple[float, float], liquid: tuple[DragChoice, float, float]) -> float:
-    """The friction at a speed; own = (radius, Stokes friction), liquid = (drag law, density, viscosity)."""
+def friction_at(speed: float, own: tuple[float, float, float], liquid: tuple[DragChoice, float, float]) -> float:
+    """The friction at a speed; own = (radius, Stokes friction, sphericity), liquid = (drag law, density, viscosity)."""
     law, density, viscosity = liquid
     if law.linear:
         return own[1]
-    return float(own[1] * drag_factor(drag.particle_reynolds(speed, own[0], density, viscosity), law.code))
+    reynolds = drag.particle_reynolds(speed, own[0], density, viscosity)
+    return float(own[1] * drag_factor(reynolds, own[2], law.code))
 
 
 @compiled_inside
@@ -310,29 +315,41 @@ def midway_friction(
     velocity: Array,
     i: int,
     flow: tuple[float, float, float],
-    body: tuple[float, float, float, float],
+    body: tuple[tuple[float, float, float], float, float],
     liquid: tuple[DragChoice, float, float],
 ) -> float:
     """The friction at the speed in the middle of the step, so that nonlinear drag is of second order.
 
-    body = (radius, Stokes's friction, mass over half a step, apparent gravity times half a step).
+    body = ((radius, Stokes's friction, sphericity), mass over half a step, apparent gravity times half a step).
     """
-    radius, stokes, inertia, fall = body
-    friction = friction_at(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
+    own, inertia, fall = body
+    friction = friction_at(relative_speed(velocity, i, flow, (1.0, 0.0)), own, liquid)
     if not liquid[0].linear:
         ratio = friction / inertia
         change = (math.exp(-ratio), fall * brownian_motion.velocity_gain(ratio))
-        friction = friction_at(relative_speed(velocity, i, flow, change), (radius, stokes), liquid)
+        friction = friction_at(relative_speed(velocity, i, flow, change), own, liquid)
     return friction
+
+
+@compiled_inside
+def gains_of(ratio: float, mass: float, thermal: float) -> tuple[float, float, float, float, float]:
+    """Of a step over the relaxation time: gains of velocity and displacement by an acceleration, and the amplitudes of
+    thermal noise, of the velocity (m/s), of the displacement that goes with it, and of the rest of it (m/s, in steps).
+    """
+    gain, way = brownian_motion.velocity_gain(ratio), brownian_motion.displacement_gain(ratio)
+    if thermal == 0.0 or ratio == 0.0:
+        return gain, way, 0.0, 0.0, 0.0
+    speed = math.sqrt(thermal / mass)
+    fast = math.sqrt(brownian_motion.velocity_variance(ratio))
+    both = brownian_motion.covariance(ratio) / fast
+    far = math.sqrt(max(brownian_motion.displacement_variance(ratio) - both * both, 0.0))
+    return gain, way, speed * fast, speed * both / ratio, speed * far / ratio
 
 
 @compiled
 def plan_flights(
     velocity: Array,
-    mass: Array,
-    weight: Array,
-    stokes: Array,
-    radius: Array,
+    bodies: tuple[Array, Array, Array, Array, Array],
     status: Integers,
     acceleration: Array,
     kick: Array,
@@ -340,30 +357,31 @@ def plan_flights(
     shift: Array,
     external: Array,
     liquid: Array,
+    hindrance: Array,
     numbers: tuple[float, int, int, DragChoice, float, float, float],
 ) -> None:
     """The parabola of each particle with inertia: it ends where the exact motion ends.
 
-    liquid: its velocities (m/s); numbers = (time step, step, seed, drag law, density, viscosity, kT).
+    bodies = (mass, apparent gravity, Stokes's friction, radius, sphericity); liquid: its velocities (m/s); hindrance:
+    the friction along each axis over that without walls, or no rows; numbers = (time step, step, seed, drag law,
+    density, viscosity, kT).
     """
+    (mass, weight, stokes, radius, sphericity), last = bodies, velocity.shape[1] - 1
     h, step, seed, law, density, viscosity, thermal = numbers
-    last = velocity.shape[1] - 1
     for i in range(velocity.shape[0]):
         if status[i] != 0:
             continue
         flow = (liquid[i, 0], liquid[i, 1], liquid[i, 2] if last > 1 else 0.0)
-        body = (radius[i], stokes[i], 2.0 * mass[i] / h, 0.5 * h * weight[i])
+        body = ((radius[i], stokes[i], sphericity[i]), 2.0 * mass[i] / h, 0.5 * h * weight[i])
         friction = midway_friction(velocity, i, flow, body, (law, density, viscosity)) if stokes[i] > 0.0 else 0.0
         ratio = h * friction / mass[i]
-        gain, way = brownian_motion.velocity_gain(ratio), brownian_motion.displacement_gain(ratio)
-        fast, far, both = 0.0, 0.0, 0.0
-        if thermal > 0.0 and friction > 0.0:
-            fast = math.sqrt(thermal / mass[i] * brownian_motion.velocity_variance(ratio))
-            both = thermal / friction * brownian_motion.covariance(ratio) / fast
-            far = thermal * mass[i] / (friction * friction) * brownian_motion.displacement_variance(ratio) - both * both
-            far = math.sqrt(max(far, 0.0))
+        gain, way, fast, both, far = gains_of(ratio, mass[i], thermal)
         for axis in range(last + 1):
-            start = (flow[axis] - velocity[i, axis]) * friction / mass[i] + external[i, axis]
+            rate = friction / mass[i]
+            if hindrance.shape[0] > 0:
+                rate *= hindrance[i, axis]
+                gain, way, fast, both, far = gains_of(h * rate, mass[i], thermal)
+            start = (flow[axis] - velocity[i, axis]) * rate + external[i, axis]
             if axis == last:
                 start -= weight[i]
             acceleration[i, axis] = start * way
@@ -371,7 +389,7 @@ def plan_flights(
             noise[i, axis], shift[i, axis] = 0.0, 0.0
             if fast > 0.0:
                 one, other = normals(counter_of(i, step, axis), seed)
-                random_displacement = both * one + far * other
+                random_displacement = h * (both * one + far * other)
                 acceleration[i, axis] += 2.0 * random_displacement / (h * h)
                 noise[i, axis], shift[i, axis] = fast * one - 2.0 * random_displacement / h, random_displacement
 

@@ -19,10 +19,12 @@ from ecume.models.actions import with_injected_work
 from ecume.models.costs import within_steps
 from ecume.models.model import DONE, Model
 from ecume.models.tracers import flow_steps
+from ecume.models.tracers.check_report import summary_in
 from ecume.models.tracers.flow_loops import loops_of
-from ecume.models.tracers.liquid_flow import OwnFlow, own_velocity
+from ecume.models.tracers.liquid_flow import OwnFlow, own_velocity, varying_flow
 from ecume.models.tracers.parameters import TRACERS as ACCESS
 from ecume.models.tracers.parameters import Bodies, Parameters, State, Workspace, parameters_of
+from ecume.models.tracers.tank import bounds
 from ecume.models.user_laws import (
     EXTERNAL,
     FLOW,
@@ -103,7 +105,11 @@ def with_flow(model: Model, law: BoundLaw) -> Model:
     def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
         return flow_steps.advance(parameters, state, scratch, steps, own(parameters.dimensions).loops)
 
-    return dataclasses.replace(model, parameters=parameters_with_flow, advance=advance)
+    def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
+        flow = varying_flow(scene, bounds(scene), own(scene.dimensions))
+        return summary_in(scene, parameters_with_flow(scene), flow)
+
+    return dataclasses.replace(model, parameters=parameters_with_flow, advance=advance, summary=summary)
 
 
 def require_velocity(law: BoundLaw, position: tuple[float, ...]) -> None:

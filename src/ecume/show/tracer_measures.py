@@ -1,0 +1,191 @@
+"""Figures of how tracers spread, pass, stay and settle on walls, with standard errors (`ecume.analysis.dispersion`)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ecume.analysis import dispersion
+from ecume.analysis.dispersion import Course
+from ecume.analysis.series import inside
+from ecume.errors import BadInput
+from ecume.show.curves import Frames, evolution, over_time, titled
+from ecume.show.style import MUTED, PALETTE, figure, legend_outside, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.tracers import TracersScene
+
+BINS = 40
+"""Of lengths along an axis, and of times."""
+INSTANTS = 5
+"""Curves in a figure of profiles."""
+
+
+def axis_names(frame: Frame) -> str:
+    """The names of the axes, the upward one last."""
+    return "xz" if frame.arrays["position"].shape[1] == 2 else "xyz"
+
+
+def band(axes: Axes, time: Array, curve: tuple[Array, Array], label: str, color: str) -> None:
+    """A curve with its standard error as a band."""
+    value, error = curve
+    axes.plot(time, value, color=color, label=label)
+    axes.fill_between(time, value - error, value + error, color=color, alpha=0.25, linewidth=0.0)
+
+
+def spreading(frames: Frames, scene: TracersScene) -> Figure:
+    """The mean square displacement along each axis, with and without the drift; of particles inside all the time."""
+    shown = evolution(frames)
+    every, own = dispersion.displacements(shown), dispersion.displacements(shown, without_drift=True)
+    scale = scale_for(float(np.sqrt(every.value.max())), "m")
+    square = scale.factor**2
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, "Mean square displacement along each axis")
+        for axis, (name, color) in enumerate(zip(axis_names(shown[0]), PALETTE, strict=False)):
+            value, error = square * own.value[:, axis], square * own.error[:, axis]
+            band(axes, own.time, (value, error), f"{name}, without drift", color)
+            axes.plot(every.time, square * every.value[:, axis], "--", color=color, label=name)
+        axes.set_ylabel(f"mean square displacement ({scale.unit}²)")
+        legend_outside(axes)
+    return drawn
+
+
+def dispersion_over_time(frames: Frames, scene: TracersScene) -> Figure:
+    """The dispersion coefficient along each axis, half the rate at which the variance grows."""
+    shown = evolution(frames)
+    names = axis_names(shown[0])
+    courses = [dispersion.dispersion_coefficient(shown, axis) for axis in range(len(names))]
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, "Dispersion coefficient")
+        for name, course, color in zip(names, courses, PALETTE, strict=False):
+            band(axes, course.time, (course.value, course.error), f"along {name}", color)
+        axes.axhline(0.0, color=MUTED, linewidth=0.8)
+        axes.set_ylabel("dispersion coefficient (m²/s)")
+        legend_outside(axes)
+    return drawn
+
+
+def residence(frames: Frames, scene: TracersScene) -> Figure:
+    """The distribution of the times that particles stayed until they left or were deposited."""
+    found = dispersion.residence_times(evolution(frames))
+    if len(found.times) < 2:
+        raise BadInput(f"{len(found.times)} particles have left; a distribution needs two or more")
+    counts, edges = np.histogram(found.times, BINS)
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel="residence time (s)", title=titled("Residence times", scene))
+        bars(axes, edges, (counts, np.sqrt(counts)), PALETTE[1])
+        note = f"mean {found.mean:.3g} ± {found.error:.1g} s; {found.remaining} still inside"
+        axes.axvline(found.mean, color=MUTED, linestyle="--", linewidth=1.0, label=note)
+        axes.set_ylabel("particles")
+        axes.legend(loc="best", fontsize=8)
+    return drawn
+
+
+def bars(axes: Axes, edges: Array, counted: tuple[Array, Array], color: str, label: str | None = None) -> None:
+    """A histogram with error bars."""
+    value, error = counted
+    axes.stairs(value, edges, color=color, label=label)
+    axes.errorbar(0.5 * (edges[1:] + edges[:-1]), value, error, fmt="none", color=color, alpha=0.6, linewidth=0.8)
+
+
+def breakthrough(frames: Frames, scene: TracersScene) -> Figure:
+    """The fraction of all particles that have left through each opening, over time."""
+    shown = evolution(frames)
+    openings = sum(name.startswith("left_through_opening_") for name in shown[0].numbers)
+    if not openings:
+        raise BadInput("the tank has no openings; no breakthrough to draw")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, "Breakthrough")
+        for opening, color in zip(range(openings), PALETTE * openings, strict=False):
+            course = dispersion.breakthrough(shown, opening)
+            band(axes, course.time, (course.value, course.error), f"opening {opening}", color)
+        axes.set_ylabel("fraction that has left")
+        axes.set_ylim(bottom=0.0)
+        legend_outside(axes)
+    return drawn
+
+
+def concentration(frames: Frames, scene: TracersScene) -> Figure:
+    """The number of particles per length along x at five times."""
+    shown = evolution(frames)
+    picked = [shown[int(k)] for k in np.unique(np.linspace(0, len(shown) - 1, INSTANTS).round())]
+    places = [frame.arrays["position"][inside(frame), 0] for frame in picked]
+    edges = edges_of(np.concatenate(places), "all particles have left the tank")
+    course = dispersion.concentration(picked, edges, 0)
+    scale = scale_for(float(np.abs(edges).max()), "m")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel=f"x ({scale.unit})", title=titled("Concentration along x", scene))
+        for k, color in zip(range(len(picked)), PALETTE, strict=False):
+            counted = (course.value[k] / scale.factor, course.error[k] / scale.factor)
+            bars(axes, scale.factor * edges, counted, color, f"{course.time[k]:g} s")
+        axes.set_ylabel(f"particles per {scale.unit}")
+        legend_outside(axes)
+    return drawn
+
+
+def edges_of(values: Array, without: str) -> Array:
+    """The edges of bins that contain all values. Raises BadInput without values."""
+    if not len(values):
+        raise BadInput(f"{without}; nothing to draw")
+    low, high = float(values.min()), float(values.max())
+    return np.linspace(low, high if high > low else low + max(abs(low), 1e-9) * 1e-6, BINS + 1)
+
+
+def deposition(frames: Frames, scene: TracersScene) -> Figure:
+    """The number of deposited particles per length along each axis, at the end."""
+    last = frames[-1]
+    held = dispersion.deposited(last)
+    names = axis_names(last)
+    places = last.arrays["position"][held]
+    scale = scale_for(float(np.abs(places).max(initial=0.0)), "m")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel=f"place ({scale.unit})", title=titled("Deposition", scene))
+        for axis, (name, color) in enumerate(zip(names, PALETTE, strict=False)):
+            found = dispersion.deposition(last, edges_of(places[:, axis], "no particle is deposited"), axis)
+            counted = (found.density / scale.factor, found.error / scale.factor)
+            bars(axes, scale.factor * found.edges, counted, color, f"along {name}")
+        axes.set_ylabel(f"particles per {scale.unit}")
+        legend_outside(axes)
+    return drawn
+
+
+def efficiency(frames: Frames, scene: TracersScene) -> Figure:
+    """The fraction of the particles that are deposited among those that are deposited or have left, over time."""
+    shown = evolution(frames)
+    found: list[Any] = []
+    for frame in shown:
+        gone = not inside(frame).all()
+        found.append(dispersion.collector_efficiency(frame) if gone else dispersion.Efficiency(np.nan, np.nan))
+    course = Course(*(np.array(part) for part in ([f.time for f in shown], *zip(*found, strict=True))))
+    if not np.isfinite(course.value).any():
+        raise BadInput("no particle is deposited or has left; no efficiency to draw")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene, "Efficiency of collectors")
+        band(axes, course.time, (course.value, course.error), "walls and obstacles that hold particles", PALETTE[1])
+        axes.set_ylabel("deposited over deposited or gone")
+        axes.set_ylim(0.0, 1.05)
+        legend_outside(axes)
+    return drawn
+
+
+MEASURES: dict[str, Any] = {
+    "spreading": spreading,
+    "dispersion": dispersion_over_time,
+    "residence": residence,
+    "breakthrough": breakthrough,
+    "concentration": concentration,
+    "deposition": deposition,
+    "efficiency": efficiency,
+}

@@ -1,0 +1,372 @@
+"""Tracers in flows: dispersion, diffusion near walls, settling layers, vortices, impaction, deposition, lift."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ecume.analysis.dispersion import deposited
+from ecume.laws import brownian_motion, carrier_flows, drag, unsteady_forces, wall_drag
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+from ecume_validation.runner import Row, above, below, within
+
+RADIUS = 0.5e-6
+"""Of what diffuses, m."""
+THERMAL = brownian_motion.thermal_energy(293.15)
+SPREAD = brownian_motion.diffusivity(THERMAL, drag.stokes_friction(RADIUS, 1e-3, 1.0))
+"""Its diffusion coefficient, m^2/s."""
+MANY = 100_000
+"""Particles of a pulse."""
+OVERDAMPED = {"integrator": "overdamped"}
+
+
+def rows() -> list[Row]:
+    """Compare all subjects."""
+    return [
+        *slit(),
+        *tube(),
+        *near_a_wall(),
+        *layers(),
+        *cells(),
+        *impaction(),
+        *plates(),
+        *gyres(),
+        *lift(),
+    ]
+
+
+def frames_of(plain: dict[str, Any]) -> list[Frame]:
+    """The frames of a scene of tracers."""
+    return list(simulate(from_plain({"model": "tracers", "gravity": 0.0, **plain})))
+
+
+def variance(time: Array, peclet: float, modes: tuple[Array, Array]) -> Array:
+    """The variance along the flow over 2 D t at times over the width squared over D, exact for a uniform start: 1 + sum
+    of (U H/D)^2 c (1 - (1 - exp(-l t))/(l t))/l; modes = (c, l), the shares of the velocity's variance over U^2, and
+    the decay rates over D/H^2. [aris1956].
+    """
+    share, rate = modes
+    decay = rate * time[:, None]
+    found: Array = 1.0 + peclet**2 * (share / rate * (1.0 + np.expm1(-decay) / decay)).sum(axis=1)
+    return found
+
+
+def slit_modes() -> tuple[Array, Array]:
+    """Those of flow between plates: 18/(pi k)^4 and (2 pi k)^2."""
+    k = np.arange(1.0, 60.0)
+    return 18.0 / (math.pi * k) ** 4, (2.0 * math.pi * k) ** 2
+
+
+def tube_modes() -> tuple[Array, Array]:
+    """Those of a tube, over its radius: 64/b^4 and b^2, with the zeros b of J1."""
+    from scipy.special import jn_zeros
+
+    b = jn_zeros(1, 60)
+    return 64.0 / b**4, b**2
+
+
+INSTANTS = np.array([0.05, 0.2, 1.0])
+"""Over the width squared over D."""
+
+
+def pulse_rows(name: str, frames: list[Frame], peclet: float, modes: tuple[Array, Array], unit: float) -> list[Row]:
+    """The variance of a pulse at the instants beside the exact one; within 1 % at the end."""
+    exact, found = variance(INSTANTS, peclet, modes), []
+    for time, expected in zip(INSTANTS, exact, strict=True):
+        frame = min(frames, key=lambda each: abs(each.time - time * unit))
+        x = frame.arrays["position"][:, 0]
+        computed = float(x.var()) / (2.0 * SPREAD * frame.time)
+        noise = 4.0 * math.sqrt(2.0 / len(x))
+        tolerance = 0.01 if time == INSTANTS[-1] and noise > 0.01 else noise
+        label = f"{name}, Pe = {peclet:g}, D t/H^2 = {time:g}: variance over 2 D t"
+        found.append(within(label, computed, float(expected), tolerance * float(expected)))
+    return found
+
+
+def slit() -> list[Row]:
+    """A pulse between plates, at three Peclet numbers; at the end 1 + Pe^2/210 less the transient."""
+    width, found = 1e-5, []
+    unit = width**2 / SPREAD
+    for peclet in (10.0, 100.0, 500.0):
+        frames = frames_of({
+            "duration": unit, "frame_every": 0.05 * unit, "seed": int(peclet),
+            "tank": {"low": [0.0, -RADIUS], "high": [1.0, width + RADIUS], "periodic": ["x"]},
+            "flow": {"name": "channel", "speed": peclet * SPREAD / width, "low": [0.0, 0.0], "high": [1.0, width]},
+            "particles": [{
+                "radius": RADIUS, "density": 1000.0, "count": MANY, "low": [0.5, 0.0], "high": [0.5, width]}],
+            "hydrodynamics": {"brownian": True, "drag": "stokes"},
+            "integration": {**OVERDAMPED, "time_step": 0.0025 * unit},
+        })  # fmt: skip
+        found += pulse_rows("slit", frames, peclet, slit_modes(), unit)
+    modes = slit_modes()
+    limit = 1.0 + 100.0**2 * float((modes[0] / modes[1]).sum())
+    return [*found, within("slit: the series at long times over 1 + Pe^2/210", limit / (1.0 + 1e4 / 210.0), 1.0, 1e-6)]
+
+
+SIDES = 32
+"""Of the prism that stands for a tube."""
+
+
+def tube() -> list[Row]:
+    """A pulse in a tube: a prism of 32 sides and the same cross section."""
+    radius, peclet = 1e-5, 100.0
+    unit, angle = radius**2 / SPREAD, 2.0 * math.pi * np.arange(SIDES) / SIDES
+    # The surface on which centers are reflected has the cross section of the tube.
+    reach = radius * math.sqrt(math.pi / (SIDES * math.tan(math.pi / SIDES))) + RADIUS
+    outer = reach / math.cos(math.pi / SIDES)
+    ring = [(x, outer * math.cos(a), outer * math.sin(a)) for x in (-1.0, 1.0) for a in angle]
+    rng = np.random.default_rng(6)
+    r, a = radius * np.sqrt(rng.uniform(0.0, 0.998**2, MANY // 2)), rng.uniform(0.0, 2.0 * math.pi, MANY // 2)
+    places = np.stack([np.zeros(MANY // 2), r * np.cos(a), r * np.sin(a)], axis=1)
+    frames = frames_of({
+        "duration": unit, "frame_every": 0.05 * unit, "tank": {"vertices": ring},
+        "flow": {"name": "tube", "speed": peclet * SPREAD / radius, "radius": radius, "center": [0.0, 0.0, 0.0]},
+        "particles": [{"radius": RADIUS, "density": 1000.0, "positions": places.tolist()}],
+        "hydrodynamics": {"brownian": True, "drag": "stokes"},
+        "integration": {**OVERDAMPED, "time_step": 0.0025 * unit},
+    })  # fmt: skip
+    modes = tube_modes()
+    limit = 1.0 + 100.0**2 * float((modes[0] / modes[1]).sum())
+    end = within("tube: the series at long times over 1 + Pe^2/48", limit / (1.0 + 1e4 / 48.0), 1.0, 1e-6)
+    return [*pulse_rows("tube", frames, peclet, modes, unit), end]
+
+
+def near_a_wall() -> list[Row]:
+    """Diffusion coefficients at three gaps, over those far away, in a time in which the gap changes little."""
+    found, count = [], 20_000
+    for ratio in (0.2, 1.0, 5.0):
+        gap = ratio * RADIUS
+        time = 2e-4 * gap**2 / SPREAD * max(1.0, 1.0 / ratio)
+        frames = frames_of({
+            "duration": time, "frame_every": time, "tank": {"high": [1e-3, 1e-3], "periodic": ["x"]},
+            "hydrodynamics": {"wall_drag": True, "brownian": True, "drag": "stokes"},
+            "particles": [{"radius": RADIUS, "density": 1000.0, "positions": [[5e-4, RADIUS + gap]] * count}],
+            "integration": {**OVERDAMPED, "time_step": time / 4},
+        })  # fmt: skip
+        way = frames[-1].arrays["position"] - frames[0].arrays["position"]
+        factors = (wall_drag.parallel_factor(gap, RADIUS), wall_drag.perpendicular_factor(gap, RADIUS))
+        for axis, (name, factor) in enumerate(zip(("along", "toward"), factors, strict=True)):
+            computed = float(way[:, axis].var()) / (2.0 * SPREAD * time)
+            tolerance = 4.0 * math.sqrt(2.0 / count) / factor
+            found.append(within(f"gap of {ratio:g} a: D {name} the wall over D", computed, 1.0 / factor, tolerance))
+    x = 1.0 / 6.0
+    series = 1.0 - 9.0 / 16.0 * x + x**3 / 8.0 - 45.0 / 256.0 * x**4 - x**5 / 16.0
+    exact = 1.0 / wall_drag.parallel_factor(5.0, 1.0)
+    return [*found, within("gap of 5 a: exact series along the wall, beside Faxen's", exact, series, x**6)]
+
+
+LAYERS = 10
+
+
+def layers() -> list[Row]:
+    """Particles that settle and diffuse, in layers that hold equal numbers; within 3 % from contact on."""
+    count = 50_000
+    weight = 4.0 / 3.0 * math.pi * RADIUS**3 * 100.0 * 9.81
+    length = brownian_motion.sedimentation_length(THERMAL, weight)
+    tall = 3.0 * length
+    settled = tall**2 / SPREAD
+    last = frames_of({
+        "duration": 2.0 * settled, "frame_every": settled, "gravity": 9.81, "seed": 3,
+        "tank": {"high": [tall, tall + 2.0 * RADIUS], "periodic": ["x"]},
+        "particles": [{"radius": RADIUS, "density": 1100.0, "count": count}],
+        "hydrodynamics": {"brownian": True, "drag": "stokes"},
+        "integration": {**OVERDAMPED, "time_step": settled / 100},
+    })[-1]  # fmt: skip
+    edges = -length * np.log1p(np.linspace(0.0, 1.0, LAYERS + 1) * math.expm1(-3.0)) + RADIUS
+    edges[-1] += RADIUS
+    counts = np.histogram(last.arrays["position"][:, 1], edges)[0]
+    return [
+        within(
+            f"barometric layer {k} of {LAYERS} from contact: number over the exact one", n * LAYERS / count, 1.0, 0.03
+        )
+        for k, n in enumerate(counts, 1)
+    ]
+
+
+def integrated(
+    rates: Callable[[float, Array], list[float]], start: list[float], time: float, events: Any = None
+) -> Any:
+    """A path by SciPy's integrator of order 8."""
+    from scipy.integrate import solve_ivp
+
+    return solve_ivp(rates, (0.0, time), start, "DOP853", rtol=1e-11, atol=1e-14, events=events)
+
+
+def cells() -> list[Row]:
+    """Heavy grains that settle through cells, with the acceleration of the liquid: paths, and the mean speed."""
+    speed, wavelength, radius, density = 0.02, 0.1, 2e-4, 1300.0
+    k, time = 2.0 * math.pi / wavelength, 4.0
+    displaced = 4.0 / 3.0 * math.pi * radius**3 * 1000.0
+    inertia, friction = displaced * (density / 1000.0 + 0.5), drag.stokes_friction(radius, 1e-3, 1.0)
+    fall = displaced * (density / 1000.0 - 1.0) * 9.81
+    starts = np.random.default_rng(8).uniform(0.0, wavelength, (6, 2))
+
+    def rates(_: float, x: Array) -> list[float]:
+        a, b = k * x[0], k * x[1]
+        u, w = carrier_flows.cellular_velocity(a, b, speed)
+        # Du/Dt of steady cells: (u . grad) u.
+        du = 0.5 * k * speed**2 * math.sin(2.0 * a)
+        dw = 0.5 * k * speed**2 * math.sin(2.0 * b)
+        push = [unsteady_forces.liquid_inertia(displaced, each, 0.5) for each in (du, dw)]
+        return [
+            x[2], x[3], (friction * (u - x[2]) + push[0]) / inertia, (friction * (w - x[3]) + push[1] - fall) / inertia,
+        ]  # fmt: skip
+
+    frames = frames_of({
+        "duration": time, "frame_every": time, "gravity": 9.81, "tank": {"low": [-5.0, -5.0], "high": [5.0, 5.0]},
+        "flow": {"name": "cellular", "speed": speed, "wavelength": wavelength, "center": [0.0, 0.0]},
+        "particles": [{"radius": radius, "density": density, "positions": starts.tolist()}],
+        "hydrodynamics": {"drag": "stokes", "fluid_acceleration": True},
+        "integration": {"integrator": "inertial", "time_step": 1e-3},
+    })  # fmt: skip
+    ends = np.array([integrated(rates, [*start, 0.0, 0.0], time).y[:2, -1] for start in starts])
+    off = float(np.abs(frames[-1].arrays["position"] - ends).max()) / wavelength
+    sunk = float((starts[:, 1] - frames[-1].arrays["position"][:, 1]).mean()) / time / (fall / friction)
+    exact = float((starts[:, 1] - ends[:, 1]).mean()) / time / (fall / friction)
+    return [
+        below("settling through cells: error of paths over the wavelength", off, 1e-3),
+        within("settling through cells: mean speed over Stokes's", sunk, exact, 1e-3),
+    ]
+
+
+STOKES_NUMBERS = (0.2, 0.5, 1.0, 4.0)
+
+
+def grazing(stokes: float, start: float) -> float:
+    """The height (radii) of the highest path from x = `start` radii that touches a cylinder, by bisection."""
+
+    def rates(_: float, x: Array) -> list[float]:
+        u, _, w = carrier_flows.ideal_flow_past_cylinder((x[0], 0.0, x[1]), 1.0, (1.0, 0.0, 0.0))
+        return [x[2], x[3], (u - x[2]) / stokes, (w - x[3]) / stokes]
+
+    def touches(_: float, x: Array) -> float:
+        return float(math.hypot(x[0], x[1]) - 1.0)
+
+    touches.terminal = True  # type: ignore[attr-defined]  # SciPy reads it
+    low, high = 0.0, 1.0
+    while high - low > 1e-4:
+        middle = 0.5 * (low + high)
+        u, _, w = carrier_flows.ideal_flow_past_cylinder((start, 0.0, middle), 1.0, (1.0, 0.0, 0.0))
+        path = integrated(rates, [start, middle, u, w], 2.0 - start, touches)
+        low, high = (middle, high) if len(path.t_events[0]) else (low, middle)
+    return low
+
+
+def impaction() -> list[Row]:
+    """The efficiency of a cylinder in ideal flow over the Stokes number, m U/(friction R)."""
+    found, size, count, start, viscosity = [], 1e-3, 200, -6.0, 1e-3
+    radius = 1e-6 * size
+    for stokes in (0.12, *STOKES_NUMBERS):
+        speed = 1.0
+        # Point-like particles: their density gives the Stokes number.
+        density = (
+            stokes * size / speed * drag.stokes_friction(radius, viscosity, 1.0) / (4.0 / 3.0 * math.pi * radius**3)
+        )
+        heights = (np.arange(count) + 0.5) / count * size
+        velocities = [
+            carrier_flows.ideal_flow_past_cylinder((start * size, 0.0, y), size, (speed, 0.0, 0.0))[::2]
+            for y in heights.tolist()
+        ]
+        scale = density / 1e4
+        frames = frames_of({
+            "duration": 8.0 * size / speed, "frame_every": 8.0 * size / speed,
+            "liquid": {"density": 1e-3, "viscosity": viscosity / scale},
+            "flow": {"velocity": [speed, 0.0], "around_obstacles": "ideal"},
+            "obstacles": [{"center": [0.0, 0.0], "radius": size, "sticking": True}],
+            "particles": [{
+                "radius": 1e-8 if radius < 1e-8 else radius, "density": 1e4,
+                "positions": [[start * size, y] for y in heights.tolist()], "velocities": velocities,
+            }],
+            "hydrodynamics": {"drag": "stokes", "added_mass": False},
+            "integration": {"integrator": "inertial", "time_step": 8.0 * size / speed / 4000},
+        })  # fmt: skip
+        held = float(deposited(frames[-1]).mean())
+        if stokes < 0.125:
+            found.append(below(f"impaction, Stk = {stokes:g}: efficiency below Stk = 1/8", held, 0.5 / count + 1e-9))
+            continue
+        expected = grazing(stokes, start)
+        found.append(within(f"impaction, Stk = {stokes:g}: efficiency of a cylinder", held, expected, 1.5 / count))
+    return [*found, above("impaction: efficiency at Stk = 4", found[-1].computed, 0.7)]
+
+
+def plates() -> list[Row]:
+    """Deposition from plug flow between two plates that hold what touches them, over the distance."""
+    count, width = 50_000, 1e-5
+    unit = width**2 / SPREAD
+    speed = 100.0 * width / unit
+    frames = frames_of({
+        "duration": 0.3 * unit, "frame_every": 0.3 * unit, "seed": 2, "flow": {"velocity": [speed, 0.0]},
+        "tank": {"low": [-1.0, 0.0], "high": [1.0, width + 2.0 * RADIUS], "walls": [
+            {"wall": 1, "sticking": True}, {"wall": 3, "sticking": True}]},
+        "particles": [{"radius": RADIUS, "density": 1000.0, "count": count, "low": [0.0, RADIUS],
+                       "high": [0.0, width + RADIUS]}],
+        "hydrodynamics": {"brownian": True, "drag": "stokes"},
+        "integration": {**OVERDAMPED, "time_step": 0.0005 * unit},
+    })  # fmt: skip
+    last, n = frames[-1], np.arange(1.0, 200.0, 2.0) * math.pi
+    where, held = last.arrays["position"][:, 0], deposited(last)
+    found = []
+    for time in (0.02, 0.1, 0.25):
+        passing = float((8.0 / n**2 * np.exp(-(n**2) * time)).sum())
+        computed = 1.0 - float((held & (where < speed * time * unit)).mean())
+        noise = 4.0 * math.sqrt(passing * (1.0 - passing) / count) + 0.002
+        found.append(within(f"plates, x D/(U H^2) = {time:g}: fraction not yet deposited", computed, passing, noise))
+    return found
+
+
+def gyres() -> list[Row]:
+    """Paths in two gyres whose border swings, over a period and a half."""
+    amplitude, swing, time = 0.1, 0.25, 15.0
+    starts = np.random.default_rng(9).uniform((0.05, 0.05), (1.95, 0.95), (20, 2))
+
+    def rates(t: float, x: Array) -> list[float]:
+        now = swing * math.sin(2.0 * math.pi * t / 10.0)
+        return list(carrier_flows.double_gyre_velocity(x[0], x[1], now, math.pi * amplitude))
+
+    frames = frames_of({
+        "duration": time, "frame_every": time, "tank": {"high": [2.0, 1.0]},
+        "flow": {"name": "double-gyre", "speed": math.pi * amplitude, "swing": swing, "period": 10.0},
+        "particles": [{"radius": 1e-6, "density": 1000.0, "positions": starts.tolist()}],
+        "integration": {**OVERDAMPED, "time_step": 0.005},
+    })  # fmt: skip
+    ends = np.array([integrated(rates, list(start), time).y[:, -1] for start in starts])
+    off = float(np.abs(frames[-1].arrays["position"] - ends).max())
+    return [below("double gyre: error of paths after 15 s (m)", off, 1e-9)]
+
+
+def lift() -> list[Row]:
+    """A grain that settles through sheared liquid is pushed across the shear."""
+    shear, radius, time = 0.5, 2e-4, 0.4
+    displaced = 4.0 / 3.0 * math.pi * radius**3 * 1000.0
+    inertia, friction = displaced * 1.52, drag.stokes_friction(radius, 1e-3, 1.0)
+    strength = unsteady_forces.saffman_lift(1.0, radius, 1000.0, 1e-3, shear)
+
+    def rates(_: float, x: Array) -> list[float]:
+        slip = (shear * x[1] - x[2], -x[3])
+        # (u - v) x curl u, and curl u = +shear about y (x to z): along x it is -slip_z, along z slip_x.
+        force = (friction * slip[0] - strength * slip[1], friction * slip[1] + strength * slip[0])
+        return [x[2], x[3], force[0] / inertia, (force[1] - displaced * 0.02 * 9.81) / inertia]
+
+    ends = []
+    for given in (True, False):
+        frames = frames_of({
+            "duration": time, "frame_every": time, "gravity": 9.81, "flow": {"shear_rate": shear},
+            "tank": {"high": [0.2, 0.1]}, "particles": [
+                {"radius": radius, "density": 1020.0, "positions": [[0.05, 0.08]]}],
+            "hydrodynamics": {"drag": "stokes", "lift": given},
+            "integration": {"integrator": "inertial", "time_step": 5e-4},
+        })  # fmt: skip
+        ends.append(frames[-1].arrays["position"][0])
+    exact = integrated(rates, [0.05, 0.08, 0.0, 0.0], time).y[:2, -1]
+    drift = float(ends[0][0] - ends[1][0])
+    return [
+        within(
+            "Saffman's lift: displacement across the shear (m)", drift, float(exact[0] - ends[1][0]), 1e-3 * abs(drift)
+        )
+    ]
