@@ -9,9 +9,10 @@ from typer.testing import CliRunner
 
 import ecume
 from ecume.cli import app
+from ecume.cli.sweeps import _cells
 from ecume.errors import BadInput
 from ecume.fitting import Camera, Tracks, read_tracks
-from ecume.fitting.estimation import certainty, positions_at, solved
+from ecume.fitting.estimation import Estimate, certainty, positions_at, solved
 from ecume.fitting.parameters import free_parameters
 from ecume.fitting.tracks import matched
 from ecume.scenes.load import load_scene
@@ -251,3 +252,10 @@ def test_the_verb_writes_scene_numbers_and_figure(tmp_path, tracks, monkeypatch)
     assert abs(reported["estimates"][0]["value"] - 5e-3) < high - low < 1e-3
     assert load_scene(tmp_path / "fits/tracks/fitted.toml").liquid.viscosity == reported["estimates"][0]["value"]
     assert (tmp_path / "fits/tracks/residuals.png").stat().st_size > 10_000
+
+
+def test_angles_are_printed_in_degrees():
+    name, value, interval, unit = _cells(Estimate("contact_angle", 0.5 * math.pi, 1.5, 1.6, "rad"))
+    assert (name, unit) == ("contact_angle", "deg")
+    assert float(value) == pytest.approx(90.0)
+    assert float(interval.split()[0]) == pytest.approx(math.degrees(1.5), rel=1e-3)

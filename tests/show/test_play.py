@@ -15,6 +15,7 @@ from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.scenes.writing import to_toml
+from ecume.show.play import pages
 from ecume.show.play.bowl import CALMED, DAMPING, FASTEST, PUT_BACK, SHELF, Bowl, Slosh, current, slosh_frequency, swung
 from ecume.show.play.pages import game_of
 from ecume.show.serving import served
@@ -227,6 +228,23 @@ def asked(game, path, body=None, token=None):
     headers = {"X-Token": made.token if token is None else token}
     with urllib.request.urlopen(urllib.request.Request(f"{base}{path}", data, headers)) as answer:
         return answer.read()
+
+
+def test_a_game_that_no_page_asks_for_pauses_until_one_does(game, monkeypatch):
+    made, _ = game
+    monkeypatch.setattr(pages, "ABSENT", 0.2)
+    asked(game, "/now")
+    time.sleep(0.6)
+    with made.lock:
+        before = made.toy.moving.time
+    time.sleep(0.6)
+    with made.lock:
+        assert made.toy.moving.time == before
+    after, patience = before, time.monotonic() + 100.0
+    while not after > before and time.monotonic() < patience:
+        time.sleep(0.05)
+        after = json.loads(asked(game, "/now"))["time"]
+    assert after > before
 
 
 def test_the_page_receives_the_state_and_what_was_refused(game):

@@ -9,7 +9,7 @@ from ecume.analysis.series import Mean
 from ecume.errors import BadInput
 from ecume.show.style import figure
 from ecume.sweep import figures
-from ecume.sweep.figures import Column, edges, plot_sweep, scatter, sweep_figure
+from ecume.sweep.figures import Column, column_of, edges, plot_sweep, scatter, sweep_figure
 from ecume.sweep.fits import Points, fit_of
 
 
@@ -217,3 +217,10 @@ def test_the_interval_of_a_fit_contains_the_true_law_as_often_as_it_says():
 def test_a_fit_that_too_few_points_determine_is_refused():
     with pytest.raises(BadInput, match="a fit of three parameters takes 4 points or more; got 3"):
         sweep_figure(Made(), "fit", "time")
+
+
+def test_angles_are_drawn_in_degrees():
+    column = column_of([{"angle": 0.5 * np.pi}, {"angle": np.pi}], "angle", {"angle": "rad"})
+    assert column.values.tolist() == [90.0, 180.0]
+    assert column.label == "angle (°)"
+    assert column.at(90.0) == "90°"

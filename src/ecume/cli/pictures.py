@@ -129,7 +129,7 @@ What = Annotated[
         show_default=False,
     ),
 ]
-Listed = Annotated[bool, typer.Option("--list", help="List the figures of this run and draw none.")]
+Listed = Annotated[bool, typer.Option("--list", help="List the figures of the model of this run and draw none.")]
 Verbose = Annotated[bool, typer.Option("--verbose", help="Report omitted figures and the reasons.")]
 Integrators = Annotated[
     bool, typer.Option("--integrators", help="Compare the integrators; writes integrators.png and needs no run.")

@@ -346,7 +346,10 @@ def _words(text: str) -> list[str]:
 
 
 def _cells(one: Estimate) -> tuple[str, str, str, str]:
-    """A row of the table, with as many digits as its interval shows."""
+    """A row of the table, with as many digits as its interval shows; angles in degrees."""
+    if one.unit == "rad":
+        value, low, high = (math.degrees(number) for number in (one.value, one.low, one.high))
+        one = one._replace(value=value, low=low, high=high, unit="deg")
     if not one.determined or one.high == one.low:
         return one.name, f"{one.value:.4g}", "fixed" if one.determined else "not determined", one.unit
     digits = min(max(4, 2 - math.floor(math.log10((one.high - one.low) / abs(one.value)))), 9)

@@ -48,6 +48,8 @@ class Column(NamedTuple):
         """A value with its unit, for a legend."""
         if self.words:
             return plain(self.words[int(value)])
+        if self.unit == "°":
+            return f"{value:.4g}°"
         scale = scale_for(value, self.unit) if self.unit else Scale(1.0, "")
         return f"{scale.factor * value:.4g} {scale.unit}".strip()
 
@@ -123,7 +125,8 @@ def values_of(rows: Sequence[Row], name: str) -> Array:
 def column_of(rows: Sequence[Row], name: str, units: dict[str, str]) -> Column:
     """A column as it is drawn."""
     if all(isinstance(row[name], (int, float)) and not isinstance(row[name], bool) for row in rows):
-        return Column(name, values_of(rows, name), unit=units.get(name, ""))
+        values, unit = values_of(rows, name), units.get(name, "")
+        return Column(name, np.degrees(values), unit="°") if unit == "rad" else Column(name, values, unit=unit)
     words = tuple(dict.fromkeys(str(row[name]) for row in rows))
     return Column(name, np.array([float(words.index(str(row[name]))) for row in rows]), words)
 

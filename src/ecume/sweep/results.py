@@ -64,6 +64,10 @@ class Sweep:
         self.directory = sweeping.path
         self.title = sweeping.spec.title
 
+    def __repr__(self) -> str:
+        states = self.states()
+        return f"<sweep {self.directory}: {states.count('done')} of {len(states)} points done>"
+
     @property
     def axes(self) -> list[str]:
         """The columns of the varied keys."""

@@ -40,6 +40,10 @@ BREATH = 0.002
 """Seconds between two checks for requests if none is waiting."""
 STEADY = 0.1
 """The weight of the last tick in the displayed rate: single ticks are sometimes late."""
+ABSENT = 3.0
+"""Seconds after the last request of a page after which the game pauses, since the page was closed."""
+DOZE = 0.2
+"""Seconds between two checks of a game that pauses."""
 SPEEDS = (0.0, 0.25, 1.0, 4.0)
 """The choices of simulated time over real time."""
 
@@ -98,6 +102,7 @@ class Game:
         self.token = secrets.token_urlsafe(24)
         self.toy, self.speed, self.pace = toy, 1.0, 1.0
         self.lock, self.over = threading.Lock(), threading.Event()
+        self.asked = time.monotonic()
 
     @property
     def policy(self) -> str:
@@ -106,6 +111,7 @@ class Game:
 
     def get(self, path: str, query: Query) -> Answer | None:
         """The page, the present state, or the present scene."""
+        self.asked = time.monotonic()
         with self.lock:
             if path == "/":
                 return Answer(self._page().encode(), HTML)
@@ -130,15 +136,22 @@ class Game:
         return Answer(json.dumps({"said": said}).encode(), JSON)
 
     def run(self) -> None:
-        """Advance the game with the clock until it ends."""
+        """Advance the game with the clock until it ends. It pauses while no page asks."""
         last = time.monotonic()
-        while not self.over.wait(max(BREATH, TICK - (time.monotonic() - last))):
+        while not self.over.wait(self._pause(last)):
             now = time.monotonic()
+            if now - self.asked > ABSENT:
+                last = now
+                continue
             with self.lock:
                 if self.speed > 0.0:
                     self._tick(self.speed * (now - last))
                 self.toy.paint(now)
             last = now
+
+    def _pause(self, last: float) -> float:
+        now = time.monotonic()
+        return DOZE if now - self.asked > ABSENT else max(BREATH, TICK - (now - last))
 
     def _tick(self, seconds: float) -> None:
         moving, before = self.toy.moving, self.toy.moving.time
