@@ -31,14 +31,14 @@ const licence = readFileSync(join(here, "node_modules/uplot/LICENSE"), "utf8");
 // What the bundle was made of: where there is no npm, a test holds the sources to this.
 const digest = createHash("sha256");
 const sources = readdirSync(join(here, "src")).sort();
-for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package-lock.json"]) {
+for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package-lock.json", "wasm/LICENSES.txt"]) {
   digest.update(`${name}\n`).update(readFileSync(join(here, name)));
 }
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
-for (const name of ["play", "tank"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
-for (const name of ["play.html", "play.css", "tank.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
+for (const name of ["play", "tank", "alone", "solver"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
+for (const name of ["play.html", "play.css", "tank.html", "alone.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
-writeFileSync(join(out, "LICENSES.txt"), `uPlot (curves), bundled in view.js and view.css:\n\n${licence}`);
+writeFileSync(join(out, "LICENSES.txt"), `uPlot (curves), bundled in view.js and view.css:\n\n${licence}\n${readFileSync(join(here, "wasm/LICENSES.txt"), "utf8")}`);
 writeFileSync(join(out, "SOURCES.sha256"), `${digest.digest("hex")}\n`);

@@ -23,6 +23,7 @@ SHELL = {
     "test": None,  # runs this
     "torture": "--help",
     "versions": "--help",
+    "web": "--help",
     "wheels": None,  # .ci/run builds one
 }
 """What a script is called with; None where it cannot be called here."""

@@ -37,6 +37,7 @@ export interface Now extends Told {
   dish: Record<string, number>;
   surface: string; // heights as bytes in base64, 128 being the level
   highest: number;
+  color?: string | null; // of the liquid, where no heights are shown
 }
 
 /** How a tank stands now. Lengths are in meters. */
@@ -51,16 +52,19 @@ export interface Poured extends Told {
   leaning: number; // rad
 }
 
-export async function now<T extends Told>(): Promise<T> {
-  return (await (await ask("now")).json()) as T;
+/** Where a page's simulation is: with the server that gave it out, or in the page. */
+export interface Asking {
+  now<T extends Told>(): Promise<T>;
+  scene(): Promise<string>;
+  /** Do something; why it was not done, or nothing. */
+  act(what: string, more?: Record<string, unknown>): Promise<string>;
 }
 
-export async function scene(): Promise<string> {
-  return (await ask("scene")).text();
-}
-
-/** Do something; why it was not done, or nothing. */
-export async function act(what: string, more: Record<string, unknown> = {}): Promise<string> {
-  const answer = await ask("do", { method: "POST", body: JSON.stringify({ what, ...more }) });
-  return ((await answer.json()) as { said: string }).said;
-}
+export const server: Asking = {
+  now: async <T extends Told>() => (await (await ask("now")).json()) as T,
+  scene: async () => (await ask("scene")).text(),
+  async act(what, more = {}) {
+    const answer = await ask("do", { method: "POST", body: JSON.stringify({ what, ...more }) });
+    return ((await answer.json()) as { said: string }).said;
+  },
+};

@@ -70,6 +70,54 @@ export class Picture {
     }
   }
 
+  /** The forces on all floats; the longest arrow is as long as a tenth of the view. */
+  arrows(now: Now, force: number[]): void {
+    const { on } = this;
+    const { scale, x, y } = this.place;
+    const most = Math.max(1e-12, ...now.x.map((_, one) => Math.hypot(force[2 * one], force[2 * one + 1])));
+    const long = (0.1 * scale * (this.bowl.view[1] - this.bowl.view[0])) / most;
+    on.strokeStyle = "#b2182b";
+    on.lineWidth = 2 * (window.devicePixelRatio || 1);
+    on.beginPath();
+    for (let one = 0; one < now.x.length; one++) {
+      const [fromX, fromY] = [x + scale * now.x[one], y - scale * now.y[one]];
+      const [along, down] = [long * force[2 * one], -long * force[2 * one + 1]];
+      const [endX, endY] = [fromX + along, fromY + down];
+      on.moveTo(fromX, fromY);
+      on.lineTo(endX, endY);
+      on.lineTo(endX - 0.25 * along - 0.12 * down, endY - 0.25 * down + 0.12 * along);
+      on.moveTo(endX, endY);
+      on.lineTo(endX - 0.25 * along + 0.12 * down, endY - 0.25 * down - 0.12 * along);
+    }
+    on.stroke();
+  }
+
+  /** A line between the centers of two floats, with their distance. */
+  ruler(now: Now, [one, other]: [number, number]): void {
+    const { on } = this;
+    const { scale, x, y } = this.place;
+    const ends = [one, other].map((each) => [x + scale * now.x[each], y - scale * now.y[each]]);
+    on.strokeStyle = on.fillStyle = "#0067a8";
+    on.lineWidth = 2 * (window.devicePixelRatio || 1);
+    on.beginPath();
+    for (const [right, down] of ends) on.lineTo(right, down);
+    on.stroke();
+    const far = Math.hypot(now.x[one] - now.x[other], now.y[one] - now.y[other]);
+    on.font = `${14 * (window.devicePixelRatio || 1)}px system-ui`;
+    on.fillText(`${(1e3 * far).toFixed(2)} mm`, Math.max(ends[0][0], ends[1][0]) + 12, (ends[0][1] + ends[1][1]) / 2);
+  }
+
+  /** A ring around the float that keys move. */
+  ring(now: Now, one: number): void {
+    const { on } = this;
+    const { scale, x, y } = this.place;
+    on.strokeStyle = "#0067a8";
+    on.lineWidth = 3 * (window.devicePixelRatio || 1);
+    on.beginPath();
+    on.arc(x + scale * now.x[one], y - scale * now.y[one], 1.25 * scale * now.radius[one], 0, 2 * Math.PI);
+    on.stroke();
+  }
+
   private liquid(now: Now): void {
     const { on } = this;
     const { scale, x, y } = this.place;
@@ -80,6 +128,10 @@ export class Picture {
     on.closePath();
     on.clip();
     const [left, right, bottom, top] = this.bowl.view;
+    if (!this.painted && now.color) {
+      on.fillStyle = now.color;
+      on.fill();
+    }
     if (this.painted) on.drawImage(this.sheet, x + scale * left, y - scale * top, scale * (right - left), scale * (top - bottom));
     // A slope against the dish shows as light from one side.
     const far = Math.hypot(...now.slope);

@@ -1,6 +1,6 @@
 // What the pages of all toys share: the speeds, what is said, the scene to keep, and asking again and again how all stands.
 
-import { act, now, scene, type Told } from "./asking";
+import { server, type Asking, type Told } from "./asking";
 
 export const DEGREE = Math.PI / 180;
 
@@ -26,6 +26,7 @@ export abstract class Toy<T extends Told> {
     private readonly name: string,
     title: string,
     speeds: number[],
+    protected readonly asking: Asking = server,
   ) {
     element("title").textContent = title;
     document.title = title;
@@ -43,7 +44,7 @@ export abstract class Toy<T extends Told> {
   protected async follow(): Promise<void> {
     for (;;) {
       try {
-        this.seen = await now<T>();
+        this.seen = await this.asking.now<T>();
       } catch {
         this.say(`The program that this ${this.name} runs in has ended.`);
         document.body.dataset.state = "ended";
@@ -79,7 +80,7 @@ export abstract class Toy<T extends Told> {
   }
 
   protected async act(what: string, more: Record<string, unknown> = {}): Promise<void> {
-    this.say(await act(what, more).catch((fault: Error) => fault.message));
+    this.say(await this.asking.act(what, more).catch((fault: Error) => fault.message));
   }
 
   protected say(text: string): void {
@@ -93,7 +94,7 @@ export abstract class Toy<T extends Told> {
   private async save(): Promise<void> {
     const link = document.createElement("a");
     link.download = `${this.name}.toml`;
-    link.href = URL.createObjectURL(new Blob([await scene()], { type: "application/toml" }));
+    link.href = URL.createObjectURL(new Blob([await this.asking.scene()], { type: "application/toml" }));
     link.click();
     URL.revokeObjectURL(link.href);
   }

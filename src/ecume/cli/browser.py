@@ -10,7 +10,7 @@ import typer
 
 from ecume.cli.output import echo
 from ecume.cli.pictures import wrote
-from ecume.cli.runs import HERE, Quiet, RunFolder, offered
+from ecume.cli.runs import HERE, Quiet, offered
 from ecume.cli.scenes import Overrides, without_compiler_for
 from ecume.errors import BadInput
 
@@ -18,8 +18,18 @@ LOOK_EVERY = 0.5
 """Seconds between two looks whether a run that is followed still runs."""
 
 
+Viewed = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR",
+        help="Directory of a run, or the file of a scene; default: the current directory.",
+        show_default=False,
+    ),
+]
+
+
 def view(
-    directory: RunFolder = HERE,
+    directory: Viewed = HERE,
     save: Annotated[
         Path | None,
         typer.Option(
@@ -35,13 +45,19 @@ def view(
     live: Annotated[bool, typer.Option("--live", help="Follow a run in progress.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Play a run in the browser.
+    """Play a run in the browser, or simulate a scene there.
 
-    The page is a single HTML file that needs neither a server nor a network.
+    The page is a single HTML file that needs neither a server nor a network. Of a scene it simulates floats in a dish,
+    with the same compiled laws: drop and drag floats, tilt the dish, change the liquid.
 
     Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
-    · `ecume view runs/bowl --live`
+    · `ecume view runs/bowl --live` · `ecume view bowl.toml --save bowl.html`
     """
+    if directory.is_file():
+        if live:
+            raise BadInput(f"--live follows a run; {directory} is a file: leave --live out")
+        _simulate(directory, save, quiet=quiet)
+        return
     from ecume.run.directory import existing
 
     existing(directory)
@@ -62,6 +78,20 @@ def view(
         echo(f"{page.size / 1e6:.1f} MB, {shown}")
     if save is None:
         typer.launch(page.path.resolve().as_uri())
+
+
+def _simulate(scene: Path, save: Path | None, *, quiet: bool) -> None:
+    """Write the page that simulates a scene."""
+    from ecume.scenes.load import load_scene
+    from ecume.show.play.alone import save_alone
+
+    target = save or scene.with_suffix(".html")
+    size = save_alone(load_scene(scene), target)
+    wrote(target, quiet=quiet)
+    if not quiet:
+        echo(f"{size / 1e6:.1f} MB")
+    if save is None:
+        typer.launch(target.resolve().as_uri())
 
 
 def _nth(number: int) -> str:

@@ -85,7 +85,7 @@ def test_the_skin_holds_two_steps_of_fast_floats():
     scene = scene_of(f"{WATER}[[particles]]\n{BEAD}")
     parameters = FLOATING.parameters(scene)
     for travel in (0.1, 0.25, 0.26, 1.0, 7.0):
-        skin = skin_for(parameters, travel * parameters.skin)
+        skin = skin_for(parameters.skin, travel * parameters.skin)
         assert skin == parameters.skin if travel <= 0.25 else 2.0 * travel * parameters.skin <= 0.25 * skin
 
 

@@ -52,7 +52,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     while True:
         made = make_workspace(parameters, state, room)
         made = made._replace(scratch=make_scratch(parameters, state, made))
-        if fill_lists(parameters, state, made):
+        bare, space = parameters._replace(parts=()), made._replace(scratch=())
+        if fill_lists(parameters.parts, made.scratch, bare, state, space):
             return made
         room *= ROOMIER
 

@@ -54,12 +54,12 @@ def slosh_frequency(scene: FloatingScene) -> float:
 def swung(slosh: Slosh, tilt: tuple[float, float], scene: FloatingScene, seconds: float) -> Slosh:
     """The exact state of sloshing after a time under a constant small tilt (rad)."""
     omega = slosh_frequency(scene)
-    both = [_swung(s, v, aim, omega, seconds) for s, v, aim in zip(slosh.slope, slosh.rate, tilt, strict=True)]
+    both = [swung_along(s, v, aim, omega, seconds) for s, v, aim in zip(slosh.slope, slosh.rate, tilt, strict=True)]
     return Slosh((both[0][0], both[1][0]), (both[0][1], both[1][1]))
 
 
-def _swung(slope: float, rate: float, aim: float, omega: float, seconds: float) -> tuple[float, float]:
-    """S'' = -omega^2 (s - aim) - 2 zeta omega s', solved over the time."""
+def swung_along(slope: float, rate: float, aim: float, omega: float, seconds: float) -> tuple[float, float]:
+    """The slope along one axis, and its rate: S'' = -omega^2 (s - aim) - 2 zeta omega s', solved over the time."""
     decay, swing = DAMPING * omega, omega * math.sqrt(1.0 - DAMPING**2)
     away = slope - aim
     along = (rate + decay * away) / swing
@@ -74,6 +74,8 @@ def current(slosh: Slosh, scene: FloatingScene) -> tuple[float, float]:
     return slosh.rate[0] * per_rate, slosh.rate[1] * per_rate
 
 
+STEEPEST_DISH = 0.2
+"""The largest tilt of a dish (rad)."""
 FASTEST = 0.15
 """m/s: a hand drags no faster, and throws no faster."""
 GRASP = 0.05

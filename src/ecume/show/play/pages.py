@@ -21,7 +21,7 @@ from ecume.scenes.writing import to_toml
 from ecume.show.floating.bowl import view_of
 from ecume.show.floating.surface import Sheet, sheet, surface
 from ecume.show.picture import species
-from ecume.show.play.bowl import SHELF, Bowl
+from ecume.show.play.bowl import SHELF, STEEPEST_DISH, Bowl
 from ecume.show.play.tank import PUSHED, STEEPEST, Tank, movable
 from ecume.show.serving import HTML, JSON, Answer, Query
 from ecume.show.sph.solids import outline
@@ -188,8 +188,6 @@ GRID = 72
 """Cells of the surface's picture along each side."""
 PAINT = 0.1
 """Seconds between two pictures of the surface."""
-STEEPEST_DISH = 0.2
-"""The largest tilt of a dish (rad)."""
 
 
 class BowlPage:

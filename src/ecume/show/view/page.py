@@ -47,11 +47,14 @@ class Parts(NamedTuple):
     page: str
     style: str
     script: str
+    simulates: bool = False
+    """whether it runs WebAssembly, in a worker"""
 
 
 VIEW = Parts("page.html", "view.css", "view.js")
 PLAY = Parts("play.html", "play.css", "play.js")
 TANK = Parts("tank.html", "play.css", "tank.js")
+ALONE = Parts("alone.html", "play.css", "alone.js", simulates=True)
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
@@ -59,11 +62,11 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
     marks = {
         "@POLICY@": policy_of(parts, live=live),
         "@TITLE@": html.escape(title),
-        "@STYLE@": _bundled(parts.style),
-        "@SCRIPT@": _bundled(parts.script),
+        "@STYLE@": bundled(parts.style),
+        "@SCRIPT@": bundled(parts.script),
         "@DATA@": data,
     }
-    text = _bundled(parts.page)
+    text = bundled(parts.page)
     # Split and joined, not replaced one after the other: the text of a scene is never taken for a placeholder.
     for mark in marks:
         text = text.replace(mark, f"\0{mark}\0")
@@ -72,11 +75,12 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
 
 def policy_of(parts: Parts, *, live: bool) -> str:
     """The content security policy: run only its script and style, and send requests only to its server."""
-    script, style = (_hash(_bundled(name)) for name in (parts.script, parts.style))
+    script, style = (_hash(bundled(name)) for name in (parts.script, parts.style))
     connect = "'self'" if live else "'none'"
+    wasm, worker = (" 'wasm-unsafe-eval'", "worker-src blob:; ") if parts.simulates else ("", "")
     return (
-        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; connect-src {connect}; "
-        "base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src {script}{wasm}; style-src {style}; img-src data: blob:; "
+        f"connect-src {connect}; {worker}base-uri 'none'; form-action 'none'"
     )
 
 
@@ -99,7 +103,8 @@ def _hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
-def _bundled(name: str) -> str:
+def bundled(name: str) -> str:
+    """A file of the page as text."""
     return resources.files("ecume.show.view").joinpath("bundle", name).read_text(encoding="utf-8")
 
 

@@ -76,14 +76,16 @@ def skin_of(parameters: Parameters, state: State) -> float:
     return max(parameters.skin, float(state.skin[0]))
 
 
-def skin_for(parameters: Parameters, ahead: float) -> float:
-    """The skin of new lists (m) for floats that move by at most `ahead` in the next step: that of the parameters, which
-    is best for floats as fast as the time step expects; otherwise doubled until lists are valid for two steps.
+@compiled_inside
+def skin_for(skin: float, ahead: float) -> float:
+    """The skin of new lists (m) for floats that move by at most `ahead` in the next step: that of the parameters,
+    `skin`, which is best for floats as fast as the time step expects; otherwise doubled until lists are valid for two
+    steps.
     """
-    skin = parameters.skin
+    widest = WIDEST * skin
     if ahead <= USED * skin:
         return skin
-    while 2.0 * ahead > USED * skin and skin < WIDEST * parameters.skin:
+    while 2.0 * ahead > USED * skin and skin < widest:
         skin *= 2.0
     return skin
 
@@ -168,20 +170,22 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         status = run(parts, workspace.scratch, bare, state, space, last - int(state.step[0]))
         if status != OUTDATED:
             return status
-        if not renew_lists(parameters, state, workspace):
+        if not renew_lists(parts, workspace.scratch, bare, state, space):
             return CROWDED
 
 
-def renew_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
+@composed
+def renew_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> bool:
     """Build new lists at the present positions; of the state only reference positions and skin change. Returns False,
-    without a change, if the capacity is exceeded.
+    without a change, if the capacity is exceeded. `parameters` and `workspace` have no parts.
     """
-    former, skin = state.reference.copy(), float(state.skin[0])
-    state.reference[...] = state.position
-    state.skin[0] = skin_for(parameters, float(workspace.travel[0]))
-    if fill_lists(parameters, state, workspace):
+    former, skin = state.reference.copy(), state.skin[0]
+    copy_rows(state.reference, state.position)
+    state.skin[0] = skin_for(parameters.skin, workspace.travel[0])
+    if fill_lists(parts, scratches, parameters, state, workspace):
         return True
-    state.reference[...], state.skin[0] = former, skin
+    copy_rows(state.reference, former)
+    state.skin[0] = skin
     return False
 
 
@@ -202,14 +206,14 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
     return Scratch(moving, own, slowing, touching)
 
 
-def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
+@composed
+def fill_lists(parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> bool:
     """Build the lists of a workspace at the reference positions. Returns False if the capacity is exceeded."""
-    lists, skin = workspace.lists, max(parameters.skin, float(state.skin[0]))
+    lists, skin = workspace.lists, max(parameters.skin, state.skin[0])
     reach = parameters.reach + (skin - parameters.skin)
     if not build_all(lists, workspace.candidates, state.reference, parameters.floats.radius, reach, skin):
         return False
-    parts, bare = parameters.parts, parameters._replace(parts=())
-    sort_parts(parts.interactions, workspace.scratch.interactions, bare, lists)
+    sort_parts(parts.interactions, scratches.interactions, parameters, lists)
     return True
 
 

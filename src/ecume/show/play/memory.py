@@ -1,0 +1,97 @@
+"""The arguments of a compiled function as they lie in the memory of a page: see `web/wasm/numba_wasm.py`.
+
+A page calls a function with the address of a block. It begins with room for the result, then follow the numbers that
+Numba makes of the arguments, eight bytes each: a number as it is; of an array seven or more, its address among them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ecume.models import MODELS
+from ecume.models.floating.parameters import Parameters, State, Workspace
+from ecume.scenes.floating import FloatingScene
+
+Named = tuple[str, Any]
+
+
+def leaves(value: Any, name: str) -> Iterator[Named]:
+    """The numbers and arrays in nested tuples, with their names.
+
+    >>> from ecume.engine.walls import no_walls
+    >>> [name for name, _ in leaves(no_walls(), "walls")]
+    ['walls.disc_radius', 'walls.normal', 'walls.offset']
+    """
+    if isinstance(value, tuple):
+        names = getattr(value, "_fields", range(len(value)))
+        for each, item in zip(names, value, strict=True):
+            yield from leaves(item, f"{name}.{each}")
+    else:
+        yield name, value
+
+
+def kind_of(value: Any) -> str:
+    """The type of a number or an array: `float64`, `int64` or `bool`; of an array with its number of axes.
+
+    >>> kind_of(np.zeros((2, 3))), kind_of(1), kind_of(True)
+    ('float64 2', 'int64', 'bool')
+    """
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.ndim}"
+    return {bool: "bool", int: "int64"}.get(type(value), "float64")
+
+
+def slots(arguments: dict[str, Any]) -> list[list[Any]]:
+    """Name, type, shape and value of each number and array, in the order of the arguments. Numbers have no shape, and
+    arrays of zeros no value.
+    """
+    found = []
+    for name, value in (leaf for key, each in arguments.items() for leaf in leaves(each, key)):
+        if isinstance(value, np.ndarray):
+            numbers = value.ravel().tolist() if value.any() else None
+            found.append([name, kind_of(value), list(value.shape), numbers])
+        else:
+            found.append([name, kind_of(value), None, value.item() if isinstance(value, np.generic) else value])
+    return found
+
+
+def arguments_of(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Any]:
+    """The arguments of a bowl's `integrate`, by their names."""
+    return {
+        "parts": parameters.parts,
+        "scratches": workspace.scratch,
+        "parameters": parameters._replace(parts=()),
+        "state": state,
+        "workspace": workspace._replace(scratch=()),
+        "steps": 0,
+    }
+
+
+def bowl_arguments(scene: FloatingScene) -> dict[str, Any]:
+    """The same at the start of a scene."""
+    model = MODELS["floating"]
+    parameters = model.parameters(scene)
+    state = model.start(scene, parameters)
+    return arguments_of(parameters, state, model.workspace(parameters, state, 1.0))
+
+
+def types_of(arguments: dict[str, Any]) -> str:
+    """All types, with the parts by their names: code compiled for others cannot be called with these.
+
+    >>> types_of({"steps": 0})
+    'steps int64'
+    """
+    parts = [type(value).__name__ for _, value in _tuples(arguments)]
+    return "; ".join([*parts, *(f"{name} {kind}" for name, kind, *_ in slots(arguments))])
+
+
+def _tuples(arguments: dict[str, Any]) -> Iterator[Named]:
+    pending = list(arguments.items())
+    while pending:
+        name, value = pending.pop()
+        if isinstance(value, tuple):
+            yield name, value
+            pending += [(name, each) for each in value]

@@ -1,0 +1,17 @@
+// Runs the worker of a page as Node does: node worker.mjs PAGE, with a list of questions [what, more] on stdin as JSON.
+import { readFileSync } from "node:fs";
+import vm from "node:vm";
+import { gunzipSync } from "node:zlib";
+
+const page = readFileSync(process.argv[2], "utf8");
+const text = (id) => page.match(new RegExp(`id="${id}">([^]*?)</script>`))[1];
+const bytes = (id) => gunzipSync(Buffer.from(text(id), "base64"));
+const waiting = [];
+globalThis.postMessage = ({ number, answer, fault }) => waiting[number]({ answer, fault });
+vm.runInThisContext(text("worker"));
+const ask = (what, more = {}) =>
+  new Promise((resolve) => globalThis.onmessage({ data: { ...more, what, number: waiting.push(resolve) - 1 } }));
+const start = { wasm: bytes("wasm"), alone: JSON.parse(text("toy")), liquids: JSON.parse(bytes("liquids")) };
+const answers = [await ask("start", start)];
+for (const [what, more] of JSON.parse(readFileSync(0, "utf8"))) answers.push(await ask(what, more));
+console.log(JSON.stringify(answers.slice(1)));

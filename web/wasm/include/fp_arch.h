@@ -1,0 +1,1 @@
+/* musl asks for it; wasm32 needs nothing of it. */
