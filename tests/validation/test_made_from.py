@@ -64,7 +64,7 @@ def files_of(names, package):
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
-        ("laws/immersion.py", "return immersion_factor", "return 1.01 * immersion_factor"),
+        ("laws/drag.py", "return 6.0 * math.pi * viscosity", "return 6.1 * math.pi * viscosity"),
         ("simulation.py", "ROOMIER = 1.6", "ROOMIER = 1.7"),
         ("../ecume_validation/tracers.py", "GRAINS = 4000", "GRAINS = 4001"),
         ("../ecume_validation/data/settling/scene.toml", "100 um", "101 um"),
