@@ -99,6 +99,7 @@ def test_right_disc(density, moved):
 
 @pytest.mark.compiled
 @pytest.mark.long
+@pytest.mark.timeout(1800)
 def test_right_square():
     """A square prism of half the density of water floats with a corner down."""
     frames = list(simulate(case("right_square")))
