@@ -261,7 +261,7 @@ def grazing(stokes: float, start: float) -> float:
 def impaction() -> list[Row]:
     """The efficiency of a cylinder in ideal flow over the Stokes number, m U/(friction R)."""
     found, size, count, start, viscosity = [], 1e-3, 200, -6.0, 1e-3
-    radius = 1e-6 * size
+    radius = 1e-5 * size
     for stokes in (0.12, *STOKES_NUMBERS):
         speed = 1.0
         # Point-like particles: their density gives the Stokes number.
@@ -280,7 +280,7 @@ def impaction() -> list[Row]:
             "flow": {"velocity": [speed, 0.0], "around_obstacles": "ideal"},
             "obstacles": [{"center": [0.0, 0.0], "radius": size, "sticking": True}],
             "particles": [{
-                "radius": 1e-8 if radius < 1e-8 else radius, "density": 1e4,
+                "radius": radius, "density": 1e4,
                 "positions": [[start * size, y] for y in heights.tolist()], "velocities": velocities,
             }],
             "hydrodynamics": {"drag": "stokes", "added_mass": False},
