@@ -26,6 +26,7 @@ from ecume.show.sph.picture import liquid_picture
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
+from ecume.units import Array
 
 OPEN, FREE = {"kind": "open"}, {"slip": "free"}
 SOLID = {"facecolor": "#e8e4da", "edgecolor": INK, "linewidth": 1.0, "zorder": 2}
@@ -172,17 +173,54 @@ IN_SPACE = {
 
 def solids() -> Figure:
     """A hollow obstacle that holds a liquid; at the start, cylinders of each kind, and a body of triangles."""
-    size, pictures = Size(512, 384), []
-    for number, plain in enumerate(SOLIDS):
-        scene = from_plain({"model": "sph", **plain})
-        frames = list(simulate(scene)) if number == 0 else [next(simulate(scene))]
-        picture = liquid_picture(scene, frames, size, "region" if number else "speed")
-        pictures.append(picture.pixels(frames[-1]).copy())
+    scenes = [from_plain({"model": "sph", **plain}) for plain in SOLIDS]
+    return side_by_side([last_picture(scenes[0]), *(start_picture(scene) for scene in scenes[1:])])
+
+
+def driven_bodies() -> Figure:
+    """A gate that lifts, a stirrer that turns, and a flap that swings about its foot by a table."""
+    return side_by_side([last_picture(from_plain({"model": "sph", **plain})) for plain in DRIVEN])
+
+
+def last_picture(scene: SphScene) -> Array:
+    """The liquid by its speed at the end of a scene: rows of pixels."""
+    frames = list(simulate(scene))
+    return liquid_picture(scene, frames, Size(512, 384), "speed").pixels(frames[-1]).copy()
+
+
+def start_picture(scene: SphScene) -> Array:
+    """The parts of a scene in their colors at its start: rows of pixels."""
+    first = next(simulate(scene))
+    return liquid_picture(scene, [first], Size(512, 384), "region").pixels(first).copy()
+
+
+def side_by_side(pictures: list[Array]) -> Figure:
+    """Pictures of one height in a row."""
     whole = np.concatenate(pictures, axis=1)
     drawn = Figure(figsize=(whole.shape[1] / 120, whole.shape[0] / 120), layout="none")
     drawn.add_axes((0.0, 0.0, 1.0, 1.0), frameon=False, xticks=[], yticks=[]).imshow(whole)
     return drawn
 
+
+BASIN = {"duration": 1.0, "frame_every": 0.05, "spacing": 0.02, "liquid": {"maximum_speed": 3.0},
+         "tank": {"low": [0.0, 0.0], "high": [1.2, 0.8], "top": OPEN}}  # fmt: skip
+DRIVEN: tuple[dict[str, Any], ...] = (
+    {
+        **BASIN, "title": "motion: velocity, start, until", "duration": 0.45,
+        "fluid": [{"low": [0.0, 0.0], "high": [0.4, 0.4]}],
+        "bodies": [{"low": [0.4, 0.0], "high": [0.46, 0.7],
+                    "motion": {"velocity": [0.0, 1.0], "start": 0.1, "until": 0.3}}],
+    },
+    {
+        **BASIN, "title": "motion: spin", "fluid": [{"low": [0.0, 0.0], "high": [1.2, 0.5]}],
+        "bodies": [{"low": [0.4, 0.24], "high": [0.8, 0.3], "motion": {"spin": 3.0}}],
+    },
+    {
+        **BASIN, "title": "motion: times, angles, pivot", "fluid": [{"low": [0.3, 0.0], "high": [1.2, 0.4]}],
+        "bodies": [{"low": [0.24, 0.04], "high": [0.3, 0.6], "motion": {
+            "times": [0.0, 0.5, 1.0], "angles": [0.0, -0.4, 0.2], "pivot": [0.27, 0.04]}}],
+    },
+)  # fmt: skip
 
 OCTAHEDRON = [
     [[0.3 + 0.1 * x, 0.2, 0.15], [0.3, 0.2 + 0.1 * y, 0.15], [0.3, 0.2, 0.15 + 0.1 * z]][:: x * y * z]
@@ -380,6 +418,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "sph-pulls": pulls,
     "sph-colors": colors,
     "sph-solids": solids,
+    "sph-driven-bodies": driven_bodies,
     "sph-inlets": inlets,
     "sph-gauges": gauges,
     "sph-turbulence": turbulence,

@@ -95,12 +95,13 @@ class TurbulenceSpec:
     """Mixing by turbulence that the flow does not resolve, as a diffusivity; of particles without inertia in a box."""
 
     heights: tuple[Coordinate, ...]
-    """Rising heights (m). Example: `["0 m", "5 m", "20 m"]`. Effect: where the diffusivities apply."""
+    """The heights of the profile (m), rising. Example: `["0 m", "5 m", "20 m"]`. Effect: where the diffusivities
+    apply."""
     diffusivities: tuple[Diffusivity, ...]
     """The vertical diffusivity at each height (m^2/s), linear between them and constant beyond. Example: `["1 cm^2/s",
     "50 cm^2/s", "1 cm^2/s"]`. Effect: mixes particles over height; a well-mixed suspension stays so."""
     horizontal: Diffusivity = 0.0
-    """The diffusivity along the other axes (m^2/s). Effect: spreads particles sideways."""
+    """The diffusivity along the other axes (m^2/s). Effect: spreads particles along these axes."""
 
     @model_validator(mode="after")
     def _profile(self) -> Self:
@@ -184,7 +185,7 @@ class FlowSpec:
     field: FieldSpec | None = None
     """Velocities from a file or a run, instead of a named flow. Effect: particles follow these velocities."""
     turbulence: TurbulenceSpec | None = None
-    """Mixing by eddies that the flow does not contain. Effect: particles diffuse."""
+    """Mixing by eddies that the flow does not contain. Effect: particles mix over the height."""
     pulse: PulseSpec | None = None
     """How the speed of the named flow or of the file changes in time; by default it is steady. Effect: makes the flow
     pulsate or decay."""

@@ -80,11 +80,11 @@ class BodyMotionSpec:
     until: Moment | None = None
     """The time at which the uniform motion ends (s); by default it lasts. Effect: stops the body there."""
     amplitude: Place | None = None
-    """The amplitude of a sine that starts at 0 (m). Effect: a longer stroke."""
+    """The amplitude of a sine that starts at 0 (m). Effect: the body moves farther."""
     angle_amplitude: Turn = 0.0
-    """The amplitude of the angle of the sine (rad). Example: `"4 deg"`. Effect: a wider swing."""
+    """The amplitude of the angle of the sine (rad). Example: `"4 deg"`. Effect: the body swings farther."""
     frequency: Frequency | None = None
-    """The frequency of the sine in cycles per second (1/s). Effect: faster motion."""
+    """The frequency of the sine in cycles per second (1/s). Effect: the body moves faster."""
     phase: Phase = 0.0
     """The phase of the sine (rad); 90 deg starts at rest. Effect: shifts the sine in time."""
     times: tuple[Moment, ...] = ()
@@ -97,7 +97,8 @@ class BodyMotionSpec:
     """The point about which the body turns, as it starts (m); by default its center. Effect: a body with a pivot at
     its edge is a flap."""
     axis: tuple[Number, Number, Number] = (0.0, 0.0, 1.0)
-    """The direction of the axis of rotation in 3D; in 2D it is z. Effect: the body turns counterclockwise about it."""
+    """The direction of the axis of rotation in 3D; in 2D it is z. Example: `[0, 1, 0]`. Effect: the body turns
+    counterclockwise about it."""
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
