@@ -48,6 +48,30 @@ def test_the_layer_of_settling_particles_is_barometric_from_contact_on():
     assert counts / len(gap) == pytest.approx(share, rel=0.03, abs=3.0 * np.sqrt(share.max() * 4 / len(gap)))
 
 
+@pytest.mark.compiled
+@pytest.mark.parametrize("sides", [3, 4, 5, 12, 48])
+def test_a_uniform_density_stays_so_between_any_number_of_walls(sides):
+    dice, inner, layer = np.random.default_rng(sides), 10e-6, 0.05
+    angle = 2.0 * np.pi * np.arange(sides) / sides
+    corners = np.stack([np.cos(angle), np.sin(angle)], axis=1) / np.cos(np.pi / sides)
+    normal = np.stack([np.cos(angle + np.pi / sides), np.sin(angle + np.pi / sides)], axis=1)
+    places = dice.uniform(-2.0, 2.0, (60 * COUNT, 2))
+    places = places[np.max(places @ normal.T, axis=1) < 1.0][:COUNT]
+    spread = brownian_motion.diffusivity(brownian_motion.thermal_energy(293.15), 6.0 * np.pi * 1e-3 * RADIUS)
+    step = 0.01 * inner**2 / spread
+    scene = from_plain({
+        "model": "tracers", "gravity": 0.0, "duration": 200 * step, "frame_every": 5 * step, "seed": sides,
+        "tank": {"vertices": ((inner + RADIUS) * corners).tolist()}, "integration": {"time_step": step},
+        "hydrodynamics": {"brownian": True, "drag": "stokes"},
+        "particles": [{"radius": RADIUS, "density": 998.0, "positions": (inner * places).tolist()}],
+    })  # fmt: skip
+    places = np.concatenate([frame.arrays["position"][:, :2] for frame in ecume.simulate(scene)]) / inner
+    share = np.mean(np.max(places @ normal.T, axis=1) > 1.0 - layer)
+    expected = 1.0 - (1.0 - layer) ** 2
+    # Paths are told apart by diffusion over the layer, in half a step: frames are independent.
+    assert share == pytest.approx(expected, abs=4.0 * np.sqrt(expected / len(places)))
+
+
 def test_particles_in_front_of_an_opening_leave_through_it_and_no_others():
     scene = load_scene(
         'model = "tracers"\nduration = 40.0\nframe_every = 10.0\nseed = 2\n[tank]\nhigh = [1e-5, 1e-5]\n'

@@ -14,7 +14,7 @@ from ecume._jit import admit, compiled, compiled_inside, selection
 from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
 from ecume.engine.walls import Sheet, reflect_all
-from ecume.engine.walls.sheets import axpy, hole_at, inward_normal, load, piece_gap, scaled, store
+from ecume.engine.walls.sheets import Vector, axpy, dot, hole_at, inward_normal, load, piece_gap, scaled, store
 from ecume.laws import brownian_motion, drag
 from ecume.models.law_codes import codes
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
@@ -235,7 +235,12 @@ def diffusive_step(
 
 @compiled
 def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> None:
-    """Add the reflection of the noise at walls and obstacles to the velocities (`brownian_motion.reflected_gain`)."""
+    """Add the reflection of the noise at walls and obstacles to the velocities (`brownian_motion.reflected_gain`).
+
+    Each wall takes its number from the same two random vectors, by their parts along its normal: walls that meet at a
+    right angle get independent numbers, as is exact, and walls that are nearly parallel, such as the facets of a round
+    basin, nearly the same, since the same noise leads to both.
+    """
     sheet, h, thermal = parameters.mirroring, parameters.time_step, parameters.fluid.thermal
     kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
     for i in range(len(scratch.status)):
@@ -245,30 +250,43 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             2.0 * brownian_motion.diffusivity(thermal, parameters.bodies.friction[i]) * h,
             scratch.radius[i],
         )
-        x, way = load(state.position, i), scaled(h, load(scratch.travel, i))
-        k, piece = 0, 0
+        x, free = load(state.position, i), scaled(h, load(scratch.travel, i))
+        k, piece, way, drawn, one, other = 0, 0, free, False, x, x
         while k < kind.shape[0]:
             before, nearest, following = piece_gap(kind, number, k, x, 0.0)
             after = piece_gap(kind, number, k, axpy(x, 1.0, way), 0.0)[0] - radius
+            unhindered = piece_gap(kind, number, k, axpy(x, 1.0, free), 0.0)[0] - radius
             gap, k, piece = max(before - radius, 0.0), following, piece + 1
             # Farther away, paths reach the wall with a probability below exp(-40).
-            if after > 0.0 and gap * after > 20.0 * variance:
+            if after > 0.0 and gap * min(after, unhindered) > 20.0 * variance:
                 continue
             normal = inward_normal(kind, number, nearest, x, 0.0)
             share = min(gap / (gap - after), 1.0) if after < 0.0 else 0.5
             foot = axpy(axpy(x, share, way), -radius if after < 0.0 else -0.5 * (gap + after) - radius, normal)
             if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
                 # The path may have touched the opening between its ends, which the particle then does not leave.
-                touched = uniforms(counter_of_pair(i, piece, int(state.step[0]), 0), parameters.seed)[0]
+                touched = uniforms(counter_of_pair(i, piece + 2, int(state.step[0]), 0), parameters.seed)[0]
                 if after > 0.0 and touched < math.exp(-2.0 * gap * after / variance):
                     way = axpy(way, -after - 1e-6 * radius, normal)
                 continue
-            draw = uniforms(counter_of_pair(i, piece, int(state.step[0]), 0), parameters.seed)[0]
-            end = brownian_motion.reflected_gain(after - gap, variance, -math.log(draw))
+            if not drawn:
+                one, other = random_vectors(i, int(state.step[0]), parameters.seed)
+                drawn = True
+            exponential = 0.5 * (dot(one, normal) ** 2 + dot(other, normal) ** 2)
+            end = brownian_motion.reflected_gain(unhindered - gap, variance, exponential)
             if end > after:
                 way = axpy(way, end - after, normal)
                 state.hits[nearest] += 1
         store(scratch.travel, i, scaled(1.0 / h, way))
+
+
+@compiled_inside
+def random_vectors(i: int, step: int, seed: int) -> tuple[Vector, Vector]:
+    """Two vectors of normal numbers, of a particle and a step, for its reflections."""
+    first, second = normals(counter_of_pair(i, 0, step, 0), seed)
+    third, fourth = normals(counter_of_pair(i, 1, step, 0), seed)
+    fifth, sixth = normals(counter_of_pair(i, 2, step, 0), seed)
+    return (first, second, third), (fourth, fifth, sixth)
 
 
 @compiled
