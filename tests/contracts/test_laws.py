@@ -120,7 +120,7 @@ SAMPLES = {
     "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": soft_pair.Prefactors(), "steric_length": 0.05,
     "hamaker": 0.3, "layer_strength": 0.2, "debye_length": 0.04,
     "smallest_separation": 0.01, "force": 0.7, "gap_from": 0.01, "gap_to": 0.2,
-    "separation": 2.7, "sign": 1.0, "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
+    "separation": 2.7, "sign": 1.0, "reynolds": 30.0, "stokes_reynolds": 3.0, "sphericity": 0.8, "excess_density": 1.2,
     "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
     "clearance": 0.05, "stiffness": 4.0, "ratio": 0.7, "deflection_from": 0.04, "deflection_to": 0.03,
     "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,

@@ -89,7 +89,7 @@ EFFECTS = {
     "liquid.rheology.consistency": of(0.03, **YIELDING),
     "liquid.rheology.exponent": of(0.7, **YIELDING),
     "liquid.rheology.yield_stress": of(0.02, **YIELDING),
-    "liquid.rheology.largest_viscosity": of(0.05, **YIELDING),
+    "liquid.rheology.largest_viscosity": of(0.025, **YIELDING),
     "fluid.low": of([0.25, 0.0]),
     "fluid.high": of([1.0, 0.75]),
     "fluid.vertices": of([[0.0, 0.0], [0.9, 0.0], [0.2, 0.9]], fluid=[POLYGON]),

@@ -4,7 +4,6 @@ import dataclasses
 import math
 import tomllib
 from pathlib import Path
-from time import process_time
 
 import numpy as np
 import pytest
@@ -132,17 +131,6 @@ def test_stl_overlapping_shells(tmp_path):
 
 
 @pytest.mark.compiled
-@pytest.mark.long
-def test_stl_large(tmp_path):
-    """A report on half a million particles takes seconds of processor time; it took more than two minutes."""
-    pytest.importorskip("trimesh")
-    scene = beside_its_mesh(tmp_path, "stl_large")
-    began = process_time()
-    rows = {name: value for name, value, _ in SPH.summary(scene)}
-    assert process_time() - began < 30.0
-    assert int(rows["particles"]) == pytest.approx(math.pi / 6.0 / scene.spacing**3, rel=0.01)
-
-
 @pytest.mark.parametrize("name", ["stl_body", "stl_obstacle"])
 def test_cad_solids(tmp_path, name):
     """Solids from STL files: the liquid stays out of the ball."""

@@ -1,6 +1,4 @@
-"""Solids and liquid of files that CAD programs write, as users sent them: `stl_large`, `stl_overlapping_shells` and the
-solids of `gate_and_cad_solids`.
-"""
+"""Solids and liquid of files that CAD programs write: `stl_large` and the solids of `gate_and_cad_solids`."""
 
 import struct
 import time
@@ -8,7 +6,6 @@ import time
 import numpy as np
 import pytest
 
-from ecume.errors import SceneError
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.scenes.load import load_scene
@@ -61,13 +58,6 @@ def test_stl_large(tmp_path):
     inside = np.pi / 6.0
     assert made.mass.sum() == pytest.approx(1000.0 * inside, rel=0.01)
     assert made.position.shape[1] == pytest.approx(inside / 0.02**3, rel=0.01)
-
-
-def test_stl_overlapping_shells(tmp_path):
-    """Two spheres that were not united are refused: the overlap was a void, and each particle 44 % too heavy."""
-    both = np.concatenate([sphere(300.0, (-150.0, 0.0, 0.0)), sphere(300.0, (150.0, 0.0, 0.0))])
-    with pytest.raises(SceneError, match="overlap; unite them"):
-        SPH.parameters(scene_of(tmp_path, both, f"[[fluid]]\n{DRAWN}"))
 
 
 @pytest.mark.parametrize(

@@ -474,8 +474,7 @@ def _require_possible(scene: SphScene) -> None:
         if spec.motion is None and ((ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any()):
             faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; expected a body inside it"))
     faults += _overlaps(scene)
-    liquid = [(f"fluid[{n}]", shape_of(region)) for n, region in enumerate(scene.fluid) if region.triangles]
-    for name, shape in (*_named(scene), *liquid):
+    for name, shape in _named(scene):
         if isinstance(shape, Mesh) and shape.overlaps():
             faults.append(Fault(name, "has shells that overlap; unite them where they were drawn"))
     if scene.bodies and scene.method.pressure_split == "modified":
