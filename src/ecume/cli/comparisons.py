@@ -245,7 +245,7 @@ BENCHES: dict[str, Bench] = {
         Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
               (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), long=True),
         Bench("incompressible", "A dam break with Tait pressure, with incompressible liquid and in SPlisHSPlasH",
-              "incompressible.py", (PEERS, "--deep", "20", "--rounds", "1"), long=True),
+              "incompressible.py", (PEERS, "--deep", "20", "--rounds", "1"), needs=("ecume_validation",), long=True),
         Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
         Bench("page", "A page of 2,000 particles: size, opening, pictures a second without a graphics card",
               "looking.py", ("page",), needs=("playwright",), long=True),

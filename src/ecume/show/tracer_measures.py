@@ -27,8 +27,8 @@ INSTANTS = 5
 
 
 def axis_names(frame: Frame) -> str:
-    """The names of the axes, the upward one last."""
-    return "xz" if frame.arrays["position"].shape[1] == 2 else "xyz"
+    """The names of the axes."""
+    return "xyz"[: frame.arrays["position"].shape[1]]
 
 
 def band(axes: Axes, time: Array, curve: tuple[Array, Array], label: str, color: str) -> None:

@@ -170,6 +170,8 @@ def groups_of(x: Column, others: Sequence[Column]) -> list[tuple[str, NDArray[np
 def fitted_points(axes: Sequence[Column], measure: Column) -> list[Points]:
     """The points of each curve for the fit of a power law."""
     x, *others = by_length(axes)
+    if x.words:
+        raise BadInput(f"{x.name} takes words; a power law needs an axis of numbers")
     return [points_of(label, x.values[mine], measure.values[mine]) for label, mine in groups_of(x, others)]
 
 

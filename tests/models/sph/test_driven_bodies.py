@@ -238,6 +238,10 @@ def test_a_flap_turns_about_any_axis_in_3d():
         ({"spin": 1.0, "axis": [1.0, 0.0, 0.0]}, "axis: in two dimensions a body turns about z alone"),
         ({"spin": 1.0, "until": 0.0}, "until: expected the end of a uniform motion"),
         ({"velocity": [-1.0, 0.0]}, "through the left side at t = 0.1"),
+        ({"velocity": [1.0, 0.0], "frequency": 2.0}, "frequency: belongs to another law"),
+        ({"times": [0.0, 1.0], "angles": [0.0, 1.0], "start": 0.1}, "start: belongs to another law"),
+        ({"times": [0.0, 1.0], "positions": [[0.1, 0.0], [0.1, 0.0]]}, "has moved the body at t = 0"),
+        ({"amplitude": [0.3, 0.0], "frequency": 199.0 / 0.2}, "through the (left|right) side"),
     ],
 )
 def test_a_path_that_cannot_be_says_why(motion, said):

@@ -228,6 +228,19 @@ def test_drag_near_walls_is_refused_where_its_series_does_not_hold(changes, word
         MODELS["tracers"].parameters(scene_of(**changes))
 
 
+def test_a_profile_of_turbulence_needs_a_floor_and_a_lid():
+    tank = {"high": [100.0, 10.0], "periodic": ["y"]}
+    with pytest.raises(SceneError, match=r"tank\.periodic: got the vertical axis"):
+        MODELS["tracers"].parameters(sea(PROFILES["slope"], 4, tank=tank))
+    MODELS["tracers"].parameters(sea([(0.0, 1e-3)], 4, tank=tank))
+
+
+def test_mixing_without_drag_is_refused():
+    for changes in ({"hydrodynamics": {"drag": "none"}}, {"liquid": {"viscosity": 0.0}}):
+        with pytest.raises(SceneError, match=r"flow\.turbulence: needs drag"):
+            MODELS["tracers"].parameters(sea(PROFILES["slope"], 4, **changes))
+
+
 def test_turbulence_does_not_move_particles_with_inertia():
     with pytest.raises(SceneError, match=r"flow\.turbulence: acts on particles without inertia"):
         MODELS["tracers"].parameters(

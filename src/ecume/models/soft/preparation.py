@@ -33,6 +33,9 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     if scene.preparation is None:
         return setup.start(scene, parameters)
     state = _prepared(scene, scene.preparation, parameters)
+    if not parameters.drag.any():
+        setup.require_hold(parameters, state)
+        setup.require_no_torque(parameters, state)
     _rewind(scene, parameters, state)
     for since_then in (state.velocity, state.spin, state.tally, state.budget):
         since_then[:] = 0

@@ -139,7 +139,9 @@ def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
     state.work[0] += work_of_noise(plain, state, scratch, h)
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
     well = _half_path(plain, state, scratch, flowing, time + 0.5 * h) and well
+    select_regime(scratch.status, state.left, bodies.overdamped, 1)
     plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
+    add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.kick)
     return _finished(plain, state, scratch, flowing) and well
 
 

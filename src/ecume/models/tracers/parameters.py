@@ -146,6 +146,7 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
         cause = f"{step:g} s is longer than half a relaxation time"
         cure = 'shorten it, or set integration.integrator = "auto"'
         raise SceneError([Fault("integration.time_step", f"{cause}; {cure}")])
+    around = around_of(scene, surfaces)
     if scene.flow.turbulence is not None and not overdamped.all():
         message = 'acts on particles without inertia; set integration.integrator = "overdamped"'
         raise SceneError([Fault("flow.turbulence", message)])
@@ -161,7 +162,7 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
         sheet(surfaces, *coefficients_of(scene)),
         sheet(surfaces, 0.0, 1.0),
         sheet(surfaces),
-        around_of(scene, surfaces),
+        around,
         flow.current,
         periodic,
         forces_of(scene),
@@ -184,9 +185,12 @@ def around_of(scene: TracersScene, surfaces: Surfaces) -> Any:
         raise SceneError([*faults, Fault(path, "needs a box: tank.high")])
     if near and scene.obstacles:
         faults.append(Fault(path, "got obstacles; the series holds for the walls of a box"))
-    if near and not DRAGS[scene.hydrodynamics.drag].resists:
-        faults.append(Fault(path, "needs drag"))
+    if not DRAGS[scene.hydrodynamics.drag].resists or fluid_of(scene).viscosity == 0.0:
+        faults.append(Fault(path, "needs drag: hydrodynamics.drag and a liquid.viscosity above zero"))
     sides = periodic_of(scene).sides
+    if mixing is not None and sides[d - 1] > 0.0 and len(set(mixing.diffusivities)) > 1:
+        cause = "got the vertical axis, with a profile of flow.turbulence; expected walls, or one diffusivity"
+        faults.append(Fault("tank.periodic", cause))
     walled = tuple(int(k < d and sides[k] == 0.0 and (near or k == d - 1)) for k in range(3))
     axes = [k for k in range(d) if sides[k] == 0.0] * 2
     across = {wall for wall, axis in enumerate(axes) if walled[axis]}

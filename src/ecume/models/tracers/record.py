@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import brownian_motion, carrier_flows, drag, gases, unsteady_forces
+from ecume.laws import brownian_motion, carrier_flows, drag, gases, unsteady_forces, wall_drag
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
@@ -195,6 +195,7 @@ def laws_of(scene: Any) -> list[Source]:
     flow += [around] if around is not None and named is None else []
     flow += [obstacle_flows.channel_flow] if scene.flow.around_obstacles != "none" and named is not None else []
     given = scene.hydrodynamics
+    walls += [wall_drag.perpendicular_factor, wall_drag.parallel_factor] if given.wall_drag else []
     forces: dict[Source, bool] = {
         unsteady_forces.liquid_inertia: given.fluid_acceleration,
         unsteady_forces.faxen_velocity: given.faxen,

@@ -135,6 +135,9 @@ def with_external_laws(model: Model, laws: Sequence[BoundLaw]) -> Model:
         loop(state.position, state.velocity, parameters.bodies, flags, (now, time), external)
 
     def parameters_with_laws(scene: TracersScene) -> Parameters:
+        if scene.hydrodynamics.wall_drag:
+            cause = "got it beside laws of the user, whose drift near walls it does not change; expected one of both"
+            raise SceneError([Fault("hydrodynamics.wall_drag", cause)])
         parameters: Parameters = model.parameters(scene)
         for law in laws:
             require_acceleration(law, (1e-3,) * scene.dimensions, Tracer(1e-3, 2e3, 1e-5, 1e-5, law.constants))

@@ -121,7 +121,7 @@ Coefficient = Annotated[Number, Field(ge=0.0, le=100.0)]
 Prefactor = Annotated[Number, Field(gt=1e-6, le=1e6)]
 Weight = Annotated[Number, Field(ge=1e-6, le=1e6)]
 Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
-CompressionRate = Annotated[Rate, Field(gt=0.0, le=1e9)]
+CompressionRate = Annotated[Rate, Field(ge=1e-9, le=1e9)]
 Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 """Two coordinates in 2D, three in 3D."""
 ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]

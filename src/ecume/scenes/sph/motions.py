@@ -110,6 +110,13 @@ class BodyMotionSpec:
             raise Inconsistent([((), f"expected exactly one law: {laws}")])
         if sine and self.frequency is None:
             raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
+        unused = {
+            "frequency": self.frequency is not None and not sine,
+            "phase": self.phase != 0.0 and not sine,
+            "start": self.start != 0.0 and not uniform,
+        }
+        if wrong := [key for key, there in unused.items() if there]:
+            raise Inconsistent([((wrong[0],), "belongs to another law of motion than the one that is given")])
         if self.until is not None and not (uniform and self.until > self.start):
             raise Inconsistent([(("until",), "expected the end of a uniform motion, after its start")])
         if table and not (self.positions or self.angles):

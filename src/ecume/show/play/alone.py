@@ -29,7 +29,7 @@ from ecume.models.floating.parameters import Floats, Parameters, make_state, mak
 from ecume.models.floating.setup.kinds import FloatKind, float_kind
 from ecume.models.floating.time_integration.integration import make_scratch
 from ecume.models.floating.time_integration.step_size import kick_of, longest_good_step
-from ecume.models.liquids import liquid_of
+from ecume.models.liquids import is_under_liquid, liquid_of
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.scenes.writing import to_toml
 from ecume.show.floating.bowl import view_of
@@ -229,8 +229,9 @@ def alone(scene: Any) -> str:
     start, kinds = bowl.present(), species_of(scene)
     every = offered(kinds)
     liquids = {"as given": numbers_of(start, in_liquid(start, every))}
-    for name in LIQUIDS:
-        with_it = dataclasses.replace(start, liquid=type(start.liquid)(name=name))
+    bare: dict[str, Any] = dict.fromkeys(("density", "viscosity", "surface_tension", "color"))
+    for name in () if is_under_liquid(liquid_of(scene)) else LIQUIDS:
+        with_it = dataclasses.replace(start, liquid=dataclasses.replace(start.liquid, name=name, **bare))
         if name != scene.liquid.name:
             liquids[name] = numbers_of(with_it, in_liquid(with_it, every))
     colors = {kind.name: kind.color for kind in start.kinds}

@@ -17,7 +17,7 @@ from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sh
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.boundaries.driven_bodies import on_path
-from ecume.models.sph.boundaries.rigid_bodies import rotations
+from ecume.models.sph.boundaries.rigid_bodies import drive_at, rotations
 from ecume.models.sph.parameters import Bodies, BodyPath, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate, sides_of
@@ -391,6 +391,9 @@ def paths_of(scene: SphScene) -> tuple[tuple[int, BodyPath], ...]:
         axis = np.array(spec.motion.axis) / length(np.array(spec.motion.axis))
         drive = _drive_of_body(spec.motion, len(scene.tank.low), scene.duration)
         path = BodyPath(drive, pivot.copy(), axis, pose)
+        if np.abs(drive_at(drive, 0.0)[0]).max() > 1e-12:
+            message = "has moved the body at t = 0; expected a path that begins at 0, where the body is drawn"
+            raise SceneError([Fault(f"bodies[{body}].motion", message)])
         _require_within_walls(scene, body, path)
         found.append((body, path))
     return tuple(found)
@@ -417,7 +420,15 @@ def _drive_of_body(spec: BodyMotionSpec, dimension: int, duration: float) -> Dri
 
 
 TRIED = 200
-"""The number of times at which a path is compared with the walls."""
+"""The number of times at which a path is compared with the walls, beside those of its table and the ends of a sine."""
+
+
+def _instants(drive: Drive, duration: float) -> Array:
+    """Times of a run at which a path is compared with the walls."""
+    # The first ends suffice: a sine repeats itself.
+    ends = [((k + 0.5) * math.pi - drive.phase) / drive.turning for k in range(-3, 6) if drive.turning > 0.0]
+    times = np.concatenate([np.linspace(0.0, duration, TRIED), drive.times, ends])
+    return np.unique(times[(times >= 0.0) & (times <= duration)])
 
 
 def _require_within_walls(scene: SphScene, body: int, path: BodyPath) -> None:
@@ -428,7 +439,7 @@ def _require_within_walls(scene: SphScene, body: int, path: BodyPath) -> None:
     walled = [number for number, side in enumerate(sides_of(scene)) if side.kind != "open"]
     shape, middle = shape_of(scene.bodies[body]), path.pose[:3]
     rim = _wide(shape.rim(0.5 * scene.spacing)) - middle
-    for time in np.linspace(0.0, scene.duration, TRIED):
+    for time in _instants(path.drive, scene.duration):
         pose = on_path(path, float(time))[0]
         turn = product(rotations(pose[:, None])[0], rotations(path.pose[:, None])[0].T)
         points = pose[:3] + product(rim, turn.T)
