@@ -27,7 +27,8 @@ def read_again(scene: Scene, *, defaults: bool = False) -> Scene:
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}/{file.stem}")
-def test_every_template_and_example_is_read_again(file: Path, tmp_path: Path) -> None:
+def test_every_template_and_example_is_read_again(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ECUME_SCENE_FOLDERS", str(file.parent))
     scene = ecume.load_scene(file)
     for again in (ecume.load_scene(write_scene(scene, tmp_path / "a.toml")), read_again(scene, defaults=True)):
         assert again == scene

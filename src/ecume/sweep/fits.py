@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -16,6 +15,7 @@ from ecume.analysis.rheology import CurveFit, power_fit
 from ecume.analysis.series import Mean
 from ecume.errors import BadInput
 from ecume.show.style import PALETTE
+from ecume.trajectories.tables import write_rows
 from ecume.units import Array
 
 LIKELY = 0.95
@@ -95,9 +95,9 @@ def rows_of(points: Points) -> Iterator[tuple[object, ...]]:
 def write_fits(file: Path, curves: Sequence[Points]) -> None:
     """Write the table of all curves as CSV."""
     with file.open("w", encoding="utf-8", newline="") as target:
-        writer = csv.writer(target, lineterminator="\n")
-        writer.writerow(COLUMNS)
+        write_rows(target, [COLUMNS])
         for points in curves:
-            writer.writerows(
-                [f"{entry:.9g}" if isinstance(entry, float) else entry for entry in row] for row in rows_of(points)
+            write_rows(
+                target,
+                ([f"{entry:.9g}" if isinstance(entry, float) else entry for entry in row] for row in rows_of(points)),
             )
