@@ -26,13 +26,6 @@ def test_a_film_that_opens_costs_no_work_that_nothing_does(seed):
     assert outcome(seed) == ("done", {})
 
 
-def test_the_first_step_after_a_jump_keeps_its_budget():
-    """Of stiff bubbles half of all that relaxes does so in it: it was accepted with an error of 3 %, since directions
-    that err by the tolerance stand for a work a hundred times as large.
-    """
-    assert outcome(3207) == ("done", {})
-
-
 @pytest.mark.long
 def test_the_order_of_spheres_does_not_decide_when_films_open():
     """In a loose packing under a pressure: stresses of both orders differed by 1e-3, since steps were too long for the

@@ -63,10 +63,9 @@ PER_AGE = 16.0
 """Times the tolerance, to the power 1/(p + 1): the longest step over the time since a jump. What a jump leaves relaxes
 at all rates, that of the widest films first, whose gaps change little, so that their error says nothing of the work.
 """
-WORK_TRIES, PART_OF_RUN, PART_OF_STAKE = 4, 0.01, 1e-3
+WORK_TRIES, PART_OF_RUN = 4, 0.01
 """Attempts to make the energy budget of a step as exact as that of a run: relative to what the step exchanges, and to
-these parts of what the run has exchanged and of what errors of gaps and directions stand for. Right after a jump the
-latter is a hundred times all that relaxes.
+this part of what the run has exchanged.
 """
 SHRINK_FOR_WORK = 0.01, 0.5
 """The least and the largest factor of the length of a step whose budget is not."""
@@ -185,7 +184,7 @@ def missed_work(parameters: Parameters, state: State, step: Step, before: float)
     if not math.isfinite(missing):
         return math.inf
     spent = float(state.budget[FILMS] + state.budget[DRAG])
-    moved = abs(dissipated) + abs(grown) + PART_OF_RUN * spent + PART_OF_STAKE * stake(step)
+    moved = abs(dissipated) + abs(grown) + PART_OF_RUN * (spent + stake(step))
     rounding = LEAST_WORK * float((parameters.modulus * parameters.radius**3).sum())
     return float(missing / (error_of_run(parameters.scheme, parameters.tolerance) * moved + rounding))
 
