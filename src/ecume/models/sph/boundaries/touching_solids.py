@@ -270,10 +270,16 @@ def _along_walls(
 
 def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -> Iterator[tuple[int, Load]]:
     """Yield the additional loads of a solid and of its neighbors, which add up to zero: see `_portions`. Each of two
-    solids gets half of the difference that it has and half of the other's.
+    solids gets half of the difference that it has and half of the other's. Neighbors are the walls in reach, and the
+    nearest solid: another one may hang in the air.
     """
     centers, (force, torque) = now.boundary.centers, more
-    weight = {owner: share for owner, gap in least.items() if (share := _share(now, gap)) > 0.0}
+    nearest = min((gap for owner, gap in least.items() if owner >= 2 * now.dimension), default=np.inf) * (1.0 + 1e-9)
+    weight = {
+        owner: share
+        for owner, gap in least.items()
+        if (share := _share(now, gap)) > 0.0 and (owner < 2 * now.dimension or gap <= nearest)
+    }
     portions = np.array([_portions(now, weight, axis) for axis in range(3)]).T
     whole = sum(weight.values())
     for other, portion in zip(weight, portions, strict=True):
