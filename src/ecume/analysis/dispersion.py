@@ -70,7 +70,8 @@ def displacements(frames: Frames, *, without_drift: bool = False) -> Course:
 
 def dispersion_coefficient(frames: Frames, axis: int = 0) -> Course:
     """Half the rate at which the variance along an axis grows (m^2/s), at the middles between frames; in the end the
-    dispersion coefficient of Taylor and Aris in a channel. Of the particles that are inside in all frames.
+    dispersion coefficient of Taylor and Aris in a channel. Of the particles that are inside in all frames: where some
+    leave, those are the slow ones, and only the frames before the first exit say how a pulse spreads.
     """
     paths, instants = _paths(frames)[:, :, axis], times(frames)
     if len(frames) < 2:

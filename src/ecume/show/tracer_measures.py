@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ecume.analysis import dispersion
 from ecume.analysis.dispersion import Course
-from ecume.analysis.series import inside
+from ecume.analysis.series import inside, times
 from ecume.errors import BadInput
 from ecume.show.curves import Frames, evolution, over_time, titled
 from ecume.show.style import MUTED, PALETTE, figure, legend_outside, scale_for, style
@@ -39,14 +39,14 @@ def band(axes: Axes, time: Array, curve: tuple[Array, Array], label: str, color:
 
 
 def spreading(frames: Frames, scene: TracersScene) -> Figure:
-    """The mean square displacement along each axis, with and without the drift; of particles inside all the time."""
-    shown = evolution(frames)
+    """The mean square displacement along each axis, with and without the drift, while all particles are inside."""
+    shown, until = before_exits(evolution(frames))
     every, own = dispersion.displacements(shown), dispersion.displacements(shown, without_drift=True)
     scale = scale_for(float(np.sqrt(every.value.max())), "m")
     square = scale.factor**2
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene, "Mean square displacement along each axis")
+        axes = over_time(drawn, scene, f"Mean square displacement along each axis{until}")
         for axis, (name, color) in enumerate(zip(axis_names(shown[0]), PALETTE, strict=False)):
             value, error = square * own.value[:, axis], square * own.error[:, axis]
             band(axes, own.time, (value, error), f"{name}, without drift", color)
@@ -56,14 +56,28 @@ def spreading(frames: Frames, scene: TracersScene) -> Figure:
     return drawn
 
 
+def before_exits(frames: Frames) -> tuple[Frames, str]:
+    """The frames before the first exit, and a remark for the title: those that stay inside afterwards are the slow
+    ones, whose displacements are too small. All frames where fewer than three come before it.
+    """
+    first = len(frames[0].arrays["position"])
+    whole = [bool(inside(frame)[:first].all()) for frame in frames]
+    if all(whole):
+        return frames, ""
+    end = whole.index(False)
+    return (frames[:end], ", until the first exit") if end > 2 else (frames, ", of those that stay inside")
+
+
 def dispersion_over_time(frames: Frames, scene: TracersScene) -> Figure:
-    """The dispersion coefficient along each axis, half the rate at which the variance grows."""
-    shown = evolution(frames)
+    """The dispersion coefficient along each axis, half the rate at which the variance grows, while all particles are
+    inside.
+    """
+    shown, until = before_exits(evolution(frames))
     names = axis_names(shown[0])
     courses = [dispersion.dispersion_coefficient(shown, axis) for axis in range(len(names))]
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene, "Dispersion coefficient")
+        axes = over_time(drawn, scene, f"Dispersion coefficient{until}")
         for name, course, color in zip(names, courses, PALETTE, strict=False):
             band(axes, course.time, (course.value, course.error), f"along {name}", color)
         axes.axhline(0.0, color=MUTED, linewidth=0.8)
@@ -74,10 +88,11 @@ def dispersion_over_time(frames: Frames, scene: TracersScene) -> Figure:
 
 def residence(frames: Frames, scene: TracersScene) -> Figure:
     """The distribution of the times that particles stayed until they left or were deposited."""
-    found = dispersion.residence_times(evolution(frames))
+    shown = evolution(frames)
+    found = dispersion.residence_times(shown)
     if len(found.times) < 2:
         raise BadInput(f"{len(found.times)} particles have left; a distribution needs two or more")
-    counts, edges = np.histogram(found.times, BINS)
+    counts, edges = np.histogram(found.times, whole_bins(found.times, float(np.diff(times(shown)).mean())))
     with style():
         drawn = figure()
         axes = drawn.add_subplot(xlabel="residence time (s)", title=titled("Residence times", scene))
@@ -87,6 +102,14 @@ def residence(frames: Frames, scene: TracersScene) -> Figure:
         axes.set_ylabel("particles")
         axes.legend(loc="best", fontsize=8)
     return drawn
+
+
+def whole_bins(values: Array, interval: float) -> Array:
+    """Edges of bins as wide as a whole number of intervals between frames, of which the values are multiples."""
+    low, high = float(values.min()) - 0.25 * interval, float(values.max())
+    width = max(1.0, np.ceil((high - low) / BINS / interval)) * interval
+    edges: Array = low + width * np.arange(int((high - low) / width) + 2)
+    return edges
 
 
 def bars(axes: Axes, edges: Array, counted: tuple[Array, Array], color: str, label: str | None = None) -> None:
@@ -163,6 +186,8 @@ def deposition(frames: Frames, scene: TracersScene) -> Figure:
 def efficiency(frames: Frames, scene: TracersScene) -> Figure:
     """The fraction of the particles that are deposited among those that are deposited or have left, over time."""
     shown = evolution(frames)
+    if not any(name.startswith("deposited_on_wall_") for name in shown[0].numbers):
+        raise BadInput("no wall and no obstacle holds particles; there is no efficiency to draw")
     found: list[Any] = []
     for frame in shown:
         gone = not inside(frame).all()

@@ -68,7 +68,7 @@ def test_a_uniform_density_stays_so_between_any_number_of_walls(sides):
     places = np.concatenate([frame.arrays["position"][:, :2] for frame in ecume.simulate(scene)]) / inner
     share = np.mean(np.max(places @ normal.T, axis=1) > 1.0 - layer)
     expected = 1.0 - (1.0 - layer) ** 2
-    # Paths are told apart by diffusion over the layer, in half a step: frames are independent.
+    # Particles cross the layer in half a step, so that the counts of different frames are independent.
     assert share == pytest.approx(expected, abs=4.0 * np.sqrt(expected / len(places)))
 
 

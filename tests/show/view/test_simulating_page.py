@@ -1,4 +1,4 @@
-"""A page that simulates in a real browser: from a disk, asking nobody, by keys too, and safe from hostile links."""
+"""A page that simulates in a real browser: from a disk, without requests, by keys too, and safe from hostile links."""
 
 from urllib.parse import quote
 

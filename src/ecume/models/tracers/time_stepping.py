@@ -251,11 +251,11 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             scratch.radius[i],
         )
         x, free = load(state.position, i), scaled(h, load(scratch.travel, i))
-        k, piece, way, drawn, one, other = 0, 0, free, False, x, x
+        k, piece, way, pushed, drawn, one, other = 0, 0, free, False, False, x, x
         while k < kind.shape[0]:
             before, nearest, following = piece_gap(kind, number, k, x, 0.0)
             after = piece_gap(kind, number, k, axpy(x, 1.0, way), 0.0)[0] - radius
-            unhindered = piece_gap(kind, number, k, axpy(x, 1.0, free), 0.0)[0] - radius
+            unhindered = piece_gap(kind, number, k, axpy(x, 1.0, free), 0.0)[0] - radius if pushed else after
             gap, k, piece = max(before - radius, 0.0), following, piece + 1
             # Farther away, paths reach the wall with a probability below exp(-40).
             if after > 0.0 and gap * min(after, unhindered) > 20.0 * variance:
@@ -267,7 +267,7 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
                 # The path may have touched the opening between its ends, which the particle then does not leave.
                 touched = uniforms(counter_of_pair(i, piece + 2, int(state.step[0]), 0), parameters.seed)[0]
                 if after > 0.0 and touched < math.exp(-2.0 * gap * after / variance):
-                    way = axpy(way, -after - 1e-6 * radius, normal)
+                    way, pushed = axpy(way, -after - 1e-6 * radius, normal), True
                 continue
             if not drawn:
                 one, other = random_vectors(i, int(state.step[0]), parameters.seed)
@@ -275,7 +275,7 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             exponential = 0.5 * (dot(one, normal) ** 2 + dot(other, normal) ** 2)
             end = brownian_motion.reflected_gain(unhindered - gap, variance, exponential)
             if end > after:
-                way = axpy(way, end - after, normal)
+                way, pushed = axpy(way, end - after, normal), True
                 state.hits[nearest] += 1
         store(scratch.travel, i, scaled(1.0 / h, way))
 
