@@ -100,7 +100,7 @@ def test_every_figure_of_measures_has_curves_and_errors(name):
         ("residence", "0 particles have left"),
         ("breakthrough", "no openings"),
         ("deposition", "no particle is deposited"),
-        ("efficiency", "no particle is deposited or has left"),
+        ("efficiency", "no wall and no obstacle holds particles"),
     ],
 )
 def test_a_run_without_the_quantity_says_so(name, words):
