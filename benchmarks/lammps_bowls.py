@@ -29,10 +29,10 @@ from timed_runs import cereal_bowl, heavy_spheres, machine
 
 from ecume._quick import parser_of, sized
 from ecume.analysis.clusters import components, mean_raft, touching_pairs
-from ecume.lammps.decks import SCRIPT, write_deck
 from ecume.scenes.floating import FloatingScene
 from ecume.simulation import simulate
 from ecume.units import Array
+from ecume_lammps.decks import SCRIPT, write_deck
 
 GAP = 0.02
 """Two floats touch if their gap is below this fraction of a radius; springs overlap by a thousandth."""

@@ -19,11 +19,11 @@ import psutil
 from timed_runs import heavy_spheres, machine
 
 from ecume._quick import parser_of, sized
-from ecume.lammps import floats_in_engine, tanks_in_engine
-from ecume.lammps.engine import BALANCING
-from ecume.lammps.process import Lammps, program
 from ecume.models import MODELS
 from ecume.scenes.load import load_scene
+from ecume_lammps import floats_in_engine, tanks_in_engine
+from ecume_lammps.engine import BALANCING
+from ecume_lammps.process import Lammps, program
 
 SIZE, STEPS = sized((100_000, 50), (200, 2))
 LARGE, LARGE_STEPS, LARGE_SPACING = sized((1_000_000, 100, "0.001"), (200, 2, "0.05"))

@@ -27,7 +27,7 @@ from timed_runs import machine
 
 from ecume._quick import parser_of, sized
 from ecume.errors import BadInput
-from ecume.lammps.process import program
+from ecume_lammps.process import program
 
 HERE = Path(__file__).parent / "peers"
 sys.path.insert(0, str(HERE))

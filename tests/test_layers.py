@@ -14,6 +14,7 @@ import pytest
 
 import ecume
 from ecume._hooks import Hook
+from tests.sources import source_files
 
 PACKAGE = Path(ecume.__file__).parent
 ROOT = PACKAGE.parents[1]
@@ -61,8 +62,8 @@ def upward(path: Path) -> list[str]:
 
 @cache
 def files() -> dict[str, Path]:
-    """The file of each module of the package, by its full name."""
-    names = {path: ("ecume", *path.relative_to(PACKAGE).with_suffix("").parts) for path in PACKAGE.rglob("*.py")}
+    """The file of each module of our packages, by its full name."""
+    names = {path: path.relative_to(PACKAGE.parent).with_suffix("").parts for path in source_files()}
     return {".".join(parts).removesuffix(".__init__"): path for path, parts in names.items()}
 
 

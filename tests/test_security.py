@@ -20,16 +20,13 @@ from ecume.show import serving
 from ecume.sweep import executors, sweep
 from ecume.sweep.executors import ExecutorOptions, require_safe
 from ecume.sweep.spec import Cluster
+from tests.sources import source_files
 
 PACKAGE = Path(ecume.__file__).parent
 ROOT = Path(__file__).parents[1]
 CALLS = {"eval", "exec", "compile", "__import__", "execfile"}
 MODULES = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "yaml", "code"}
 SHELLS = {"system", "popen", "spawnl", "execv"}
-
-
-def sources():
-    return sorted([*PACKAGE.rglob("*.py"), *PACKAGE.with_name("ecume_validation").rglob("*.py")])
 
 
 def named(node):
@@ -72,7 +69,7 @@ the addresses of so many arrays."""
 def test_text_that_is_made_of_tables_holds_numbers_and_a_name_of_ours_only():
     calls = [
         node
-        for path in sources()
+        for path in source_files()
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == "selection"
     ]
@@ -83,7 +80,7 @@ def test_text_that_is_made_of_tables_holds_numbers_and_a_name_of_ours_only():
 
 
 def test_nothing_in_the_package_evaluates_or_unpickles():
-    found = {path.name: list(forbidden(ast.parse(path.read_text(encoding="utf-8")))) for path in sources()}
+    found = {path.name: list(forbidden(ast.parse(path.read_text(encoding="utf-8")))) for path in source_files()}
     assert {name: calls for name, calls in found.items() if calls} == MADE_OF_TABLES | COMPILED_CODE
 
 
@@ -124,7 +121,7 @@ def test_servers_listen_to_this_machine_alone():
     assert serving.HOST == "127.0.0.1"
     bound = [
         line.strip()
-        for path in sources()
+        for path in source_files()
         for line in path.read_text(encoding="utf-8").splitlines()
         if re.search(r"Server\(\(|0\.0\.0\.0|[^e]\.bind\(|LocalCluster\(", line)
     ]

@@ -15,6 +15,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.scenes.valid_part import load_and_examine
 from ecume.sweep.spec import load_sweep
+from tests.sources import source_files
 
 PACKAGE = Path(ecume.__file__).parent
 DECODERS = {"tomllib.loads", "json.loads", "pickle.loads", "marshal.loads", "np.load", "np.fromfile"}
@@ -22,7 +23,7 @@ DOORS = {"LocalCluster", "Client", "SLURMCluster", "ThreadingHTTPServer", "HTTPS
 REVIEWED = {
     "_cache.py": {"json.loads": "the manifest of shipped code, which the owner of the installation wrote"},
     "_parts.py": {"pickle.loads": "compiled code whose file and folders belong to the user alone"},
-    "lammps/rank.py": {"json.loads": "a scene that the starting process wrote into its own folder"},
+    "../ecume_lammps/rank.py": {"json.loads": "a scene that the starting process wrote into its own folder"},
     "models/tracers/field_files.py": {"np.load": "a user's archive of velocities, without pickles, after its kind"},
     "scenes/faults.py": {"tomllib.loads": "one value after `--set`, its keys bounded before"},
     "scenes/overrides.py": {"tomllib.loads": "one value of `--set`, its length and keys bounded before"},
@@ -45,7 +46,7 @@ def calls(tree: ast.AST, wanted: set[str]) -> set[str]:
 def found_in(wanted: set[str]) -> dict[str, set[str]]:
     """Of each file, or folder of our own records, what it calls."""
     found: dict[str, set[str]] = {}
-    for path in (*PACKAGE.rglob("*.py"), *PACKAGE.with_name("ecume_validation").rglob("*.py")):
+    for path in source_files():
         name = Path(os.path.relpath(path, PACKAGE)).as_posix()
         found[name] = calls(ast.parse(path.read_text(encoding="utf-8")), wanted)
     return {name: used for name, used in found.items() if used}

@@ -9,14 +9,15 @@ EcumeError
 ├── StorageError        exit 4   disk full, unreadable or damaged files
 └── Stopped             exit 75  stopped on request, with a checkpoint
 
-`install` gives the cure where a package of an extra is missing.
+`install` gives the cure where a package of an extra is missing, `beside_ecume` where one beside ecume is.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
 
@@ -109,3 +110,26 @@ def install(extra: str) -> str:
         found = []
     packages = [match["package"].strip() for match in found if match and match["extra"] == extra]
     return f"pip install {' '.join(map(repr, packages))}" if packages else f"pip install '.[{extra}]' in the sources"
+
+
+BESIDE = {
+    "ecume_lammps": ("decks and runs in LAMMPS", "packaging/lammps"),
+    "ecume_validation": ("the cases of `ecume validate`", "packaging/validation"),
+}
+"""Our packages that are installed separately: their content, and their folder in the sources."""
+
+
+@contextmanager
+def beside_ecume() -> Iterator[None]:
+    """Import from our packages beside ecume. Raises BadInput where they are not installed."""
+    try:
+        yield
+    except ModuleNotFoundError as missing:
+        package = (missing.name or "").partition(".")[0]
+        if package not in BESIDE:
+            raise
+        content, folder = BESIDE[package]
+        raise BadInput(
+            f"the package with {content} is not installed; install it in the folder of the sources: "
+            f"pip install ./{folder}"
+        ) from None

@@ -16,6 +16,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ecume.errors import BESIDE
+
 PACKAGE = Path(__file__).absolute().parent
 CASES = "ecume_validation."
 RUNNER = f"{CASES}runner"
@@ -23,13 +25,13 @@ RUNNER = f"{CASES}runner"
 NOT_TIMED = re.compile(r"ecume(\.(cli(\..*)?|_version|made_from))?$|ecume_validation$")
 """Modules without influence on numbers and times, apart from that of their imports."""
 NO_NUMBERS = re.compile(
-    r"ecume\.(?:(citing|lammps|run|show|trajectories)(\..*)?|models\.(costs|gravity|size_report)|.*\.(check_report|first_contact))$"
+    r"ecume_lammps(\..*)?$|ecume\.(?:(citing|run|show|trajectories)(\..*)?|models\.(costs|gravity|size_report)|.*\.(check_report|first_contact))$"
 )
 """Modules without influence on the numbers of cases: they draw, store, or print."""
 OF_A_MODEL = re.compile(r"ecume\.(?:models|scenes)\.(floating|soft|sph|tracers)(?:\..*)?$")
 MODELS = frozenset({"floating", "soft", "sph", "tracers"})
 QUOTED = re.compile(r"\"([\w-]+)\"")
-NAMED = re.compile(r"ecume(?:_validation)?(?:\.\w+)+(?=:\w+$|$)")
+NAMED = re.compile(r"ecume(?:_validation|_lammps)?(?:\.\w+)+(?=:\w+$|$)")
 """Text that names a module, or something in one, for a late import."""
 
 
@@ -139,7 +141,7 @@ def _imported(name: str, package: Path) -> tuple[str, ...]:
 def _path(name: str, package: Path) -> Path:
     """The file of a module of the package, or of a script; it may not exist."""
     first, *rest = name.split(".")
-    if first not in ("ecume", "ecume_validation"):
+    if first not in ("ecume", *BESIDE):
         folder = scripts_of(package)
         here, with_others = folder / f"{name}.py", folder / "peers" / f"{name}.py"
         return here if here.is_file() else with_others

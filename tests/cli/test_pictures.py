@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -59,6 +60,16 @@ def test_export_writes_text_to_the_standard_output(monkeypatch: pytest.MonkeyPat
     refused = cli.invoke(app, ["export", "bowl", "--to", "npz", "-o", "-"])
     assert refused.exit_code == 2
     assert "binary" in refused.stderr
+
+
+def test_without_the_package_of_decks_a_message_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("ecume_lammps", "ecume_lammps.decks", "ecume_lammps.engine"):
+        monkeypatch.setitem(sys.modules, name, None)
+    cli.invoke(app, ["new", "two-spheres"])
+    for words in (["export", "two-spheres.toml", "--to", "lammps"], ["run", "two-spheres.toml", "--engine", "lammps"]):
+        done = cli.invoke(app, words)
+        assert done.exit_code == 2
+        assert "pip install ./packaging/lammps" in done.stderr
 
 
 def test_export_writes_decks_of_scenes(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from tests.sources import source_files
 
 import ecume
 
@@ -25,8 +26,7 @@ EXAMPLES = re.compile(r"a\.b$|gauges\.0\.|name_|top_|stress_squeeze_|kinetic_ene
 @cache
 def trees() -> dict[str, ast.Module]:
     """The syntax tree of each module, by its full name."""
-    files = [path for name in ("ecume", "ecume_validation") for path in PACKAGE.with_name(name).rglob("*.py")]
-    names = {path: path.relative_to(PACKAGE.parent).with_suffix("").parts for path in files}
+    names = {path: path.relative_to(PACKAGE.parent).with_suffix("").parts for path in source_files()}
     return {
         ".".join(parts).removesuffix(".__init__"): ast.parse(path.read_text(encoding="utf-8"))
         for path, parts in names.items()

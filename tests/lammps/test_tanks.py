@@ -6,11 +6,6 @@ import numpy as np
 import pytest
 
 from ecume.errors import SceneError
-from ecume.lammps import tanks_in_engine
-from ecume.lammps.decks import DECKS, write_deck
-from ecume.lammps.engine import lammps_engine
-from ecume.lammps.expressible import faults_of
-from ecume.lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, setup_text, tank_of
 from ecume.laws.kernels import quintic_spline_value
 from ecume.laws.wall_forces import standoff_push
 from ecume.models.sph.boundaries.walls import speed_of
@@ -22,6 +17,11 @@ from ecume.scenes.sph import SphScene
 from ecume.simulation import moments
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
+from ecume_lammps import tanks_in_engine
+from ecume_lammps.decks import DECKS, write_deck
+from ecume_lammps.engine import lammps_engine
+from ecume_lammps.expressible import faults_of
+from ecume_lammps.tanks import TANKS, Axis, axes_of, box_of, folded, mirrored, setup_text, tank_of
 from tests.lammps.test_in_lammps import command
 
 

@@ -15,9 +15,11 @@ import pytest
 import yaml
 from packaging.metadata import Metadata
 
+from ecume.errors import BESIDE
+
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-CASES = tomllib.loads((ROOT / "packaging" / "validation" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+BESIDE_US = {name: ROOT / folder for name, (_, folder) in BESIDE.items()}
 RECIPE = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 ZENODO = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
@@ -69,16 +71,19 @@ def test_zenodo_and_the_citation_agree():
     assert ZENODO["upload_type"] == CITATION["type"] == "software"
 
 
-def test_the_cases_of_validation_are_a_distribution_for_the_same_version():
-    assert CASES["version"] == PROJECT["version"]
-    assert CASES["dependencies"] == [f"ecume=={PROJECT['version']}"]
-    assert {CASES[key] == PROJECT[key] for key in ("license", "requires-python", "authors")} == {True}
+@pytest.mark.parametrize("name", BESIDE_US)
+def test_a_package_beside_ecume_is_a_distribution_for_the_same_version(name):
+    project = tomllib.loads((BESIDE_US[name] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["name"] == name.replace("_", "-")
+    assert project["version"] == PROJECT["version"]
+    assert project["dependencies"] == [f"ecume=={PROJECT['version']}"]
+    assert {project[key] == PROJECT[key] for key in ("license", "requires-python", "authors")} == {True}
 
 
 @pytest.mark.long
 def test_each_source_file_is_in_one_wheel(tmp_path):
     contents = []
-    for folder in (ROOT, ROOT / "packaging" / "validation"):
+    for folder in (ROOT, *BESIDE_US.values()):
         place = tmp_path / folder.name
         command = [sys.executable, "-m", "hatchling", "build", "-d", str(place), "-t", "wheel"]
         subprocess.run(command, cwd=folder, check=True)
@@ -87,11 +92,13 @@ def test_each_source_file_is_in_one_wheel(tmp_path):
             contents.append({name for name in archive.namelist() if ".dist-info/" not in name})
     tracked = subprocess.run(["git", "ls-files", "src"], cwd=ROOT, capture_output=True, text=True, check=True)
     sources = {name.removeprefix("src/") for name in tracked.stdout.split()}
-    assert contents[0] & contents[1] == set()
-    assert {name for name in contents[0] | contents[1] if not name.startswith("ecume/benchmarks/")} == {
-        name for name in sources if name.startswith(("ecume/", "ecume_validation/"))
+    packed = set().union(*contents)
+    assert sum(map(len, contents)) == len(packed)
+    assert {name for name in packed if not name.startswith("ecume/benchmarks/")} == {
+        name for name in sources if name.startswith(("ecume/", *(f"{other}/" for other in BESIDE_US)))
     }
-    assert all(name.startswith("ecume_validation/") for name in contents[1])
+    for name, content in zip(BESIDE_US, contents[1:], strict=True):
+        assert all(path.startswith(f"{name}/") for path in content)
 
 
 @pytest.mark.long

@@ -17,7 +17,7 @@ from ecume.cli.endings import say
 from ecume.cli.output import Json, Record, echo, keep, print_json, print_table
 from ecume.cli.pictures import PictureFormat
 from ecume.cli.progress import lasting
-from ecume.errors import BadInput, EcumeError, install
+from ecume.errors import BadInput, EcumeError, beside_ecume, install
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -34,13 +34,8 @@ NUMBERS = ("computed", "expected", "tolerance")
 
 def _cases() -> dict[str, Case]:
     """The table of cases. Raises BadInput where the package that contains them is not installed."""
-    try:
+    with beside_ecume():
         from ecume_validation import CASES
-    except ModuleNotFoundError:
-        raise BadInput(
-            "the cases of `ecume validate` are not installed; install them in the folder of the sources: "
-            "pip install ./packaging/validation"
-        ) from None
     return CASES
 
 

@@ -18,7 +18,7 @@ from ecume.cli.output import echo
 from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.cli.scenes import Overrides, placed, without_compiler, without_compiler_for
-from ecume.errors import BadInput, install
+from ecume.errors import BadInput, beside_ecume, install
 
 NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
 
@@ -592,9 +592,10 @@ def export(
 
 def _deck(scene: Path, out: Path | None, changes: list[str]) -> Path:
     """Write the deck of a scene file into a folder, `SCENE-lammps` by default."""
-    from ecume.lammps.decks import write_deck
     from ecume.scenes.load import load_scene
 
+    with beside_ecume():
+        from ecume_lammps.decks import write_deck
     if out == Path("-"):
         raise BadInput("-o -: a deck is a folder; expected the name of one")
     if scene.is_dir():

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ecume.cli.output import Json, echo, print_json, print_table
-from ecume.errors import BadInput
+from ecume.errors import BadInput, beside_ecume
 
 if TYPE_CHECKING:
     from ecume.models.model import Engine
@@ -58,8 +58,8 @@ def integrating(engine: str | None, ranks: int | None, directory: Path | None = 
             raise BadInput("--ranks: expected it with --engine lammps only")
         yield None
         return
-    from ecume.lammps.engine import lammps_engine
-
+    with beside_ecume():
+        from ecume_lammps.engine import lammps_engine
     with lammps_engine(ranks or 1) as selected:
         yield selected
 

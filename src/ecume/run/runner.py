@@ -91,7 +91,7 @@ class RunOptions:
     source: bytes | None = None
     """The scene file, byte for byte, which is copied into the run."""
     engine: Engine | None = None
-    """The engine that integrates instead of the scene's model: see `ecume.lammps.engine`."""
+    """The engine that integrates instead of the scene's model: see `ecume_lammps.engine`."""
     on_violation: str | None = None
     """The response to a violated invariant, see `invariant_monitor.POLICIES`; default: that of the interrupted run, or
     that of the scene.

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ecume._plain_files import content_of, require_plain
-from ecume.errors import BadInput, Fault, SceneError, StorageError
+from ecume.errors import BadInput, Fault, SceneError, StorageError, beside_ecume
 from ecume.models.model import LOCAL
 from ecume.run.directory import RunDirectory
 from ecume.run.lock import is_held
@@ -286,8 +286,8 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
     """Additional entries of the plan of a run in LAMMPS. Raises BadInput for scenes that LAMMPS cannot simulate."""
-    from ecume.lammps.engine import require_runnable
-
+    with beside_ecume():
+        from ecume_lammps.engine import require_runnable
     require_runnable(scene)
     return {"engine": spec.engine, "ranks": spec.ranks}
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ecume.errors import BadInput, EcumeError, RunExists, Stopped, install
+from ecume.errors import BadInput, EcumeError, RunExists, Stopped, beside_ecume, install
 from ecume.run.lock import handled
 from ecume.scenes.faults import echo
 from ecume.sweep.directory import Job, Sweeping, json_at, written
@@ -95,8 +95,8 @@ def engine_of(plan: Mapping[str, Any]) -> Iterator[Engine | None]:
     if "engine" not in plan:
         yield None
         return
-    from ecume.lammps.engine import lammps_engine
-
+    with beside_ecume():
+        from ecume_lammps.engine import lammps_engine
     with lammps_engine(plan["ranks"]) as engine:
         yield engine
 

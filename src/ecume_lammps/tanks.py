@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume.lammps.expressible import Expressible
-from ecume.lammps.script import in_a_comment
 from ecume.laws.kernels import kernel
 from ecume.models.sph.boundaries.walls import speed_of
 from ecume.models.sph.parameters import Parameters
@@ -38,6 +36,8 @@ from ecume.models.sph.state import State
 from ecume.models.step_counts import last_step
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
+from ecume_lammps.expressible import Expressible
+from ecume_lammps.script import in_a_comment
 
 if TYPE_CHECKING:
     from ecume.scenes.sph.tank import SideSpec

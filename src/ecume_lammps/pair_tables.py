@@ -16,7 +16,7 @@ from ecume.units import Array
 
 if TYPE_CHECKING:
     pass
-from ecume.lammps.numbers import FEWEST, MOST, DeckNumbers
+from ecume_lammps.numbers import FEWEST, MOST, DeckNumbers
 
 ACCURACY = 1e-7
 """Error of the force of a table over the force at the same distance."""

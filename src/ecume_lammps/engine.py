@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput, Diverged
-from ecume.lammps import floats_in_engine, tanks_in_engine
-from ecume.lammps.expressible import require_simulable
-from ecume.lammps.process import Lammps, Program, program
 from ecume.models.model import DIVERGED, DONE, LAMMPS, Engine, Model
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, with_prefix
+from ecume_lammps import floats_in_engine, tanks_in_engine
+from ecume_lammps.expressible import require_simulable
+from ecume_lammps.process import Lammps, Program, program
 
 BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
 """Domains of ranks follow the particles."""

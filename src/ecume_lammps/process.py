@@ -38,7 +38,7 @@ OPTIONS = ("-nonbuf", "-log", "none", "-echo", "none", "-nocite")
 
 SCENE = "scene.json"
 """The file with the scene, for ranks that call our forces."""
-HOST = (sys.executable, "-P", "-m", "ecume.lammps.rank")
+HOST = (sys.executable, "-P", "-m", "ecume_lammps.rank")
 """A rank that calls our forces."""
 
 

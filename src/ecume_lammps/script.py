@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ecume.lammps.numbers import ROLLING, DeckNumbers
-from ecume.lammps.pair_tables import ACCURACY, PairTable, lookup_of
-from ecume.lammps.walls import Formula, box_of, flow_of, meniscus_of, region_of
+from ecume_lammps.numbers import ROLLING, DeckNumbers
+from ecume_lammps.pair_tables import ACCURACY, PairTable, lookup_of
+from ecume_lammps.walls import Formula, box_of, flow_of, meniscus_of, region_of
 
 DATA, TABLES = "floats.data", "pairs.table"
 

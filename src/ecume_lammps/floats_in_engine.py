@@ -12,11 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.lammps.expressible import calls_us, require_simulable
-from ecume.lammps.numbers import numbers_of, parameters_for
-from ecume.lammps.pair_tables import pair_tables, text_of
-from ecume.lammps.process import SCENE
-from ecume.lammps.script import DATA, TABLES, data_text, external_text, setup_text
 from ecume.models.costs import within_steps
 from ecume.models.floating.parameters import DEEPEST, Parameters, State, Workspace, is_driven, make_state
 from ecume.models.floating.record import workspace
@@ -26,6 +21,11 @@ from ecume.models.invariants import ENERGY, INJECTED, Invariant
 from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+from ecume_lammps.expressible import calls_us, require_simulable
+from ecume_lammps.numbers import numbers_of, parameters_for
+from ecume_lammps.pair_tables import pair_tables, text_of
+from ecume_lammps.process import SCENE
+from ecume_lammps.script import DATA, TABLES, data_text, external_text, setup_text
 
 if TYPE_CHECKING:
     from ecume.models.model import Model

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ecume.lammps.expressible import shape_of
 from ecume.laws.special import scaled_bessel_i1
 from ecume.models.floating.dishes import DISH, NO_WALL_LAW, PLANE
 from ecume.models.floating.parameters import CAPILLARY_LENGTH
 from ecume.units import Array
+from ecume_lammps.expressible import shape_of
 
 if TYPE_CHECKING:
     pass
-from ecume.lammps.numbers import LONGEST, SHORTEST, DeckNumbers
+from ecume_lammps.numbers import LONGEST, SHORTEST, DeckNumbers
 
 ROUNDED = 5.0
 """b of s^2 = r^2 + (b L)^2, in which the fit of the meniscus has few terms."""

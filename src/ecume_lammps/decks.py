@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume._plain_files import content_of
 from ecume.errors import BadInput
-from ecume.lammps import tanks
-from ecume.lammps.expressible import require_expressible
-from ecume.lammps.numbers import DRAG_STEP, DeckNumbers, numbers_of
-from ecume.lammps.pair_tables import ACCURACY, OVERLAP, PairTable, pair_tables, text_of
-from ecume.lammps.script import DATA, TABLES, data_text, script_text
-from ecume.lammps.tanks import TANKS, tank_of
 from ecume.models.floating.contacts.springs import SHALLOW
 from ecume.models.floating.dishes import NO_WALL_LAW
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.trajectories.records import storing, write_whole
 from ecume.units import with_prefix
+from ecume_lammps import tanks
+from ecume_lammps.expressible import require_expressible
+from ecume_lammps.numbers import DRAG_STEP, DeckNumbers, numbers_of
+from ecume_lammps.pair_tables import ACCURACY, OVERLAP, PairTable, pair_tables, text_of
+from ecume_lammps.script import DATA, TABLES, data_text, script_text
+from ecume_lammps.tanks import TANKS, tank_of
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ecume.lammps.expressible import require_expressible
-from ecume.lammps.tanks import DATA, TANKS, axes_of, data_text, folded, parameters_for, setup_text, tank_of
 from ecume.models.invariants import ENERGY, INJECTED, Invariant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.report.energy_budget import has_external_work
@@ -13,6 +11,8 @@ from ecume.models.sph.state import State
 from ecume.scenes.sph import SphScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+from ecume_lammps.expressible import require_expressible
+from ecume_lammps.tanks import DATA, TANKS, axes_of, data_text, folded, parameters_for, setup_text, tank_of
 
 if TYPE_CHECKING:
     from ecume.models.model import Model

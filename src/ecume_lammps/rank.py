@@ -1,6 +1,6 @@
 """A rank of LAMMPS inside Python: it reads commands as the executable does, and calls our forces.
 
-    python -m ecume.lammps.rank
+    python -m ecume_lammps.rank
 
 The standard input of the first rank is broadcast to all. A command `fix ... external` is followed by the registration
 of our forces, of the scene in the file `scene.json` of the current folder.
@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from ecume.lammps.floats_in_engine import ExternalForces, parameters
-from ecume.lammps.process import OPTIONS, SCENE
 from ecume.scenes.schema import from_plain
 from ecume.units import Array
+from ecume_lammps.floats_in_engine import ExternalForces, parameters
+from ecume_lammps.process import OPTIONS, SCENE
 
 CHARACTERS, ALL_RANKS = 0x4C000101, 0x44000000
 """MPI_CHAR and MPI_COMM_WORLD in the binary interface of MPICH."""
