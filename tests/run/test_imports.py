@@ -234,3 +234,39 @@ def test_a_run_that_is_not_replaced_stays(bowl, tmp_path):
     assert (done.directory, (tmp_path / "run" / "notes.txt").read_text()) == (tmp_path / "run", "mine")
     assert verify(tmp_path / "run").sound
     assert sorted(tmp_path.iterdir()) == names
+
+
+FRAME = """\
+ITEM: TIMESTEP
+{step}
+ITEM: NUMBER OF ATOMS
+2
+ITEM: BOX BOUNDS pp pp ff
+0 {side}
+0 80
+-1 1
+ITEM: ATOMS type radius x y
+{kinds[0]} 1 5 40
+{kinds[1]} 1 50 70
+"""
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"side": 90}, r"frame 2: the periodic box is 0\.09 x 0\.08 m; expected 0\.1 x 0\.08 m as in frame 0"),
+        ({"step": 25}, "frame 2: is 15 steps .* frame 1 is 10 after frame 0; expected equal intervals"),
+        ({"step": 10}, "frame 2: is 0 steps"),
+        ({"kinds": "21"}, "frame 2: particle 1 is of type 2, and of type 1 in frame 0; expected the same order"),
+    ],
+)
+def test_frames_that_a_run_cannot_have_are_refused(changed, message, tmp_path):
+    frames = [{"step": 10 * number, "side": 100, "kinds": "12"} for number in range(3)]
+    frames[2] |= changed
+    (tmp_path / "some.dump").write_text("".join(FRAME.format(**each) for each in frames))
+    species = [f'[[particles]]\nname = "{name}"\ndensity = 1250.0\ncontact_angle = "90 deg"\n' for name in "12"]
+    head, _, cell = CELL.format(file="some.dump").partition("[[particles]]")
+    (tmp_path / "cell.toml").write_text(head + "".join(species) + cell[cell.index("[cell]") :])
+    with pytest.raises(BadInput, match=message):
+        import_run(tmp_path / "cell.toml", tmp_path / "run", overrides=["duration=0.2"])
+    assert not (tmp_path / "run").exists()

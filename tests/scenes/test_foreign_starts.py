@@ -176,7 +176,7 @@ def test_a_cell_of_another_size_is_refused(folder: Path) -> None:
     assert fault == "cell.volume_fraction: has no meaning beside start_from, which contains the positions"
     hoomd(folder / "start.gsd", box=[20, 10, 1, 0.5, 0, 0])
     (fault,) = faults(folder, SOFT.format(file="start.gsd", cell=""))
-    assert fault == "start_from: start.gsd has a box tilted by 0.0005 m; expected a rectangular one"
+    assert fault == "start_from: start.gsd has a box tilted by 0.005 m; expected a rectangular one"
 
 
 def test_tracers_start_with_velocities_in_two_and_three_dimensions(folder: Path) -> None:

@@ -193,3 +193,42 @@ def test_momenta_are_velocities_times_masses():
     assert moving.velocity.tolist() == [[2.0, 3.0, -4.0]]
     with pytest.raises(ValueError, match="momenta without masses"):
         xyz.series(head.format("") + "\n")[1](0)
+
+
+TILTED = """\
+ITEM: TIMESTEP
+0
+ITEM: NUMBER OF ATOMS
+2
+ITEM: BOX BOUNDS xy xz yz pp pp pp
+-3 15 5
+0 12 -3
+-1 7 2
+ITEM: ATOMS id type xs ys zs
+1 1 0 0 0
+2 1 0.25 0.5 0.75
+"""
+
+
+def test_scaled_positions_in_a_tilted_box_are_those_of_its_edges():
+    """The bounds of LAMMPS contain the tilts: here the box begins at (0, 0, -1), with the edges (10, 0, 0), (5, 10, 0)
+    and (-3, 2, 8).
+    """
+    found = dumps.read(TILTED)
+    assert found.position == pytest.approx(np.array([[0, 0, -1], [2.5 + 2.5 - 2.25, 5 + 1.5, 5]]))
+    assert (found.sides, found.tilt) == ((10.0, 10.0, 8.0), 5.0)
+
+
+def test_unwrapped_positions_are_read_where_wrapped_ones_have_no_image_numbers():
+    both = dump("id type x y xu yu", lambda number, kind, place: f"{number} {kind} 1 2 {as_text(place[:2] + 40)}")
+    found = dumps.read(both)
+    assert found.position[:, :2] == pytest.approx(PLACES[-1, :, :2] + 40)
+    assert not found.image.any()
+
+
+def test_extended_xyz_is_sorted_by_its_ids():
+    text = "2\nProperties=species:S:1:pos:R:3:id:I:1 Time=0.5\nA 1 2 0 7\nB 3 4 0 2\n"
+    found = xyz.read(text)
+    assert found.position.tolist() == [[3, 4, 0], [1, 2, 0]]
+    assert [found.names[kind] for kind in found.kind] == ["B", "A"]
+    assert found.instant == 0.5

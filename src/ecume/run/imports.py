@@ -42,6 +42,10 @@ MODELS_OF_PARTICLES = {
 """For each model, the reason why its frames do not follow from positions and velocities; empty if they do."""
 SAME = 1e-9
 """The largest distance of a particle of the file from its counterpart in the scene, over the extent of all."""
+SAME_SIDE = 1e-5
+"""The relative difference of sides of boxes that count as equal, since files hold them in single precision."""
+SAME_INTERVAL = 0.01
+"""The same of times between frames, which files round."""
 
 
 def import_run(
@@ -90,6 +94,7 @@ def import_run(
 def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Model]:
     """An engine that reads each frame, the first included, instead of integrating up to it."""
     model, paths, before = MODELS[scene.model], Paths(name), _read(name, series, 0)
+    alike = Alike(name, before)
     order: list[NDArray[np.int64]] = []
 
     def start(scene: Any, parameters: Any) -> Any:
@@ -113,6 +118,7 @@ def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Mode
         if len(found.position) != len(place):
             raise BadInput(f"{name}: frame {frame} has {len(found.position)} particles; expected {len(place)}")
         dimensions = state.position.shape[1]
+        alike.require(found, model.access.sides(parameters)[:dimensions], frame)
         position = paths.continued(found, model.access.sides(parameters)[:dimensions], frame * scene.frame_every)
         arrays["position"][...] = position[place]
         arrays["velocity"][...] = 0.0 if found.velocity is None else found.velocity[place, :dimensions]
@@ -123,6 +129,52 @@ def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Mode
     return lambda model: dataclasses.replace(
         model, start=start, advance=advance, exchange=lambda parameters, state: state
     )
+
+
+class Alike:
+    """What all frames of a file have in common: box, type of each particle, and time since the frame before."""
+
+    def __init__(self, name: str, first: Particles) -> None:
+        self.name, self.kinds = name, np.array(first.names)[first.kind]
+        self.last = first.instant
+        self.interval: float | None = None
+
+    def require(self, found: Particles, sides: Array, frame: int) -> None:
+        """Raise BadInput for a frame that differs; frames come one after the other. `sides`: of the scene (m)."""
+        if found.sides is not None and sides.any():
+            self._require_box(found, sides, frame)
+        kinds = np.array(found.names)[found.kind]
+        if (other := np.flatnonzero(kinds != self.kinds)).size:
+            got, before = kinds[other[0]], self.kinds[other[0]]
+            raise BadInput(
+                f"{self.name}: frame {frame}: particle {other[0] + 1} is of type {got}, and of type {before} in frame "
+                "0; expected the same order in all frames, or a column id"
+            )
+        if frame:
+            self._require_interval(found.instant, frame)
+
+    def _require_box(self, found: Particles, sides: Array, frame: int) -> None:
+        own = np.array(found.sides)[: len(sides)]
+        periodic = sides > 0.0
+        if (np.abs(own - sides)[periodic] > SAME_SIDE * sides[periodic]).any() or found.tilt > SAME_SIDE * sides.max():
+            tilted = f", tilted by {found.tilt:.4g} m" if found.tilt > SAME_SIDE * sides.max() else ""
+            got, there = (" x ".join(f"{side:.6g}" for side in each[periodic]) for each in (own, sides))
+            raise BadInput(
+                f"{self.name}: frame {frame}: the periodic box is {got} m{tilted}; expected {there} m as in frame 0, "
+                "since boxes that change cannot be imported"
+            )
+
+    def _require_interval(self, now: float | None, frame: int) -> None:
+        if now is not None and self.last is not None:
+            interval = now - self.last
+            self.interval = interval if self.interval is None else self.interval
+            if abs(interval - self.interval) > SAME_INTERVAL * max(abs(self.interval), abs(interval)):
+                raise BadInput(
+                    f"{self.name}: frame {frame}: is {interval:g} steps or units of time after the one before, and "
+                    f"frame 1 is {self.interval:g} after frame 0; expected equal intervals, which are frame_every of "
+                    "the run: leave other frames out"
+                )
+        self.last = now
 
 
 class Paths:

@@ -36,6 +36,7 @@ class Table(NamedTuple):
     rows: list[list[str]]
     line: int
     """of the first row"""
+    step: float | None = None
 
 
 def read(text: str, index: int = -1) -> Particles:
@@ -87,7 +88,8 @@ def _table(lines: Sequence[str], place: int, end: int) -> Table:
     box = [
         _numbers(line.split(), bounds + axis + 1) for axis, line in enumerate(lines[bounds : min(bounds + AXES, end)])
     ]
-    return Table(box, head[2:], [line.split() for line in lines[first : first + count]], first + 1)
+    rows = [line.split() for line in lines[first : first + count]]
+    return Table(box, head[2:], rows, first + 1, _step(lines, items["TIMESTEP"][1]))
 
 
 def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
@@ -104,7 +106,16 @@ def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
     at = keys["box"] + 1
     box = [_numbers(_items(line), at + axis + 1) for axis, line in enumerate(lines[at : min(at + AXES, end)])]
     rows = [_items(line) for line in lines[first : first + count]]
-    return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1)
+    step = (
+        number(lines[keys["timestep"]].partition(":")[2].strip(), keys["timestep"] + 1) if "timestep" in keys else None
+    )
+    return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1, step)
+
+
+def _step(lines: Sequence[str], at: int) -> float | None:
+    """The time step of a frame; None where the line does not hold one number."""
+    words = lines[at].split() if at < len(lines) else []
+    return number(words[0], at + 1) if len(words) == 1 else None
 
 
 def _items(line: str) -> list[str]:
@@ -125,7 +136,7 @@ def _particles(table: Table) -> Particles:
             raise FileFault(f"got {len(row)} columns; expected {len(table.columns)}", table.line + place)
     place_of = {name: place for place, name in enumerate(table.columns)}
     order = _order(table, place_of)
-    sides, tilt = _sides(table.box)
+    low, lattice = _lattice(table.box)
     kinds = next((name for name in KINDS if name in place_of), None)
     words = [table.rows[row][place_of[kinds]] if kinds else "1" for row in order]
     names, kind = numbered(sorted(set(words), key=lambda word: (len(word), word)) + words)
@@ -133,10 +144,17 @@ def _particles(table: Table) -> Particles:
     radius, density = given["radius"], given["density"] if given["density"] is not None else given["rho"]
     diameter = given["diameter"] if radius is None else 2.0 * radius
     velocity = _vectors(table, place_of, ("vx", "vy", "vz"), order)
-    position = _positions(table, place_of, order)
+    columns = _columns_of_positions(table, place_of)
+    position = _vectors(table, place_of, columns, order)
+    if position is None:
+        raise FileFault(f"got the columns {' '.join(table.columns)[:60]}; expected x y z or xs ys zs", table.line - 1)
+    if "s" in columns[0]:
+        position = low + position @ lattice.T
+    x, y, z = lattice.diagonal().tolist()
+    tilt = float(np.abs(lattice - np.diag(lattice.diagonal())).max())
     return Particles(
-        names, kind[len(names) :], position, velocity, diameter, given["mass"], density, sides, tilt,
-        _images(table, place_of, order),
+        names, kind[len(names) :], position, velocity, diameter, given["mass"], density, (x, y, z), tilt,
+        _images(table, place_of, order, columns), table.step,
     )  # fmt: skip
 
 
@@ -146,28 +164,33 @@ def _order(table: Table, place_of: Mapping[str, int]) -> NDArray[np.int64]:
     return np.arange(len(table.rows)) if ids is None else np.argsort(ids, kind="stable")
 
 
-def _sides(box: Sequence[Sequence[float]]) -> tuple[tuple[float, float, float], float]:
-    """The sides of the box and its largest tilt. The bounds of a tilted box contain the tilts."""
+def _lattice(box: Sequence[Sequence[float]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The corner of the box (3,), and its edges as columns (3, 3). The bounds of a tilted box, with xy, xz and yz
+    behind them, contain the tilts.
+    """
     if len(box) < AXES:
         raise ValueError("ends in the bounds of a box")
-    x, y, z = (ends[1] - ends[0] for ends in box)
-    return (x, y, z), max((abs(ends[2]) for ends in box if len(ends) > 2), default=0.0)
+    xy, xz, yz = (ends[2] if len(ends) > 2 else 0.0 for ends in box)
+    shifts = [(0.0, xy, xz, xy + xz), (0.0, yz), (0.0,)]
+    low = np.array([ends[0] - min(own) for ends, own in zip(box, shifts, strict=True)])
+    high = np.array([ends[1] - max(own) for ends, own in zip(box, shifts, strict=True)])
+    lattice = np.diag(high - low)
+    lattice[0, 1], lattice[0, 2], lattice[1, 2] = xy, xz, yz
+    return low, lattice
 
 
-def _positions(table: Table, place_of: Mapping[str, int], order: NDArray[np.int64]) -> NDArray[np.float64]:
-    for names in POSITIONS:
-        found = _vectors(table, place_of, names, order)
-        if found is not None:
-            low = np.array([ends[0] for ends in table.box])
-            sides = np.array([ends[1] - ends[0] for ends in table.box])
-            return low + sides * found if "s" in names[0] else found
-    raise FileFault(f"got the columns {' '.join(table.columns)[:60]}; expected x y z or xs ys zs", table.line - 1)
+def _columns_of_positions(table: Table, place_of: Mapping[str, int]) -> tuple[str, str, str]:
+    """The names of the columns of positions; those of unwrapped ones where wrapped ones have no image numbers."""
+    there = [names for names in POSITIONS if names[0] in place_of and names[1] in place_of] or [POSITIONS[0]]
+    known = IMAGES[0] in place_of and IMAGES[1] in place_of
+    return next((names for names in there if "u" in names[0] and not known), there[0])
 
 
-def _images(table: Table, place_of: Mapping[str, int], order: NDArray[np.int64]) -> NDArray[np.int64] | None:
+def _images(
+    table: Table, place_of: Mapping[str, int], order: NDArray[np.int64], columns: tuple[str, str, str]
+) -> NDArray[np.int64] | None:
     """The image numbers of wrapped positions; zero for positions that are not wrapped, None where they are unknown."""
-    wrapped = next((names for names in POSITIONS if names[0] in place_of and names[1] in place_of), POSITIONS[0])
-    if "u" in wrapped[0]:
+    if "u" in columns[0]:
         return np.zeros((len(order), AXES), np.int64)
     found = _vectors(table, place_of, IMAGES, order)
     return None if found is None else np.rint(found).astype(np.int64)

@@ -69,9 +69,25 @@ def _particles(file: FileIO, index: Index, frame: int) -> Particles:
         None if mass is None else mass[:, 0],
         None if density is None else density[:, 0],
         None if sides is None else (sides[0], sides[1], sides[2]),
-        0.0 if sides is None else max(map(abs, sides[3:])),
+        0.0 if sides is None else _tilt(sides),
         None if image is None else image.astype(np.int64),
+        _step(file, index, frame),
     )
+
+
+def _tilt(box: list[float]) -> float:
+    """The largest shift of a side of a box: HOOMD's tilts are those over the height and the depth."""
+    _, y, z, xy, xz, yz = box
+    return max(abs(xy) * y, abs(xz) * z, abs(yz) * z)
+
+
+def _step(file: FileIO, index: Index, frame: int) -> float | None:
+    """The number of steps of a frame that states its own, or of the first."""
+    if "configuration/step" not in index.names:
+        return None
+    own = index.entries["frame"][index.entries["name"] == index.names.index("configuration/step")]
+    found = _chunk(file, index, frame, "configuration/step") if frame in own else None
+    return float(found.flat[0]) if found is not None and found.size else None
 
 
 def _of_particles(

@@ -35,6 +35,8 @@ class Particles(NamedTuple):
     """(N, 3) the number of sides of the box by which each particle is beyond its stored position; zero for unwrapped
     positions
     """
+    instant: float | None = None
+    """The time or the number of steps, in a unit that only the file knows; differences tell intervals."""
 
 
 class FileFault(ValueError):

@@ -36,6 +36,7 @@ MEANINGS = {
     "mass": ("mass", "masses"),
     "density": ("density", "densities"),
     "species": ("species", "type", "element"),
+    "id": ("id",),
 }
 """The names of columns that are read, in lower case."""
 VECTORS = {"position", "velocity", "momentum"}
@@ -70,6 +71,9 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
     for place, row in enumerate(rows, start + 3):
         if len(row) < width or (exact and len(row) != width):
             raise FileFault(f"got {len(row)} columns; expected {width}", place)
+    if place_of_id := columns.pop("id", None):  # programs write particles in any order
+        ids = _values(rows, place_of_id, start + 3)[:, 0]
+        rows = [rows[row] for row in np.argsort(ids, kind="stable")]
     species = columns.get("species")
     words = [row[species.first] for row in rows] if species else ["1"] * len(rows)
     values = {name: _values(rows, one, start + 3) for name, one in columns.items() if name != "species"}
@@ -79,7 +83,8 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
     sides, tilt = _box(comment, start + 2)
     mass, density = single.get("mass"), single.get("density")
     velocity = _velocities(values, start + 2)
-    return Particles(names, kind, values["position"], velocity, diameter, mass, density, sides, tilt)
+    instant = number(comment["time"], start + 2) if "time" in comment else None
+    return Particles(names, kind, values["position"], velocity, diameter, mass, density, sides, tilt, instant=instant)
 
 
 def _velocities(values: Mapping[str, NDArray[np.float64]], line: int) -> NDArray[np.float64] | None:
