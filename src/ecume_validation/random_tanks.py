@@ -173,7 +173,7 @@ def rest(scene: SphScene) -> Rest:
         scatter=float(np.std(error)),
         change=abs(last.numbers["volume"] / volume - 1.0),
         rise=float((energy - np.minimum.accumulate(energy)).max()) / (unit * volume),
-        lost=last.numbers["lost"],
+        lost=last.numbers["particles_lost"],
     )
 
 

@@ -120,3 +120,33 @@ def test_json_of_a_sweep_is_of_its_status() -> None:
     refused = cli.invoke(app, ["sweep", "durations.toml", "--json"])
     assert refused.exit_code == 2
     assert "--json goes with --status" in refused.stderr
+
+
+@pytest.mark.compiled
+def test_runs_of_other_particle_numbers_say_so() -> None:
+    made("two")
+    made("one", 'particles[0].positions=[["4 mm", "5 mm"]]')
+    done = cli.invoke(app, ["compare", "two", "one"])
+    assert "2 and 1 particles" in done.stdout
+    assert "inf" not in done.stdout.replace("first", "")
+    rows = {
+        row["name"]: row
+        for row in json.loads(cli.invoke(app, ["compare", "two", "one", "--json"]).stdout)["quantities"]
+    }
+    assert rows["position"]["shapes"] == "2 and 1 particles"
+
+
+def test_rounding_is_told_from_differences() -> None:
+    """A force of rounding noise beside one of 5 N is no difference; the same number alone in its unit is."""
+    from ecume.run.reports import _differences
+    from ecume.trajectories.frame import Frame
+
+    units = {"floor_force": "N", "net_force": "N", "energy": "J"}
+
+    def frame(**numbers: float) -> Frame:
+        return Frame(0.0, {}, numbers, units)
+
+    first = frame(floor_force=5.0, net_force=-4.4e-16, energy=1e-16)
+    second = frame(floor_force=5.0 + 8.9e-16, net_force=4.4e-16, energy=3e-16)
+    found = {row.name: row.rounding for row in _differences(iter([(first, second)]))}
+    assert found == {"floor_force": True, "net_force": True, "energy": False}

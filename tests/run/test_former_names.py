@@ -8,6 +8,8 @@ import pytest
 
 from ecume.models import MODELS
 from ecume.run.archives import FORMER_NAMES, with_present_names
+from ecume.trajectories.gsd import FORMER_BEGINNINGS, FORMER_NUMBERS, present_name
+from ecume.trajectories.reader import open_trajectory
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "0.1.0"
 
@@ -34,3 +36,26 @@ def test_former_names_are_found_within_paths():
 def test_a_present_name_is_never_taken_for_a_former_one():
     stored = {former: np.array(1.0) for former in FORMER_NAMES.values()}
     assert with_present_names(stored, list(stored)) == stored
+
+
+def test_numbers_of_a_former_version_have_present_names():
+    """Its files say `came`, `left` and `lost`; frames, curves and units have the present names; either is accepted."""
+    with open_trajectory(GOLDEN / "sph") as trajectory:
+        assert {"came", "left", "lost"} <= set(trajectory._segments[0].header.numbers)
+        numbers, units = trajectory[0].numbers, trajectory.units
+        assert {"particles_entered", "particles_left", "particles_lost"} <= set(numbers)
+        assert not {"came", "left", "lost"} & (set(numbers) | set(units) | set(trajectory[0].units))
+        assert trajectory.numbers("particles_lost").tolist() == trajectory.numbers("lost").tolist()
+        assert trajectory.numbers("lost")[0] == numbers["particles_lost"]
+
+
+def test_an_array_keeps_its_name():
+    """Tracers have an array `left`, the opening through which a particle left."""
+    with open_trajectory(GOLDEN / "tracers") as trajectory:
+        assert "left" in trajectory[0].arrays
+        assert "left" in trajectory.units
+
+
+def test_no_present_number_is_taken_for_a_former_one():
+    present = [*FORMER_NUMBERS.values(), *(f"{begin}0" for begin in FORMER_BEGINNINGS.values())]
+    assert list(map(present_name, present)) == present

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -82,24 +81,21 @@ def _print(found: Comparison) -> None:
             echo()
     one, other = found.frames
     echo(f"frames: {one} and {other}, {found.common} of them at equal times")
-    if found.quantities:
-        rows = [
-            (
-                row.name,
-                f"{row.from_time:.6g} s",
-                _largest(row),
-                "" if math.isinf(row.largest) else f"{row.relative:.1e}",
-            )
-            for row in found.quantities
-        ]
+    beyond = [row for row in found.quantities if not row.rounding]
+    if beyond:
+        rows = [(row.name, f"{row.from_time:.6g} s", *_sizes(row)) for row in beyond]
         print_table(("quantity", "differs from", "by at most", "relative"), rows)
-    elif found.common:
+    if rounded := [row.name for row in found.quantities if row.rounding]:
+        echo(f"{'others differ' if beyond else 'differences'} by rounding only: {', '.join(rounded)}")
+    if found.common and not found.quantities:
         echo("all quantities are equal, bit for bit")
 
 
-def _largest(row: QuantityDifference) -> str:
-    """The largest difference; of arrays that cannot be subtracted, that they cannot."""
-    return "other shape" if math.isinf(row.largest) else f"{row.largest:.2e} {row.unit}".rstrip()
+def _sizes(row: QuantityDifference) -> tuple[str, str]:
+    """The largest difference and its ratio to the values; of arrays that cannot be subtracted, why."""
+    if row.shapes:
+        return row.shapes, ""
+    return f"{row.largest:.2e} {row.unit}".rstrip(), f"{row.relative:.1e}"
 
 
 def _text(value: object) -> str:

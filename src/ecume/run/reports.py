@@ -222,6 +222,14 @@ class QuantityDifference(NamedTuple):
     """largest difference in any frame, in the quantity's unit; infinite where shapes or finite values differ"""
     relative: float
     """the same over the quantity's largest value in the first run"""
+    rounding: bool = False
+    """whether it is explained by rounding: below `ROUNDING` of the largest quantity of the same unit"""
+    shapes: str = ""
+    """what keeps the values from being subtracted, as in `60 and 40 particles`"""
+
+
+ROUNDING = 1e-13
+"""The difference, over the largest value of any quantity with the same unit, that rounding explains."""
 
 
 class Comparison(NamedTuple):
@@ -304,7 +312,9 @@ def _differences(pairs: Iterator[tuple[Frame, Frame]]) -> list[QuantityDifferenc
     """One entry for each quantity that differs in any pair of frames."""
     found: dict[str, QuantityDifference] = {}
     scales: dict[str, float] = {}
+    units: dict[str, str] = {}
     for first, second in pairs:
+        units |= first.units
         mine, theirs = _quantities(first), _quantities(second)
         for name in dict.fromkeys((*mine, *theirs)):
             one, other = mine.get(name), theirs.get(name)
@@ -315,8 +325,41 @@ def _differences(pairs: Iterator[tuple[Frame, Frame]]) -> list[QuantityDifferenc
             before = found.get(name)
             largest = max(size, before.largest if before else 0.0)
             start = before.from_time if before else first.time
-            found[name] = QuantityDifference(name, str(first.units.get(name, "")), start, largest, math.nan)
-    return [one._replace(relative=_over(one.largest, scales.get(name, 0.0))) for name, one in found.items()]
+            shapes = before.shapes if before and before.shapes else _unlike(one, other)
+            unit = str(first.units.get(name, ""))
+            found[name] = QuantityDifference(name, unit, start, largest, math.nan, shapes=shapes)
+    around = _scales_of_units(scales, units)
+    return [
+        one._replace(
+            relative=_over(one.largest, scales.get(name, 0.0)),
+            rounding=one.largest <= ROUNDING * around.get(one.unit, scales.get(name, 0.0)),
+        )
+        for name, one in found.items()
+    ]
+
+
+PURE = ("", "1")
+"""Units of numbers that are not comparable with one another: counts, angles, fractions."""
+
+
+def _scales_of_units(scales: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float]:
+    """The largest value of all quantities of one unit; not of pure numbers."""
+    found: dict[str, float] = {}
+    for name, scale in scales.items():
+        if (unit := units.get(name, "")) not in PURE:
+            found[unit] = max(found.get(unit, 0.0), scale)
+    return found
+
+
+def _unlike(one: NDArray[Any] | None, other: NDArray[Any] | None) -> str:
+    """What keeps two arrays from being subtracted; empty if they can be."""
+    if one is None or other is None:
+        return f"only in the {'second' if one is None else 'first'} run"
+    if one.shape[:1] != other.shape[:1]:
+        return f"{len(one)} and {len(other)} particles"
+    if (one.shape, one.dtype) != (other.shape, other.dtype):
+        return "different shapes"
+    return "" if np.array_equal(np.isfinite(one), np.isfinite(other)) else "finite in one run only"
 
 
 def _quantities(frame: Frame) -> dict[str, NDArray[Any]]:

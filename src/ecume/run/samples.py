@@ -20,6 +20,7 @@ from ecume._plain_files import append, opened, read_at
 from ecume.models.step_counts import BEFORE
 from ecume.run.directory import RunDirectory, identity_of
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd import present_name
 from ecume.trajectories.records import SUM, line_of, sealed_line, storing
 from ecume.trajectories.samples import SUMS, heading, read_heading, sum_of
 
@@ -106,7 +107,7 @@ class SampleFile:
             self._pending.append(heading(self._names, frame.units, blocks=self._asked.block > 1))
             self._block = Block(len(self._names))
         self.last = last
-        values = np.array([frame.numbers.get(name, math.nan) for name in self._names], dtype=np.float64)
+        values = np.array([frame.numbers.get(present_name(name), math.nan) for name in self._names], dtype=np.float64)
         if self._asked.block == 1:
             self._pending.append(_row(step, [frame.time, *values.tolist()]))
             return

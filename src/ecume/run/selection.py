@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput, Fault, SceneError, nearest
 from ecume.trajectories.frame import Frame, RecordedArrays
+from ecume.trajectories.gsd import present_name
 
 if TYPE_CHECKING:
     from ecume.models.model import Model
@@ -77,7 +78,7 @@ def _unknown(path: str, names: Sequence[str], known: Iterable[str]) -> Iterator[
     """A fault for each name that does not exist."""
     there = list(known)
     for place, name in enumerate(names):
-        if name not in there:
+        if name not in there and present_name(name) not in there:
             near = nearest(name, there)
             hint = f"; {near}" if near.startswith("did you mean") else ""
             yield Fault(f"{path}[{place}]", f"got {name!r}; expected one of {', '.join(there)}{hint}")

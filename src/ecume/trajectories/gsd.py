@@ -248,6 +248,24 @@ class Header(NamedTuple):
     """The identity of the run, see `records.identity`; every frame's checksum covers it."""
 
 
+FORMER_NUMBERS = {"came": "particles_entered", "left": "particles_left", "lost": "particles_lost"}
+"""The present names of numbers that files of former versions contain under others."""
+FORMER_BEGINNINGS = {"came_through_opening_": "entered_through_opening_"}
+"""The same for the beginnings of numbered names."""
+
+
+def present_name(number: str) -> str:
+    """The name that a number of a frame has today.
+
+    >>> present_name("came_through_opening_1"), present_name("hits")
+    ('entered_through_opening_1', 'hits')
+    """
+    for former, present in FORMER_BEGINNINGS.items():
+        if number.startswith(former):
+            return present + number.removeprefix(former)
+    return FORMER_NUMBERS.get(number, number)
+
+
 SINGLE = "<f4"
 SIDES = ("box_width", "box_height", "box_depth")
 """The numbers of a frame that are the sides of a periodic box; zero or missing along other axes."""
@@ -339,8 +357,14 @@ def frame_of(chunks: Chunks, header: Header) -> Frame:
         raise ValueError("arrays of several lengths")
     if header.omitted:
         arrays = RecordedArrays(arrays, header.omitted)
-    numbers = {name: float(chunks[f"log/{name}"][0, 0]) for name in header.numbers}
-    return Frame(float(chunks["log/time"][0, 0]), arrays, numbers, dict(header.units))
+    numbers = {present_name(name): float(chunks[f"log/{name}"][0, 0]) for name in header.numbers}
+    return Frame(float(chunks["log/time"][0, 0]), arrays, numbers, units_of(header))
+
+
+def units_of(header: Header) -> dict[str, str]:
+    """The unit of each array and number, by their present names."""
+    renamed = set(header.numbers) - set(header.arrays)
+    return {present_name(name) if name in renamed else name: unit for name, unit in header.units.items()}
 
 
 def _stored(chunks: Chunks, name: str, width: int) -> NDArray[Any]:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ecume._hooks import derived_arrays, html_of, scene_of
 from ecume._plain_files import require_plain
 from ecume.errors import BadInput, StorageError
+from ecume.trajectories import gsd
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.records import manifest_at, scene_at, storing
 from ecume.trajectories.segments import Segment, require_own, segment_files
@@ -114,7 +115,7 @@ class Trajectory(Sequence[Frame]):
     @property
     def units(self) -> dict[str, str]:
         """The unit of each array and number."""
-        return dict(self._segments[-1].header.units) if self._segments else {}
+        return gsd.units_of(self._segments[-1].header) if self._segments else {}
 
     @property
     def species(self) -> tuple[str, ...]:
@@ -123,8 +124,8 @@ class Trajectory(Sequence[Frame]):
 
     def numbers(self, name: str) -> NDArray[np.float64]:
         """The values of a named number (`kinetic_energy`) in all frames."""
-        known = {known for segment in self._segments for known in segment.header.numbers}
-        if name not in known:
+        known = {gsd.present_name(known) for segment in self._segments for known in segment.header.numbers}
+        if (name := gsd.present_name(name)) not in known:
             raise BadInput(f"{self.directory}: no number {name}; expected one of {', '.join(sorted(known))}")
         return self._column(f"log/{name}")
 
@@ -214,12 +215,18 @@ class Trajectory(Sequence[Frame]):
         columns = [np.zeros(0)]
         for segment in self._segments:
             numbers = segment.numbers()
-            names = numbers.dtype.names or ()
-            columns.append(numbers[name] if name in names else np.full(segment.frames, np.nan))
+            stored = {_present_chunk(chunk): chunk for chunk in numbers.dtype.names or ()}
+            columns.append(numbers[stored[name]] if name in stored else np.full(segment.frames, np.nan))
         column = np.concatenate(columns)
         if len(column) != len(self):
             raise StorageError(f"{self.directory}: {len(self) - len(column)} frames are missing")
         return column
+
+
+def _present_chunk(chunk: str) -> str:
+    """The name of a chunk of a number, as this version would write it."""
+    folder, mark, number = chunk.rpartition("/")
+    return folder + mark + gsd.present_name(number)
 
 
 class _Some(Sequence[Frame]):

@@ -163,7 +163,7 @@ def open_tanks(count: int, pressure: str) -> None:
         except Diverged as error:
             failed.append((seed, str(error)[:120]))
             continue
-        found.append((gained(frames), unbalanced(frames), frames[-1].numbers["lost"], seed))
+        found.append((gained(frames), unbalanced(frames), frames[-1].numbers["particles_lost"], seed))
     for place, name in enumerate(("rise of energy", "unbalanced force", "particles lost")):
         rows = sorted((row[place], row[3]) for row in found)
         middle = np.quantile([value for value, _ in rows], (0.5, 0.9)).tolist()

@@ -82,7 +82,7 @@ def test_draining_tank():
     first, last = (float(np.interp(-level, -deep, time)) for level in (0.25, 0.21))
     emptied = 0.5 / 0.06 * math.sqrt(2.0 / GRAVITY) * (math.sqrt(0.25) - math.sqrt(0.21))
     assert emptied / (last - first) == pytest.approx(math.pi / (math.pi + 2.0), rel=0.1)
-    assert frames[-1].numbers["lost"] > 0.0
+    assert frames[-1].numbers["particles_lost"] > 0.0
     assert "mass" not in [row.name for row in SPH.invariants(scene, SPH.parameters(scene))]
 
 

@@ -81,9 +81,9 @@ def test_a_parabola_that_flows_in_flows_out_as_one():
     assert np.sqrt(np.mean((u - exact) ** 2)) < 0.05
     assert np.abs(v).max() < 0.05
     numbers = frames[-1].numbers
-    assert numbers["came"] == pytest.approx(150, abs=10)
+    assert numbers["particles_entered"] == pytest.approx(150, abs=10)
     assert len(u) == pytest.approx(200, abs=8)
-    assert (numbers["lost"], numbers["guard_hits"]) == (0, 0)
+    assert (numbers["particles_lost"], numbers["guard_hits"]) == (0, 0)
 
 
 @pytest.mark.compiled
@@ -148,8 +148,8 @@ def test_who_falls_out_of_an_open_tank_is_lost_and_counted():
     plain["fluid"] = [{"low": [0.0, 0.5], "high": [1.0, 1.0]}]
     frames = list(ecume.simulate(from_plain({**plain, "duration": 2.0})))
     last = frames[-1]
-    assert last.numbers["lost"] > 0
-    assert len(last.arrays["position"]) + last.numbers["lost"] == len(frames[0].arrays["position"])
+    assert last.numbers["particles_lost"] > 0
+    assert len(last.arrays["position"]) + last.numbers["particles_lost"] == len(frames[0].arrays["position"])
     assert last.arrays["position"][:, 1].min() > 0.5 - np.hypot(1.0, 1.5) - 0.1
 
 

@@ -49,13 +49,13 @@ def channel(**changes):
 @pytest.mark.compiled
 def test_as_many_come_in_as_were_asked_for_and_leave_two_seconds_later():
     for frame in ecume.simulate(channel()):
-        entered_count, left = frame.numbers["came_through_opening_0"], frame.numbers["left_through_opening_1"]
+        entered_count, left = frame.numbers["entered_through_opening_0"], frame.numbers["left_through_opening_1"]
         assert entered_count == pytest.approx(200.0 * frame.time, abs=1)
         assert len(frame.arrays["position"]) == 2 + entered_count
         assert frame.numbers["particles_inside"] == 2 + entered_count - left
         if frame.time > 2.1:
             assert left == pytest.approx(200.0 * (frame.time - 2.0) + 2, abs=5)
-    assert frame.numbers["came_through_opening_1"] == 0.0
+    assert frame.numbers["entered_through_opening_1"] == 0.0
 
 
 @pytest.mark.compiled

@@ -127,7 +127,7 @@ def test_who_comes_and_goes_takes_its_energy_along():
         hydrodynamics=TracerHydrodynamicsSpec(drag="none"),
     )
     *_, last = ecume.simulate(scene)
-    assert last.numbers["came_through_opening_0"] == 15
+    assert last.numbers["entered_through_opening_0"] == 15
     assert last.numbers["left_through_opening_1"] > 3
     energy, work = budget(scene)
     assert np.ptp(energy) > 0.5 * energy[0]

@@ -81,7 +81,7 @@ def test_bodies_in_space_turn_and_are_drawn():
     scene = in_space()
     frames = list(ecume.simulate(scene))
     numbers = frames[-1].numbers
-    assert numbers["came"] > 0
+    assert numbers["particles_entered"] > 0
     turn = turned([numbers[f"body0_q{part}"] for part in "wxyz"])
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
     assert numbers["body0_qw"] == pytest.approx(np.cos(0.05 * np.sqrt(14.0)), abs=0.01)

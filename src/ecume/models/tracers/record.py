@@ -110,7 +110,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "hits": float(state.hits.sum()),
         **{f"hits_on_wall_{k}": float(count) for k, count in enumerate(state.hits)},
         **{f"left_through_opening_{m}": float((state.left == m).sum()) for m in range(holes)},
-        **{f"came_through_opening_{m}": float((entered == m).sum()) for m in range(holes)},
+        **{f"entered_through_opening_{m}": float((entered == m).sum()) for m in range(holes)},
         **{f"deposited_on_wall_{k}": float((state.left == m).sum()) for k, m in held.items()},
         "flights_cut_short": float(state.tally[CAPPED]),
         **sides,
@@ -160,7 +160,7 @@ def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
 
 def _missing(seen: NumberHistory) -> float:
     """The number of particles missing from the balance of those at the start, entered, left and present."""
-    entered_count = _through("came", seen.now) - _through("came", seen.first)
+    entered_count = _through("entered", seen.now) - _through("entered", seen.first)
     gone = _through("left", seen.now) - _through("left", seen.first)
     held = _deposited(seen.now) - _deposited(seen.first)
     return abs(seen.first["particles_inside"] + entered_count - gone - held - seen.now["particles_inside"])

@@ -354,9 +354,9 @@ NUMBER_UNITS = {
     "volume": "m^3",
     "guard_hits": "1",
     "leaning": "1",
-    "came": "1",
-    "left": "1",
-    "lost": "1",
+    "particles_entered": "1",
+    "particles_left": "1",
+    "particles_lost": "1",
     "substeps": "1",
     "most_substeps": "1",
 }
@@ -566,9 +566,9 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "density_change": change.max(),
         "volume": np.sum(state.mass / state.density),
         "guard_hits": state.tally[GUARD_HITS],
-        "came": state.population[ENTERED],
-        "left": state.population[LEFT],
-        "lost": state.population[LOST],
+        "particles_entered": state.population[ENTERED],
+        "particles_left": state.population[LEFT],
+        "particles_lost": state.population[LOST],
         "substeps": state.tally[SUBSTEPS],
         "most_substeps": state.tally[MOST_SUBSTEPS],
     }
@@ -598,7 +598,7 @@ def invariants(scene: SphScene, parameters: Parameters) -> list[Invariant]:
 def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
     volume = scene.spacing ** len(scene.tank.low)
     if "open" not in _kinds(scene):
-        yield at_most("mass", "particles that are lost", "lost", 0.0)
+        yield at_most("mass", "particles that are lost", "particles_lost", 0.0)
     yield at_most("density", "its largest change, over the density at rest", "density_change", SQUEEZED)
     if parameters.projection is None:
         sound = parameters.material.sound_speed
