@@ -1,16 +1,25 @@
 """Random small tanks in 2D, closed and open, still or collapsing, with obstacles and bodies; by hand with many seeds:
-`python -m tests.models.sph.random_closed_tanks 200`.
+`python -m tests.models.sph.random_closed_tanks opened tait 0 200`.
 """
 
 import math
 import sys
-from typing import Any
+from dataclasses import replace
+from time import process_time
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import ecume
 from ecume.errors import Diverged
+from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
+from ecume.models.sph.boundaries.walls import all_braked, all_repelled
+from ecume.models.sph.record import SPH
+from ecume.models.sph.report.observation import of_solids
+from ecume.models.sph.setup.initial_particles import liquid_of
+from ecume.models.sph.state import make_state
 from ecume.scenes.schema import from_plain
+from ecume.simulation import Integration
 from tests.models.sph.scenes import OPEN
 
 
@@ -130,46 +139,132 @@ def of_wall(frames: Any, depth: float) -> float:
     return float(abs(np.mean([each.numbers["right_force_x"] for each in late]) / (0.5 * depth**2) - 1.0))
 
 
-def main(count: int) -> None:
-    """Worst cases of so many seeds."""
-    for pressure in ("tait", "incompressible"):
-        rises, offs, speeds, failed = ([] for _ in range(4))
-        for seed in range(count // 2):
-            try:
-                rises.append((gained(list(ecume.simulate(collapsing(seed, pressure)))), seed))
-            except Diverged as error:
-                failed.append(("collapsing", seed, str(error)[:120]))
-            try:
-                scene = still(seed, pressure)
-                off, speed = of_rest(list(ecume.simulate(scene)), scene)
-                offs.append((off, seed))
-                speeds.append((speed, seed))
-            except Diverged as error:
-                failed.append(("still", seed, str(error)[:120]))
-        for name, found in (("rise of energy", rises), ("off weight", offs), ("speed", speeds)):
-            middle = np.quantile([value for value, _ in found], (0.5, 0.9)).tolist()
-            print(pressure, name, "median and 90 %", middle, "worst", sorted(found)[-6:])
-        print(pressure, "failed", failed, flush=True)
-        open_tanks(count, pressure)
+class Balance(NamedTuple):
+    """How well the forces on solids agree with the momentum of the liquid, step by step."""
+
+    worst: np.ndarray
+    """(d,) the largest difference of momentum and impulses, over M sqrt(g H)"""
+    jumps: list[tuple[float, float, float]]
+    """the steps with the largest differences: time, and the difference along x and y"""
 
 
-def open_tanks(count: int, pressure: str) -> None:
-    """The same of open tanks."""
-    found, failed = [], []
-    for seed in range(count):
-        scene = opened(seed, pressure)
+def balance(scene: Any, depth: float) -> Balance:
+    """The forces of a run, recorded after each step, against the change of the liquid's momentum."""
+    parameters = SPH.parameters(scene)
+    run = Integration(SPH, parameters, SPH.start(scene, parameters), 0.0)
+    time, d, incompressible = parameters.time_step, parameters.dimension, parameters.projection is not None
+    state, rows, before = run.state, [], None
+    mass = float(state.mass.sum())
+    for _ in range(round(scene.duration / time)):
+        earlier = (state.velocity * state.mass).sum(axis=1)
+        run.go(1)
+        state = run.state
+        force, mean = at_this_step(run), state.struck[:, :d].sum(axis=0)
+        at_once = 0.0 * mean if incompressible else force - mean
+        impulse = time * (mean + 0.5 * (at_once + (at_once if before is None else before)))
+        gained = (state.velocity * state.mass).sum(axis=1) - earlier - mass * parameters.gravity * time
+        rows.append(gained + impulse)
+        before = at_once
+    missed = np.array(rows) / (mass * math.sqrt(depth))
+    largest = np.argsort(-np.abs(missed).max(axis=1))[:3]
+    jumps = [(float(k * time), *missed[k].tolist()) for k in largest]
+    return Balance(np.abs(np.cumsum(missed, axis=0)).max(axis=0), jumps)
+
+
+def at_this_step(run: Integration) -> np.ndarray:
+    """The force (d,) that frames record now on all solids together."""
+    now = with_moved_solids(run.parameters, run.state)
+    numbers, _ = of_solids(now, run.state, run.workspace, [*all_repelled(now, run.state), *all_braked(now, run.state)])
+    return np.array([sum(value for name, value in numbers.items() if name.endswith(f"_force_{axis}")) for axis in "xy"])
+
+
+def mirrored(scene: Any) -> Any:
+    """The scene with left and right exchanged."""
+    width = scene.tank.high[0]
+
+    def turned(solid: Any) -> Any:
+        if solid.vertices:
+            return replace(solid, vertices=[[width - x, y] for x, y in solid.vertices])
+        if solid.center is not None:
+            return replace(solid, center=[width - solid.center[0], *solid.center[1:]])
+        ends = width - solid.high[0], width - solid.low[0]
+        return replace(solid, low=[ends[0], *solid.low[1:]], high=[ends[1], *solid.high[1:]])
+
+    return replace(
+        scene,
+        **{name: tuple(turned(each) for each in getattr(scene, name)) for name in ("obstacles", "bodies", "fluid")},
+    )
+
+
+def asymmetry(scene: Any, steps: int = 100) -> tuple[float, str]:
+    """The largest difference of numbers of the mirrored tank after these steps, relative to the largest number of its
+    kind, and the name of that number.
+    """
+    found = []
+    for each in (scene, mirrored(scene)):
+        parameters = SPH.parameters(each)
+        liquid = liquid_of(scene, parameters.material)
+        if found:
+            liquid.position[0] = scene.tank.high[0] - liquid.position[0]
+            liquid.velocity[0] *= -1.0
+        state = make_state(parameters, liquid)
+        run = Integration(SPH, parameters, state, 1.0)
+        while int(run.state.step[0]) < steps:
+            run.go(steps - int(run.state.step[0]))
+        found.append(run.observe().numbers)
+    one, other = found
+    other = {exchanged(name): value for name, value in other.items()}
+    scale = max(abs(value) for name, value in one.items() if "_force_" in name)
+    worst = (0.0, "-")
+    for name, value in one.items():
+        if "_force_" in name:
+            sign = -1.0 if name.endswith("_x") else 1.0
+            worst = max(worst, (abs(value - sign * other[name]) / scale, name))
+        elif name in ("kinetic_energy", "potential_energy", "largest_speed"):
+            worst = max(worst, (abs(value - other[name]) / abs(value), name))
+    return worst
+
+
+def exchanged(name: str) -> str:
+    """The name of the same number in the mirrored tank."""
+    for side, other in (("left", "right"), ("right", "left")):
+        if name.startswith(f"{side}_"):
+            return other + name[len(side) :]
+    return name
+
+
+KINDS = {"still": still, "collapsing": collapsing, "opened": opened}
+
+
+def main(kind: str, pressure: str, first: int, count: int) -> None:
+    """Print what each of so many seeds misses."""
+    for seed in range(first, first + count):
+        began, scene = process_time(), KINDS[kind](seed, pressure)
+        depth = max(region.high[1] for region in scene.fluid)
+        line = f"{kind} {pressure} {seed} {scene.tank.walls} {solids_in(scene)}"
         try:
             frames = list(ecume.simulate(scene))
+            line += f" gain={gained(frames):.1e} lost={frames[-1].numbers['particles_lost']:.0f}"
+            line += f" hits={frames[-1].numbers['guard_hits']:.0f} speed={frames[-1].numbers['largest_speed']:.1e}"
+            if kind == "still":
+                line += f" off={of_rest(frames, scene)[0]:.1e}"
+            found = balance(scene, depth)
+            line += " momentum=" + ",".join(f"{value:.1e}" for value in found.worst)
+            line += " at " + " ".join(f"{t:.3f}:{x:.0e},{y:.0e}" for t, x, y in found.jumps)
+            line += " mirror {:.1e} {}".format(*asymmetry(scene))
         except Diverged as error:
-            failed.append((seed, str(error)[:120]))
-            continue
-        found.append((gained(frames), unbalanced(frames), frames[-1].numbers["particles_lost"], seed))
-    for place, name in enumerate(("rise of energy", "unbalanced force", "particles lost")):
-        rows = sorted((row[place], row[3]) for row in found)
-        middle = np.quantile([value for value, _ in rows], (0.5, 0.9)).tolist()
-        print(pressure, "open,", name, "median and 90 %", middle, "worst", rows[-6:])
-    print(pressure, "open, failed", failed, flush=True)
+            line += f" DIVERGED {str(error)[:120]}"
+        print(f"{line} cpu={process_time() - began:.1f}", flush=True)
+
+
+def solids_in(scene: Any) -> str:
+    """The kinds of solids of a scene."""
+    kinds = [
+        "wedge" if each.vertices else "disc" if each.radius is not None else "box"
+        for each in (*scene.obstacles, *scene.bodies)
+    ]
+    return "+".join(kinds) or "-"
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(*sys.argv[1:3], *(int(each) for each in sys.argv[3:5]))

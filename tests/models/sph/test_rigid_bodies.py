@@ -147,7 +147,7 @@ def test_liquid_that_gets_into_a_body_and_the_body_part_without_gaining_energy(m
     position, velocity, weight = np.array([[0.1], [0.19]]), np.array([[0.3], [-2.0]]), np.array([mass])
     before = mass * velocity[:, 0]
 
-    assert expel_liquid(bodies, pose, motion, (position, velocity, weight))[0] == 1
+    assert expel_liquid(bodies, pose, motion, (position, velocity, weight)).hits == 1
     np.testing.assert_allclose(mass * velocity[:, 0] + motion[:2, 0], before, atol=1e-12 * mass)
     spin = motion[5, 0]
     surface = motion[1, 0] + spin * position[0, 0]

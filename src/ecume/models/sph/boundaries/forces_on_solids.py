@@ -196,9 +196,11 @@ def press(
             force[g, 2, place] += fz
 
 
-def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:
+def forces_on(
+    parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers, lists: Lists | None = None
+) -> Array:
     """The forces on some columns by each group of neighbors, (groups, 3, columns) in N, from a filled workspace."""
-    lists, force = workspace.lists, np.zeros((int(group.max(initial=0)) + 1, 3, len(mine)))
+    lists, force = lists or workspace.lists, np.zeros((int(group.max(initial=0)) + 1, 3, len(mine)))
     constants, friction = parameters.constants, parameters.friction
     forces = PairForces(
         transported=parameters.pressure_force.transported,
@@ -216,24 +218,58 @@ def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) 
     """The force on each dummy from number `first` on, by the liquid and its images, and the position of each dummy; (3,
     n) each.
 
-    The image of a particle acts on a dummy as the dummy's image acts on the particle, mirrored, up to the weight of the
-    liquid between them (1e-4 of the weight of a tank). The component parallel to the mirror is a force on the dummy.
-    The component normal to the mirror acts on both and is balanced by the mirror if the dummy is part of a body (see
-    `BODY_AND_LIQUID`); an obstacle is fixed.
+    The image of a particle behind a mirror acts on a dummy with the mirrored reaction to the force of the dummy's image
+    on the particle, so that the momentum of liquid, bodies and walls is conserved: from its own pressure it would
+    differ by the weight of the liquid between the two (2 % of the weight of a tank, with a body on its floor). The
+    component parallel to the mirror is a force on the dummy. The component normal to it acts on both and is balanced by
+    the mirror if the dummy is part of a body (see `BODY_AND_LIQUID`); an obstacle is fixed.
     """
     images, real, liquid = workspace.images, len(workspace.lists.counts), workspace.rates.shape[1]
-    mine = np.arange(liquid + first, real)
-    obstacles = slice(0, max(parameters.bodies.first - first, 0))
-    of_liquid = roots_of(images, real) < liquid
-    kinds, kind = np.unique(chains_of(images, real), return_inverse=True)
+    mine, root = np.arange(liquid + first, real), roots_of(images, real)
+    turned = chains_of(images, real) & _bits_of_mirrors(parameters) != 0
     group = np.full(workspace.fields.shape[1], -1)
     group[:liquid] = 0
-    group[real:][of_liquid] = 1 + kind.ravel()[of_liquid]
-    force = forces_on(parameters, workspace, mine, group)
-    for g, chain in enumerate(kinds[: len(force) - 1], 1):
-        for axis in _crossed(parameters.boundary.image_owner, int(chain)):
-            force[g, axis, obstacles] = 0.0
-    return force.sum(axis=0), _places(parameters, workspace, mine)
+    group[real:][(root < liquid) & ~turned] = 0
+    force = forces_on(parameters, workspace, mine, group)[0]
+    reflected = np.flatnonzero(turned & (root >= liquid + first))
+    if len(reflected):
+        _add_reflected(parameters, workspace, reflected, force)
+    return force, _places(parameters, workspace, mine)
+
+
+def _add_reflected(parameters: Parameters, workspace: Workspace, reflected: Integers, force: Array) -> None:
+    """Add the forces on the images of dummies, which are some of the images, to those on the last of the dummies."""
+    images, real, liquid = workspace.images, len(workspace.lists.counts), workspace.rates.shape[1]
+    near = np.unique(images.source[images.source < liquid])
+    columns, group = real + reflected, np.zeros(workspace.fields.shape[1], np.int64)
+    lists = reversed_lists(workspace.lists, near, columns, len(group))
+    push = forces_on(parameters, workspace, columns, group, lists)[0]
+    chain, root = chains_of(images, real)[reflected], roots_of(images, real)[reflected]
+    for axis in range(parameters.dimension):
+        turns = np.array([axis in _crossed(parameters.boundary.image_owner, int(each)) for each in chain])
+        fixed = root < liquid + parameters.bodies.first
+        own = np.where(turns, np.where(fixed, 0.0, -push[axis]), push[axis])
+        force[axis] += np.bincount(root - (real - force.shape[1]), own, force.shape[1])
+
+
+def reversed_lists(lists: Lists, rows: Integers, columns: Integers, size: int) -> Lists:
+    """For each of some columns, of `size` together, in which of these rows it is listed."""
+    length = np.diff(lists.start)[rows]
+    place = np.arange(int(length.sum())) + np.repeat(lists.start[rows] - np.cumsum(length) + length, length)
+    mine, other = np.repeat(rows, length), lists.neighbor[place]
+    selected = np.zeros(size, np.bool_)
+    selected[columns] = True
+    listed = selected[other] & (place - lists.start[mine] < lists.counts[mine])
+    mine, other = mine[listed], other[listed]
+    order = np.argsort(other, kind="stable")
+    counts = np.bincount(other, minlength=size)
+    start = np.concatenate([[0], np.cumsum(counts)])
+    return Lists(counts.astype(np.int32), start, mine[order].astype(np.int32))
+
+
+def _bits_of_mirrors(parameters: Parameters) -> int:
+    """The sides that mirror, as in `chains_of`."""
+    return sum(1 << int(side) for side in np.flatnonzero(parameters.boundary.sides.mirrors))
 
 
 def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
@@ -325,8 +361,12 @@ def roots_of(images: Images, real: int) -> Integers:
 
 
 def _crossed(owner: Integers, chain: int) -> set[int]:
-    """The axes of the mirrors in a chain of images."""
-    return {int(side) // 2 for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0}
+    """The axes that a chain of mirrors turns."""
+    found = set[int]()
+    for bit, side in enumerate(owner):
+        if chain >> bit & 1 and side >= 0:
+            found ^= {int(side) // 2}
+    return found
 
 
 def chains_of(images: Images, real: int) -> Integers:

@@ -155,12 +155,23 @@ def largest_displacement(bodies: Bodies, pose: Array, reference: Array) -> float
     return most
 
 
-def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> tuple[int, float]:
-    """Move the liquid particles inside a body (position, velocity, mass) to its surface; return their number, and the
-    work (J) of bodies with a prescribed motion. The momentum of liquid and other bodies is conserved.
+class Expelled(NamedTuple):
+    """What moving liquid out of bodies did."""
+
+    hits: int
+    """the number of particles"""
+    work: float
+    """J, of bodies with a prescribed motion"""
+    impulse: Array
+    """(B, 6) N s and N m s: the impulse and the angular impulse, about its center, on each body"""
+
+
+def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> Expelled:
+    """Move the liquid particles inside a body (position, velocity, mass) to its surface. The momentum of liquid and
+    other bodies is conserved.
     """
     position, velocity, mass = liquid
-    d, hits, work = len(position), 0, 0.0
+    d, hits, work, impulses = len(position), 0, 0.0, np.zeros((len(bodies.shapes), 6))
     for body, shape in enumerate(bodies.shapes):
         reach = np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max())
         away = position - pose[:d, body : body + 1]
@@ -171,30 +182,35 @@ def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array
         for i, depth, own in zip(close[inside], -gap[inside], normal[inside], strict=True):
             out = product(turn, own)
             position[:, i] += depth * out
-            work += _bounce(bodies, body, (pose, motion), (position[:, i], velocity[:, i], float(mass[i]), out))
+            impulse, arm, done = _bounce(
+                bodies, body, (pose, motion), (position[:, i], velocity[:, i], float(mass[i]), out)
+            )
+            work += done
+            impulses[body] -= np.concatenate([impulse, np.cross(arm, impulse)])
         hits += len(inside)
-    return hits, work
+    return Expelled(hits, work, impulses)
 
 
 def _bounce(
     bodies: Bodies, body: int, state: tuple[Array, Array], particle: tuple[Array, Array, float, Array]
-) -> float:
-    """Stop the approach of a particle and a body by a perfectly inelastic impulse; return the work (J) of a body with a
-    prescribed motion.
+) -> tuple[Array, Array, float]:
+    """Stop the approach of a particle and a body by a perfectly inelastic impulse; return the impulse on the particle,
+    its lever arm, and the work (J) of a body with a prescribed motion.
     """
     pose, motion = state
     x, v, mass, out = particle
     arm, normal = np.pad(x, (0, 3 - len(x))) - pose[:3, body], np.pad(out, (0, 3 - len(out)))
     surface = motion[:3, body] + np.cross(motion[3:, body], arm)
     approach = dot(v - surface[: len(v)], out)
-    if approach < 0.0:
-        turning = np.cross(product(inverse_inertia_of(bodies, body, pose), np.cross(arm, normal)), arm)
-        impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + dot(normal, turning)) * normal
-        v += impulse[: len(v)] / mass
-        if math.isinf(bodies.mass[body]):
-            return dot(impulse, surface)
-        apply_impulse(bodies, body, state, (-impulse, arm))
-    return 0.0
+    if approach >= 0.0:
+        return np.zeros(3), arm, 0.0
+    turning = np.cross(product(inverse_inertia_of(bodies, body, pose), np.cross(arm, normal)), arm)
+    impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + dot(normal, turning)) * normal
+    v += impulse[: len(v)] / mass
+    if math.isinf(bodies.mass[body]):
+        return impulse, arm, dot(impulse, surface)
+    apply_impulse(bodies, body, state, (-impulse, arm))
+    return impulse, arm, 0.0
 
 
 def apply_impulse(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:

@@ -122,11 +122,19 @@ def impulses(guard: Guard, met: Reflected) -> list[Repelled]:
 
 def add_impulses(now: Parameters, state: State, met: Reflected) -> None:
     """Add the force and torque of reflected particles on walls and obstacles, as means over the present step."""
-    if now.boundary.guard.reach == 0.0 or not len(met.who) or not state.struck.size:
+    if now.boundary.guard.reach == 0.0 or not len(met.who):
         return
     for each in impulses(now.boundary.guard, met):
-        force, torque = repulsion_load(now, state, each)
-        state.struck[each.owner] += np.concatenate([force, torque]) / now.time_step
+        add_impulse(now, state, each)
+
+
+def add_impulse(now: Parameters, state: State, change: Repelled) -> None:
+    """Add the force and torque of changes of velocity, which count as accelerations over one second, on a wall or
+    obstacle, as means over the present step.
+    """
+    if state.struck.size:
+        force, torque = repulsion_load(now, state, change)
+        state.struck[change.owner] += np.concatenate([force, torque]) / now.time_step
 
 
 def _as_before(packed: Sheet, time: float) -> Sheet:
@@ -229,14 +237,17 @@ def close_to(parameters: Parameters, state: State, number: int, reach: float) ->
 
 def expel_from_drawn(parameters: Parameters, state: State) -> None:
     """Move liquid in drawn obstacles to their surfaces, stop its approach, and count it."""
-    guard, d = parameters.boundary.guard, parameters.dimension
+    guard = parameters.boundary.guard
     for number in parameters.bodies.drawn:
         inside, gap, normal = close_to(parameters, state, number, guard.radius)
         state.position[:, inside] += (guard.radius - gap) * normal.T
         approach = np.minimum((state.velocity[:, inside] * normal.T).sum(axis=0), 0.0)
         state.velocity[:, inside] -= approach * normal.T
-        state.hits[2 * d + number] += len(inside)
+        owner = drawn_owner(parameters, number)
+        state.hits[owner] += len(inside)
         state.tally[GUARD_HITS] += len(inside)
+        if len(inside):
+            add_impulse(parameters, state, Repelled(owner, inside, -approach * normal.T))
 
 
 def repel_from_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:

@@ -213,9 +213,11 @@ def resolve_collisions(now: Parameters, state: State, time: float) -> None:
         calm = CALM * now.material.fastest
         state.budget[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
         liquid = state.position, state.velocity, state.mass
-        inside, work = expel_liquid(bodies, state.pose, state.motion, liquid)
-        state.tally[GUARD_HITS] += inside
-        state.budget[WORK] += work
+        expelled = expel_liquid(bodies, state.pose, state.motion, liquid)
+        state.tally[GUARD_HITS] += expelled.hits
+        state.budget[WORK] += expelled.work
+        if expelled.hits and state.struck.size:
+            state.struck[len(state.struck) - len(bodies.shapes) :] += expelled.impulse / now.time_step
     expel_from_drawn(now, state)
     before = state.velocity.copy() if now.drives else state.velocity
     met = reflect_particles(guard, state.position, state.velocity, state.transport, time)
