@@ -142,6 +142,64 @@ def test_discs_and_shapes_start_as_they_were_left(tmp_path: Path) -> None:
     assert from_plain(to_plain(again)) == again
 
 
+BODIES = [
+    {},
+    {"disc": {"thickness": 1e-3}},
+    {"shape": {"kind": "needle", "width": 5e-4}},
+    {"shape": {"kind": "needle", "width": 8e-4}},
+    {"shape": {"kind": "square"}},
+]
+"""A sphere, a disc, two needles and a square: bodies of one species of rows."""
+
+
+def different_bodies(folder: Path, bodies: list[dict[str, Any]]) -> None:
+    """Record a run of rows of one species, each with another body."""
+    rows = []
+    for number, body in enumerate(bodies):
+        pinned = "disc" in body or body.get("shape", {}).get("kind") == "square"
+        row = {"x": 0.02 * number, "y": 0.0, "radius": 3e-3, "density": 900.0, **body}
+        rows.append(row if pinned else {**row, "contact_angle": 1.2})
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "rows": rows})
+    run_of(scene, next(simulate(scene)).arrays, {}, folder / "runs" / "bowl")
+
+
+def test_bodies_of_one_species_start_as_they_were_left(tmp_path: Path) -> None:
+    different_bodies(tmp_path, BODIES)
+    sphere, disc, thin, thick, square = read(tmp_path).rows  # type: ignore[attr-defined]
+    assert (sphere.disc, sphere.shape, sphere.contact_angle) == (None, None, 1.2)
+    assert (disc.disc.thickness, disc.shape, disc.contact_angle) == (1e-3, None, None)
+    assert (thin.shape.width, thick.shape.width, square.shape.kind) == (5e-4, 8e-4, "square")
+
+
+@pytest.mark.parametrize(
+    ("more", "kind", "angle"),
+    [
+        ("contact_angle = 1.0", "needle", 1.0),
+        ('shape = { kind = "ellipsoid", width = "1 mm" }', "ellipsoid", 1.2),
+        ('shape = { kind = "square" }', "square", None),
+    ],
+)
+def test_a_changed_contact_angle_keeps_the_shape_and_the_reverse(
+    tmp_path: Path, more: str, kind: str, angle: float | None
+) -> None:
+    different_bodies(tmp_path, BODIES[2:3])
+    (needle,) = read(tmp_path, "", f"[[particles]]\nname = 'float-1'\n{more}\n").rows  # type: ignore[attr-defined]
+    assert (needle.shape.kind, needle.contact_angle) == (kind, angle)
+
+
+def test_headings_of_swimmers_go_on(tmp_path: Path) -> None:
+    bead = {"radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "count": 5}
+    driven = {"activity": {"propulsion": 1e-7}, "interaction": {"law": "none"}}
+    for number, more in enumerate(({}, {"contacts": {"friction": 0.2}})):
+        plain = {"model": "floating", "duration": 1, "frame_every": 0.1, "particles": [bead], **driven, **more}
+        first, folder = next(simulate(from_plain(plain))).arrays, tmp_path / str(number)
+        run_of(from_plain({**plain, "seed": 3}), first, {}, folder / "runs" / "bowl")
+        written = "seed = 9\ninteraction.law = 'none'\nactivity.propulsion = 1e-7\n"
+        written += "".join(f"contacts.friction = {rub['friction']}\n" for rub in more.values())
+        again = next(simulate(read(folder, "", written)))  # type: ignore[arg-type]
+        assert again.arrays["angle"] == pytest.approx(first["angle"], abs=1e-12)
+
+
 def test_species_of_the_scene_replace_those_of_the_run_by_name(folder: Path) -> None:
     more = "[[particles]]\nname = 'light'\ndensity = 300\nradius = '1.5 mm'\ncolor = 'blue'\n"
     heavy, light = read(folder, "@0", more).rows  # type: ignore[attr-defined]

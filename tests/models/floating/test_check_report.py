@@ -108,6 +108,14 @@ def test_shapes_say_where_their_contact_line_is():
     assert float(rows["float-1: height of the contact line"][0].removesuffix(" µm")) < 0.0
 
 
+def test_a_species_of_different_bodies_is_described_body_by_body():
+    sphere = {"x": 0.0, "y": 0.0, "radius": 1e-3, "density": 600.0, **STUFF}
+    disc = {"x": 0.02, "y": 0.0, "radius": 2e-3, "density": 300.0, "disc": {"thickness": 1e-3}}
+    rows = report({"rows": [sphere, disc]})
+    assert "float-1: Bond number" in rows
+    assert "float-1: load" in rows
+
+
 def drift_of_rafts(count, **hydrodynamics):
     bead = {"name": "bead", "radius": 1e-3, "density": 500.0, "count": count, **STUFF}
     slow = {"integration": {"integrator": "overdamped"}} if "interaction" in hydrodynamics else {}

@@ -155,3 +155,26 @@ def test_rows_of_discs_and_shapes_float_and_turn_as_tables_of_them_do():
         assert np.array_equal(getattr(found[0][0], name), getattr(found[1][0], name))
     assert found[1][1].turning[1].tolist() == [0.7, -2.0]
     assert found[0][1].turning[1].tolist() == [0.7, 0.0]
+
+
+def test_the_angle_of_a_row_is_its_own_or_that_of_its_shape():
+    needle = {"kind": "needle", "width": 1e-3, "angle": 1.0}
+    row = {"y": 0.0, "radius": 3e-3, "density": 600.0, "contact_angle": 1.2, "shape": needle}
+    rows = [{"x": 0.0, **row}, {"x": 0.02, **row, "angle": 0.5}, {"x": 0.04, **row, "shape": {**needle, "angle": None}}]
+    state, _ = started(from_plain({"model": "floating", "duration": 1.0, "frame_every": 0.1, "rows": rows}))
+    assert state.turning[:, 0].tolist() == [1.0, 0.5, 0.0]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"center": [1e-3, 0.0], "count": 2},
+        {"center": [1e-3, 0.0], "positions": [[0.0, 0.0]]},
+        {"spacing": 1e-2, "positions": [[0.0, 0.0]]},
+        {"ring_radius": 1e-2, "positions": [[0.0, 0.0]]},
+    ],
+)
+def test_keys_of_an_arrangement_that_is_not_asked_for_are_refused(given):
+    bead = {"radius": 1e-3, "density": 600.0, "contact_angle": 1.2, **given}
+    with pytest.raises(SceneError, match="means something only with placement"):
+        from_plain({"model": "floating", "duration": 1.0, "frame_every": 0.1, "particles": [bead]})

@@ -61,3 +61,13 @@ def test_chains_and_rafts_are_solved_together():
     row = np.stack([columns, np.zeros(12)], axis=1)
     found = separated(row, np.full(12, RADIUS), np.zeros((1, 2)))
     assert np.diff(found[:, 0]).min() > 2.0 * RADIUS * (1.0 - 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("contacts", "overlap"),
+    [({"law": "none"}, 1e-2), ({"law": "spring-dashpot", "stiffness": 10.0}, 1e-2), ({"law": "spring-dashpot"}, 2e-3)],
+)
+def test_overlaps_that_the_contacts_allow_stay_to_the_bit(contacts, overlap):
+    asked = scene(triangle(overlap), contacts=contacts)
+    there = FLOATING.start(asked, FLOATING.parameters(asked)).position
+    assert np.array_equal(there, triangle(overlap))

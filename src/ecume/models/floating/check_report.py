@@ -251,12 +251,19 @@ def _summary_of_species(scene: FloatingScene) -> list[Row]:
 
 def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
     """The lines of one species: one number if all floats are equal, otherwise the range."""
-    liquid = liquid_of(scene)
-    if any(is_shape(kind) for kind in members):
-        return [row for kind in members for row in _summary_of_shape(name, kind, scene)]
-    if any(isinstance(kind.body, flotation.Disc) for kind in members):
-        return [row for kind in members for row in _summary_of_disc(name, kind, scene)]
-    spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
+    shapes = [kind for kind in members if is_shape(kind)]
+    discs = [kind for kind in members if isinstance(kind.body, flotation.Disc) and not is_shape(kind)]
+    rest = {kind: count for kind, count in members.items() if isinstance(kind.body, flotation.Sphere)}
+    return [
+        *(row for kind in shapes for row in _summary_of_shape(name, kind, scene)),
+        *(row for kind in discs for row in _summary_of_disc(name, kind, scene)),
+        *(_summary_of_spheres(name, rest, scene) if rest else []),
+    ]
+
+
+def _summary_of_spheres(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
+    """The lines of the spheres of one species."""
+    liquid, spheres = liquid_of(scene), [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
     weights = [flotation.dimensionless_weight(sphere, liquid) for sphere in spheres]
     slopes = [kind.equilibrium.slope_angle for kind in members]
     rows = [
@@ -325,7 +332,7 @@ def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
 def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
     """A disc: size, load, lean, slope, heights and charge."""
     disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
-    assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
+    assert isinstance(disc, flotation.Disc)  # noqa: S101  # for the type checker
     heaviest = greatest_rim_load(disc.radius, liquid)
     rows = [
         ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),

@@ -277,9 +277,9 @@ class FloatRow:
     """A flat disc instead of a sphere. Effect: as for a species of `particles`."""
     shape: ShapeSpec | None = None
     """An elongated shape or one with corners instead of a sphere. Effect: as for a species of `particles`."""
-    angle: Direction = 0.0
-    """The initial orientation of a float that rotates (rad); takes precedence over that of its disc or shape.
-    Effect: sets the start of this float."""
+    angle: Direction | None = None
+    """The initial orientation of a float that rotates, or the heading of an active one (rad); by default that of its
+    disc or shape, or 0, and a random heading. Example: `"30 deg"`. Effect: sets the start of this float."""
     spin: TurningRate = 0.0
     """The initial angular velocity of a float that rotates (rad/s). Effect: sets the start of this float."""
     species_name: Name = "float-1"
@@ -343,16 +343,19 @@ def _layout(species: FloatSpec) -> Complaints:
     """
     if len(species.velocities) not in (0, len(species.positions)):
         return [(("velocities",), f"got {len(species.velocities)}; there are {len(species.positions)} positions")]
-    if species.positions:
-        fits = species.count in (0, len(species.positions))
-        return [] if fits else [(("count",), f"got {species.count}; there are {len(species.positions)} positions")]
     complaints: Complaints = []
+    placed = "" if species.positions else species.placement
+    # Runs of former versions state the origin.
+    if species.center not in (None, (0.0, 0.0)) and placed in ("", "random"):
+        complaints.append((("center",), 'means something only with placement = "lattice" or "ring", without positions'))
     for placement, key in (("lattice", "spacing"), ("ring", "ring_radius")):
         given = getattr(species, key) is not None
         if given and species.placement != placement:
             complaints.append(((key,), f'means something only with placement = "{placement}"'))
-        if not given and species.placement == placement:
+        if not given and placed == placement:
             complaints.append((("placement",), f'"{placement}" needs {key} as well'))
+    if species.positions and species.count not in (0, len(species.positions)):
+        complaints.append((("count",), f"got {species.count}; there are {len(species.positions)} positions"))
     return complaints
 
 

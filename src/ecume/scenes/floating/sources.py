@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Inconsistent, Path, echo, faults_of, written
 from ecume.scenes.floating import SurfaceEnergies
+from ecume.scenes.floating.scene import PINNED
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.runs import frame_of_run
 from ecume.scenes.tables import MOST_BYTES, TableFaults, beside, lines_of, require_there, text_of
@@ -164,10 +165,20 @@ def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
 
 
 def _changed(row: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """A float with other properties; a shape or a contact angle of the scene replaces that of the run."""
-    wetting = {"contact_angle", "surface_energies", "disc", "shape"}
-    kept = {key: value for key, value in row.items() if key not in wetting or not wetting & now.keys()}
+    """A float with other properties: a disc or a shape of the scene replaces that of the run, and a contact angle or
+    surface energies that of the run. An edge that pins the contact line has no contact angle.
+    """
+    body, wetting = {"disc", "shape"}, {"contact_angle", "surface_energies"}
+    replaced = {*(body if body & now.keys() else ()), *(wetting if wetting & now.keys() or _is_pinned(now) else ())}
+    kept = {key: value for key, value in row.items() if key not in replaced}
     return {**kept, **{key: value for key, value in now.items() if key != "name"}}
+
+
+def _is_pinned(now: Mapping[str, Any]) -> bool:
+    """Whether a species states a body whose edge pins the contact line."""
+    shape = now.get("shape")
+    kind = shape.get("kind") if isinstance(shape, Mapping) else getattr(shape, "kind", None)
+    return "disc" in now or kind in PINNED
 
 
 def _from_file(raw: dict[str, Any], folder: Folder, value: object) -> Rows:
@@ -186,7 +197,7 @@ def _from_file(raw: dict[str, Any], folder: Folder, value: object) -> Rows:
 
 def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     """The floats of one frame of a run. Raises ValueError."""
-    species, figures = scene.kinds, _figures_of(scene)
+    species = scene.kinds
     missing = [name for name in ARRAYS if name not in frame.arrays]
     if missing and missing[0] in omitted_from(frame):
         raise ValueError(f"its frames have no {missing[0]}, which its scene omits from output.quantities")
@@ -196,19 +207,19 @@ def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     rows = [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
     for key in (name for name in BESIDE if name in frame.arrays):
         rows = [{**row, key: number} for row, number in zip(rows, frame.arrays[key].tolist(), strict=True)]
-    return [{**_wetted(row), **figures.get(row["species_name"], {})} for row in rows]
+    return [{**_wetted(row), **figure} for row, figure in zip(rows, _figures_of(scene), strict=True)]
 
 
-def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
-    """The discs and shapes of a scene, by species; their angles are those of the frame."""
-    found: dict[str, dict[str, Any]] = {}
-    for given in (*getattr(scene, "particles", ()), *getattr(scene, "rows", ())):
-        name = str(getattr(given, "name", None) or getattr(given, "species_name", ""))
+def _figures_of(scene: Any) -> list[dict[str, Any]]:
+    """The disc or the shape of each float of a scene; their angles are those of the frame."""
+    found: list[dict[str, Any]] = []
+    for given in (*scene.particles, *scene.rows):
+        figure: dict[str, Any] = {}
         for key in ("disc", "shape"):
-            if getattr(given, key, None) is not None:
+            if getattr(given, key) is not None:
                 plain = TypeAdapter(type(getattr(given, key))).dump_python(getattr(given, key))
-                found[name] = {key: {part: value for part, value in plain.items() if value is not None}}
-                found[name][key].pop("angle", None)
+                figure[key] = {part: value for part, value in plain.items() if value is not None and part != "angle"}
+        found += [figure] * given.count
     return found
 
 

@@ -22,7 +22,8 @@ from ecume.engine.walls import Walls, surfaces
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
 from ecume.models.floating.contacts.candidates import list_candidates
-from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.contacts.contact_models import NoContacts, contacts_of, gaps_between
+from ecume.models.floating.contacts.springs import Springs
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
@@ -35,7 +36,7 @@ from ecume.units import Array, with_prefix
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from ecume.scenes.floating import FloatingScene
+    from ecume.scenes.floating import FloatingScene, FloatRow
 
 
 CELL = Option(slot="boundary", path="cell", name="a periodic cell")
@@ -133,7 +134,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     places = given_places(scene)
     places.position[:] = into_box(places.position, parameters.periods)
     free = np.isnan(places.position[:, 0])
-    if contacts_of(parameters).gaps is None:
+    if _are_hard(parameters):
         places.position[~free] = separated(places.position[~free], parameters.floats.radius[~free], parameters.periods)
     if contacts_of(parameters).gaps is not None:
         _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
@@ -147,6 +148,12 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
         except BadInput as error:
             raise SceneError([Fault("particles", str(error))]) from None
     return with_angles(with_parts(make_state(places.position, places.velocity), parameters), scene, parameters)
+
+
+def _are_hard(parameters: Parameters) -> bool:
+    """Whether contacts of round floats allow no overlap: with springs, overlaps store energy."""
+    soft = parameters.passing or isinstance(parameters.parts.contacts, Springs | NoContacts)
+    return not soft and contacts_of(parameters).gaps is None
 
 
 SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 2e-4, 1000
@@ -228,11 +235,23 @@ def with_parts(state: State, parameters: Parameters) -> State:
 
 def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> State:
     """Return the state with angles for floats that turn, given or random."""
-    if inertia_of(parameters) is None:
+    turns = inertia_of(parameters) is not None
+    if len(state.active) and scene.waves is None:
+        state = state._replace(active=_with_headings(state.active, scene, turns))
+    if not turns:
         return state
     angle, spin = initial_angles(scene), np.zeros(len(state.position))
     spin[len(spin) - len(scene.rows) :] = [row.spin for row in scene.rows]
     return state._replace(turning=np.stack([angle, spin], axis=1))
+
+
+def _with_headings(active: Array, scene: FloatingScene, turns: bool) -> Array:
+    """The state of active floats with the headings that rows give; those of floats that turn are along their angles."""
+    found, first = active.copy(), len(active) - len(scene.rows)
+    for i, row in enumerate(scene.rows, first):
+        if row.angle is not None:
+            found[i, 2] = 0.0 if turns else row.angle
+    return found
 
 
 def initial_angles(scene: FloatingScene) -> Array:
@@ -242,15 +261,23 @@ def initial_angles(scene: FloatingScene) -> Array:
     turned = [species.shape or species.disc for species in scene.particles]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
     listed = np.repeat(given, [one.count for one in scene.particles])
-    listed = np.concatenate([listed, [row.angle for row in scene.rows]])
+    listed = np.concatenate([listed, [_angle_of(row) for row in scene.rows]])
     if scene.waves is not None and scene.waves.headings:
         listed = np.array(scene.waves.headings)
     return np.where(np.isnan(listed), angles, listed)
 
 
+def _angle_of(row: FloatRow) -> float:
+    """The angle of a row, by default that of its disc or shape, or 0."""
+    figure = row.shape or row.disc
+    given = row.angle if row.angle is not None or figure is None else figure.angle
+    return 0.0 if given is None else given
+
+
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
     """Raise SceneError for floats with given positions that overlap or are outside the dish."""
-    faults = position_faults(parameters, position, which, float_names(scene))
+    soft = isinstance(parameters.parts.contacts, Springs)
+    faults = position_faults(parameters, position, which, float_names(scene), SLIGHT if soft else TOUCHING)
     if faults:
         more = [Fault("", f"and {len(faults) - MOST_FAULTS} more of these")] if len(faults) > MOST_FAULTS else []
         raise SceneError(faults[:MOST_FAULTS] + more)
