@@ -165,9 +165,10 @@ class Ball(NamedTuple):
         return length - self.radius, normal
 
     def rim(self, spacing: float) -> Array:
-        """Points at equal distances on a circle, or on a golden spiral around a sphere."""
+        """Points at equal distances on a circle, mirrored along both axes, or on a golden spiral around a sphere."""
         if len(self.center) == 2:
-            angle = np.linspace(0.0, 2.0 * np.pi, round_up(2.0 * np.pi * self.radius, spacing), endpoint=False)
+            count = 4 * round_up(0.5 * np.pi * self.radius, spacing)
+            angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
             unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         else:
             count = 2 * round_up(4.0 * np.pi * self.radius**2, spacing**2)

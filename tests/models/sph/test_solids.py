@@ -47,6 +47,16 @@ def test_the_way_to_a_surface_leads_there(shape):
     np.testing.assert_allclose(shape.nearest(shape.rim(0.1))[0], 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("radius", [0.19833634655429808, 0.05, 0.31, 1.0])
+def test_a_disc_touches_the_floor_with_its_lowest_point_in_any_mirrored_tank(radius):
+    """With 35 points a disc that fell on the floor bounced to one side, and mirrored tanks differed."""
+    rim = Ball(np.zeros(2), radius).rim(0.036)
+    assert rim[:, 1].min() == pytest.approx(-radius, rel=1e-12)
+    for turn in ([-1.0, 1.0], [1.0, -1.0]):
+        apart = np.linalg.norm(rim[:, None] - turn * rim[None], axis=2)
+        assert apart.min(axis=0).max() < 1e-12 * radius
+
+
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: f"{type(shape).__name__}{len(shape.middle())}")
 def test_middle_volume_and_inertia_are_those_of_a_fine_lattice(shape):
     low, high = shape.bounds()
