@@ -2,6 +2,7 @@
 
 import os
 import zlib
+from collections import Counter
 from pathlib import Path
 
 import coverage
@@ -22,6 +23,11 @@ settings.load_profile("ecume")
 MEASURED = coverage.Coverage() if "ECUME_TESTS_MEASURED" in os.environ else None
 if MEASURED is not None:
     MEASURED.start()
+MEASURED_CASES = 4
+"""Cases of a test of many cases that are measured. The others run the same lines, but for a few, and Python that is
+measured takes twice the time: what the report counts as run has run.
+"""
+seen: Counter[str] = Counter()
 
 
 def pytest_itemcollected(item):
@@ -34,6 +40,20 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.plain)
         if folder == "lammps" or (folder == "laws" and item.path.name != COMPILED_LAWS):
             item.add_marker(pytest.mark.uncompiled)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item):
+    """Nothing is measured after the first cases of a test."""
+    test = item.nodeid.partition("[")[0]
+    seen[test] += 1
+    if MEASURED is None or seen[test] <= MEASURED_CASES:
+        return (yield)
+    MEASURED.stop()
+    try:
+        return (yield)
+    finally:
+        MEASURED.start()
 
 
 @pytest.fixture(autouse=True)

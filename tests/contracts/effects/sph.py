@@ -13,7 +13,7 @@ POLYGON = {"low": None, "high": None, "vertices": [[0.0, 0.0], [0.9, 0.0], [0.0,
 PLACED = {"low": None, "high": None, "particles": {"positions": [[0.3, 0.3], [0.5, 0.3]]}}
 TETRAHEDRON = [[[0, 0, 0], [0, 1, 0], [1, 0, 0]], [[0, 0, 0], [1, 0, 0], [0, 0, 1]], [[0, 0, 0], [0, 0, 1], [0, 1, 0]],
                [[1, 0, 0], [0, 1, 0], [0, 0, 1]]]  # fmt: skip
-DEEP = {"gravity": [0.0, -1.0, 0.0], "tank": {"high": [1.0, 1.0, 1.0]},
+DEEP = {"duration": 0.01, "frame_every": 0.01, "gravity": [0.0, -1.0, 0.0], "tank": {"high": [1.0, 1.0, 1.0]},
         "fluid": [{"low": [0.0, 0.0, 0.0], "high": [1.0, 0.5, 1.0], "velocity": [0.3, 0.1, 0.2]}]}  # fmt: skip
 FULL = {"tank": {"top": {"kind": "wall"}}, "fluid": [{"high": [1.0, 1.0]}]}
 VISCOUS = {"liquid": {"viscosity": 0.02}}

@@ -82,7 +82,10 @@ def named(name):
     return name[:-1] + {"x": "x", "y": "z", "z": "y"}[name[-1]], sign
 
 
-@pytest.mark.parametrize("seed", range(12))
+# Each kind of tank once as plain Python, which takes seconds for a tank, and twice compiled.
+@pytest.mark.parametrize(
+    "seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.compiled) for seed in range(6, 12))]
+)
 def test_z_up_is_y_up_with_both_exchanged(seed):
     plain = random_tank(seed)
     upright, turned = last(plain), last({**exchanged(plain), "up": "z"})
