@@ -12,7 +12,7 @@ from ecume.cli import app
 from ecume.cli.sweeps import _cells
 from ecume.errors import BadInput
 from ecume.fitting import Camera, Tracks, read_tracks
-from ecume.fitting.estimation import Estimate, certainty, positions_at, solved
+from ecume.fitting.estimation import Estimate, certainty, positions_at, simulated, solved
 from ecume.fitting.parameters import free_parameters
 from ecume.fitting.tracks import matched
 from ecume.scenes.load import load_scene
@@ -110,6 +110,7 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
         ("x,y,object\n1,2,3\n", Camera(), "missing column"),
         (TRACKPY, Camera(pixel=1e-5), "give the frame rate"),
         (TRACKPY, Camera(rate=25.0), "give the size of a pixel"),
+        (CSV, Camera(rate=25.0), "line 3: the time 0.5 is no number of frames; leave out --rate"),
         (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; give it"),
         (CSV.replace(",", ";").replace("0.0015", "1.000,5"), Camera(), "line 3, x: got '1.000,5'"),
         (CSV.replace("0.0015", "near"), Camera(), "line 3, x: got 'near'; expected a number"),
@@ -195,6 +196,18 @@ def test_positions_between_frames_are_exact_for_cubics():
     np.testing.assert_allclose(positions_at(frames, at)[:, 0], np.stack([at**3, at], axis=1), atol=1e-14)
     bare = [one._replace(arrays={"position": one.arrays["position"]}) for one in frames]
     np.testing.assert_allclose(positions_at(bare, np.array([0.25]))[0, 0], [0.0625, 0.25])
+
+
+def test_positions_do_not_jump_at_the_borders_of_a_periodic_cell():
+    """A float that drifts at 20 mm/s through a cell of 70 mm."""
+    cell = """[cell]\nsize = ["70 mm", "70 mm"]\n[flow]\nvelocity = ["20 mm/s", 0]\n[liquid]"""
+    scene = BEADS.format(viscosity=1, angle=80).replace("[liquid]", cell).replace("0.6 s", "1 s")
+    one = (
+        scene.partition("positions")[0] + 'density = 600.0\npositions = [["60 mm", "20 mm"]]\nvelocity = ["20 mm/s", 0]'
+    )
+    at = np.linspace(0.0, 1.0, 5)
+    found = simulated(load_scene(one.replace("density = 1300.0\n", "")), at)
+    np.testing.assert_allclose(found[:, 0], np.stack([0.06 + 0.02 * at, np.full(5, 0.02)], axis=1), rtol=1e-9)
 
 
 def test_a_track_is_of_the_particle_that_starts_where_it_does():

@@ -258,3 +258,19 @@ def test_soft_spheres_and_tracers_start_from_runs_of_any_model(tmp_path: Path) -
         scene_of("soft", {**plain, "start_from": "sheared"}, tmp_path)
     with pytest.raises(SceneError, match=r"got 0.03 m, 0.01 m; the periodic box of run is 0.02 m, 0.01 m"):
         scene_of("soft", {**plain, "cell": {"size": [0.03, 0.01]}, "start_from": "run"}, tmp_path)
+
+
+def test_tracers_that_left_are_not_there_again(tmp_path: Path) -> None:
+    tank = {"duration": 1, "frame_every": 0.1, "tank": {"high": [0.02, 0.01]}}
+    scene = from_plain(
+        {"model": "tracers", **tank, "particles": [{"name": "dust", "radius": 1e-6, "density": 2000.0, "count": 3}]}
+    )
+    position = np.array([[0.0199, 0.001], [0.002, 0.003], [0.004, 0.005]])
+    arrays = {"position": position, "radius": np.full(3, 1e-6), "species": np.zeros(3, np.int64)}
+    run_of(scene, {**arrays, "left": np.array([0, -1, -1])}, {}, tmp_path / "run")
+    keys = {**tank, "start_from": "run", "particles": [{"name": "dust"}]}
+    (dust,) = scene_of("tracers", keys, tmp_path).particles  # type: ignore[union-attr]
+    assert dust.positions == ((0.002, 0.003), (0.004, 0.005))
+    run_of(scene, {**arrays, "left": np.array([0, 0, 1])}, {}, tmp_path / "empty")
+    with pytest.raises(SceneError, match="start_from: 'empty' has no particle in this frame"):
+        scene_of("tracers", {**keys, "start_from": "empty"}, tmp_path)

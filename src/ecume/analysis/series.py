@@ -75,7 +75,7 @@ def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None
         return np.zeros((0, 0, 0))
     named = box_of(frames[0]) is None or "image" in frames[0].arrays
     if named:
-        seen = [(_unwrapped(frame), inside(frame)) for frame in (frames[k] for k in kept)]
+        seen = [(unwrapped(frame), inside(frame)) for frame in (frames[k] for k in kept)]
         unwrapped, there = [places for places, _ in seen], [present for _, present in seen]
     else:
         unwrapped, there = _followed(frames, set(kept)), [inside(frames[k]) for k in kept]
@@ -88,7 +88,7 @@ def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None
     return found
 
 
-def _unwrapped(frame: Frame) -> Array:
+def unwrapped(frame: Frame) -> Array:
     """The unwrapped positions (m) of particles in periodic boxes."""
     position, box = frame.arrays["position"], box_of(frame)
     if box is None or "image" not in frame.arrays:

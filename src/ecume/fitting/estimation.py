@@ -18,6 +18,7 @@ from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from scipy.optimize import least_squares, linear_sum_assignment
 from scipy.stats import t as student
 
+from ecume.analysis.series import unwrapped
 from ecume.errors import BadInput, Diverged
 from ecume.fitting.parameters import Free, Quantity, free_parameters, quantities_of, with_values
 from ecume.fitting.tracks import (
@@ -130,9 +131,11 @@ def simulated(scene: Scene, times: Array, laws: Sequence[Law] = ()) -> Array:
 
 
 def positions_at(frames: Sequence[Frame], times: Array) -> Array:
-    """Positions between frames, by cubics if frames have velocities and by straight lines otherwise."""
+    """Positions between frames, by cubics if frames have velocities and by straight lines otherwise; without jumps at
+    the borders of a periodic cell.
+    """
     instants = np.array([frame.time for frame in frames])
-    position = np.stack([frame.arrays["position"] for frame in frames])
+    position = np.stack([unwrapped(frame) for frame in frames])
     at = np.minimum(times, instants[-1])
     if "velocity" in frames[0].arrays:
         velocity = np.stack([frame.arrays["velocity"] for frame in frames])

@@ -223,7 +223,20 @@ def _columns(
         body, units = _trackmate(body, units)
     found = {kind: place for kind, place in places.items() if place is not None}
     usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate's is anything, and stands in its last head
+    if "time" in found and not _unit(units, found["time"]) and camera.rate is not None:
+        _require_counted(body, found["time"])
     return _scaled(found, units, camera, usual), body
+
+
+def _require_counted(body: Rows, place: int) -> None:
+    """Raise ValueError for times that are no numbers of frames, where a frame rate is given."""
+    for line, row in body:
+        cell = row[place].strip() if place < len(row) else ""
+        if NUMERIC.fullmatch(cell) and float(DECIMAL_COMMA.sub(r"\1.\2", cell)) % 1.0:
+            raise ValueError(
+                f"line {line}: the time {cell} is no number of frames; leave out --rate if times are in seconds, or "
+                "write their unit into the head, as in 't [ms]'"
+            )
 
 
 def _place(words: Sequence[str], known: Sequence[str]) -> int | None:

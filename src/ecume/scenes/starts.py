@@ -28,6 +28,7 @@ from ecume.scenes.tables import MOST_BYTES, beside, require_there, text_of
 from ecume.trajectories.foreign import series
 from ecume.trajectories.foreign.particles import FileFault, Particles
 from ecume.trajectories.foreign.series import Series
+from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Mass, Unit
 
 RUN = "start_from"
@@ -182,9 +183,11 @@ def of_run(folder: Folder, name: str, model: str) -> Start:
 
     refuse_a_file(name)
     frame, scene = frame_of_run(folder, name)
-    arrays, numbers = frame.arrays, frame.numbers
-    if "species" not in arrays or not len(arrays["species"]):
+    arrays, numbers = _there(frame), frame.numbers
+    if "species" not in arrays or not len(frame.arrays["species"]):
         raise ValueError(f"is a run of the model {scene.model!r}, whose frames have no species")
+    if not len(arrays["species"]):
+        raise ValueError("has no particle in this frame: all have left or are deposited")
     position = np.zeros((len(arrays["position"]), 3))
     position[:, : arrays["position"].shape[1]] = arrays["position"]
     velocity = np.zeros_like(position)
@@ -202,6 +205,17 @@ def of_run(folder: Folder, name: str, model: str) -> Start:
         tilt=abs(tilt - sides[0] * round(tilt / sides[0])) if sides[0] > 0.0 else 0.0,
     )
     return Start(particles, name, {}, _keys_of(scene) if scene.model == model else {})
+
+
+def _there(frame: Frame) -> Mapping[str, NDArray[Any]]:
+    """The arrays of the particles that have not left: the others stay in frames at their last place. Raises ValueError
+    for frames that do not tell.
+    """
+    if "left" in omitted_from(frame):
+        raise ValueError('has frames without "left", which tells the particles that left; see its output.quantities')
+    if "left" not in frame.arrays:
+        return frame.arrays
+    return {name: array[frame.arrays["left"] < 0] for name, array in frame.arrays.items()}
 
 
 def _keys_of(scene: Any) -> dict[str, dict[str, Any]]:
