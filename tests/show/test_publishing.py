@@ -61,6 +61,21 @@ def test_an_experiment_is_drawn_in_the_units_of_the_axes(tmp_path):
         with_measured(drawn(), read_measured(tmp_path / "lab.csv"))
 
 
+def test_a_column_without_a_unit_is_not_taken_for_that_of_the_figure(tmp_path):
+    """The figure chooses kPa, and the numbers are in Pa."""
+    (tmp_path / "lab.csv").write_text("time [s],pressure\n0,0\n1,1100\n")
+    with pytest.raises(BadInput, match="'pressure' has no unit: write it into the head"):
+        with_measured(drawn(), read_measured(tmp_path / "lab.csv"))
+    (tmp_path / "lab.csv").write_text("time [s],pressure [kPa]\n0,0\n1,1.1\n")
+    counts = figure(6.4, 4.0)
+    counts.add_subplot(xlabel="time (s)", ylabel="contacts").plot(TIME, TIME)
+    with pytest.raises(BadInput, match="fits no axes of the figure"):
+        with_measured(counts, read_measured(tmp_path / "lab.csv"))
+    (tmp_path / "lab.csv").write_text("time [ms],contacts\n0,0\n1000,1\n")
+    points = curves_of(with_measured(counts, read_measured(tmp_path / "lab.csv")).axes[0])[-1]
+    assert points.line.get_xydata().tolist() == [[0.0, 0.0], [1.0, 1.0]]
+
+
 @pytest.mark.parametrize(
     ("text", "message"), [("", "expected a line of heads"), ("t,p\n1\n", "row 2: got 1 cells"), ("t,p\n1,x\n", "row 2")]
 )

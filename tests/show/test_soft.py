@@ -197,6 +197,51 @@ def test_a_drift_is_marked_as_not_stationary(boxed):
     assert "not stationary" in [text.get_text() for text in shown.axes[0].get_legend().get_texts()]
 
 
+def test_an_oscillation_is_no_steady_flow(boxed):
+    """Its mean rate is that of a part of a period."""
+    scene, (first, *_) = boxed
+    now = np.linspace(0.0, 6.2, 125)
+    frames = [
+        first._replace(time=time, numbers=first.numbers | {"strain": 0.01 * math.sin(math.pi * time)}) for time in now
+    ]
+    wave = OscillationSpec(frequency=0.5, amplitude=0.01)
+    scene = dataclasses.replace(scene, duration=6.2, protocol=(StageSpec(time=0.0, oscillation=wave),))
+    assert steady_flows(frames, scene) == []
+    with pytest.raises(BadInput, match="nowhere in this run is the packing sheared"):
+        SOFT_FIGURES["flow-curve"](frames, scene)
+
+
+def test_creep_ends_where_the_packing_is_sheared_otherwise(boxed):
+    """A stress up to 3 s, and a rate of -1/s afterwards."""
+    scene, (first, *_) = boxed
+    moments = (StageSpec(time=0.0, shear_stress=0.1), StageSpec(time=3.0, shear_rate=-1.0))
+    now = np.linspace(0.0, 6.0, 121)
+    frames = [
+        first._replace(time=time, numbers=first.numbers | {"strain": 0.2 * min(time, 3.0) - max(time - 3.0, 0.0)})
+        for time in now
+    ]
+    (strains, _) = SOFT_FIGURES["creep"](frames, dataclasses.replace(scene, duration=6.0, protocol=moments)).axes
+    (line,) = strains.lines
+    assert line.get_xydata()[-1] == pytest.approx([3.0, 0.6])
+
+
+def test_instants_without_contacts_leave_gaps_in_percentiles(scene):
+    """More contacts than single curves; at first there is none."""
+    neighbor = np.array([[1, 2, 3, 4, 5, 6, 7], [2, 3, 4, 5, 6, 7, -1], *[[-1] * 7] * 6])
+    alone = np.full_like(neighbor, -1)
+    frames = [
+        Frame(time, {
+            "position": np.zeros((8, 2)), "radius": np.full(8, 1e-3), "neighbor": here,
+            "gap": np.full(here.shape, 1e-5), "tension": np.full(here.shape, 1e-6),
+        }, {}, UNITS)
+        for time, here in enumerate((alone, neighbor, neighbor))
+    ]  # fmt: skip
+    for name in ("gaps", "forces"):
+        drawn = SOFT_FIGURES[name](frames, scene)
+        drawn.canvas.draw()
+        assert np.isfinite(drawn.axes[0].lines[0].get_ydata()).tolist() == [False, True, True]
+
+
 def test_creep_is_drawn_for_each_step_of_the_stress(boxed):
     scene, (first, *_) = boxed
     with pytest.raises(BadInput, match="no shear_stress"):

@@ -6,6 +6,7 @@ import pytest
 from ecume.errors import BadInput
 from ecume.scenes.schema import from_plain
 from ecume.show.tracer_measures import before_exits, dispersion_over_time, efficiency, whole_bins
+from ecume.show.tracers import heights
 from ecume.trajectories.frame import Frame
 
 SCENE = from_plain({
@@ -51,3 +52,12 @@ def test_no_bin_of_residence_times_is_empty_by_its_width_alone(interval):
 def test_an_efficiency_needs_something_that_holds_particles():
     with pytest.raises(BadInput, match="no wall and no obstacle holds particles"):
         efficiency(course([5] * 40), SCENE)
+
+
+def test_heights_below_zero_are_not_cut_off():
+    frames = [frame._replace(arrays=frame.arrays | {"species": np.zeros(40, np.int64)}) for frame in course([99] * 40)]
+    (axes,) = heights(frames, SCENE).axes
+    assert axes.get_ylim()[0] == 0.0
+    deep = [frame._replace(arrays=frame.arrays | {"position": frame.arrays["position"] - 0.5}) for frame in frames]
+    (axes,) = heights(deep, SCENE).axes
+    assert axes.get_ylim()[0] < axes.lines[0].get_ydata().min() < 0.0

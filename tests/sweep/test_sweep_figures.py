@@ -4,13 +4,17 @@ import csv
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from ecume.analysis.series import Mean
+from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.show.style import figure
 from ecume.sweep import figures
 from ecume.sweep.figures import Column, column_of, edges, plot_sweep, scatter, sweep_figure
 from ecume.sweep.fits import Points, fit_of
+from ecume.sweep.results import representing
+from ecume.sweep.spec import Axis
 
 
 class Made:
@@ -148,6 +152,33 @@ def test_points_that_were_drawn_are_dots_and_no_curves():
     assert bar.get_ylabel() == "time"
 
 
+def test_a_figure_has_the_format_the_width_and_the_table_that_were_asked_for(tmp_path, monkeypatch):
+    (tmp_path / "points.json").write_text("[]")
+    monkeypatch.setattr(figures, "open_sweep", lambda directory: Made())
+    words = ["plot", str(tmp_path), "--what", "curves", "--format", "pdf", "--width", "86 mm", "--no-title"]
+    more = ["-o", str(tmp_path / "there"), "--data", str(tmp_path / "curves.csv")]
+    done = CliRunner().invoke(app, [*words, *more])
+    assert done.output == f"wrote {tmp_path / 'curves.csv'}\nwrote {tmp_path / 'there' / 'curves.pdf'}\n"
+    assert (tmp_path / "there" / "curves.pdf").read_bytes().startswith(b"%PDF")
+    assert (tmp_path / "curves.csv").read_text().startswith("panel,series,x_axis,y_axis,x,y\n")
+    beside = CliRunner().invoke(app, ["plot", str(tmp_path), "other"])
+    assert (beside.exit_code, "is a sweep, whose figures are drawn alone" in beside.stderr) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("rows", "keys"),
+    [
+        (((1, 10), (2, 20)), ("a",)),
+        (((1, 10), (1, 20)), ("b",)),
+        (((1, 10), (1, 20), (2, 10), (2, 20)), ("a", "b")),
+        ((("1 mm", [1, 2]), ("1 mm", [2, 1])), ("b",)),
+    ],
+)
+def test_linked_keys_are_represented_by_one_that_tells_rows_apart(rows, keys):
+    """Otherwise different points count as repeats of one."""
+    assert tuple(representing(Axis(keys=("a", "b"), rows=rows))) == keys
+
+
 def test_too_many_curves_are_refused():
     class Many(Made):
         def table(self):
@@ -186,7 +217,7 @@ class Curve(Made):
 
 def test_a_fit_finds_the_law_of_each_curve_and_states_its_interval(tmp_path, monkeypatch):
     monkeypatch.setattr(figures, "open_sweep", lambda directory: Curve())
-    picture = plot_sweep(tmp_path, "fit", "stress")
+    (picture,) = plot_sweep(tmp_path, "fit", "stress")
     with picture.with_suffix(".csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     for curve, factor in (("liquid oil", 1.0), ("liquid water", 0.5)):

@@ -76,11 +76,11 @@ def tracks(frames: Sequence[Frame] | Iterable[Frame], kept: Sequence[int] | None
     named = box_of(frames[0]) is None or "image" in frames[0].arrays
     if named:
         seen = [(unwrapped(frame), inside(frame)) for frame in (frames[k] for k in kept)]
-        unwrapped, there = [places for places, _ in seen], [present for _, present in seen]
+        places, there = [place for place, _ in seen], [present for _, present in seen]
     else:
-        unwrapped, there = _followed(frames, set(kept)), [inside(frames[k]) for k in kept]
-    found = np.full((len(there), max(map(len, unwrapped)), unwrapped[0].shape[1]), np.nan)
-    for row, position, present, k in zip(found, unwrapped, there, kept, strict=True):
+        places, there = _followed(frames, set(kept)), [inside(frames[k]) for k in kept]
+    found = np.full((len(there), max(map(len, places)), places[0].shape[1]), np.nan)
+    for row, position, present, k in zip(found, places, there, kept, strict=True):
         if len(position) != len(row) and "left" not in frames[k].arrays:
             counts = f"got {len(position)} particles at {frames[k].time:g} s and {len(row)} at another time"
             raise BadInput(f"{counts}; expected frames that say which particle is which")

@@ -355,6 +355,7 @@ def plot(
     · `ecume plot --force-law bowl.toml`
     """
     directory, *others = directories or [HERE]
+    look = {"width": width, "title": not no_title}
     require_picture(out, form)
     if force_law is not None or integrators:
         _require_alone(force_law, integrators=integrators, of_a_run=bool(directories) or bool(what))
@@ -362,12 +363,10 @@ def plot(
     elif listed:
         _list(directory)
     elif (directory / "points.json").is_file():
-        _draw_sweep(directory, what or [], out, quiet=quiet)
+        _draw_sweep(Asked([directory, *others], what or [], out, form, data), look, quiet=quiet)
     elif what or others or data:
-        asked = Asked([directory, *others], what or [], out, form, data)
-        _draw(asked, {"width": width, "title": not no_title}, quiet=quiet)
+        _draw(Asked([directory, *others], what or [], out, form, data), look, quiet=quiet)
     else:
-        look = {"width": width, "title": not no_title}
         _draw_all(directory, _folder(out, directory), form, look, verbose=verbose, quiet=quiet)
 
 
@@ -423,15 +422,35 @@ def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
     return integrator_comparison(out or Path("integrators.png"))
 
 
-def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
+def _draw_sweep(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
     """Figures of a sweep: `curves`, `map`, `scatter` or `fit`, or `curves:duration` for a measure not its first."""
+    from ecume.show.publishing import Finish
     from ecume.sweep.figures import kinds_of, plot_sweep
 
-    asked = names or kinds_of(directory)
-    _require_one(asked, out)
-    for name in asked:
+    directory, *others = asked.sources
+    if others:
+        raise BadInput(f"{directory} is a sweep, whose figures are drawn alone; got {others[0]} beside it")
+    names = asked.names or kinds_of(directory)
+    _require_one_table(names, asked.data)
+    if _folder_of(asked.out) is None:
+        _require_one(names, asked.out)
+    for name in names:
         kind, _, measure = name.partition(":")
-        wrote(plot_sweep(directory, kind, measure or None, out), quiet=quiet)
+        finish = Finish(**look)
+        made = plot_sweep(directory, kind, measure or None, asked.out, form=asked.form, finish=finish, data=asked.data)
+        for path in made:
+            wrote(path, quiet=quiet)
+
+
+def _folder_of(out: Path | None) -> Path | None:
+    """The folder for several figures; None for a file or nothing."""
+    return out if out is not None and (out.is_dir() or not out.suffix) else None
+
+
+def _require_one_table(names: list[str], data: Path | None) -> None:
+    """Raise BadInput where the numbers of several figures are to go into one table."""
+    if data is not None and len(names) > 1:
+        raise BadInput(f"--data {data}: holds the numbers of one figure; give --what once")
 
 
 TABLES = (".csv", ".tsv", ".txt")
@@ -448,8 +467,7 @@ def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
         raise BadInput("expected --what with the name of the figure; `ecume plot RUN --list` lists them")
     if not runs:
         raise BadInput("expected a run beside the table of an experiment")
-    if asked.data is not None and len(asked.names) > 1:
-        raise BadInput(f"--data {asked.data}: holds the numbers of one figure; give --what once")
+    _require_one_table(asked.names, asked.data)
     for run in runs:
         model = str(manifest_of(existing(run)).get("model", ""))
         for name in asked.names:  # refused before anything that draws is imported
@@ -460,7 +478,7 @@ def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
     from ecume.show.publishing import Finish, finished, read_measured, together, with_measured, written_data
     from ecume.show.style import save
 
-    folder = asked.out if asked.out is not None and (asked.out.is_dir() or not asked.out.suffix) else None
+    folder = _folder_of(asked.out)
     if folder is None:
         _require_one(asked.names, asked.out)
     for name in asked.names:

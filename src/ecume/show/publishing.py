@@ -141,9 +141,14 @@ def _named(curve: str, run: str) -> str:
     return f"{curve}, {plain(run)}" if curve else plain(run)
 
 
+def _unit_of(label: str) -> str:
+    """The unit in the label of an axis or the heading of a column; empty without one."""
+    return (match[2] or "").replace("µ", "u") if (match := LABEL.fullmatch(label)) else ""
+
+
 def _ratio(label: str, other: str, name: str) -> float:
     """The factor between the units of two axes. Raises BadInput if their labels have no common unit."""
-    units = [(match[2] or "").replace("µ", "u") if (match := LABEL.fullmatch(text)) else "" for text in (label, other)]
+    units = [_unit_of(text) for text in (label, other)]
     if units[0] == units[1] or not all(units):
         return 1.0
     try:
@@ -213,7 +218,9 @@ def with_measured(drawn: Figure, measured: Measured) -> Figure:
         axes, x, y = next(_panels(drawn, measured.heads[0], head), (None, 1.0, 1.0))
         if axes is None:
             labels = "; ".join(f"{each.get_xlabel()}, {each.get_ylabel()}" for each in drawn.axes if each.get_ylabel())
-            raise BadInput(f"{measured.name}: column {head!r} fits no axes of the figure, which are {labels}")
+            bare = next((one for one in (measured.heads[0], head) if not _unit_of(one)), "")
+            hint = f"; {bare!r} has no unit: write it into the head, as in 'time [s]'" if bare else ""
+            raise BadInput(f"{measured.name}: column {head!r} fits no axes of the figure, which are {labels}{hint}")
         label = plain(f"{(match[1] if (match := LABEL.fullmatch(head)) else head)}, {measured.name}")
         with style():
             look = {
@@ -233,7 +240,10 @@ def _panels(drawn: Figure, across: str, up: str) -> Iterator[tuple[Axes, float, 
     for axes in drawn.axes:
         if not curves_of(axes):
             continue
+        labels = axes.get_xlabel(), axes.get_ylabel()
+        if [bool(_unit_of(head)) for head in (across, up)] != [bool(_unit_of(label)) for label in labels]:
+            continue  # the prefixes of the figure are its own: a number without a unit may be in another one
         try:
-            yield axes, _ratio(across, axes.get_xlabel(), ""), _ratio(up, axes.get_ylabel(), "")
+            yield axes, _ratio(across, labels[0], ""), _ratio(up, labels[1], "")
         except BadInput:
             continue

@@ -97,7 +97,8 @@ def heights(frames: Frames, scene: TracersScene) -> Figure:
         for kind, curve in zip(kinds, curves, strict=True):
             axes.plot(times(shown), scale.factor * np.array(curve), color=kind.color, label=plain(kind.name))
         axes.set_ylabel(f"mean height ({scale.unit})")
-        axes.set_ylim(bottom=0.0)
+        if not np.nanmin(curves, initial=0.0) < 0.0:
+            axes.set_ylim(bottom=0.0)
         legend_outside(axes)
     return drawn
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
+from ecume.show.publishing import Finish, finished, written_data
 from ecume.show.style import PALETTE, Scale, figure, legend_outside, plain, save, scale_for, style
 from ecume.sweep.fits import Points, draw_fits, points_of, write_fits
 from ecume.sweep.results import Row, Sweep, open_sweep
@@ -54,16 +55,29 @@ class Column(NamedTuple):
         return f"{scale.factor * value:.4g} {scale.unit}".strip()
 
 
-def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path | None = None) -> Path:
-    """Draw a figure of a sweep into `out`, by default into its directory. The table of a fit is written beside it."""
+def plot_sweep(
+    directory: Path,
+    kind: str,
+    measure: str | None = None,
+    out: Path | None = None,
+    *,
+    form: str = "png",
+    finish: Finish = Finish(),  # noqa: B008  # it cannot change
+    data: Path | None = None,
+) -> list[Path]:
+    """Draw a figure of a sweep into the file or the folder `out`, by default into its directory. The table of a fit is
+    written beside it, the points of all curves into `data`. Returns the paths of the files.
+    """
     sweep = open_sweep(directory)
     drawn = sweep_figure(sweep, kind, measure)
     name = f"{kind}-{re.sub(r'[^A-Za-z0-9]+', '-', measure).strip('-')}" if measure else kind
-    target = save(drawn, out or directory / f"{name}.png")
+    target = out if out is not None and out.suffix and not out.is_dir() else (out or directory) / f"{name}.{form}"
+    tables = [] if data is None else [written_data(drawn, data)]
+    save(finished(drawn, finish), target)
     if kind == "fit":
         axes, shown = _columns(sweep, measure)
         write_fits(target.with_suffix(".csv"), fitted_points(axes, shown))
-    return target
+    return [*tables, target]
 
 
 def kinds_of(directory: Path) -> list[str]:

@@ -35,7 +35,7 @@ from ecume.sweep.directory import (
 )
 from ecume.sweep.executors import ExecutorOptions, engine_of, hands
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
-from ecume.sweep.spec import process_of
+from ecume.sweep.spec import Axis, process_of
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.records import storing, write_whole
 from ecume.trajectories.tables import library, write_rows
@@ -76,9 +76,9 @@ class Sweep:
 
     @property
     def ways(self) -> list[str]:
-        """The columns that vary independently; the first of linked keys represents all."""
+        """The columns that vary independently; of linked keys, one that represents all."""
         spec = self._sweeping.spec
-        axes = [axis.key or axis.keys[0] for axis in spec.axes]
+        axes = [key for axis in spec.axes for key in representing(axis)]
         sampled = [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
         return [spec.named(key) for key in [*axes, *sampled]]
 
@@ -144,6 +144,19 @@ class Sweep:
             result: Row = json_at(job.result, dict)
             return row | {name: value for name, value in result.items() if name not in row}
         return row | measured(job, measures)
+
+
+def representing(axis: Axis) -> Sequence[str]:
+    """The key of an axis; of linked keys the first whose values differ in all rows, or all where none does.
+
+    >>> representing(Axis(keys=("cell.size", "seed"), rows=((1, 1), (1, 2))))
+    ('seed',)
+    """
+    if axis.key is not None:
+        return (axis.key,)
+    columns = zip(axis.keys, zip(*axis.rows, strict=True), strict=True)
+    count = len({repr(row) for row in axis.rows})
+    return next(((key,) for key, values in columns if len({repr(value) for value in values}) == count), axis.keys)
 
 
 def _with_nulls(rows: Sequence[Row]) -> list[Row]:

@@ -99,3 +99,21 @@ def test_two_floats_follow_the_equation_of_motion_that_is_drawn_beside_them():
 def test_floats_among_others_have_no_solution_of_two():
     scene = ecume.load_scene(TWO, ["dish.radius=4 cm", "dish.contact_angle=90 deg"])
     assert two_body_gap(list(ecume.simulate(scene))[:2], scene) is None
+
+
+def test_paths_in_a_cell_continue_on_the_other_side():
+    """A float that drifts by 0.2 m through a cell 0.1 m wide is drawn inside, in pieces."""
+    cell = SCENE.replace("[dish]\nradius = 0.02", "[cell]\nsize = [0.1, 0.08]").replace("count = 7", "count = 1")
+    fixed = {"radius": np.full(1, 1e-3), "species": np.zeros(1, np.int64)}
+    frames = []
+    for n in range(11):
+        image, place = divmod(95 + 20 * n, 100)
+        arrays = {"position": np.array([[1e-3 * place, 0.04]]), "image": np.array([[image, 0]]), **fixed}
+        frames.append(Frame(0.1 * n, arrays, {"box_width": 0.1, "box_height": 0.08}, {}))
+    (axes,) = FLOATING_FIGURES["paths"](frames, load_scene(cell)).axes
+    discs, lines, starts = axes.collections
+    assert np.asarray(discs.get_offsets()) == pytest.approx(np.array([[95.0, 40.0]]))
+    assert np.asarray(starts.get_offsets()) == pytest.approx(np.array([[95.0, 40.0]]))
+    pieces = [piece[:, 0] for piece in lines.get_segments()]
+    assert pieces[1] == pytest.approx([-5, 15, 35, 55, 75, 95, 115])
+    assert all(np.diff(piece) == pytest.approx(20.0) for piece in pieces)

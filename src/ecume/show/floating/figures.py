@@ -443,26 +443,46 @@ FURTHEST = 6.0
 
 
 def paths(frames: Frames, scene: Any) -> Figure:
-    """The path of every float, from an open circle to its last position, which is drawn to scale."""
+    """The path of every float, from an open circle to its last position, which is drawn to scale; in a periodic cell a
+    path that leaves on one side continues on the other.
+    """
     shown = thinned(frames)
     view, kinds = view_of(scene, shown), species(scene)
     scale = scale_for(view.width / 2, "m")
     colors = [kinds[kind].color for kind in shown[-1].arrays["species"]]
     where = scale.factor * tracks(frames, instants(frames)).swapaxes(0, 1)
+    lines, (begin, end) = list(where), (where[:, 0], where[:, -1])
+    if scene.cell is not None:
+        sides = scale.factor * np.asarray(scene.sides, float)
+        lines = [piece for path in where for piece in pieces_of(path, sides)]
+        begin, end = (at - sides * np.floor(at / sides) for at in (begin, end))
     with style():
         drawn = figure(5.4, 5.4 * min(max(view.height / view.width, 0.4), 1.6))
         axes = drawn.add_subplot(aspect="equal")
         axes.set(xlim=np.multiply(view[:2], scale.factor), ylim=np.multiply(view[2:], scale.factor))
         axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})", title=titled("Paths", scene))
         axes.grid(visible=False)
-        _discs(axes, where[:, -1], scale.factor * shown[-1].arrays["radius"], colors)
-        axes.add_collection(LineCollection(list(where), colors=MUTED, linewidths=0.9, alpha=0.8))
-        axes.scatter(where[:, 0, 0], where[:, 0, 1], s=9, facecolors="white", edgecolors=INK, linewidths=0.6, zorder=3)
+        _discs(axes, end, scale.factor * shown[-1].arrays["radius"], colors)
+        axes.add_collection(LineCollection(lines, colors=MUTED, linewidths=0.9, alpha=0.8))
+        axes.scatter(begin[:, 0], begin[:, 1], s=9, facecolors="white", edgecolors=INK, linewidths=0.6, zorder=3)
         if scene.dish is not None:
             axes.add_patch(dish_outline(scene.dish, scale.factor))
         if len(kinds) > 1:
             axes.legend(handles=species_dots(kinds), loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
     return drawn
+
+
+def pieces_of(path: Array, sides: Array) -> list[Array]:
+    """The parts of a path (T, 2) in a cell with these sides, each in the image of its own points, with the point before
+    and the one after it, so that lines reach the borders.
+
+    >>> [piece.tolist() for piece in pieces_of(np.array([[0.5, 0.5], [1.5, 0.5]]), np.ones(2))]
+    [[[0.5, 0.5], [1.5, 0.5]], [[-0.5, 0.5], [0.5, 0.5]]]
+    """
+    image = np.floor(path / sides)
+    starts = [0, *(np.flatnonzero((np.diff(image, axis=0) != 0).any(axis=1)) + 1).tolist()]
+    ends = [*starts[1:], len(path)]
+    return [path[max(start - 1, 0) : end + 1] - image[start] * sides for start, end in zip(starts, ends, strict=True)]
 
 
 class Pair(NamedTuple):

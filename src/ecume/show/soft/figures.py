@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 
 ALIKE = 0.01
 """The difference of volume fractions below which they count as equal."""
+SHEARS = ("strain", "shear_rate", "rate_steps", "shear_stress", "oscillation")
+"""Keys of a moment of the protocol that end the shear stress before it."""
 LEAST = 8
 """The smallest number of frames of a part of the protocol for the detection of a steady state."""
 
@@ -81,11 +83,19 @@ def steady_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
     for part in parts_of(frames, scene):
         if len(part) < LEAST or part[-1].numbers["strain"] == part[0].numbers["strain"]:
             continue
+        if _oscillates(part, scene):
+            continue
         steady, settled = steady_part(part)
         if series(steady, number("normal_stress")).mean() > 0.0:
             whole = mean_stress(steady) if "stress_squeeze_xx" in part[0].numbers else None
             found.append(SteadyFlow(part, steady, settled, flow_point(steady, viscosity, thickness), whole))
     return found
+
+
+def _oscillates(part: Sequence[Frame], scene: SoftScene) -> bool:
+    """Whether a part of the protocol is an oscillation, whose mean is no steady flow."""
+    begun = [stage for stage in expanded(scene.protocol) if stage.time < part[0].time * (1.0 - 1e-9)]
+    return bool(begun) and begun[-1].oscillation is not None
 
 
 def _required_flows(frames: Frames, scene: SoftScene) -> list[SteadyFlow]:
@@ -274,8 +284,11 @@ def creep_curves(frames: Frames, scene: SoftScene) -> Figure:
     moments = [stage.time for stage in scene.protocol if stage.shear_stress is not None]
     if not moments:
         raise BadInput("the protocol imposes no shear_stress; creep requires one")
-    now = times(frames)
-    ends = [*moments[1:], float(now[-1])]
+    sheared_anew = [
+        stage.time for stage in expanded(scene.protocol) if any(getattr(stage, key) is not None for key in SHEARS)
+    ]
+    last = float(times(frames)[-1])
+    ends = [min((time for time in sheared_anew if time > start), default=last) for start in moments]
     with style():
         drawn = figure(6.4, 4.8)
         strains, rates = drawn.subplots(2, 1, sharex=True)
@@ -453,7 +466,9 @@ def _contacts(frame: Frame, name: str) -> dict[Key, float]:
 
 def _spread(axes: Axes, instants: Array, values: list[Array]) -> None:
     """Percentiles as nested bands around the median."""
-    low, lower, median, upper, high = np.array([np.percentile(one, SPREAD) for one in values]).T
+    blank = np.full(len(SPREAD), np.nan)  # where no spheres are in contact
+    rows = [np.percentile(one, SPREAD) if len(one) else blank for one in values]
+    low, lower, median, upper, high = np.array(rows).T
     axes.fill_between(instants, low, high, color=PALETTE[1], alpha=0.2, linewidth=0, label="5 to 95 %")
     axes.fill_between(instants, lower, upper, color=PALETTE[1], alpha=0.4, linewidth=0, label="25 to 75 %")
     axes.plot(instants, median, color=INK, label="median")
