@@ -110,7 +110,7 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
         ("x,y,object\n1,2,3\n", Camera(), "missing column"),
         (TRACKPY, Camera(pixel=1e-5), "give the frame rate"),
         (TRACKPY, Camera(rate=25.0), "give the size of a pixel"),
-        (CSV, Camera(rate=25.0), "line 3: the time 0.5 is no number of frames; leave out --rate"),
+        (CSV, Camera(rate=25.0), "line 3: the time 0.5 is no number of frames; omit --rate"),
         (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; give it"),
         (CSV.replace(",", ";").replace("0.0015", "1.000,5"), Camera(), "line 3, x: got '1.000,5'"),
         (CSV.replace("0.0015", "near"), Camera(), "line 3, x: got 'near'; expected a number"),

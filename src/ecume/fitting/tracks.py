@@ -234,7 +234,7 @@ def _require_counted(body: Rows, place: int) -> None:
         cell = row[place].strip() if place < len(row) else ""
         if NUMERIC.fullmatch(cell) and float(DECIMAL_COMMA.sub(r"\1.\2", cell)) % 1.0:
             raise ValueError(
-                f"line {line}: the time {cell} is no number of frames; leave out --rate if times are in seconds, or "
+                f"line {line}: the time {cell} is no number of frames; omit --rate if times are in seconds, or "
                 "write their unit into the head, as in 't [ms]'"
             )
 
