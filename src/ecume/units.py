@@ -447,8 +447,22 @@ Numbers = Annotated[Real, Unit("1")]
 PREFIXES = ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n"), (-12, "p"))
 
 
+FIRST = re.compile(r"(?:A|Hz|J|K|N|Pa|T|V|W|m|rad|s)(?:\^?([23])|([²³]))?(?![A-Za-z0-9^²³])")
+"""The first factor of a unit that takes a prefix."""
+
+
+def prefix_power(unit: str) -> int:
+    """The power to which a prefix of this unit is raised; 0 for a unit without prefixes.
+
+    >>> [prefix_power(unit) for unit in ("m/s", "m^2/s", "m³", "kg/m^3", "1/s")]
+    [1, 2, 3, 0, 0]
+    """
+    match = FIRST.match(unit)
+    return 0 if match is None else int(match[1] or {"²": 2, "³": 3, None: 1}[match[2]])
+
+
 def with_prefix(value: float, unit: str, digits: int = 4) -> str:
-    """A value with the prefix of its size. The prefix of `m^2/s` is squared.
+    """A value with the prefix of its size. The prefix of `m^2/s` is squared; `kg` and `1/s` have none.
 
     >>> with_prefix(16.64, "m/s"), with_prefix(0.0021, "m"), with_prefix(5e-14, "s"), with_prefix(5536.0, "s")
     ('16.64 m/s', '2.1 mm', '0.05 ps', '5536 s')
@@ -472,11 +486,12 @@ def range_with_prefix(values: Iterable[float], unit: str, digits: int = 4) -> st
 
 def _prefix(size: float, unit: str, digits: int) -> tuple[float, str]:
     """The factor and the prefix for numbers of this size."""
-    if not size or not math.isfinite(size):
+    order = prefix_power(unit)
+    if not size or not math.isfinite(size) or not order:
         return 1.0, ""
-    order = 2 if unit.startswith("m^2") else 1
     rounded = size * (1.0 + 0.5 * 10.0 ** (1 - digits))
-    power, prefix = next((one for one in PREFIXES if rounded >= 10.0 ** (order * one[0])), PREFIXES[-1])
+    least = 0.1**order if order > 1 else 1.0  # 0.43 µm^2/s, and not 430,000 nm^2/s
+    power, prefix = next((one for one in PREFIXES if rounded >= least * 10.0 ** (order * one[0])), PREFIXES[-1])
     return (1.0, "") if unit == "s" and power > 0 else (10.0 ** (order * power), prefix)
 
 

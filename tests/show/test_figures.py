@@ -21,6 +21,7 @@ from ecume.show.figures import plot, require_same_names
 from ecume.show.floating import figures
 from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
 from ecume.show.style import save, scale_for
+from ecume.units import with_prefix
 
 pytestmark = pytest.mark.sampled(2)
 
@@ -230,6 +231,20 @@ def test_a_scale_shows_numbers_from_one_to_a_thousand(largest, unit, shown):
     scale = scale_for(largest, unit)
     assert scale.unit == shown
     assert largest == 0 or 0.9 < largest * scale.factor < 1000
+
+
+@pytest.mark.parametrize(
+    ("largest", "unit", "shown", "factor"),
+    [(0.002, "m^2", "mm^2", 1e6), (0.02, "m^3", "m^3", 1.0), (4.3e-13, "m^2/s", "µm^2/s", 1e12), (5.0, "m²", "m²", 1.0),
+     (2e-6, "m^3", "mm^3", 1e9),
+     (1000.0, "kg/m^3", "kg/m^3", 1.0), (2e-3, "kg*m/s", "kg*m/s", 1.0), (2000.0, "1/s", "1/s", 1.0),
+     (0.02, "N*s/m", "mN*s/m", 1e3)],
+)  # fmt: skip
+def test_a_prefix_is_raised_to_the_power_of_its_unit_and_kilograms_have_none(largest, unit, shown, factor):
+    assert scale_for(largest, unit) == (pytest.approx(factor), shown)
+    number, _, name = with_prefix(largest, unit).partition(" ")
+    assert float(number) == pytest.approx(largest * factor)
+    assert name == shown
 
 
 def test_an_unknown_figure_is_refused_with_those_there_are(opened, tmp_path, monkeypatch):

@@ -209,10 +209,10 @@ def of_run(folder: Folder, name: str, model: str) -> Start:
 
 def _there(frame: Frame) -> Mapping[str, NDArray[Any]]:
     """The arrays of the particles that have not left: the others stay in frames at their last place. Raises ValueError
-    for frames that do not tell.
+    for frames without this mark.
     """
     if "left" in omitted_from(frame):
-        raise ValueError('has frames without "left", which tells the particles that left; see its output.quantities')
+        raise ValueError('has frames without "left", which marks the particles that left; see its output.quantities')
     if "left" not in frame.arrays:
         return frame.arrays
     return {name: array[frame.arrays["left"] < 0] for name, array in frame.arrays.items()}

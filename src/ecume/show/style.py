@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from ecume.errors import BadInput, StorageError
 from ecume.scenes.common import PALETTE as PALETTE
 from ecume.trajectories.records import replacing
+from ecume.units import prefix_power
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
 STEPS = 2048
@@ -115,14 +116,17 @@ class Scale(NamedTuple):
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """The prefix that shows `largest` (in SI) as a number from 1 to 1000.
+    """The prefix that shows `largest` (in SI) as a number from 1 to 1000; of `m^2`, whose prefix is squared, from 0.01
+    to 10,000. Units such as `kg` have none.
 
-    >>> scale_for(0.0042, "m")
-    Scale(factor=1000.0, unit='mm')
+    >>> scale_for(0.0042, "m"), scale_for(0.002, "m^2"), scale_for(1000.0, "kg/m^3")
+    (Scale(factor=1000.0, unit='mm'), Scale(factor=1000000.0, unit='mm^2'), Scale(factor=1.0, unit='kg/m^3'))
     """
-    for power, prefix in PREFIXES:
-        if abs(largest) < 0.9995 * 10.0 ** (power + 3) and largest != 0:
-            return Scale(10.0**-power, prefix + unit)
+    order = prefix_power(unit)
+    least = 0.1**order if order > 1 else 1.0
+    for power, prefix in PREFIXES if order else ():
+        if abs(largest) < 0.9995 * least * 10.0 ** (order * (power + 3)) and largest != 0:
+            return Scale(10.0 ** (-order * power), prefix + unit)
     return Scale(1.0, unit)
 
 

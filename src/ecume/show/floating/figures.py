@@ -473,8 +473,8 @@ def paths(frames: Frames, scene: Any) -> Figure:
 
 
 def pieces_of(path: Array, sides: Array) -> list[Array]:
-    """The parts of a path (T, 2) in a cell with these sides, each in the image of its own points, with the point before
-    and the one after it, so that lines reach the borders.
+    """The parts of a path (T, 2) in a cell with these sides, each in one image, with the point before and the one
+    after it, so that lines reach the borders.
 
     >>> [piece.tolist() for piece in pieces_of(np.array([[0.5, 0.5], [1.5, 0.5]]), np.ones(2))]
     [[[0.5, 0.5], [1.5, 0.5]], [[-0.5, 0.5], [0.5, 0.5]]]
