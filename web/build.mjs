@@ -26,7 +26,12 @@ async function bundled(name) {
 
 const plot = readFileSync(join(here, "node_modules/uplot/dist/uPlot.min.css"), "utf8");
 const style = `${readFileSync(join(here, "src/style.css"), "utf8")}${plot.trim()}\n`;
-const licence = readFileSync(join(here, "node_modules/uplot/LICENSE"), "utf8");
+const licence = (name) => readFileSync(join(here, "node_modules", name, "LICENSE"), "utf8");
+const licences = [
+  `uPlot (curves), bundled in view.js and view.css:\n\n${licence("uplot")}`,
+  `uqr (QR codes), bundled in play.js:\n\n${licence("uqr")}`,
+  readFileSync(join(here, "wasm/LICENSES.txt"), "utf8"),
+];
 
 // What the bundle was made of: where there is no npm, a test holds the sources to this.
 const digest = createHash("sha256");
@@ -36,9 +41,9 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
 }
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
-for (const name of ["play", "tank", "alone", "solver"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
-for (const name of ["play.html", "play.css", "tank.html", "alone.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
+for (const name of ["play", "tank", "solver"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
+for (const name of ["play.html", "play.css", "tank.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
-writeFileSync(join(out, "LICENSES.txt"), `uPlot (curves), bundled in view.js and view.css:\n\n${licence}\n${readFileSync(join(here, "wasm/LICENSES.txt"), "utf8")}`);
+writeFileSync(join(out, "LICENSES.txt"), licences.join("\n"));
 writeFileSync(join(out, "SOURCES.sha256"), `${digest.digest("hex")}\n`);

@@ -120,6 +120,21 @@ def test_a_change_of_the_liquid_is_one_of_the_scene(bowl):
     assert bowl.frame.arrays["contact_angle"] == pytest.approx(1.0)
 
 
+def test_a_bowl_begins_again_where_it_began(bowl):
+    start = places(bowl).copy()
+    bowl.drop("bead", 0.01, 0.005)
+    bowl.play(0.1)
+    assert np.abs(bowl.forces()).max() > 0.0
+    bowl.anew()
+    assert places(bowl) == pytest.approx(start)
+    assert bowl.time == 0.0
+
+
+def test_a_float_becomes_larger(bowl):
+    bowl.change("cereal", "radius", 2e-3)
+    assert bowl.frame.arrays["radius"] == pytest.approx(2e-3)
+
+
 @pytest.mark.parametrize(
     ("part", "key", "value", "says"),
     [

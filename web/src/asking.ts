@@ -1,5 +1,7 @@
 // What the page says to the server that gave it out, and hears from it.
 
+import type { Kept } from "./chapters";
+
 const token = new URLSearchParams(location.search).get("token") ?? "";
 
 async function ask(path: string, init: RequestInit = {}): Promise<Response> {
@@ -21,6 +23,7 @@ export interface Kind {
   color: string;
   contact_angle: number | null;
   density: number;
+  radius: number;
 }
 
 /** How a bowl stands now. Lengths are in meters. */
@@ -30,14 +33,14 @@ export interface Now extends Told {
   radius: number[];
   species: number[];
   kinds: Kind[];
-  clusters: number;
-  tilt: [number, number];
   slope: [number, number];
+  force: number[]; // x and y of each float (N)
   liquid: Record<string, number>;
+  capillary_length: number;
   dish: Record<string, number>;
   surface: string; // heights as bytes in base64, 128 being the level
-  highest: number;
   color?: string | null; // of the liquid, where no heights are shown
+  choice?: Omit<Kept, "floats">; // where the page simulates
 }
 
 /** How a tank stands now. Lengths are in meters. */

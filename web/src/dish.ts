@@ -1,17 +1,22 @@
 // The picture of the bowl: the liquid's height as color, the dish, the floats as lit balls.
 
 import type { Now } from "./asking";
+import type { Outline } from "./chapters";
 import { bytes } from "./toy";
 
-export interface Bowl {
+/** What a page of a bowl is told once. */
+export interface Bowl extends Outline {
   title: string;
-  outline: [number, number][]; // of the dish (m)
-  view: [number, number, number, number]; // left, right, bottom, top
   grid: number;
   shelf: { name: string; color: string; radius: number }[];
   speeds: number[];
   steepest: number;
   map: string;
+}
+
+/** A color of the page as it is now, dark or light. */
+export function shade(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
 }
 
 /** A ball with light from the upper left. */
@@ -26,6 +31,10 @@ export function ball(on: CanvasRenderingContext2D, x: number, y: number, radius:
   on.fill();
 }
 
+export function millimeters(length: number): string {
+  return `${(1e3 * length).toFixed(2)} mm`;
+}
+
 export class Picture {
   private readonly on: CanvasRenderingContext2D;
   private readonly sheet = document.createElement("canvas");
@@ -34,7 +43,7 @@ export class Picture {
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly bowl: Bowl,
+    public bowl: Outline & Pick<Bowl, "grid" | "map">,
   ) {
     this.on = canvas.getContext("2d")!;
     this.colors = bytes(bowl.map);
@@ -70,52 +79,65 @@ export class Picture {
     }
   }
 
-  /** The forces on all floats; the longest arrow is as long as a tenth of the view. */
-  arrows(now: Now, force: number[]): void {
+  /** A line of this color, on an edge that sets it off from whatever lies below. */
+  private drawn(color: string, wide: number, path: () => void): void {
     const { on } = this;
+    const fine = window.devicePixelRatio || 1;
+    on.beginPath();
+    path();
+    on.lineJoin = "round";
+    for (const [style, width] of [[shade("inside"), wide + 2], [color, wide]] as const) {
+      [on.strokeStyle, on.lineWidth] = [style, width * fine];
+      on.stroke();
+    }
+  }
+
+  /** The forces on all floats; the longest arrow is as long as a tenth of the view. */
+  arrows(now: Now): void {
+    const { on } = this;
+    const { force } = now;
     const { scale, x, y } = this.place;
     const most = Math.max(1e-12, ...now.x.map((_, one) => Math.hypot(force[2 * one], force[2 * one + 1])));
     const long = (0.1 * scale * (this.bowl.view[1] - this.bowl.view[0])) / most;
-    on.strokeStyle = "#b2182b";
-    on.lineWidth = 2 * (window.devicePixelRatio || 1);
-    on.beginPath();
-    for (let one = 0; one < now.x.length; one++) {
-      const [fromX, fromY] = [x + scale * now.x[one], y - scale * now.y[one]];
-      const [along, down] = [long * force[2 * one], -long * force[2 * one + 1]];
-      const [endX, endY] = [fromX + along, fromY + down];
-      on.moveTo(fromX, fromY);
-      on.lineTo(endX, endY);
-      on.lineTo(endX - 0.25 * along - 0.12 * down, endY - 0.25 * down + 0.12 * along);
-      on.moveTo(endX, endY);
-      on.lineTo(endX - 0.25 * along + 0.12 * down, endY - 0.25 * down - 0.12 * along);
-    }
-    on.stroke();
+    const head = 4 * (window.devicePixelRatio || 1);
+    this.drawn(shade("arrow"), 2, () => {
+      for (let one = 0; one < now.x.length; one++) {
+        const [along, down] = [long * force[2 * one], -long * force[2 * one + 1]];
+        const length = Math.hypot(along, down);
+        if (length < head) continue;
+        const [ux, uy] = [(head * along) / length, (head * down) / length];
+        const [endX, endY] = [x + scale * now.x[one] + along, y - scale * now.y[one] + down];
+        on.moveTo(endX - along, endY - down);
+        on.lineTo(endX, endY);
+        on.moveTo(endX - 2 * ux - uy, endY - 2 * uy + ux);
+        on.lineTo(endX, endY);
+        on.lineTo(endX - 2 * ux + uy, endY - 2 * uy - ux);
+      }
+    });
   }
 
   /** A line between the centers of two floats, with their distance. */
   ruler(now: Now, [one, other]: [number, number]): void {
     const { on } = this;
     const { scale, x, y } = this.place;
+    const fine = window.devicePixelRatio || 1;
     const ends = [one, other].map((each) => [x + scale * now.x[each], y - scale * now.y[each]]);
-    on.strokeStyle = on.fillStyle = "#0067a8";
-    on.lineWidth = 2 * (window.devicePixelRatio || 1);
-    on.beginPath();
-    for (const [right, down] of ends) on.lineTo(right, down);
-    on.stroke();
-    const far = Math.hypot(now.x[one] - now.x[other], now.y[one] - now.y[other]);
-    on.font = `${14 * (window.devicePixelRatio || 1)}px system-ui`;
-    on.fillText(`${(1e3 * far).toFixed(2)} mm`, Math.max(ends[0][0], ends[1][0]) + 12, (ends[0][1] + ends[1][1]) / 2);
+    this.drawn(shade("accent"), 2, () => ends.forEach(([right, down]) => on.lineTo(right, down)));
+    const text = millimeters(Math.hypot(now.x[one] - now.x[other], now.y[one] - now.y[other]));
+    on.font = `600 ${14 * fine}px system-ui`;
+    const wide = on.measureText(text).width + 10 * fine;
+    const left = Math.min(Math.max(ends[0][0], ends[1][0]) + 10 * fine, this.canvas.width - wide);
+    const middle = (ends[0][1] + ends[1][1]) / 2;
+    on.fillStyle = shade("panel");
+    on.fillRect(left, middle - 11 * fine, wide, 22 * fine);
+    on.fillStyle = shade("ink");
+    on.fillText(text, left + 5 * fine, middle + 5 * fine);
   }
 
-  /** A ring around the float that keys move. */
+  /** A ring around a float. */
   ring(now: Now, one: number): void {
-    const { on } = this;
     const { scale, x, y } = this.place;
-    on.strokeStyle = "#0067a8";
-    on.lineWidth = 3 * (window.devicePixelRatio || 1);
-    on.beginPath();
-    on.arc(x + scale * now.x[one], y - scale * now.y[one], 1.25 * scale * now.radius[one], 0, 2 * Math.PI);
-    on.stroke();
+    this.drawn(shade("accent"), 3, () => this.on.arc(x + scale * now.x[one], y - scale * now.y[one], 1.25 * scale * now.radius[one], 0, 2 * Math.PI));
   }
 
   private liquid(now: Now): void {
@@ -147,7 +169,7 @@ export class Picture {
       on.fillRect(x - reach, y - reach, 2 * reach, 2 * reach);
     }
     on.restore();
-    on.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue("--rim");
+    on.strokeStyle = shade("rim");
     on.lineWidth = 3 * (window.devicePixelRatio || 1);
     on.stroke();
   }

@@ -1,71 +1,162 @@
-// A bowl to play with: what hands do here is simulated by the program that gave out this page.
+// A bowl to play with, simulated in the page or by the program that gave it out.
 
 import type { Now } from "./asking";
 import { BowlPage } from "./bowl";
-import { DEGREE, element, header } from "./toy";
+import type { Alone, Chapter, Filled } from "./chapters";
+import { drawCode } from "./code";
 import type { Bowl } from "./dish";
+import { Inside, unpacked } from "./inside";
+import { DEGREE, element, header, slider } from "./toy";
 
-const bowl = header<Bowl>();
+type Range = [label: string, part: string, key: string, low: number, high: number, unit: number, name: string];
 
-class Play extends BowlPage {
+function rounded(value: number): number {
+  return Number(value.toPrecision(3));
+}
+
+/** A bowl that a program simulates: all numbers can be changed. */
+class Served extends BowlPage {
   private listed = "";
-  private sliders = new Map<string, HTMLInputElement>();
 
-  constructor() {
-    super(bowl, bowl.shelf[0].name);
-    const liquid = element("numbers");
-    this.slider(liquid, "surface tension", "liquid", "surface_tension", [10, 80], 1e-3, "mN/m");
-    this.slider(liquid, "viscosity", "liquid", "viscosity", [0.5, 50], 1e-3, "mPa s");
+  constructor(private readonly told: Bowl) {
+    super(told, told.shelf[0].name);
+    for (const name of ["link", "chapters", "empty", "liquid", "shape"]) element(name).hidden = true;
     void this.follow();
   }
 
   protected tell(seen: Now): void {
-    this.list(seen);
-    const { time, x, clusters, liquid, dish, kinds } = seen;
-    element("clock").textContent = `${time.toFixed(1)} s · ${x.length} floats, ${clusters} clusters${this.slow(seen)}`;
-    const told: [string, number][] = Object.entries(liquid).map(([key, value]) => [`liquid.${key}`, value]);
-    told.push(["dish.contact_angle", dish.contact_angle]);
-    for (const kind of kinds) if (kind.contact_angle !== null) told.push([`${kind.name}.contact_angle`, kind.contact_angle]);
-    for (const [name, value] of told) this.show(name, value);
+    super.tell(seen);
+    const names = [...new Set([...seen.kinds.map((kind) => kind.name), ...this.told.shelf.map((kind) => kind.name)])];
+    if (names.join("\n") + seen.kinds.length === this.listed) return;
+    this.listed = names.join("\n") + seen.kinds.length;
+    const colors = new Map([...this.told.shelf, ...seen.kinds].map((kind) => [kind.name, kind.color]));
+    this.shelve(names.map((name) => [name, colors.get(name)!]), () => this.offer());
+    const { surface_tension, viscosity } = seen.liquid;
+    element("liquid-sliders").replaceChildren(
+      this.range(["surface tension", "liquid", "surface_tension", 10, 80, 1e-3, "mN/m"], surface_tension),
+      this.range(["viscosity", "liquid", "viscosity", 0.5, 50, 1e-3, "mPa s"], viscosity),
+      this.range(["contact angle", "dish", "contact_angle", 10, 170, DEGREE, "°"], seen.dish.contact_angle),
+    );
   }
 
-  /** Buttons and sliders for the species there are. */
-  private list({ kinds }: Now): void {
-    const names = [...new Set([...kinds.map((kind) => kind.name), ...bowl.shelf.map((kind) => kind.name)])];
-    if (names.join("\n") + kinds.length === this.listed) return;
-    this.listed = names.join("\n") + kinds.length;
-    const colors = new Map([...bowl.shelf, ...kinds].map((kind) => [kind.name, kind.color]));
-    this.shelve(names.map((name) => [name, colors.get(name)!]));
-    const angles = element("angles");
-    for (const old of [...angles.querySelectorAll("label")]) old.remove();
-    this.slider(angles, "dish", "dish", "contact_angle", [10, 170], DEGREE, "°");
-    for (const kind of kinds) {
-      if (kind.contact_angle !== null) this.slider(angles, kind.name, kind.name, "contact_angle", [5, 175], DEGREE, "°");
-    }
+  /** Sliders for the chosen species, if there is one of it. */
+  private offer(): void {
+    const kind = this.seen?.kinds.find(({ name }) => name === this.chosen);
+    const { name = "", radius = 0, density = 0, contact_angle = null } = kind ?? {};
+    const rows = [
+      this.range(["radius", name, "radius", 0.5, 4, 1e-3, "mm"], radius),
+      this.range(["density", name, "density", 20, 3000, 1, "kg/m³"], density),
+      ...(contact_angle === null ? [] : [this.range(["contact angle", name, "contact_angle", 5, 175, DEGREE, "°"], contact_angle)]),
+    ];
+    element("factors").replaceChildren(...(kind ? rows : []));
   }
 
-  private slider(into: HTMLElement, label: string, part: string, key: string, [low, high]: [number, number], unit: number, name: string): void {
-    const [row, input, told] = [document.createElement("label"), document.createElement("input"), document.createElement("output")];
-    Object.assign(input, { type: "range", min: low, max: high, step: (high - low) / 200 });
-    input.dataset.unit = String(unit);
-    input.dataset.name = name;
-    input.setAttribute("aria-label", `${label} (${name})`);
-    input.addEventListener("change", () => void this.act("change", { part, key, value: Number(input.value) * unit }));
-    input.addEventListener("input", () => (told.textContent = `${Number(input.value).toPrecision(3)} ${name}`));
-    row.append(label, told, input);
-    into.append(row);
-    this.sliders.set(`${part}.${key}`, input);
+  private range([label, part, key, min, max, unit, name]: Range, value: number): HTMLLabelElement {
+    const range = { min, max, step: (max - min) / 200, value: value / unit };
+    return slider(label, part, range, (now) => `${rounded(now)} ${name}`, (now) => this.act("change", { part, key, value: now * unit }));
   }
-
-  /** What a slider stands at, unless a hand is on it. */
-  private show(name: string, value: number): void {
-    const input = this.sliders.get(name);
-    if (!input || document.activeElement === input) return;
-    const plain = value / Number(input.dataset.unit);
-    input.value = String(plain);
-    input.previousElementSibling!.textContent = `${Number(plain.toPrecision(3))} ${input.dataset.name}`;
-  }
-
 }
 
-new Play();
+const FACTORS: Record<string, (factor: number) => string> = {
+  size: (factor) => `${factor} × radius`,
+  density: (factor) => `${factor} × density`,
+  "contact angle": (more) => (more ? `${more > 0 ? "+" : "−"}${Math.abs(more)}°` : "as it is"),
+};
+
+/** A bowl that the page simulates: kinds, liquids and dishes whose numbers stand in the page. */
+class Alike extends BowlPage {
+  private shown = "";
+
+  constructor(
+    private readonly inside: Inside,
+    private readonly alone: Alone,
+    private readonly liquids: Record<string, Filled>[],
+  ) {
+    const { title, species, dishes } = alone.chapters[0];
+    const bowl: Bowl = { ...alone, title, ...Object.values(dishes)[0], grid: 1, shelf: species, map: "" };
+    super(bowl, species[0].name, inside);
+    const chapters = element<HTMLSelectElement>("chapter");
+    chapters.append(...alone.chapters.map((chapter) => new Option(chapter.title)));
+    chapters.addEventListener("change", () => void this.change("anew", { chapter: chapters.selectedIndex }));
+    for (const name of ["liquid", "dish"]) {
+      const select = element<HTMLSelectElement>(`${name}-name`);
+      select.addEventListener("change", async () => {
+        if (!(await this.act(name, { name: select.value }))) this.shown = "";
+      });
+    }
+    element("empty").addEventListener("click", () => void this.change("empty"));
+    element("link").addEventListener("click", () => void this.share());
+    window.addEventListener("hashchange", () => void this.bring());
+    void this.bring().then(() => this.follow());
+  }
+
+  private get chapter(): Chapter {
+    return this.alone.chapters[this.seen?.choice?.chapter ?? 0];
+  }
+
+  protected draw(seen: Now): void {
+    const shown = JSON.stringify(seen.choice);
+    if (shown !== this.shown) this.choose(seen.choice!);
+    this.shown = shown;
+    super.draw(seen);
+  }
+
+  /** What is chosen now: another chapter, liquid or dish. */
+  private choose({ chapter, liquid, dish }: NonNullable<Now["choice"]>): void {
+    const { title, species, dishes } = this.alone.chapters[chapter];
+    this.picture.bowl = { ...dishes[dish], grid: 1, map: "" };
+    element("title").textContent = document.title = title;
+    element<HTMLSelectElement>("chapter").selectedIndex = chapter;
+    const offered = { liquid: [Object.keys(this.liquids[chapter]), liquid], dish: [Object.keys(dishes), dish] } as const;
+    for (const [name, [names, chosen]] of Object.entries(offered)) {
+      const select = element<HTMLSelectElement>(`${name}-name`);
+      select.replaceChildren(...names.map((one) => new Option(one)));
+      select.value = chosen;
+      select.disabled = names.length < 2;
+    }
+    this.shelve(species.map(({ name, color }) => [name, color]), () => this.offer());
+  }
+
+  /** Sliders for the kind of the chosen species. */
+  private offer(): void {
+    const { species, factors } = this.chapter;
+    const number = species.findIndex(({ name }) => name === this.chosen);
+    const rows = Object.entries(factors).map(([name, each], factor) => {
+      const value = this.seen?.choice?.choices[number][factor] ?? this.chapter.usual[factor];
+      const range = { min: 0, max: each.length - 1, step: 1, value };
+      return slider(name, this.chosen, range, (place) => FACTORS[name](each[place]), (place) => this.act("kind", { species: number, factor, value: place }));
+    });
+    const had = document.activeElement?.getAttribute("aria-label");
+    element("factors").replaceChildren(...rows);
+    if (had) element("factors").querySelector<HTMLElement>(`[aria-label="${CSS.escape(had)}"]`)?.focus();
+  }
+
+  /** A link whose fragment holds the bowl as it is, and its code. */
+  private async share(): Promise<void> {
+    history.replaceState(null, "", `#${await this.inside.act("link")}`);
+    const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
+    const local = location.protocol === "file:" ? " It opens on this machine only: others need the file, or the page from a site." : "";
+    this.say((copied ? "The link is copied: it holds the bowl as it is now." : "The address of this page now holds the bowl as it is.") + local);
+    const code = element<HTMLCanvasElement>("code");
+    element("code-row").hidden = !drawCode(code, location.href);
+  }
+
+  private async bring(): Promise<void> {
+    if (location.hash.length > 1) await this.change("bring", { fragment: location.hash.slice(1) });
+  }
+}
+
+async function begin(): Promise<void> {
+  if (!element("wasm")) return void new Served(header<Bowl>());
+  const [alone, inside] = [header<Alone>(), new Inside()];
+  const [wasm, packed] = await Promise.all([unpacked("wasm"), unpacked("liquids")]);
+  const liquids = JSON.parse(new TextDecoder().decode(packed)) as Record<string, Filled>[];
+  await inside.ask("start", { wasm, alone, liquids });
+  new Alike(inside, alone, liquids);
+}
+
+begin().catch((fault: Error) => {
+  const said = element("said");
+  said.textContent = `This browser cannot simulate here: ${fault.message}`;
+  said.hidden = false;
+});

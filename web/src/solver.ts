@@ -1,54 +1,24 @@
 // The bowl that a page simulates by itself, in a worker: floats as hands and sliders leave them, and ecume's compiled steps.
 
-import { Memory, type Compiled, type Slot } from "./memory";
 import type { Now } from "./asking";
-
-/** What the page knows of the scene; see ecume.show.play.alone. */
-export interface Alone {
-  title: string;
-  outline: [number, number][];
-  view: [number, number, number, number];
-  steepest: number;
-  fastest: number;
-  grasp: number;
-  room: number;
-  own: [number, number]; // the current of the scene itself (m/s)
-  species: { name: string; color: string; radius: number }[];
-  factors: Record<string, number[]>;
-  usual: number[]; // the choice of factors that leaves a species as it is
-  floats: [species: number, x: number, y: number, vx: number, vy: number][];
-}
-
-/** All that depends on the liquid. */
-export interface Filled {
-  liquid: Record<string, number>;
-  capillary_length: number;
-  color: string | null;
-  swing: number; // rad/s
-  current: number; // s^2: velocity of the liquid over the rate of its slope times gravity
-  slots: Slot[];
-  kinds: Record<string, (number | null)[]>;
-  steps: { time: number; decay: number[]; gain: number[]; mobility: number[] }[];
-  toml: string;
-}
-
-/** What a link or a reload brings back. */
-export interface Kept {
-  liquid: string;
-  choices: number[][];
-  floats: [species: number, x: number, y: number, vx: number, vy: number][];
-}
+import { AS_GIVEN, type Alone, type Chapter, type Filled, type Float, type Kept } from "./chapters";
+import { linked, unlinked } from "./links";
+import { Memory, type Compiled } from "./memory";
 
 const LONGEST = 0.1; // s of simulated time at once
 const BUDGET = 14; // ms of the clock between two pictures
 const ROOMY = 1.02; // how far apart centers must be for a new float, in sums of radii
-const TOUCHING = 1.03; // of one raft, in sums of radii
+const TRIES = 60; // places around the one that was asked for
+const NO_ROOM = "There is no room here.";
+
+type Liquids = Record<string, Filled>;
+/** What can be chosen; a change that fails is taken back whole. */
+type Choice = Omit<Kept, "floats">;
 
 export class Bowl {
   private memory!: Memory;
-  private floats: Kept["floats"];
-  private choices: number[][];
-  private liquid = "as given";
+  private choice: Choice;
+  private floats: Float[];
   private hand: { one: number; x: number; y: number } | null = null;
   private tilt: [number, number] = [0, 0];
   private slope: [number, number] = [0, 0];
@@ -58,45 +28,64 @@ export class Bowl {
   private speed = 1;
   private pace = 1;
   private step = 0;
-  private news: string[] = [];
+  private readonly news: string[] = [];
 
   constructor(
     private readonly compiled: Compiled,
     private readonly alone: Alone,
-    private readonly liquids: Record<string, Filled>,
+    private readonly liquids: Liquids[],
   ) {
-    this.floats = alone.floats;
-    this.choices = alone.species.map(() => [...alone.usual]);
+    [this.choice, this.floats] = this.beginning(0);
     this.begin();
   }
 
-  /** The number of a species' kind among all that the page offers. */
-  private kind(species: number): number {
-    const [sizes, densities, angles] = Object.values(this.alone.factors).map((each) => each.length);
-    const [size, density, angle] = this.choices[species];
-    return ((species * sizes + size) * densities + density) * angles + angle;
+  private beginning(number: number): [Choice, Float[]] {
+    const { species, usual, floats } = this.alone.chapters[number];
+    return [{ chapter: number, liquid: AS_GIVEN, dish: AS_GIVEN, choices: species.map(() => [...usual]) }, floats];
+  }
+
+  private get chapter(): Chapter {
+    return this.alone.chapters[this.choice.chapter];
   }
 
   private get filled(): Filled {
-    return this.liquids[this.liquid];
+    return this.liquids[this.choice.chapter][this.choice.liquid];
+  }
+
+  private get inDish(): Filled["dishes"][string] {
+    return this.filled.dishes[this.choice.dish];
+  }
+
+  /** The number of a species' kind in all tables. */
+  private kind(species: number): number {
+    const sizes = Object.values(this.chapter.factors).map((each) => each.length);
+    return this.choice.choices[species].reduce((sum, one, k) => sum * sizes[k] + one, species);
   }
 
   private of(name: string, species: number): number | null {
     return this.filled.kinds[name][this.kind(species)];
   }
 
-  /** Go on with the floats as they are kept, in the liquid and of the kinds that are chosen. */
+  /** The time step for the species that are there, any of which may be thrown. */
+  private get kick(): NonNullable<Filled["steps"][number]> {
+    const { usual } = this.chapter;
+    const there = [...new Set(this.floats.map(([species]) => species))].map((species) => this.choice.choices[species]);
+    const asTheyAre = there.every((choice) => choice.every((one, k) => one === usual[k]));
+    const group = asTheyAre ? 0 : 1 + Math.min(...there.map(([size]) => size));
+    return (this.filled.steps[group] ?? this.filled.steps.find((one) => one))!;
+  }
+
+  /** Memory for the floats there are, at their places. */
   private begin(): void {
     const { filled, floats, compiled } = this;
+    const { slots, strength } = this.inDish;
     const kinds = floats.map(([species]) => this.kind(species));
-    const usual = this.choices.every((choice) => choice.every((one, k) => one === this.alone.usual[k])) ? 0 : 1;
-    const { time, decay, gain, mobility } = filled.steps[usual];
-    const memory = new Memory(compiled, filled.slots, floats.length);
+    const { time, decay, gain, mobility } = this.kick;
+    const memory = new Memory(compiled, slots, floats.length);
     for (const [name, values] of Object.entries(filled.kinds)) {
-      if (!name.startsWith("wall ")) memory.put(`parameters.floats.${name}`, kinds.map((kind) => values[kind]!));
+      memory.put(`parameters.floats.${name}`, kinds.map((kind) => values[kind]!));
     }
-    const walls = Object.keys(filled.kinds).filter((name) => name.startsWith("wall "));
-    memory.put("parameters.wall_strength", walls.flatMap((name) => kinds.map((kind) => filled.kinds[name][kind]!)));
+    memory.put("parameters.wall_strength", strength.flatMap((wall) => kinds.map((kind) => wall[kind])));
     memory.put("parameters.floats.species", floats.map(([species]) => species));
     memory.put("parameters.time_step", [time]);
     memory.put("parameters.kick.decay", kinds.map((kind) => decay[kind]));
@@ -120,12 +109,13 @@ export class Bowl {
   /** Take so many steps; whatever diverges is brought to rest where it was. */
   go(steps: number): void {
     this.keep();
-    const { filled, memory } = this;
+    const { memory } = this;
+    const { swing, current } = this.inDish;
     const seconds = steps * this.step;
     for (const axis of [0, 1]) {
-      [this.slope[axis], this.rate[axis]] = memory.swing(this.slope[axis], this.rate[axis], this.tilt[axis], filled.swing, seconds);
+      [this.slope[axis], this.rate[axis]] = memory.swing(this.slope[axis], this.rate[axis], this.tilt[axis], swing, seconds);
     }
-    memory.put("parameters.drift.flow", this.alone.own.map((own, axis) => own + filled.current * this.rate[axis]));
+    memory.put("parameters.drift.flow", this.chapter.own.map((own, axis) => own + current * this.rate[axis]));
     if (this.hand) this.drag(this.hand);
     if (this.floats.length && memory.advance(steps) !== 0) {
       this.floats = this.floats.map(([species, x, y]) => [species, x, y, 0, 0]);
@@ -157,11 +147,10 @@ export class Bowl {
     if (asked > 0) this.pace += 0.1 * ((asked - left) / asked - this.pace);
   }
 
-  now(): Now & { force: number[]; largest: number; steady: number } {
+  now(): Now {
     this.follow();
     this.keep();
-    const { filled, floats, alone } = this;
-    const rafts = this.rafts();
+    const { filled, floats, chapter } = this;
     return {
       time: this.time,
       speed: this.speed,
@@ -171,95 +160,123 @@ export class Bowl {
       y: floats.map(([, , y]) => y),
       radius: floats.map(([species]) => this.of("radius", species)!),
       species: floats.map(([species]) => species),
-      kinds: alone.species.map(({ name, color }, species) => ({
+      kinds: chapter.species.map(({ name, color }, species) => ({
         name,
         color,
         contact_angle: this.of("contact_angle", species),
         density: this.of("density", species) ?? 0,
+        radius: this.of("radius", species) ?? 0,
       })),
-      clusters: rafts.length,
-      tilt: this.tilt,
       slope: this.slope,
       liquid: filled.liquid,
+      capillary_length: filled.capillary_length,
       dish: {},
       surface: "",
-      highest: 0,
       color: filled.color,
       force: floats.length ? [...this.memory.numbersOf("workspace.force")] : [],
-      largest: Math.max(0, ...rafts),
-      steady: this.step,
+      choice: this.choice,
     };
-  }
-
-  /** The sizes of all rafts. */
-  private rafts(): number[] {
-    const { floats } = this;
-    const raft = floats.map((_, one) => one);
-    const root = (one: number): number => (raft[one] === one ? one : (raft[one] = root(raft[one])));
-    for (let one = 0; one < floats.length; one++) {
-      for (let other = 0; other < one; other++) {
-        const near = TOUCHING * (this.of("radius", floats[one][0])! + this.of("radius", floats[other][0])!);
-        if (Math.hypot(floats[one][1] - floats[other][1], floats[one][2] - floats[other][2]) < near) raft[root(one)] = root(other);
-      }
-    }
-    const sizes = new Map<number, number>();
-    floats.forEach((_, one) => sizes.set(root(one), (sizes.get(root(one)) ?? 0) + 1));
-    return [...sizes.values()];
   }
 
   /** Do something; why it was not done, or nothing. */
   act(what: string, asked: Record<string, unknown>): string {
     const [x, y, one] = [Number(asked.x), Number(asked.y), Number(asked.one)];
     const there = Number.isInteger(one) && one >= 0 && one < this.floats.length;
+    const name = String(asked.name);
     this.keep();
     if (what === "speed") this.speed = Number(asked.value);
     else if (what === "tilt") this.tilt = [x, y];
     else if (what === "release") this.hand = null;
     else if (what === "grasp" && there) this.hand = { one, x, y };
-    else if (what === "drop") return this.drop(this.alone.species.findIndex(({ name }) => name === asked.name), x, y);
+    else if (what === "drop") return this.drop(this.chapter.species.findIndex((each) => each.name === name), x, y);
     else if (what === "take" && there) {
       this.floats = this.floats.filter((_, other) => other !== one);
       this.begin();
-    } else if (what === "liquid") return this.changed(() => (this.liquid = String(asked.name)), String(asked.name) in this.liquids);
-    else if (what === "kind") {
-      const [species, factor, value] = [Number(asked.species), Number(asked.factor), Number(asked.value)];
-      return this.changed(() => (this.choices[species][factor] = value), true);
-    } else if (what === "keep") return JSON.stringify(this.kept());
-    else if (what === "bring") return this.bring(asked.kept as Kept);
+    } else if (what === "empty") {
+      this.floats = [];
+      this.begin();
+    }
+    else if (what === "liquid") return this.changed({ liquid: name }, Object.hasOwn(this.liquids[this.choice.chapter], name));
+    else if (what === "dish") return this.changed({ dish: name }, Object.hasOwn(this.chapter.dishes, name));
+    else if (what === "kind") return this.another(Number(asked.species), Number(asked.factor), Number(asked.value));
+    else if (what === "anew") return this.anew(asked.chapter === undefined ? this.choice.chapter : Number(asked.chapter));
+    else if (what === "link") return linked({ ...this.choice, floats: this.floats }, this.alone, Object.keys(this.liquids[this.choice.chapter]));
+    else if (what === "bring") return this.bring(String(asked.fragment));
     else return "That cannot be done.";
     return "";
   }
 
-  /** Try a change of liquid or kinds; nothing changes where a float would sink or overlap another. */
-  private changed(change: () => void, known: boolean): string {
-    if (!known) return "There is no such liquid.";
-    const [liquid, choices] = [this.liquid, this.choices.map((choice) => [...choice])];
-    change();
-    const fault = this.fault(this.floats);
-    if (fault) [this.liquid, this.choices] = [liquid, choices];
+  /** Begin a scene of the page at its beginning. */
+  private anew(number: number): string {
+    if (!this.alone.chapters[number]) return "There is no such scene.";
+    [this.choice, this.floats] = this.beginning(number);
+    [this.slope, this.rate, this.time] = [[0, 0], [0, 0], 0];
+    this.begin();
+    return "";
+  }
+
+  private another(species: number, factor: number, value: number): string {
+    const choices = this.choice.choices.map((choice) => [...choice]);
+    const known = Object.values(this.chapter.factors)[factor]?.[value] !== undefined && choices[species] !== undefined;
+    if (known) choices[species][factor] = value;
+    return this.changed({ choices }, known);
+  }
+
+  /** Try a change of liquid, dish or kinds; nothing changes where a float would sink or find no room. */
+  private changed(change: Partial<Choice>, known: boolean): string {
+    if (!known) return "There is no such thing to choose.";
+    const [choice, floats] = [this.choice, this.floats];
+    this.choice = { ...choice, ...change };
+    const fault = this.settle();
+    if (fault) [this.choice, this.floats] = [choice, floats];
     this.begin();
     return fault;
   }
 
-  /** Why the floats cannot be there. */
-  private fault(floats: Kept["floats"]): string {
-    for (const [k, [species, x, y]] of floats.entries()) {
+  /** Move floats that overlap or are beyond the wall to the nearest room. Why that fails, or nothing. */
+  private settle(): string {
+    const placed: Float[] = [];
+    for (const float of this.floats) {
+      const [species, x, y] = float;
       const radius = this.of("radius", species);
-      if (radius === null) return `A ${this.alone.species[species].name} of this kind sinks in this liquid.`;
-      if (this.beyond(x, y, 0.97 * radius)) return "A float would reach beyond the wall.";
-      for (const [other, right, up] of floats.slice(0, k)) {
-        const apart = radius + (this.of("radius", other) ?? 0);
-        if (Math.hypot(x - right, y - up) < 0.98 * apart) return "Floats would overlap: move them apart first.";
+      if (radius === null) return this.sinks(species);
+      if (this.fits(placed, radius, x, y, 0.97, 0.98)) placed.push(float);
+      else {
+        const room = this.roomNear(placed, radius, x, y, 8 * TRIES);
+        if (!room) return "There is no room for all floats: take some out first.";
+        placed.push([species, ...room, 0, 0]);
       }
     }
+    this.floats = placed;
     return "";
   }
 
+  private sinks(species: number): string {
+    return `A ${this.chapter.species[species].name} of this kind sinks in this liquid.`;
+  }
+
+  /** Whether a float has room: so many of its radii from the wall, and so many sums of radii from others. */
+  private fits(others: Float[], radius: number, x: number, y: number, wall: number, apart: number): boolean {
+    return !this.beyond(x, y, wall * radius) &&
+      others.every(([other, right, up]) => Math.hypot(x - right, y - up) > apart * (radius + this.of("radius", other)!));
+  }
+
+  /** The nearest place on a spiral where a float has room. */
+  private roomNear(others: Float[], radius: number, x: number, y: number, tries: number): [number, number] | null {
+    for (let number = 0; number < tries; number++) {
+      const [away, angle] = [0.5 * radius * Math.sqrt(number), 2.4 * number];
+      const place: [number, number] = [x + away * Math.cos(angle), y + away * Math.sin(angle)];
+      if (this.fits(others, radius, ...place, ROOMY, ROOMY)) return place;
+    }
+    return null;
+  }
+
   private beyond(x: number, y: number, radius: number): boolean {
-    const { outline } = this.alone;
+    const { outline } = this.chapter.dishes[this.choice.dish];
     return outline.some(([ax, ay], k) => {
       const [bx, by] = outline[(k + 1) % outline.length];
-      return ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / Math.hypot(bx - ax, by - ay) < radius;
+      const long = Math.hypot(bx - ax, by - ay);
+      return long > 0 && ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / long < radius;
     });
   }
 
@@ -267,36 +284,26 @@ export class Bowl {
     if (species < 0) return "There is no such species.";
     if (this.floats.length >= this.alone.room) return `A page has room for ${this.alone.room} floats.`;
     const radius = this.of("radius", species);
-    if (radius === null) return `A ${this.alone.species[species].name} of this kind sinks in this liquid.`;
-    const free = this.floats.every(([other, right, up]) => Math.hypot(x - right, y - up) > ROOMY * (radius + this.of("radius", other)!));
-    if (!free || this.beyond(x, y, ROOMY * radius)) return "There is no room here.";
-    this.floats = [...this.floats, [species, x, y, 0, 0]];
+    if (radius === null) return this.sinks(species);
+    const room = this.beyond(x, y, 0) ? null : this.roomNear(this.floats, radius, x, y, TRIES);
+    if (!room) return NO_ROOM;
+    this.floats = [...this.floats, [species, ...room, 0, 0]];
     this.begin();
     return "";
   }
 
-  private kept(): Kept {
-    return { liquid: this.liquid, choices: this.choices, floats: this.floats };
-  }
-
   /** Go on with what a link says. */
-  private bring(kept: Kept): string {
-    const { species, factors, room } = this.alone;
-    const sizes = Object.values(factors).map((each) => each.length);
-    const whole = (value: unknown, below: number): boolean => Number.isInteger(value) && Number(value) >= 0 && Number(value) < below;
-    const fits =
-      typeof kept === "object" && kept !== null &&
-      typeof kept.liquid === "string" && Object.hasOwn(this.liquids, kept.liquid) &&
-      Array.isArray(kept.choices) && kept.choices.length === species.length &&
-      kept.choices.every((choice) => Array.isArray(choice) && choice.length === 3 && choice.every((one, k) => whole(one, sizes[k]))) &&
-      Array.isArray(kept.floats) && kept.floats.length <= room &&
-      kept.floats.every((float) => Array.isArray(float) && float.length === 5 && whole(float[0], species.length) && float.every(Number.isFinite) && Math.hypot(float[3], float[4]) <= 10 * this.alone.fastest);
-    if (!fits) return "The link does not describe a bowl of this page.";
-    const before = this.kept();
-    [this.liquid, this.choices] = [kept.liquid, kept.choices];
-    const fault = this.fault(kept.floats);
-    if (fault) [this.liquid, this.choices] = [before.liquid, before.choices];
-    else this.floats = kept.floats;
+  private bring(fragment: string): string {
+    const before = [this.choice, this.floats] as const;
+    try {
+      const all = (chapter: Chapter): string[] => Object.keys(this.liquids[this.alone.chapters.indexOf(chapter)]);
+      const { floats, ...choice } = unlinked(fragment, this.alone, all);
+      [this.choice, this.floats] = [choice, floats];
+    } catch (fault) {
+      return (fault as Error).message;
+    }
+    const fault = this.settle();
+    if (fault) [this.choice, this.floats] = before;
     this.begin();
     return fault && `The link describes no possible bowl: ${fault}`;
   }
@@ -304,18 +311,15 @@ export class Bowl {
   /** The scene as TOML, as `ecume run` takes it. */
   scene(): string {
     this.keep();
-    const lines: string[] = [];
-    this.alone.species.forEach(({ name, color }, species) => {
+    const tables = this.chapter.species.map(({ name, color }, species) => {
       const mine = this.floats.filter(([one]) => one === species);
-      if (!mine.length) return;
+      if (!mine.length) return "";
       const pairs = (from: number): string => mine.map((float) => `[${float[from]}, ${float[from + 1]}]`).join(", ");
-      lines.push("[[particles]]", `name = ${JSON.stringify(name)}`, `count = ${mine.length}`, `color = "${color}"`);
-      for (const key of ["radius", "density", "contact_angle"]) lines.push(`${key} = ${this.of(key, species)}`);
-      lines.push(`positions = [${pairs(1)}]`, `velocities = [${pairs(3)}]`, "");
+      const numbers = ["radius", "density", "contact_angle"].map((key) => `${key} = ${this.of(key, species)}`);
+      const said = [`name = ${JSON.stringify(name)}`, `count = ${mine.length}`, `color = "${color}"`, ...numbers];
+      return ["[[particles]]", ...said, `positions = [${pairs(1)}]`, `velocities = [${pairs(3)}]`, "", ""].join("\n");
     });
-    const begin = this.filled.toml.indexOf("[[particles]]");
-    const end = this.filled.toml.indexOf("\n[", begin + 2);
-    return this.filled.toml.slice(0, begin) + lines.join("\n") + this.filled.toml.slice(end);
+    return this.inDish.toml + tables.join("");
   }
 
   /** As they lie in memory, for tests. */
@@ -343,4 +347,3 @@ globalThis.onmessage = async ({ data }: MessageEvent): Promise<void> => {
     (globalThis as unknown as { postMessage(answer: unknown): void }).postMessage({ number, fault: String((fault as Error).message ?? fault) });
   }
 };
-

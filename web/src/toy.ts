@@ -17,13 +17,59 @@ export function bytes(coded: string): Uint8Array {
   return Uint8Array.from(atob(coded), (one) => one.charCodeAt(0));
 }
 
+/** Buttons of which one is on, as radio buttons are for the keyboard: arrows go from one to the next. */
+export function choices(into: HTMLElement, buttons: HTMLButtonElement[], chosen: number, choose: (number: number) => void): void {
+  const mark = (number: number): void =>
+    buttons.forEach((button, k) => {
+      button.setAttribute("aria-checked", String(k === number));
+      button.tabIndex = k === number ? 0 : -1;
+    });
+  buttons.forEach((button, number) => {
+    button.setAttribute("role", "radio");
+    button.addEventListener("click", () => {
+      mark(number);
+      choose(number);
+    });
+    button.addEventListener("keydown", ({ key }) => {
+      const way = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[key];
+      if (!way) return;
+      const next = buttons[(number + way + buttons.length) % buttons.length];
+      next.focus();
+      next.click();
+    });
+  });
+  mark(chosen);
+  into.replaceChildren(...buttons);
+}
+
+/** A slider with what it says. */
+export function slider(label: string, of: string, range: { min: number; max: number; step: number; value: number }, tell: (value: number) => string, set: (value: number) => Promise<boolean>): HTMLLabelElement {
+  const [row, input, told] = [document.createElement("label"), document.createElement("input"), document.createElement("output")];
+  Object.assign(input, { type: "range", ...Object.fromEntries(Object.entries(range).map(([key, one]) => [key, String(one)])) });
+  input.setAttribute("aria-label", `${label} of ${of}`);
+  let stood = range.value;
+  const show = (value: number): void => {
+    told.textContent = tell(value);
+    input.setAttribute("aria-valuetext", told.textContent);
+  };
+  input.addEventListener("input", () => show(Number(input.value)));
+  input.addEventListener("change", async () => {
+    if (await set(Number(input.value))) stood = Number(input.value);
+    else input.value = String(stood);
+    show(stood);
+  });
+  show(stood);
+  row.append(label, told, input);
+  return row;
+}
+
 export abstract class Toy<T extends Told> {
   protected seen: T | null = null;
   private drawn = 0;
   private heard = 0;
 
   protected constructor(
-    private readonly name: string,
+    protected readonly name: string,
     title: string,
     speeds: number[],
     protected readonly asking: Asking = server,
@@ -53,6 +99,7 @@ export abstract class Toy<T extends Told> {
       this.draw(this.seen);
       this.tell(this.seen);
       this.mark(this.seen);
+      if (!this.drawn) performance.mark("ready");
       document.body.dataset.drawn = String(++this.drawn);
       await new Promise((resolve) => requestAnimationFrame(resolve));
     }
@@ -79,8 +126,11 @@ export abstract class Toy<T extends Told> {
     element("speeds").append(button);
   }
 
-  protected async act(what: string, more: Record<string, unknown> = {}): Promise<void> {
-    this.say(await this.asking.act(what, more).catch((fault: Error) => fault.message));
+  /** Do something, and say why it was not done. */
+  protected async act(what: string, more: Record<string, unknown> = {}): Promise<boolean> {
+    const fault = await this.asking.act(what, more).catch((error: Error) => error.message);
+    this.say(fault);
+    return !fault;
   }
 
   protected say(text: string): void {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from pathlib import Path
 from typing import Annotated
@@ -56,7 +57,7 @@ def view(
     if directory.is_file():
         if live:
             raise BadInput(f"--live follows a run; {directory} is a file: leave --live out")
-        _simulate(directory, save, quiet=quiet)
+        _simulate(directory, save, max_size, quiet=quiet)
         return
     from ecume.run.directory import existing
 
@@ -80,13 +81,13 @@ def view(
         typer.launch(page.path.resolve().as_uri())
 
 
-def _simulate(scene: Path, save: Path | None, *, quiet: bool) -> None:
+def _simulate(scene: Path, save: Path | None, max_size: float, *, quiet: bool) -> None:
     """Write the page that simulates a scene."""
     from ecume.scenes.load import load_scene
     from ecume.show.play.alone import save_alone
 
     target = save or scene.with_suffix(".html")
-    size = save_alone(load_scene(scene), target)
+    size = save_alone(load_scene(scene), target, max_size)
     wrote(target, quiet=quiet)
     if not quiet:
         echo(f"{size / 1e6:.1f} MB")
@@ -131,6 +132,7 @@ def play(
     """Play with a simulation in the browser while it runs.
 
     A bowl: drop and drag floats, tilt the dish, change the liquid. A tank: pour liquid, open a gate, push a wall, tilt.
+    A bowl is simulated in the page where its laws are compiled into pages, otherwise by this program.
 
     Ends with Ctrl-C. `save as scene` on the page writes the present state as a scene in TOML.
 
@@ -138,8 +140,10 @@ def play(
     """
     from ecume.scenes.load import load_scene
     from ecume.scenes.templates import folder
-    from ecume.show.play.pages import game_of
+    from ecume.show.play.alone import alone, refusal
+    from ecume.show.play.pages import Written, game_of
     from ecume.show.serving import served
+    from ecume.show.view.page import ALONE
 
     if tank and scene is not None:
         raise BadInput("got SCENE and --tank, which has a built-in tank; expected one of them")
@@ -147,6 +151,10 @@ def play(
     usual = [] if tank or scene else ["particles[0].count=12"]
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
+    if not refusal(asked):
+        with served(Written(alone(asked), ALONE)) as address, offered(address, "play; Ctrl-C ends it"):
+            _wait()
+        return
     game = game_of(asked)
     echo("starting; the first start compiles, which can take minutes ...")
     game.toy.moving.play(0.0)
@@ -155,6 +163,13 @@ def play(
             game.run()
         except KeyboardInterrupt:
             echo("stopped: the time limit of a game is reached")
+
+
+def _wait() -> None:
+    """Until Ctrl-C."""
+    with contextlib.suppress(KeyboardInterrupt):
+        while True:
+            time.sleep(LOOK_EVERY)
 
 
 VERBS = (view, play)

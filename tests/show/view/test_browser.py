@@ -5,6 +5,7 @@ import io
 import os
 import shutil
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from tests.show.view.test_page import HOSTILE
 
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
+from ecume.show.play.alone import save_alone
 from ecume.show.play.pages import game_of
 from ecume.show.serving import served
 from ecume.show.style import DARK_CANVAS, contrast
@@ -26,6 +28,9 @@ from ecume.show.view.scenery import STAGES
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 CHROMIUM = os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = [pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"), pytest.mark.sampled(2)]
+AXE = Path(__file__).parents[3] / "web" / "node_modules" / "axe-core" / "axe.min.js"
+READY = 1000.0
+"""ms from the request of a page to its first picture, on a machine that has no other work just then"""
 FLAGS = [
     "--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -284,6 +289,109 @@ def test_a_run_in_progress_is_followed_and_stopped(tab, tmp_path):
         tab.wait_for_selector("body[data-state=stopped]")
     assert tab.inner_text("#stop") == "stopped"
     assert tab.complaints == []
+
+
+@pytest.fixture(scope="module")
+def simulating(tmp_path_factory):
+    """A page that simulates a bowl, opened from the disk."""
+    written = tmp_path_factory.mktemp("alone") / "bowl.html"
+    save_alone(load_scene((folder() / "cereal-bowl.toml").read_text()), written, 1.0)
+    return written.as_uri()
+
+
+def floats_of(tab):
+    return int(tab.inner_text("#clock").split(" · ")[1].split(" ")[0])
+
+
+def test_a_page_simulates_within_a_second_and_asks_nobody(tab, simulating):
+    ready = []
+    while not ready or (len(ready) < 20 and min(ready) > READY):
+        tab.goto(simulating)
+        tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+        ready.append(tab.evaluate("performance.getEntriesByName('ready')[0].startTime"))
+    assert min(ready) < READY
+    assert floats_of(tab) == 60
+    before = tab.inner_text("#clock")
+    while tab.inner_text("#clock") == before:
+        tab.wait_for_timeout(50)
+    assert tab.complaints == []
+    assert [request for request in tab.requests if not request.startswith("blob:")] == len(ready) * [simulating]
+
+
+def test_a_bowl_is_played_by_keys_alone(tab, simulating):
+    tab.goto(simulating)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.get_by_role("button", name="pause").press("Enter")
+    tab.get_by_role("button", name="empty the dish").press("Enter")
+    tab.wait_for_selector("#clock:has-text(' 0 floats')")
+    tab.get_by_role("radio", name="cereal").press("ArrowRight")
+    canvas = tab.locator("#canvas")
+    for number in (1, 2):
+        canvas.press("Enter")
+        tab.wait_for_selector(f"#clock:has-text(' {number} floats')")
+    canvas.press("n")
+    assert tab.inner_text("#heard").startswith("bead, 1 of 2, 0.00 mm right")
+    for key in "rnr":
+        canvas.press(key)
+    assert tab.is_checked("#ruler")
+    tab.wait_for_selector("#plot[aria-label*=' mm']")
+    tab.get_by_role("button", name="1×", exact=True).press("Enter")
+    canvas.focus()
+    tab.keyboard.down("d")
+    tab.wait_for_timeout(400)
+    tab.keyboard.up("d")
+    tab.get_by_role("button", name="pause").press("Enter")
+    canvas.press("n")
+    canvas.press("n")
+    assert not tab.inner_text("#heard").startswith("bead, 2 of 2, 0.00 mm")
+    canvas.press("x")
+    tab.wait_for_selector("#clock:has-text(' 1 floats')")
+    with tab.expect_download() as saved:
+        tab.get_by_role("button", name="save as scene").press("Enter")
+    assert [(one.name, one.count) for one in load_scene(saved.value.path()).particles] == [("bead", 1)]
+    assert tab.complaints == []
+
+
+def test_a_link_brings_a_bowl_back_and_hostile_ones_end_in_a_sentence(browser, tab, simulating):
+    tab.goto(simulating)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.select_option("#dish-name", "square")
+    tab.select_option("#liquid-name", "water")
+    tab.get_by_role("button", name="empty the dish").click()
+    tab.locator("#canvas").press("Enter")
+    tab.get_by_role("button", name="link").click()
+    tab.wait_for_selector("#said:has-text('holds the bowl')")
+    assert tab.locator("#code").is_visible()
+    link = tab.evaluate("location.href")
+    other = browser.new_page()
+    other.goto(link)
+    other.wait_for_selector("#clock:has-text(' 1 floats')", timeout=30_000)
+    assert other.input_value("#dish-name") == "square"
+    assert other.input_value("#liquid-name") == "water"
+    for fragment in ("x", "<img src=x onerror=alert(1)>", "A" * 5000, "%00", "AQ"):
+        other.evaluate("fragment => { location.hash = fragment }", fragment)
+        other.wait_for_selector("#said:has-text('The link does not describe a bowl of this page.')")
+        other.get_by_role("button", name="pause").click()
+        other.wait_for_selector("#said", state="hidden")
+    other.close()
+    assert tab.complaints == []
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `npm ci` in web/")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_violation_in_a_page_that_simulates(browser, simulating, scheme):
+    for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
+        shown = browser.new_page(viewport=size, color_scheme=scheme)
+        shown.goto(simulating)
+        shown.wait_for_selector("body[data-drawn]", timeout=30_000)
+        shown.check("#ruler")
+        shown.get_by_role("button", name="link").click()
+        shown.wait_for_selector("#code", state="visible")
+        shown.evaluate(AXE.read_text(encoding="utf-8"))
+        found = shown.evaluate("axe.run()")
+        assert [(one["id"], one["nodes"][0]["html"]) for one in found["violations"]] == []
+        assert len(found["passes"]) > 20
+        shown.close()
 
 
 @contextlib.contextmanager

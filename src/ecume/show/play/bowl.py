@@ -99,7 +99,7 @@ SHELF: dict[str, dict[str, Any]] = {
 """Species that can be added to any bowl: light floats rise at the wall, heavy ones move away from it."""
 
 
-CHANGED = ("surface_tension", "viscosity", "density", "contact_angle")
+CHANGED = ("surface_tension", "viscosity", "density", "contact_angle", "radius")
 """Numbers that can be changed while one plays."""
 
 
@@ -121,6 +121,7 @@ class Bowl:
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
         self._begin(scene)
+        self.first = self.scene
 
     @property
     def dish(self) -> Any:
@@ -199,6 +200,16 @@ class Bowl:
             velocities=tuple(old.velocities[index] for index in kept),
         )
         self._begin(_with(scene, kind, fewer))
+
+    def anew(self) -> None:
+        """Begin again."""
+        self.slosh, self.tilt, self.time = Slosh(), (0.0, 0.0), 0.0
+        self._begin(self.first)
+
+    def forces(self) -> Array:
+        """(N, 2) the forces on the floats in the last step (N)."""
+        found: Array = self.integration.workspace.force
+        return found
 
     def change(self, part: str, key: str, value: float) -> None:
         """Change a number of the `liquid` or the `dish`, or of a species by its name, such as its contact angle.

@@ -27,7 +27,7 @@ from ecume.show.serving import HTML, JSON, Answer, Query
 from ecume.show.sph.solids import outline
 from ecume.show.style import liquid_color
 from ecume.show.tank import Round
-from ecume.show.view.page import PLAY, TANK, Parts, color_map, data_of, filled, json_of, policy_of
+from ecume.show.view.page import PLAY, TANK, Parts, color_map, data_of, filled, hexadecimal, json_of, policy_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -190,6 +190,22 @@ PAINT = 0.1
 """Seconds between two pictures of the surface."""
 
 
+class Written:
+    """A page that needs nothing of the program but to be given out."""
+
+    def __init__(self, page: str, parts: Parts) -> None:
+        self.token, self.policy = secrets.token_urlsafe(24), policy_of(parts, live=False)
+        self._page = page.encode()
+
+    def get(self, path: str, query: Query) -> Answer | None:
+        """The page."""
+        return Answer(self._page, HTML) if path == "/" else None
+
+    def post(self, path: str, body: bytes) -> Answer | None:
+        """Nothing: it asks for nothing."""
+        return None
+
+
 class BowlPage:
     """A bowl as its page sees it."""
 
@@ -202,6 +218,7 @@ class BowlPage:
             "take": lambda asked: bowl.take(int(asked["one"])),
             "tilt": self._tilt,
             "change": lambda asked: bowl.change(str(asked["part"]), str(asked["key"]), number(asked["value"])),
+            "anew": lambda asked: bowl.anew(),
         }
         self._painted, self._paint = 0.0, ""
         self._sheet: tuple[Any, Sheet] | None = None
@@ -225,7 +242,11 @@ class BowlPage:
         frame, scene = self.moving.frame, self.moving.scene
         arrays, liquid = frame.arrays, liquid_of(scene)
         kinds = [
-            {"name": kind.name, "color": kind.color, "contact_angle": spec.contact_angle, "density": spec.density}
+            {
+                "name": kind.name,
+                "color": hexadecimal(kind.color),
+                **{key: getattr(spec, key) for key in ("contact_angle", "density", "radius")},
+            }
             for kind, spec in zip(species(scene), scene.particles, strict=True)
         ]
         return {
@@ -234,13 +255,12 @@ class BowlPage:
             "radius": arrays["radius"].tolist(),
             "species": arrays["species"].tolist(),
             "kinds": kinds,
-            "clusters": frame.numbers.get("clusters", 0.0),
-            "tilt": self.moving.tilt,
+            "force": self.moving.forces().ravel().tolist(),
             "slope": self.moving.slosh.slope,
-            "liquid": {"surface_tension": liquid.surface_tension, "viscosity": liquid.viscosity},
+            "liquid": {key: getattr(liquid, key) for key in ("surface_tension", "viscosity", "density")},
+            "capillary_length": liquid.capillary_length,
             "dish": {"contact_angle": self.moving.dish.contact_angle},
             "surface": self._paint,
-            "highest": self._range,
             "news": self.moving.news,
         }
 

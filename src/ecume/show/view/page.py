@@ -54,7 +54,7 @@ class Parts(NamedTuple):
 VIEW = Parts("page.html", "view.css", "view.js")
 PLAY = Parts("play.html", "play.css", "play.js")
 TANK = Parts("tank.html", "play.css", "tank.js")
-ALONE = Parts("alone.html", "play.css", "alone.js", simulates=True)
+ALONE = PLAY._replace(simulates=True)
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
