@@ -202,7 +202,7 @@ class Written:
         return Answer(self._page, HTML) if path == "/" else None
 
     def post(self, path: str, body: bytes) -> Answer | None:
-        """Nothing: it asks for nothing."""
+        """None: it has no requests."""
         return None
 
 
