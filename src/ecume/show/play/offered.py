@@ -160,13 +160,13 @@ class Filled(NamedTuple):
 def in_liquid(scene: FloatingScene, every: Sequence[Offered], usual: tuple[int, int, int]) -> Filled:
     """The kinds in the liquid of this scene. Raises BadInput if all sink."""
     found = [kind_or_none(one.spec, scene) for one in every]
-    afloat = [(kind, one) for kind, one in zip(found, every, strict=True) if kind is not None]
-    if not afloat:
+    floating = [(kind, one) for kind, one in zip(found, every, strict=True) if kind is not None]
+    if not floating:
         raise BadInput("no kind of float that the page offers floats in this liquid")
     sizes = range(1 + max(one.choice[0] for one in every))
-    groups = [[kind for kind, one in afloat if one.choice == usual]]
-    groups += [[kind for kind, one in afloat if one.choice[0] >= size] for size in sizes]
-    by_size = sorted((one.spec for _, one in afloat), key=lambda spec: spec.radius)
+    groups = [[kind for kind, one in floating if one.choice == usual]]
+    groups += [[kind for kind, one in floating if one.choice[0] >= size] for size in sizes]
+    by_size = sorted((one.spec for _, one in floating), key=lambda spec: spec.radius)
     return Filled(floats_of(found), tuple(groups), (by_size[0], by_size[-1]))
 
 
