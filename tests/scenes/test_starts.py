@@ -274,3 +274,16 @@ def test_tracers_that_left_are_not_there_again(tmp_path: Path) -> None:
     run_of(scene, {**arrays, "left": np.array([0, 0, 1])}, {}, tmp_path / "empty")
     with pytest.raises(SceneError, match="start_from: 'empty' has no particle in this frame"):
         scene_of("tracers", {**keys, "start_from": "empty"}, tmp_path)
+
+
+def test_floats_of_a_cell_start_in_a_cell_of_this_size(tmp_path: Path) -> None:
+    """In another one they would be put into it silently, at other distances."""
+    body = {"name": "a", "radius": 1e-3, "density": 600, "contact_angle": 1.4}
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "particles": [body]})
+    arrays = {name: array[:1] for name, array in frame(0.06).arrays.items()} | {"species": np.zeros(1, np.int64)}
+    run_of(scene, arrays, {"box_width": 0.07, "box_height": 0.07}, tmp_path / "run")
+    keys = {"duration": 1, "frame_every": 0.1, "start_from": "run"}
+    with pytest.raises(SceneError, match=r"got 0\.06 m, 0\.06 m; the periodic box of run is 0\.07 m, 0\.07 m$"):
+        scene_of("floating", {**keys, "cell": {"size": [0.06, 0.06]}}, tmp_path)
+    filled = scene_of("floating", {**keys, "cell": {}}, tmp_path)
+    assert filled.cell.size == (0.07, 0.07)  # type: ignore[union-attr]

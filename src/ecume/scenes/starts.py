@@ -82,6 +82,8 @@ class Start(NamedTuple):
     """The species of each type, where it differs."""
     known: Mapping[str, Mapping[str, Any]]
     """The species of the former run with their keys; empty for a file."""
+    hint: str = ""
+    """What to check where sizes differ."""
 
 
 def is_run(value: object) -> bool:
@@ -98,7 +100,7 @@ def opened(value: object, folder: Folder) -> tuple[Start | None, Complaints]:
     except ValidationError as error:
         return None, [((RUN, *path), message) for path, message in faults_of(error, StartSpec, value)]
     try:
-        return Start(_in_si(_read(spec, folder), spec), spec.file, spec.species, {}), []
+        return Start(_in_si(_read(spec, folder), spec), spec.file, spec.species, {}, "; check length_unit"), []
     except FileFault as fault:
         return None, [((RUN, "file"), f"{spec.file}, {fault}")]
     except ValueError as fault:
@@ -383,7 +385,7 @@ def _compare(own: Sequence[float | None], sides: Sequence[float], path: Path, st
     if any(one is None or abs(one - side) > ALIKE * side for one, side in zip(own, sides, strict=False)):
         there = ", ".join(f"{side:.6g} m" for side in sides[: len(own)])
         here = ", ".join(f"{one:.6g} m" for one in own)
-        raise Inconsistent([(path, f"got {here}; the periodic box of {start.name} is {there}; check length_unit")])
+        raise Inconsistent([(path, f"got {here}; the periodic box of {start.name} is {there}{start.hint}")])
 
 
 def _length(value: object) -> float | None:

@@ -1,5 +1,7 @@
 """Figures of what floats come to."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -96,9 +98,19 @@ def test_two_floats_follow_the_equation_of_motion_that_is_drawn_beside_them():
     assert run.get_ydata()[before] == pytest.approx(expected, abs=0.03)
 
 
-def test_floats_among_others_have_no_solution_of_two():
-    scene = ecume.load_scene(TWO, ["dish.radius=4 cm", "dish.contact_angle=90 deg"])
-    assert two_body_gap(list(ecume.simulate(scene))[:2], scene) is None
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["dish.radius=4 cm", "dish.contact_angle=90 deg"],
+        ["flow.extension_rate=1"],
+        ["particles[0].magnetic_moment=1e-6"],
+        ["hydrodynamics.lubrication.roughness=1 um", "hydrodynamics.drag=stokes"],
+    ],
+)
+def test_floats_on_which_something_else_acts_have_no_solution_of_two(changes):
+    frames = list(itertools.islice(ecume.simulate(ecume.load_scene(TWO)), 2))
+    assert two_body_gap(frames, ecume.load_scene(TWO)) is not None
+    assert two_body_gap(frames, ecume.load_scene(TWO, changes)) is None
 
 
 def test_paths_in_a_cell_continue_on_the_other_side():

@@ -148,14 +148,15 @@ LAYOUT = ("count", "placement", "positions", "spacing", "ring_radius", "center")
 
 def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
     """The floats of a run; species of the scene replace keys of those of the run with the same name."""
-    from ecume.scenes.starts import matched, of_run, refuse_a_file, tables_of
+    from ecume.scenes.starts import matched, of_run, refuse_a_file, require_box, tables_of
 
     refuse_a_file(name)
     plain = _rows_of_frame(*frame_of_run(folder, name))
     try:
-        tables = tables_of(raw)
+        tables, start = tables_of(raw), of_run(folder, name, "floating")
+        require_box(raw, start, 2)
         if tables:
-            matched(of_run(folder, name, "floating"), tables)
+            matched(start, tables)
     except Inconsistent as fault:
         return Rows(RUN, [], [], list(fault.complaints))
     changes = {str(one["name"]): one for one in tables}

@@ -205,7 +205,13 @@ def two_body_gap(frames: Frames, scene: Any) -> Array | None:
     None for other scenes.
     """
     row, first = PAIR_LAWS[str(scene.interaction.law)], frames[0]
-    alone = scene.dish is None and scene.cell is None and scene.waves is None and not scene.user_laws
+    water = scene.hydrodynamics
+    others = (
+        scene.dish, scene.cell, scene.waves, scene.flow, scene.activity, scene.magnetic_field, scene.user_laws,
+        water.brownian, water.lubrication, water.interaction != "none",
+        *(one.magnetic_moment for one in (*scene.particles, *scene.rows)),
+    )  # fmt: skip
+    alone = not any(others)
     if len(first.arrays["radius"]) != 2 or not alone or not (row.has_force and row.reciprocal):
         return None
     parameters = checked_parameters(scene)
