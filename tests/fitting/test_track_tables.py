@@ -1,10 +1,13 @@
 """Tables of tracks from video programs that write objects beside one another, or each into a file of its own."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import ecume
 from ecume.errors import BadInput
-from ecume.fitting import read_tracks
+from ecume.fitting import Camera, read_tracks
 
 TIMES = np.arange(5) * 0.04
 ONE = np.stack([0.007 + 0.001 * TIMES, np.full(5, 0.01)], axis=1)
@@ -67,3 +70,30 @@ def test_a_table_of_something_else_is_refused(tmp_path):
     (tmp_path / "other.csv").write_text("a,b,c\n1,2,3\n")
     with pytest.raises(BadInput, match="expected x, y, t and id, or a table of trackpy, TrackMate, MTrackJ or Tracker"):
         read_tracks(tmp_path / "other.csv")
+
+
+CASES = Path(__file__).parent / "cases"
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    "files",
+    [
+        ["pointA.txt", "pointB.txt"],
+        ["trackerA.txt", "trackerB.txt"],
+        ["tracker_wide.csv"],
+        ["mtrackj.csv"],
+        ["trackmate.csv"],
+        ["trackpy.csv"],
+    ],
+    ids=lambda files: files[0].partition(".")[0],
+)
+def test_student_tracks(files):
+    """The same two beads as each program exports them: the viscosity is 10 mPa s, from a start of 20, with the drag of
+    the simulation behind them.
+    """
+    camera = Camera(pixel=2e-5, rate=25.0) if files == ["trackpy.csv"] else Camera()
+    tracks = read_tracks([CASES / file for file in files], camera)
+    found = ecume.fit(tracks, CASES / "guess.toml", ["viscosity"])
+    (viscosity,) = (one.value for one in found.estimates)
+    assert viscosity == pytest.approx(0.00999, rel=2e-3)

@@ -1,6 +1,7 @@
 """Inputs of floats that once failed, each with the result it must have."""
 
 import shutil
+import time
 from pathlib import Path
 
 import gsd.hoomd
@@ -18,6 +19,7 @@ from ecume.scenes.load import load_scene
 from ecume.show.figures import FIGURES
 from ecume.simulation import simulate
 from ecume.trajectories.exports import export
+from ecume.trajectories.foreign import dumps
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 
@@ -44,6 +46,33 @@ def test_image_flags(file, tmp_path):
         path = tracks(list(frames))
     assert path[:, 0, 0] == pytest.approx(0.005 - 0.06 * np.arange(6))
     assert mean_square_displacement(path[:, :1], [5])[0] == pytest.approx(0.09)
+
+
+def long_dump(frames, count=40):
+    """A dump whose particles move by 1 mm per frame along x."""
+    head = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS ff ff pp\n-9 9\n-9 9\n-1 1\n"
+    columns = "ITEM: ATOMS id type x y z radius\n"
+    return "".join(
+        head.format(k, count) + columns + "".join(f"{i + 1} 1 {1e-3 * k:.9f} {i} 0 0.001\n" for i in range(count))
+        for k in range(frames)
+    )
+
+
+def seconds_per_frame(frames):
+    """Of processor time, to read all frames of a dump, each found where it belongs."""
+    text = long_dump(frames)
+    began = time.thread_time()
+    count, read = dumps.series(text)
+    found = [read(k).position[0, 0] for k in range(count)]
+    spent = time.thread_time() - began
+    assert found == pytest.approx(1e-3 * np.arange(frames))
+    return spent / frames
+
+
+def test_long_dump():
+    """Eight times as many frames take as long per frame; dividing the text again for each took eight times as long."""
+    seconds_per_frame(20)
+    assert min(seconds_per_frame(800) for _ in range(2)) < 2.5 * min(seconds_per_frame(100) for _ in range(3))
 
 
 def test_msd_long_periodic():

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import warnings
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -342,9 +343,14 @@ def _hurried(scene: FloatingScene) -> FloatingScene:
     return dataclasses.replace(scene, particles=tuple(launched), integration=integration)
 
 
+SINKS = re.compile(r"an? (\w+) of [^;]*? sinks: [^;]*; take ")
+"""What `FloaterSinks` says in numbers without dimensions, up to the remedy."""
+
+
 def _said(fault: Exception) -> str:
-    """The warnings of a scene's check, in one line."""
+    """The warnings of a scene's check, in one line, and in words that need no textbook."""
     if isinstance(fault, SceneError):
-        return "; ".join(dict.fromkeys(one.message for one in fault.faults))
+        messages = dict.fromkeys(one.message for one in fault.faults)
+        return SINKS.sub(r"this \1 would sink; take ", "; ".join(messages))
     errors: Sequence[Any] = getattr(fault, "errors", list)()
     return "; ".join(str(error["msg"]) for error in errors) or str(fault)
