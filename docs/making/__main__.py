@@ -10,7 +10,9 @@ import shutil
 import sys
 from pathlib import Path
 
+from accessible import complete
 from gallery import CLIPS
+from notebooks import PLAYERS
 from sphinx.cmd.build import build_main
 from staging import ROOT, stage
 
@@ -23,7 +25,9 @@ def main(folder: Path) -> int:
     stage(source)
     options = ["-q", "-W", "--keep-going", "-b", "html", "-c", str(HERE), "-d", str(folder / "doctrees")]
     code = build_main([*options, str(source), str(folder / "html")])
-    shutil.copytree(CLIPS, folder / "html" / "_clips", dirs_exist_ok=True)
+    complete(folder / "html")
+    for made, name in ((CLIPS, "_clips"), (source / PLAYERS, PLAYERS)):
+        shutil.copytree(made, folder / "html" / name, dirs_exist_ok=True)
     sys.stderr.write(f"{folder / 'html' / 'index.html'}\n" if code == 0 else "")
     return code
 

@@ -63,7 +63,7 @@ def card(name: str, text: str) -> str:
 
 
 def clip(name: str, above: str = "") -> str:
-    """Plays on demand; the picture is shown before."""
+    """The picture is shown before it plays; see `static/films.js`."""
     label = html.escape(f"a film of {name.replace('-', ' ')}")
     file = f"{above}_clips/{name}"
     return (

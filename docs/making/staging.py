@@ -65,7 +65,7 @@ def stage(folder: Path) -> None:
     for name, text in (*written(folder), *((name, text) for draw in DRAWN for name, text in draw().items())):
         place = folder / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(_cited(text, PurePosixPath(name)), encoding="utf-8")
+        place.write_text(_cited(text, PurePosixPath(name)) if place.suffix == ".md" else text, encoding="utf-8")
 
 
 def written(folder: Path) -> Iterator[tuple[str, str]]:

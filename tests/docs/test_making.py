@@ -127,3 +127,18 @@ def test_pages_on_modules_are_titled_by_concepts(makers):
         assert not re.search(r"[_.`]", title), module.__name__
         assert not titles.CLAUSE.match(title), module.__name__
         assert len(title.split()) <= titles.LONGEST, module.__name__
+
+
+def test_pages_are_completed_for_readers_without_a_mouse(makers):
+    """Captions have a level, code and tables that scroll can be focused, landmarks have names; once is enough."""
+    completed = makers("accessible").completed
+    page = (
+        '<p class="caption" role="heading"><span>a</span></p><pre>code</pre><div class="table-wrapper docutils">t</div>'
+        '<aside class="toc-drawer no-toc">c</aside><aside class="sidebar-drawer">s</aside>'
+    )
+    found = completed(page)
+    assert 'role="heading" aria-level="2"' in found
+    assert '<pre tabindex="0">' in found
+    assert 'class="table-wrapper docutils" tabindex="0"' in found
+    assert found.count("aria-label=") == 2
+    assert completed(found) == found

@@ -1,6 +1,6 @@
 """The example notebooks run from top to bottom, and what they show is the player."""
 
-import ast
+import importlib
 import json
 from pathlib import Path
 
@@ -9,29 +9,30 @@ import pytest
 FOLDER = Path(__file__).parents[2] / "examples" / "notebooks"
 
 
-def run(path):
-    """What the cells show: of each that ends with a value, that value."""
-    names, shown = {"__name__": "notebook"}, []
-    for number, cell in enumerate(json.loads(path.read_text(encoding="utf-8"))["cells"]):
-        if cell["cell_type"] == "code":
-            tree, where = ast.parse("".join(cell["source"])), f"{path.name}, cell {number}"
-            last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
-            exec(compile(tree, where, "exec"), names)
-            if last is not None:
-                shown.append(eval(compile(ast.Expression(last.value), where, "eval"), names))
-    return shown
+@pytest.fixture
+def notebooks(monkeypatch):
+    """The maker of their pages, which executes them."""
+    monkeypatch.syspath_prepend(FOLDER.parents[1] / "docs" / "making")
+    return importlib.import_module("notebooks")
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.ipynb")), ids=lambda path: path.stem)
-def test_a_notebook_runs_and_shows_its_run(path, tmp_path, monkeypatch):
+def test_a_notebook_runs_and_shows_its_run(path, tmp_path, monkeypatch, notebooks):
+    """Its page has a player for each value that shows itself, and what the cells print."""
     monkeypatch.chdir(tmp_path)
-    played = [value for value in run(path) if hasattr(value, "_repr_html_")]
+    outputs = list(notebooks.executed(path))
+    played = [value for _, value in outputs if hasattr(value, "_repr_html_")]
     assert len(played) >= 2
-    for value in played:
-        html = value._repr_html_()
-        assert html.startswith("<iframe")
-        assert len(html) < 4e6
+    text, *players = notebooks.page(path, outputs).items()
+    assert len(players) == len(played) == text[1].count("<iframe")
+    for name, player in players:
+        assert f'src="../{name}"' in text[1]
+        assert player.lstrip().startswith("<!doctype html>")
+        assert len(player) < 4e6
+    assert text[1].count("```text") == sum(
+        bool(printed) or isinstance(value, tuple | float) for printed, value in outputs
+    )
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.ipynb")), ids=lambda path: path.stem)
