@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import ecume
 from ecume.errors import Diverged
 from ecume.models.sph.boundaries.rigid_bodies import with_moved_solids
 from ecume.models.sph.boundaries.walls import all_braked, all_repelled
@@ -140,8 +139,9 @@ def of_wall(frames: Any, depth: float) -> float:
 
 
 class Balance(NamedTuple):
-    """How well the forces on solids agree with the momentum of the liquid, step by step."""
+    """How well the forces on solids agree with the momentum of the liquid, step by step, and the frames of the run."""
 
+    frames: list[Any]
     worst: np.ndarray
     """(d,) the largest difference of momentum and impulses, over M sqrt(g H)"""
     jumps: list[tuple[float, float, float]]
@@ -153,9 +153,9 @@ def balance(scene: Any, depth: float) -> Balance:
     parameters = SPH.parameters(scene)
     run = Integration(SPH, parameters, SPH.start(scene, parameters), 0.0)
     time, d, incompressible = parameters.time_step, parameters.dimension, parameters.projection is not None
-    state, rows, before = run.state, [], None
-    mass = float(state.mass.sum())
-    for _ in range(round(scene.duration / time)):
+    state, rows, before, frames = run.state, [], None, [run.observe()]
+    mass, each = float(state.mass.sum()), parameters.steps_per_frame
+    for step in range(1, scene.frames * each + 1):
         earlier = (state.velocity * state.mass).sum(axis=1)
         run.go(1)
         state = run.state
@@ -165,10 +165,12 @@ def balance(scene: Any, depth: float) -> Balance:
         gained = (state.velocity * state.mass).sum(axis=1) - earlier - mass * parameters.gravity * time
         rows.append(gained + impulse)
         before = at_once
+        if step % each == 0:
+            frames.append(run.observe())
     missed = np.array(rows) / (mass * math.sqrt(depth))
     largest = np.argsort(-np.abs(missed).max(axis=1))[:3]
     jumps = [(float(k * time), *missed[k].tolist()) for k in largest]
-    return Balance(np.abs(np.cumsum(missed, axis=0)).max(axis=0), jumps)
+    return Balance(frames, np.abs(np.cumsum(missed, axis=0)).max(axis=0), jumps)
 
 
 def at_this_step(run: Integration) -> np.ndarray:
@@ -243,12 +245,14 @@ def main(kind: str, pressure: str, first: int, count: int) -> None:
         depth = max(region.high[1] for region in scene.fluid)
         line = f"{kind} {pressure} {seed} {scene.tank.walls} {solids_in(scene)}"
         try:
-            frames = list(ecume.simulate(scene))
+            found = balance(scene, depth)
+            frames = found.frames
             line += f" gain={gained(frames):.1e} lost={frames[-1].numbers['particles_lost']:.0f}"
+            planned = round(frames[-1].time / SPH.parameters(scene).time_step)
+            line += f" substeps={frames[-1].numbers['substeps']:.0f}/{planned}"
             line += f" hits={frames[-1].numbers['guard_hits']:.0f} speed={frames[-1].numbers['largest_speed']:.1e}"
             if kind == "still":
                 line += f" off={of_rest(frames, scene)[0]:.1e}"
-            found = balance(scene, depth)
             line += " momentum=" + ",".join(f"{value:.1e}" for value in found.worst)
             line += " at " + " ".join(f"{t:.3f}:{x:.0e},{y:.0e}" for t, x, y in found.jumps)
             line += " mirror {:.1e} {}".format(*asymmetry(scene))

@@ -263,6 +263,7 @@ def test_check_reports_the_solver_and_no_sound():
     assert "1e-05" in rows["solver"][1]
     assert "500" in rows["solver"][2]
     assert "100 ms or more" in rows["impact pressures"][2]
+    assert "largest_pressure" in rows["impact pressures"][2]
     assert "the maximum speed" in rows["time step"][2]
     assert "twice as many" in rows["steps"][2]
     assert "twice as many" not in {row[0]: row for row in SPH.summary(tank(liquid={"maximum_speed": 2.0}))}["steps"][2]

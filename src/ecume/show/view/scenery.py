@@ -13,6 +13,7 @@ from ecume.analysis.boxes import box_of
 from ecume.analysis.pressures import with_pressures
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import walls_of
+from ecume.models.sph.setup.choices import free_surface, pressure_of
 from ecume.scenes.soft.scene import SIDES as WALL_SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.surface import outlines_in, sheet, surface, typical_meniscus
@@ -160,9 +161,17 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
         FULL * scene.spacing, _joined(lines),
         movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
         liquid=_filled(scene, low - margin, high + margin),
-        curves=("kinetic_energy", "largest_pressure"), apart=len(scene.fluid) if scene.passive_tracers else None,
+        curves=("kinetic_energy", _peak(scene)), apart=len(scene.fluid) if scene.passive_tracers else None,
         derived=_pressures(scene),
     )  # fmt: skip
+
+
+def _peak(scene: Any) -> str:
+    """The number beside the kinetic energy: the largest pressure, where a single value of it does not depend on the
+    step.
+    """
+    splashes = not pressure_of(scene).compressible and free_surface(scene)
+    return "largest_speed" if splashes else "largest_pressure"
 
 
 def _pressures(scene: Any) -> Callable[[Frame], Frame] | None:

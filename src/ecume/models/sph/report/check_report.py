@@ -425,7 +425,8 @@ def impact_rows(settings: Projection, brief: float) -> list[Row]:
     if not settings.free_surface:
         return []
     over = f"averages over {with_prefix(brief, 's', 3)} or more" if brief else "averages over many steps"
-    return [("impact pressures", "averages only", f"single readings of gauges depend on the time step; take {over}")]
+    remark = f"single readings of gauges, and largest_pressure, depend on the time step; take {over}"
+    return [("impact pressures", "averages only", remark)]
 
 
 def compression_row(weight: float, material: Material) -> Row:
@@ -465,9 +466,13 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
     steps = last_step(scene, parameters.steps_per_frame)
     stepping = steps * seconds_a_step(scene, parameters, count)
     vectors = dict.fromkeys(("position", "velocity"), parameters.dimension)
-    arrays = {**vectors, "density": 1, "pressure": 1}
-    state, constants = 8.0 * count * (5 * parameters.dimension + 7), CONSTANTS + dummies_size(parameters)
-    content = Content(count, arrays, len(numbers_expected(parameters)), state, constants)
+    arrays, passive = {**vectors, "density": 1, "pressure": 1}, int(parameters.passive_tracers.start[-1])
+    if (parameters.boundary.sides.mirrors == 0).any():  # periodic sides
+        arrays["image"] = parameters.dimension
+    liquid, images = 5 * parameters.dimension + 7, arrays.get("image", 0)
+    state = 8.0 * (count * (liquid + images) + passive * (2 * parameters.dimension + images))
+    constants = CONSTANTS + dummies_size(parameters)
+    content = Content(count + passive, arrays, len(numbers_expected(parameters)), state, constants)
     cost = frame_cost(scene, content, steps)
     seconds = stepping + cost.seconds
     saves = 2 ** (parameters.dimension + 1)
