@@ -30,9 +30,8 @@ def test_a_notebook_runs_and_shows_its_run(path, tmp_path, monkeypatch, notebook
         assert f'src="../{name}"' in text[1]
         assert player.lstrip().startswith("<!doctype html>")
         assert len(player) < 4e6
-    assert text[1].count("```text") == sum(
-        bool(printed) or isinstance(value, tuple | float) for printed, value in outputs
-    )
+    written = [one for one in outputs if one.printed or not (one.value is None or hasattr(one.value, "_repr_html_"))]
+    assert text[1].count("```text") == len(written) > 0
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.ipynb")), ids=lambda path: path.stem)
