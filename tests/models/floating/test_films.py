@@ -1,5 +1,7 @@
 """Films between floats: two that approach take the longer, and nobody's momentum changes."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -48,6 +50,23 @@ def test_two_that_are_pushed_together_go_slower_by_lambda():
     excess = pair_factor(2.1) - pair_factor(4.0)
     wanted = np.array([[1e-3 / (1 + excess), 2e-4], [-1e-3 / (1 + excess), 5e-4]])
     assert velocity == pytest.approx(wanted, rel=1e-5)
+
+
+def test_the_roughness_is_a_length_whatever_the_sizes_of_the_floats():
+    rough, small = 1e-5, 0.1 * RADIUS
+    places = [(0.0, 0.0), (2.001 * RADIUS, 0.0)]
+    scene = beads(places, films=f"{{ roughness = {rough} }}")
+    speck = dataclasses.replace(scene.particles[0], radius=small, positions=((0.01, 0.0),), count=1, name="speck")
+    friction = []
+    for particles in (scene.particles, (*scene.particles, speck)):
+        parameters, state, workspace = begun(dataclasses.replace(scene, particles=particles))
+        pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
+        friction += pairs.friction.tolist()
+    alone, beside_a_speck = friction
+    zeta = 2.0 * alone / (pair_factor(2.0 + rough / RADIUS) - pair_factor(4.0))
+    gain = float(parameters.kick.gain[0])
+    assert zeta == pytest.approx(1.0 / gain, rel=1e-4)
+    assert beside_a_speck == pytest.approx(alone, rel=1e-4)
 
 
 def test_films_do_not_slow_floats_of_one_velocity_and_keep_momentum():

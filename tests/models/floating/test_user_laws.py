@@ -10,6 +10,7 @@ from ecume.models import MODELS
 from ecume.models.floating import PairParameters
 from ecume.models.user_laws import bind
 from ecume.scenes.common import UserLawSpec
+from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, bowl, scene_of, two_floats
 
@@ -164,6 +165,26 @@ def test_a_stiff_law_shortens_the_time_step():
         model.parameters(three_kinds()).time_step for model in (MODELS["floating"], bound(1e-12), bound(1e-4))
     )
     assert plain == weak > 2.0 * strong
+
+
+def sized(distance: float, parameters: Any) -> float:
+    """A law whose range and stiffness follow from the radii."""
+    touching = parameters.radius_i + parameters.radius_j
+    return 1e-6 * (touching / distance) ** 12
+
+
+def test_the_smallest_and_the_largest_float_of_a_species_count():
+    row = {"y": 0.0, "density": 600.0, "contact_angle": 1.2}
+    sizes = [1e-3, 2e-4, 3e-3]
+    steps, ranges = [], []
+    for order in (sizes, sizes[::-1], [2e-4, 3e-3, 1e-3]):
+        rows = [{"x": 0.02 * place, "radius": radius, **row} for place, radius in enumerate(order)]
+        scene = from_plain({"model": "floating", "duration": 1.0, "frame_every": 0.1, "rows": rows})
+        parameters = MODELS["floating"].extended(bind(scene, [sized])).parameters(scene)
+        steps.append(parameters.shortest_time)
+        ranges.append(parameters.reach)
+    assert steps == pytest.approx([steps[0]] * 3)
+    assert ranges == pytest.approx([ranges[0]] * 3)
 
 
 @pytest.mark.parametrize(

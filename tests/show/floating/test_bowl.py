@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
 
-from ecume.scenes.floating import DishSpec, LiquidSpec
+from ecume.scenes.floating import ActivitySpec, DishSpec, LiquidSpec
 from ecume.show.floating.bowl import Bowl, arrows, rises, view_of
 from ecume.show.picture import Size, species
 from ecume.show.style import PALETTE, contrast, height_colormap, liquid_color
@@ -188,3 +188,16 @@ def test_headings_have_arrowheads(frames):
     assert np.all(found[:, 2, 0] < found[:, 1, 0])
     assert found[:, 2, 1] == pytest.approx(-found[:, 4, 1])
     assert len(arrows(frames[0])) == 0
+
+
+def test_only_floats_that_swim_have_an_arrow(scene, frames):
+    one, other = (kind.name for kind in scene.kinds)
+    frame = frames[0].with_arrays({**frames[0].arrays, "angle": np.zeros(len(frames[0].arrays["radius"]))})
+    count = [int(np.sum(frame.arrays["species"] == kind)) for kind in (0, 1)]
+    for activity, wanted in (
+        (ActivitySpec(propulsion=1e-8), sum(count)),
+        (ActivitySpec(propulsion=1e-8, species=(other,)), count[1]),
+        (ActivitySpec(force=1e-8, persistence=1.0, species=(one,)), 0),
+    ):
+        bowl = Bowl(dataclasses.replace(scene, activity=activity), [frame], SIZE)
+        assert len(bowl.rises.get_segments()) == wanted

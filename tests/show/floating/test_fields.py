@@ -12,7 +12,9 @@ from typer.testing import CliRunner
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.laws import meniscus
+from ecume.models.floating.dishes import field_of
 from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import InteractionSpec
 from ecume.scenes.schema import to_plain
 from ecume.show.floating.heights import export_heights, height_field
 from ecume.trajectories.segments import Recorder
@@ -38,6 +40,12 @@ def test_heights_are_the_menisci_of_all_floats_and_of_the_dish(scene, frames):
         apart = np.maximum(np.hypot(*(arrays["position"] - [x, y]).T), arrays["radius"]) / liquid.capillary_length
         wanted -= np.sum(arrays["charge"] * k0(apart))
         assert found.height[row, column] == pytest.approx(wanted, rel=1e-6)
+
+
+def test_floats_without_menisci_leave_the_surface_as_pictures_show_it(scene, frames):
+    alone = dataclasses.replace(scene, interaction=InteractionSpec(law="none"))
+    found = height_field(alone, frames[2], cells=20)
+    assert np.array_equal(found.height, field_of(scene.dish, liquid_of(scene), found.x, found.y))
 
 
 def test_the_surface_away_from_floats_obeys_the_linear_equation(scene, frames):

@@ -129,3 +129,19 @@ def test_paths_in_a_cell_continue_on_the_other_side():
     pieces = [piece[:, 0] for piece in lines.get_segments()]
     assert pieces[1] == pytest.approx([-5, 15, 35, 55, 75, 95, 115])
     assert all(np.diff(piece) == pytest.approx(20.0) for piece in pieces)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"activity.propulsion": 1e-9},
+        {"interaction.method": "multipole"},
+        {"particles[0].velocity": [0.0, 0.01]},
+        {"integration.integrator": "overdamped", "hydrodynamics.brownian": True},
+    ],
+)
+def test_two_floats_that_more_than_their_law_moves_have_no_solution(change):
+    scene = ecume.load_scene(TWO)
+    assert two_body_gap([next(ecume.simulate(scene))], scene) is not None
+    changed = scene.replace(change)
+    assert two_body_gap([next(ecume.simulate(changed))], changed) is None

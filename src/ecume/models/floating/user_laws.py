@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ecume._jit import of_this_process
-from ecume.engine.cells import Integers, nearest
+from ecume.engine.cells import nearest
 from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
 from ecume.engine.walls import surfaces
@@ -221,10 +221,16 @@ def range_of(total: Any, part: Any, parameters: Parameters, accuracy: float) -> 
 
 
 def pairs_of_kinds(part: Any, parameters: Parameters) -> Iterator[tuple[float, PairParameters, int, tuple[int, int]]]:
-    """Each pair of species with a law: the distance of contact (m), the parameters, the mask, and a float of each."""
+    """Each pair of species with a law, of each its smallest and largest float and that of the strongest charge: the
+    distance of contact (m), the parameters, the mask, and both floats.
+    """
     floats = parameters.floats
-    kinds: Integers = np.unique(floats.species, return_index=True)[1]
-    for i, j in itertools.combinations_with_replacement(kinds.tolist(), 2):
+    kinds: set[int] = set()
+    for species in np.unique(floats.species):
+        members = np.flatnonzero(floats.species == species)
+        radius, charge = floats.radius[members], np.abs(floats.charge[members])
+        kinds |= {int(members[place]) for place in (radius.argmin(), radius.argmax(), charge.argmax())}
+    for i, j in itertools.combinations_with_replacement(sorted(kinds), 2):
         mask = int(part.mask[floats.species[i], floats.species[j]])
         if mask:
             pair = PairParameters(

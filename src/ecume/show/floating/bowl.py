@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch, Polygon
 
+from ecume.analysis.series import Flags
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import outline_of, walls_of
 from ecume.show.floating.surface import (
@@ -114,7 +115,7 @@ class Bowl(Picture):
             self.images = PolyCollection([], edgecolors=to_rgba(INK, PALE), linewidths=0.6, zorder=2)
             self.pale = [to_rgba(kind.color, PALE) for kind in kinds]
             axes.add_collection(self.images, autolim=False)
-            self.headed = scene.activity is not None or scene.waves is not None
+            self.headed, self.turns = _headed(scene, sample[0]), scene.activity is None
             self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
             axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
@@ -135,7 +136,9 @@ class Bowl(Picture):
         self.height.set_data(self._painted(surface(frame, self.sheet)))
         if self.shapes is None:
             self.floats.set_offsets(frame.arrays["position"])
-            self.rises.set_segments(list(arrows(frame) if self.headed else rises(frame)))
+            turned = self.turns or "spin" in frame.arrays
+            lines: Any = rises(frame)[~self.headed] if turned else []
+            self.rises.set_segments([*arrows(frame)[self.headed], *lines] if "angle" in frame.arrays else [])
             self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
@@ -162,6 +165,17 @@ def rises(frame: Frame) -> Array:
     along = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1) * arrays["radius"][:, None]
     lines: Array = arrays["position"][:, None] + np.array([-LINE, LINE])[None, :, None] * along[:, None]
     return lines
+
+
+def _headed(scene: Any, frame: Frame) -> Flags:
+    """Flags of the floats that have a heading: those that propulsion drives, and those with sources of waves."""
+    names = np.array([kind.name for kind in scene.kinds])
+    of_kind = np.zeros(len(names), bool)
+    if scene.activity is not None and scene.activity.propulsion > 0.0:
+        of_kind |= np.isin(names, scene.activity.species or names)
+    for source in scene.waves.sources if scene.waves is not None else ():
+        of_kind |= np.isin(names, source.species or names)
+    return np.asarray(of_kind[frame.arrays["species"]])
 
 
 def arrows(frame: Frame) -> Array:

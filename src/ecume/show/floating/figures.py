@@ -205,14 +205,7 @@ def two_body_gap(frames: Frames, scene: Any) -> Array | None:
     None for other scenes.
     """
     row, first = PAIR_LAWS[str(scene.interaction.law)], frames[0]
-    water = scene.hydrodynamics
-    others = (
-        scene.dish, scene.cell, scene.waves, scene.flow, scene.activity, scene.magnetic_field, scene.user_laws,
-        water.brownian, water.lubrication, water.interaction != "none",
-        *(one.magnetic_moment for one in (*scene.particles, *scene.rows)),
-    )  # fmt: skip
-    alone = not any(others)
-    if len(first.arrays["radius"]) != 2 or not alone or not (row.has_force and row.reciprocal):
+    if len(first.arrays["radius"]) != 2 or not _alone(scene) or not (row.has_force and row.reciprocal):
         return None
     parameters = checked_parameters(scene)
     floats, law, touching = parameters.floats, law_of(parameters), float(parameters.floats.radius.sum())
@@ -220,7 +213,10 @@ def two_body_gap(frames: Frames, scene: Any) -> Array | None:
     friction = floats.mass / floats.relaxation_time
     apart = first.arrays["position"][1] - first.arrays["position"][0]
     start = float(np.hypot(*apart))
-    speeds = first.arrays["velocity"] @ (apart / start) if "velocity" in first.arrays else np.zeros(2)
+    velocity = first.arrays.get("velocity", np.zeros((2, 2)))
+    speeds, across = velocity @ (apart / start), velocity @ (apart[::-1] * [-1.0, 1.0] / start)
+    if np.abs(across).max() > STRAIGHT * np.abs(velocity).max():
+        return None
 
     def rates(_: float, at: Array) -> Array:
         force = row.force(max(float(at[1] - at[0]), touching), own, law) * np.array([-1.0, 1.0])
@@ -235,6 +231,20 @@ def two_body_gap(frames: Frames, scene: Any) -> Array | None:
     begin = np.array([0.0, start, *speeds])
     found = solve_ivp(rates, (frames[0].time, frames[-1].time), begin, "LSODA", events=meet, rtol=1e-8, atol=1e-12)
     return np.stack([found.t, found.y[1] - found.y[0] - touching])
+
+
+STRAIGHT = 1e-3
+"""The largest velocity across the line of two floats, over their velocity, with which they stay on it."""
+
+
+def _alone(scene: Any) -> bool:
+    """Whether only the pair law and the drag of single floats move the floats of a scene."""
+    hydrodynamics, parts = scene.hydrodynamics, ("dish", "cell", "flow", "waves", "activity", "magnetic_field")
+    coupled = hydrodynamics.lubrication is not None or hydrodynamics.interaction != "none"
+    superposed = scene.interaction.method == "superposition" and not scene.shaped
+    driven = hydrodynamics.brownian or any(getattr(scene, part) is not None for part in parts)
+    magnets = any(one.magnetic_moment != 0.0 for one in scene.given)
+    return superposed and not (coupled or driven or magnets or scene.user_laws)
 
 
 def shapes(frames: Frames, scene: Any) -> Figure:

@@ -21,7 +21,16 @@ from ecume.errors import BadInput
 from ecume.models.floating.dishes import field_of
 from ecume.models.liquids import liquid_of
 from ecume.show.floating.bowl import view_of
-from ecume.show.floating.surface import INSIDE, charges_in, multipoles_in, near, shapes_of, solved_heights, with_images
+from ecume.show.floating.surface import (
+    INSIDE,
+    charges_in,
+    has_menisci,
+    multipoles_in,
+    near,
+    shapes_of,
+    solved_heights,
+    with_images,
+)
 from ecume.show.picture import View
 from ecume.trajectories.exports import HEAD, data_array, write_series
 from ecume.trajectories.frame import Frame
@@ -74,6 +83,8 @@ def _menisci_on_grid(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
     multipoles = multipoles_in(scene)
     if multipoles is not None:
         return solved_heights(multipoles, frame, x, y)
+    if not has_menisci(scene):
+        return np.zeros((len(y), len(x)))
     length, shapes = liquid_of(scene).capillary_length, shapes_of(scene)
     arrays = with_images(frame, REACH * length).arrays
     places, closest, charges = arrays["position"], arrays["radius"], arrays["charge"]

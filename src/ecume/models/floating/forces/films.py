@@ -48,6 +48,8 @@ class Films(NamedTuple):
     """(2,) the first and the last logarithm"""
     reach: float
     """l/R beyond which there is no film"""
+    roughness: float = 0.0
+    """m: the gap below which no film becomes thinner, whatever the size of the floats"""
 
 
 class Pairs(NamedTuple):
@@ -61,11 +63,13 @@ class Pairs(NamedTuple):
     """N s/m"""
 
 
-def make_films(roughness: float, reach: float) -> Films:
-    """Return a table of `pair_factor`, constant below the gap `roughness` (over R), zero at l/R = `reach`."""
+def make_films(roughness: float, reach: float, thinnest: float = 0.0) -> Films:
+    """Return a table of `pair_factor`, constant below the gap `roughness` (over R), zero at l/R = `reach`. `thinnest`:
+    the roughness in m, for floats of several sizes.
+    """
     ends = np.log([max(roughness, CLOSEST), reach - 2.0])
     gaps = np.exp(np.linspace(ends[0], ends[1], NODES))
-    return Films(np.asarray(pair_factor(2.0 + gaps, roughness)) - float(pair_factor(reach)), ends, reach)
+    return Films(np.asarray(pair_factor(2.0 + gaps, roughness)) - float(pair_factor(reach)), ends, reach, thinnest)
 
 
 @compiled
@@ -113,7 +117,7 @@ def find_films(films: Films, parameters: Parameters, position: Array, lists: Nei
                     if writing == 1:
                         pairs.first[found], pairs.second[found] = i, j
                         pairs.along[found, 0], pairs.along[found, 1] = x / distance, y / distance
-                        pairs.friction[found] = 0.5 * friction * film_excess(films, gap)
+                        pairs.friction[found] = 0.5 * friction * film_excess(films, max(gap, films.roughness / radius))
                     found += 1
     return pairs
 
@@ -190,4 +194,4 @@ def films_within(parameters: Parameters, scene: FloatingScene, reach: float) -> 
     """Return the table of a scene; `reach` is that of films by default, in radii."""
     given = scene.hydrodynamics.lubrication
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen films
-    return make_films(given.roughness / float(parameters.floats.radius.min()), given.cutoff or reach)
+    return make_films(given.roughness / float(parameters.floats.radius.max()), given.cutoff or reach, given.roughness)
