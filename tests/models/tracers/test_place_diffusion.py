@@ -258,3 +258,19 @@ def test_turbulence_does_not_move_particles_with_inertia():
 def test_a_profile_that_is_none_is_refused(table, words):
     with pytest.raises(SceneError, match=words):
         sea(PROFILES["slope"], flow={"turbulence": table})
+
+
+def test_recorded_settling_speeds_are_those_near_the_wall():
+    """Without noise a particle near the floor sinks as slowly as Brenner's series says, and its frame says so."""
+    heights = (1.2, 2.0, 5.0)
+    scene = from_plain({
+        "model": "tracers", "duration": 1e-4, "frame_every": 1e-4, "tank": {"high": [1e-2, 1e-2]},
+        "particles": [{"radius": RADIUS, "density": 2000.0, "positions": [[5e-3, h * RADIUS] for h in heights]}],
+        "hydrodynamics": {"wall_drag": True}, "integration": {"integrator": "overdamped"},
+    })  # fmt: skip
+    *_, last = simulate(scene)
+    far = drag.stokes_settling_speed(RADIUS, 1000.0, 1e-3, 9.81)
+    for i in range(3):
+        gap = last.arrays["position"][i, 1] / RADIUS - 1.0
+        expected = -far / wall_drag.perpendicular_factor(gap, 1.0)
+        assert last.arrays["velocity"][i, 1] == pytest.approx(expected, rel=1e-3)

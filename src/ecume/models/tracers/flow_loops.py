@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit
+from ecume._jit import admit, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import axpy, load, store
 from ecume.laws import carrier_flows
@@ -50,7 +50,8 @@ class Loops(NamedTuple):
     midways: Callable[..., None]
     """midways(position, velocity, status, (time, step), current, flow): velocities of the liquid, half a step ahead"""
     paths: Callable[..., None]
-    """paths(position, status, (time, step), current, drift, flow): the mean velocity of the liquid along each path"""
+    """paths(position, status, (time, step), current, drift, flow, travel): the mean velocity of the liquid along each
+    path, and that of the particle"""
     noisy_paths: Callable[..., None]
     """noisy_paths(position, status, (time, step), current, drift, noise, flow): the same with random displacements"""
     gradients: Callable[..., None]
@@ -77,15 +78,24 @@ def loops_of(velocity: Callable[..., Vector], dimensions: int) -> Loops:
     )
 
 
-def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, float], Vector]:
+Instant = tuple[float, float]
+"""A time, and the factor of the velocities at it, which is the same for all particles."""
+
+
+@compiled_inside
+def instant_at(current: Current, time: float) -> Instant:
+    """The instant of a time."""
+    pulse = current.pulse
+    return time, carrier_flows.time_factor(time, pulse[0], pulse[1], pulse[2])
+
+
+def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, Instant], Vector]:
     """The velocity of the whole flow at a point with its coordinates in the order of positions."""
-    factor = carrier_flows.time_factor
 
     @compiled_for_laws
-    def in_3d(current: Current, place: Vector, time: float) -> Vector:
-        found = velocity(current.shape, place[0], place[1], place[2], time)
-        scale = factor(time, current.pulse[0], current.pulse[1], current.pulse[2])
-        uniform = current.uniform
+    def in_3d(current: Current, place: Vector, instant: Instant) -> Vector:
+        found = velocity(current.shape, place[0], place[1], place[2], instant[0])
+        scale, uniform = instant[1], current.uniform
         return (
             scale * found[0] + uniform[0] + uniform[3] * place[2],
             scale * found[1] + uniform[1],
@@ -93,10 +103,9 @@ def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[
         )
 
     @compiled_for_laws
-    def in_2d(current: Current, place: Vector, time: float) -> Vector:
-        found = velocity(current.shape, place[0], 0.0, place[1], time)
-        scale = factor(time, current.pulse[0], current.pulse[1], current.pulse[2])
-        uniform = current.uniform
+    def in_2d(current: Current, place: Vector, instant: Instant) -> Vector:
+        found = velocity(current.shape, place[0], 0.0, place[1], instant[0])
+        scale, uniform = instant[1], current.uniform
         return scale * found[0] + uniform[0] + uniform[3] * place[1], scale * found[2] + uniform[1], 0.0
 
     return in_2d if dimensions == 2 else in_3d
@@ -105,8 +114,9 @@ def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[
 def _velocities(at: Callable[..., Vector]) -> Callable[..., None]:
     @compiled_for_laws
     def velocities(position: Array, time: float, current: Current, found: Array) -> None:
+        instant = instant_at(current, time)
         for i in range(len(position)):
-            store(found, i, at(current, load(position, i), time))
+            store(found, i, at(current, load(position, i), instant))
 
     return velocities
 
@@ -115,7 +125,7 @@ def _velocities_then(at: Callable[..., Vector]) -> Callable[..., None]:
     @compiled_for_laws
     def velocities_then(position: Array, times: Array, current: Current, found: Array) -> None:
         for i in range(len(position)):
-            store(found, i, at(current, load(position, i), times[i]))
+            store(found, i, at(current, load(position, i), instant_at(current, times[i])))
 
     return velocities_then
 
@@ -126,10 +136,11 @@ def _midways(at: Callable[..., Vector]) -> Callable[..., None]:
         position: Array, velocity: Array, status: Integers, when: tuple[float, float], current: Current, flow: Array
     ) -> None:
         half = 0.5 * when[1]
+        instant = instant_at(current, when[0] + half)
         for i in range(len(status)):
             if status[i] == 0:
                 place = axpy(load(position, i), half, load(velocity, i))
-                store(flow, i, at(current, place, when[0] + half))
+                store(flow, i, at(current, place, instant))
 
     return midways
 
@@ -139,22 +150,32 @@ def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
 
     @compiled_for_laws
     def paths(
-        position: Array, status: Integers, when: tuple[float, float], current: Current, drift: Array, flow: Array
+        position: Array,
+        status: Integers,
+        when: tuple[float, float],
+        current: Current,
+        drift: Array,
+        flow: Array,
+        travel: Array,
     ) -> None:
         time, h = when
+        begin, middle = instant_at(current, time), instant_at(current, time + 0.5 * h)
+        end = instant_at(current, time + h)
         for i in range(len(status)):
             if status[i] != 0:
                 continue
             start, own = load(position, i), load(drift, i)
-            first = at(current, start, time)
+            first = at(current, start, begin)
             place = axpy(axpy(start, 0.5 * h, first), 0.5 * h, own)
-            second = at(current, place, time + 0.5 * h)
+            second = at(current, place, middle)
             place = axpy(axpy(start, 0.5 * h, second), 0.5 * h, own)
-            third = at(current, place, time + 0.5 * h)
+            third = at(current, place, middle)
             place = axpy(axpy(start, h, third), h, own)
-            fourth = at(current, place, time + h)
+            fourth = at(current, place, end)
             mean = axpy(axpy(axpy(first, 2.0, second), 2.0, third), 1.0, fourth)
-            store(flow, i, (mean[0] / 6.0, mean[1] / 6.0, mean[2] / 6.0))
+            mean = (mean[0] / 6.0, mean[1] / 6.0, mean[2] / 6.0)
+            store(flow, i, mean)
+            store(travel, i, axpy(mean, 1.0, own))
 
     return paths
 
@@ -173,13 +194,14 @@ def _noisy_paths(at: Callable[..., Vector]) -> Callable[..., None]:
         flow: Array,
     ) -> None:
         time, h = when
+        begin, end = instant_at(current, time), instant_at(current, time + h)
         for i in range(len(status)):
             if status[i] != 0:
                 continue
             start = load(position, i)
-            first = at(current, start, time)
+            first = at(current, start, begin)
             place = axpy(axpy(axpy(start, h, first), h, load(drift, i)), h, load(noise, i))
-            second = at(current, place, time + h)
+            second = at(current, place, end)
             store(flow, i, (0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1]), 0.5 * (first[2] + second[2])))
 
     return noisy_paths
@@ -197,23 +219,27 @@ def _gradients(at: Callable[..., Vector], dimensions: int) -> Callable[..., None
     def gradients(
         position: Array, velocity: Array, status: Integers, when: tuple[float, float], current: Current, found: Array
     ) -> None:
-        time, d = when[0] + 0.5 * when[1], current.spacing
+        time, d, late = when[0] + 0.5 * when[1], current.spacing, 1e-3 * when[1]
+        now, earlier, later = (
+            instant_at(current, time),
+            instant_at(current, time - late),
+            instant_at(current, time + late),
+        )
         slope = np.zeros((3, 3))
         for i in range(len(status)):
             if status[i] != 0:
                 continue
             place = axpy(load(position, i), 0.5 * when[1], load(velocity, i))
-            here = at(current, place, time)
+            here = at(current, place, now)
             for column in range(9):
                 found[i, column] = 0.0
             for axis in range(axes):
                 shift = (d if axis == 0 else 0.0, d if axis == 1 else 0.0, d if axis == 2 else 0.0)
-                upper, lower = at(current, axpy(place, 1.0, shift), time), at(current, axpy(place, -1.0, shift), time)
+                upper, lower = at(current, axpy(place, 1.0, shift), now), at(current, axpy(place, -1.0, shift), now)
                 for part in range(3):
                     slope[part, axis] = (upper[part] - lower[part]) / (2.0 * d)
                     found[i, 3 + part] += (upper[part] - 2.0 * here[part] + lower[part]) / (d * d)
-            late = 1e-3 * when[1]
-            after, before = at(current, place, time + late), at(current, place, time - late)
+            after, before = at(current, place, later), at(current, place, earlier)
             for part in range(3):
                 rate = (after[part] - before[part]) / (2.0 * late)
                 for axis in range(axes):

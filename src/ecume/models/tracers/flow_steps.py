@@ -17,7 +17,7 @@ from ecume.models.tracers.energy_budget import work_of_drifts, work_of_noise
 from ecume.models.tracers.flow_forces import add_forces, work_of_forces
 from ecume.models.tracers.flow_loops import Loops, loops_for
 from ecume.models.tracers.parameters import ADDED_MASS, Parameters, State, Workspace
-from ecume.models.tracers.place_diffusion import Surroundings, diffuse, set_hindrances, sink
+from ecume.models.tracers.place_diffusion import Surroundings, diffuse, set_hindrances, set_settling, sink
 from ecume.models.tracers.time_stepping import (
     add_drifts,
     all_finite,
@@ -28,7 +28,6 @@ from ecume.models.tracers.time_stepping import (
     plan_steps,
     reflect_noise,
     select_regime,
-    store_drift_velocities,
     wrap,
 )
 from ecume.units import Array
@@ -98,8 +97,7 @@ def _smooth_step(plain: Parameters, state: State, scratch: Workspace, flowing: F
     (loops, current, when), bodies = flowing, plain.bodies
     plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.kick)
-    loops.paths(state.position, scratch.status, when, current, scratch.kick, scratch.flow)
-    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
+    loops.paths(state.position, scratch.status, when, current, scratch.kick, scratch.flow, scratch.travel)
     well = move_with(plain, state, scratch, when[1], plain.stopping)
     state.work[0] += work_of_drifts(plain, state, scratch, when[1])
     return _finished(plain, state, scratch, flowing) and well
@@ -140,7 +138,8 @@ def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
     well = _half_path(plain, state, scratch, flowing, time + 0.5 * h) and well
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
-    plan_own_drifts(bodies.settling, scratch.status, scratch.kick)
+    fill(scratch.kick, 0.0)
+    set_settling(state.position, scratch.status, (bodies.radius, bodies.settling), around, scratch.kick)
     add_drifts(bodies.mass, bodies.friction, scratch.status, scratch.external, scratch.kick)
     return _finished(plain, state, scratch, flowing) and well
 
@@ -150,8 +149,8 @@ def _half_path(plain: Parameters, state: State, scratch: Workspace, flowing: Flo
     loops, current, (_, h) = flowing
     fill(scratch.kick, 0.0)
     add_drifts(plain.bodies.mass, plain.bodies.friction, scratch.status, scratch.external, scratch.kick)
-    loops.paths(state.position, scratch.status, (time, 0.5 * h), current, scratch.kick, scratch.flow)
-    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
+    half = (time, 0.5 * h)
+    loops.paths(state.position, scratch.status, half, current, scratch.kick, scratch.flow, scratch.travel)
     well = move_with(plain, state, scratch, 0.5 * h, plain.stopping)
     state.work[0] += work_of_noise(plain, state, scratch, 0.0)
     return well
@@ -163,8 +162,7 @@ def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flow
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
     if (int(state.step[0]) + 1) % plain.steps_per_frame == 0:
         loops.velocities(state.position, when[0] + when[1], current, scratch.flow)
-    add_up(scratch.status, scratch.flow, scratch.kick, scratch.travel)
-    store_drift_velocities(state, scratch)
+    add_up(scratch.status, scratch.flow, scratch.kick, state.velocity)
     return True
 
 

@@ -42,6 +42,8 @@ class StreamField(NamedTuple):
 
     low: tuple[float, float]
     step: tuple[float, float]
+    density: tuple[float, float]
+    """cells per meter"""
     times: Array
     nodes: Array
     """(T, n_x, n_z, 4): the stream function, its slopes along x and z, and the mixed one, per cell"""
@@ -52,6 +54,8 @@ class FaceField(NamedTuple):
 
     low: Point
     step: Point
+    density: Point
+    """cells per meter"""
     times: Array
     along: Array
     """(T, n_x, n_y - 1, n_z - 1) m/s"""
@@ -66,6 +70,8 @@ class LinearField(NamedTuple):
 
     low: Point
     step: Point
+    density: Point
+    """cells per meter"""
     times: Array
     nodes: Array
     """(T, n_x, n_y, n_z, 3) m/s"""
@@ -75,11 +81,13 @@ class LinearField(NamedTuple):
 
 
 @compiled_inside
-def cell_of(place: float, low: float, step: float, count: int) -> tuple[int, float]:
-    """The cell of a coordinate among `count` nodes, and where it is in it, from 0 to 1; the edge beyond the grid."""
+def cell_of(place: float, low: float, density: float, count: int) -> tuple[int, float]:
+    """The cell of a coordinate among `count` nodes, `density` a meter, and where it is in it, from 0 to 1; the edge
+    beyond the grid.
+    """
     if count < 2:
         return 0, 0.0
-    along = min(max((place - low) / step, 0.0), count - 1.0)
+    along = min(max((place - low) * density, 0.0), count - 1.0)
     cell = min(int(along), count - 2)
     return cell, along - cell
 
@@ -99,43 +107,41 @@ def moment_of(times: Array, time: float) -> tuple[int, float]:
 @compiled_inside
 def stream_velocity_in(nodes: Array, k: int, cell: tuple[int, int], place: Point) -> tuple[float, float]:
     """The velocity in a cell from the bicubic stream function there, over spacings; place = (s, t, 0) in the cell."""
-    i, j = cell
-    s, t = place[0], place[1]
-    # Cubic Hermite polynomials of value and slope at both ends, and their derivatives.
-    a0, a1, b0, b1 = 1.0 + s * s * (2.0 * s - 3.0), s * s * (3.0 - 2.0 * s), s * (1.0 - s) ** 2, s * s * (s - 1.0)
-    c0, c1, d0, d1 = 1.0 + t * t * (2.0 * t - 3.0), t * t * (3.0 - 2.0 * t), t * (1.0 - t) ** 2, t * t * (t - 1.0)
+    (i, j), s, t = cell, place[0], place[1]
+    left, right = nodes[k, i], nodes[k, i + 1]
+    # Cubic Hermite polynomials of the slope at both ends and of the value at the second, which is 1 less that at the
+    # first; and their derivatives.
+    a, b0, b1 = s * s * (3.0 - 2.0 * s), s * (1.0 - s) ** 2, s * s * (s - 1.0)
+    c, d0, d1 = t * t * (3.0 - 2.0 * t), t * (1.0 - t) ** 2, t * t * (t - 1.0)
     da, db0, db1 = 6.0 * s * (1.0 - s), (1.0 - s) * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
     dc, dd0, dd1 = 6.0 * t * (1.0 - t), (1.0 - t) * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)
-    along, upward = 0.0, 0.0
-    for m in range(2):
-        a, b = (a0, b0) if m == 0 else (a1, b1)
-        slope_a, slope_b = (-da, db0) if m == 0 else (da, db1)
-        for n in range(2):
-            c, d = (c0, d0) if n == 0 else (c1, d1)
-            slope_c, slope_d = (-dc, dd0) if n == 0 else (dc, dd1)
-            value, x, z, mixed = (
-                nodes[k, i + m, j + n, 0],
-                nodes[k, i + m, j + n, 1],
-                nodes[k, i + m, j + n, 2],
-                nodes[k, i + m, j + n, 3],
-            )
-            along += slope_c * (a * value + b * x) + slope_d * (a * z + b * mixed)
-            upward -= slope_a * (c * value + d * z) + slope_b * (c * x + d * mixed)
-    return along, upward
+    # Along the edges of the cell upward: changes of the function and of its slope along x, both derived, and both.
+    near, tilt = left[j + 1, 0] - left[j, 0], left[j + 1, 1] - left[j, 1]
+    far, lean = right[j + 1, 0] - right[j, 0], right[j + 1, 1] - right[j, 1]
+    u_near = dc * near + dd0 * left[j, 2] + dd1 * left[j + 1, 2]
+    u_tilt = dc * tilt + dd0 * left[j, 3] + dd1 * left[j + 1, 3]
+    u_far = dc * far + dd0 * right[j, 2] + dd1 * right[j + 1, 2]
+    u_lean = dc * lean + dd0 * right[j, 3] + dd1 * right[j + 1, 3]
+    w_tilt = left[j, 1] + c * tilt + d0 * left[j, 3] + d1 * left[j + 1, 3]
+    w_lean = right[j, 1] + c * lean + d0 * right[j, 3] + d1 * right[j + 1, 3]
+    change = right[j, 0] - left[j, 0] + c * (far - near)
+    change += d0 * (right[j, 2] - left[j, 2]) + d1 * (right[j + 1, 2] - left[j + 1, 2])
+    along = u_near + a * (u_far - u_near) + b0 * u_tilt + b1 * u_lean
+    return along, -(da * change + db0 * w_tilt + db1 * w_lean)
 
 
 @compiled_inside
 def stream_velocity(shape: StreamField, x: float, y: float, z: float, time: float) -> Point:
     """The velocity: the curl of the stream function."""
-    nodes, low, step = shape.nodes, shape.low, shape.step
-    i, s = cell_of(x, low[0], step[0], nodes.shape[1])
-    j, t = cell_of(z, low[1], step[1], nodes.shape[2])
+    nodes, low, density = shape.nodes, shape.low, shape.density
+    i, s = cell_of(x, low[0], density[0], nodes.shape[1])
+    j, t = cell_of(z, low[1], density[1], nodes.shape[2])
     k, late = moment_of(shape.times, time)
     u, w = stream_velocity_in(nodes, k, (i, j), (s, t, 0.0))
     if late > 0.0:
         next_u, next_w = stream_velocity_in(nodes, k + 1, (i, j), (s, t, 0.0))
         u, w = u + late * (next_u - u), w + late * (next_w - w)
-    return u / step[1], 0.0, w / step[0]
+    return u * density[1], 0.0, w * density[0]
 
 
 @compiled_inside
@@ -151,10 +157,10 @@ def between(values: Array, k: int, late: float, place: tuple[int, int, int]) -> 
 @compiled_inside
 def face_velocity(shape: FaceField, x: float, y: float, z: float, time: float) -> Point:
     """The velocity: each component is linear along its axis. [pollock1988]."""
-    low, step, along, across, upward = shape.low, shape.step, shape.along, shape.across, shape.upward
-    i, r = cell_of(x, low[0], step[0], along.shape[1])
-    j, s = cell_of(y, low[1], step[1], across.shape[2])
-    m, t = cell_of(z, low[2], step[2], upward.shape[3])
+    low, density, along, across, upward = shape.low, shape.density, shape.along, shape.across, shape.upward
+    i, r = cell_of(x, low[0], density[0], along.shape[1])
+    j, s = cell_of(y, low[1], density[1], across.shape[2])
+    m, t = cell_of(z, low[2], density[2], upward.shape[3])
     k, late = moment_of(shape.times, time)
     return (
         (1.0 - r) * between(along, k, late, (i, j, m)) + r * between(along, k, late, (i + 1, j, m)),
@@ -164,24 +170,51 @@ def face_velocity(shape: FaceField, x: float, y: float, z: float, time: float) -
 
 
 @compiled_inside
+def linear_in_layer(nodes: Array, k: int, cell: tuple[int, int, int], place: tuple[float, float]) -> Point:
+    """The velocity in a layer of nodes of the same y, linear along x and z."""
+    (i, j, m), (r, t) = cell, place
+    left, right = nodes[k, i, j], nodes[k, i + 1, j]
+    a, b, c, d = (1.0 - r) * (1.0 - t), (1.0 - r) * t, r * (1.0 - t), r * t
+    return (
+        a * left[m, 0] + b * left[m + 1, 0] + c * right[m, 0] + d * right[m + 1, 0],
+        a * left[m, 1] + b * left[m + 1, 1] + c * right[m, 1] + d * right[m + 1, 1],
+        a * left[m, 2] + b * left[m + 1, 2] + c * right[m, 2] + d * right[m + 1, 2],
+    )
+
+
+@compiled_inside
+def linear_at(nodes: Array, k: int, cell: tuple[int, int, int], place: Point) -> Point:
+    """The velocity at an instant, linear along each axis."""
+    i, j, m = cell
+    found = linear_in_layer(nodes, k, cell, (place[0], place[2]))
+    if nodes.shape[2] > 1:
+        farther = linear_in_layer(nodes, k, (i, j + 1, m), (place[0], place[2]))
+        found = mixed(found, farther, place[1])
+    return found
+
+
+@compiled_inside
+def mixed(one: Point, other: Point, share: float) -> Point:
+    """The velocity between two, with a share of the other."""
+    return (
+        one[0] + share * (other[0] - one[0]),
+        one[1] + share * (other[1] - one[1]),
+        one[2] + share * (other[2] - one[2]),
+    )
+
+
+@compiled_inside
 def linear_velocity(shape: LinearField, x: float, y: float, z: float, time: float) -> Point:
     """The velocity: linear in each cell along each axis."""
-    low, step, nodes = shape.low, shape.step, shape.nodes
-    i, r = cell_of(x, low[0], step[0], nodes.shape[1])
-    j, s = cell_of(y, low[1], step[1], nodes.shape[2])
-    m, t = cell_of(z, low[2], step[2], nodes.shape[3])
+    low, density, nodes = shape.low, shape.density, shape.nodes
+    i, r = cell_of(x, low[0], density[0], nodes.shape[1])
+    j, s = cell_of(y, low[1], density[1], nodes.shape[2])
+    m, t = cell_of(z, low[2], density[2], nodes.shape[3])
     k, late = moment_of(shape.times, time)
-    u, v, w = 0.0, 0.0, 0.0
-    for later in range(2 if late > 0.0 else 1):
-        share = late if later else 1.0 - late
-        for a in range(2):
-            for b in range(2 if nodes.shape[2] > 1 else 1):
-                for c in range(2):
-                    weight = share * (r if a else 1.0 - r) * (s if b else 1.0 - s) * (t if c else 1.0 - t)
-                    u += weight * nodes[k + later, i + a, j + b, m + c, 0]
-                    v += weight * nodes[k + later, i + a, j + b, m + c, 1]
-                    w += weight * nodes[k + later, i + a, j + b, m + c, 2]
-    return u, v, w
+    found = linear_at(nodes, k, (i, j, m), (r, s, t))
+    if late > 0.0:
+        found = mixed(found, linear_at(nodes, k + 1, (i, j, m), (r, s, t)), late)
+    return found
 
 
 # --- From velocities at nodes
@@ -195,21 +228,28 @@ class Fitted(NamedTuple):
     """the part of the fluxes that is divergence and was removed: root of mean squares, over that of the fluxes"""
 
 
-def fitted(grid: Grid, interpolation: str) -> Fitted:
-    """The field of a grid, interpolated without divergence or linearly."""
+def fitted(grid: Grid, interpolation: str, wrapped: tuple[int, ...] = ()) -> Fitted:
+    """The field of a grid, interpolated without divergence or linearly; in 2D periodic along the axes `wrapped`, whose
+    last nodes are the first ones of the next period.
+    """
     if interpolation == "linear":
         return Fitted(_linear_field(grid), 0.0)
-    return _stream_field(grid) if len(grid.low) == 2 else _face_field(grid)
+    return _stream_field(grid, wrapped) if len(grid.low) == 2 else _face_field(grid)
 
 
 def _linear_field(grid: Grid) -> LinearField:
     velocity = np.nan_to_num(grid.velocity)  # on land the liquid is at rest
     if len(grid.low) == 3:
-        return LinearField(_three(grid.low), _three(grid.step), grid.times, np.ascontiguousarray(velocity))
+        low, step, density = _three(grid.low), _three(grid.step), _three(_densities(grid.step))
+        return LinearField(low, step, density, grid.times, np.ascontiguousarray(velocity))
     nodes = np.zeros((*velocity.shape[:2], 1, velocity.shape[2], 3))
     nodes[:, :, 0, :, 0], nodes[:, :, 0, :, 2] = velocity[..., 0], velocity[..., 1]
-    low, step = grid.low, grid.step
-    return LinearField((low[0], 0.0, low[1]), (step[0], 1.0, step[1]), grid.times, nodes)
+    (x, z), (width, height), (across, up) = grid.low, grid.step, _densities(grid.step)
+    return LinearField((x, 0.0, z), (width, 1.0, height), (across, 1.0, up), grid.times, nodes)
+
+
+def _densities(steps: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(1.0 / step for step in steps)
 
 
 def _three(values: tuple[float, ...]) -> Point:
@@ -217,28 +257,39 @@ def _three(values: tuple[float, ...]) -> Point:
     return x, y, z
 
 
-def _stream_field(grid: Grid) -> Fitted:
+def _stream_field(grid: Grid, wrapped: tuple[int, ...]) -> Fitted:
     """The bicubic stream function of each instant."""
     made, errors = [], []
     for velocity in grid.velocity:
-        nodes, error = _stream_nodes(velocity, grid.step)
+        nodes, error = _stream_nodes(velocity, grid.step, wrapped)
         made.append(nodes)
         errors.append(error)
     low, step = (grid.low[0], grid.low[1]), (grid.step[0], grid.step[1])
-    return Fitted(StreamField(low, step, grid.times, np.array(made)), max(errors))
+    across, up = _densities(grid.step)
+    return Fitted(StreamField(low, step, (across, up), grid.times, np.array(made)), max(errors))
 
 
-def _stream_nodes(velocity: Array, step: tuple[float, ...]) -> tuple[Array, float]:
-    land: Flags = np.asarray(np.isnan(velocity).any(axis=-1))
-    u, w = (np.where(land, 0.0, velocity[..., axis]) for axis in (0, 1))
+SPARE = 2
+"""Nodes beyond each periodic side that differences near it need."""
+
+
+def _stream_nodes(velocity: Array, step: tuple[float, ...], wrapped: tuple[int, ...]) -> tuple[Array, float]:
+    whole = velocity
+    for axis in wrapped:
+        period = whole.shape[axis] - 1
+        whole = np.take(whole, np.arange(-SPARE, period + 1 + SPARE) % period, axis)
+    inside = tuple(slice(SPARE, -SPARE) if axis in wrapped else slice(None) for axis in (0, 1))
+    land: Flags = np.asarray(np.isnan(whole).any(axis=-1))
+    u, w = (np.where(land, 0.0, whole[..., axis]) for axis in (0, 1))
     # Fluxes through edges along z and along x, in the order in which the stream function rises.
-    up, along = step[1] * _line_integrals(u, land, 1), -step[0] * _line_integrals(w, land, 0)
-    value = _potential_of(along, up, land)
+    up, along = step[1] * _line_integrals(u, land, 1)[inside], -step[0] * _line_integrals(w, land, 0)[inside]
+    mixed = 0.5 * (_slope(u, 0) * step[1] - _slope(w, 1) * step[0])
+    mixed = np.where(_grown(land), 0.0, mixed)[inside]
+    u, w, land = u[inside], w[inside], land[inside]
+    value = _potential_of(along, up, land, wrapped)
     misfit = np.concatenate([(np.diff(value, axis=0) - along).ravel(), (np.diff(value, axis=1) - up).ravel()])
     flux = np.concatenate([along.ravel(), up.ravel()])
-    mixed = 0.5 * (_slope(u, 0) * step[1] - _slope(w, 1) * step[0])
-    near_land = _grown(land)
-    nodes = np.stack([value, -w * step[0], u * step[1], np.where(near_land, 0.0, mixed)], axis=-1)
+    nodes = np.stack([value, -w * step[0], u * step[1], mixed], axis=-1)
     return np.ascontiguousarray(nodes), float(np.sqrt(np.mean(misfit**2) / max(np.mean(flux**2), 1e-300)))
 
 
@@ -273,18 +324,24 @@ def _grown(land: Flags) -> Flags:
     return found
 
 
-def _potential_of(along: Array, up: Array, land: Flags) -> Array:
-    """The function whose differences fit those given along both axes by least squares; constant on each piece of land.
+def _potential_of(along: Array, up: Array, land: Flags, wrapped: tuple[int, ...]) -> Array:
+    """The function whose differences fit those given along both axes by least squares; constant on each piece of land,
+    and up to a constant the same on both sides of axes that are wrapped.
 
-    Without land the normal equations are Poisson's in a box, solved by cosine transforms; otherwise a sparse solver.
+    Without land in a box the normal equations are Poisson's, solved by cosine transforms; otherwise a sparse solver.
     """
     shape = land.shape
+    along, up = along.copy(), up.copy()
+    # What flows through the tank as a whole: the rise over a period, which the last step has.
+    rises = [float(each.sum(axis=axis).mean()) if axis in wrapped else 0.0 for axis, each in enumerate((along, up))]
+    along[-1] -= rises[0]
+    up[:, -1] -= rises[1]
     source = np.zeros(shape)
     source[1:] += along
     source[:-1] -= along
     source[:, 1:] += up
     source[:, :-1] -= up
-    if not land.any():
+    if not land.any() and not wrapped:
         from scipy.fft import dctn, idctn
 
         modes = [2.0 - 2.0 * np.cos(np.pi * np.arange(n) / n) for n in shape]
@@ -293,30 +350,32 @@ def _potential_of(along: Array, up: Array, land: Flags) -> Array:
         spectrum = dctn(source, norm="ortho") / factor
         spectrum[0, 0] = 0.0
         return np.asarray(idctn(spectrum, norm="ortho"))
-    from scipy import ndimage, sparse
+    from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
     from scipy.sparse.linalg import spsolve
 
-    pieces, _ = ndimage.label(land)
-    number = np.arange(land.size).reshape(shape)
-    for piece in range(1, int(pieces.max()) + 1):
-        number[pieces == piece] = number[pieces == piece].min()
-    _, number = np.unique(number, return_inverse=True)
-    number = number.reshape(shape)
+    place = np.arange(land.size).reshape(shape)
+    same = [np.stack([place[:-1][land[:-1] & land[1:]], place[1:][land[:-1] & land[1:]]])]
+    same += [np.stack([place[:, :-1][land[:, :-1] & land[:, 1:]], place[:, 1:][land[:, :-1] & land[:, 1:]]])]
+    same += [np.stack([np.take(place, 0, axis).ravel(), np.take(place, -1, axis).ravel()]) for axis in wrapped]
+    one, other = np.concatenate(same, axis=1)
+    joined = sparse.coo_array((np.ones(len(one)), (one, other)), (land.size, land.size))
+    number = connected_components(joined, directed=False)[1].reshape(shape)
     ends = np.concatenate([
         np.stack([number[:-1].ravel(), number[1:].ravel()]),
         np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()]),
     ], axis=1)  # fmt: skip
     count = int(number.max()) + 1
-    one = np.ones(ends.shape[1])
-    edges = np.arange(ends.shape[1])
-    differences = sparse.csr_array(
-        (np.concatenate([-one, one]), (np.tile(edges, 2), ends.ravel())), (len(edges), count)
-    )
+    edges, signs = np.arange(ends.shape[1]), np.repeat([-1.0, 1.0], ends.shape[1])
+    differences = sparse.csr_array((signs, (np.tile(edges, 2), ends.ravel())), (len(edges), count))
     laplacian = (differences.T @ differences).tolil()
     right = np.bincount(number.ravel(), source.ravel(), count)
     laplacian[0, :] = 0.0
     laplacian[0, 0], right[0] = 1.0, 0.0
-    return np.asarray(spsolve(laplacian.tocsc(), right))[number]
+    value = np.asarray(spsolve(laplacian.tocsc(), right))[number]
+    value[-1] += rises[0]
+    value[:, -1] += rises[1]
+    return value
 
 
 def _face_field(grid: Grid) -> Fitted:
@@ -327,7 +386,8 @@ def _face_field(grid: Grid) -> Fitted:
         made.append(faces)
         errors.append(error)
     along, across, upward = (np.ascontiguousarray(np.array([faces[axis] for faces in made])) for axis in range(3))
-    return Fitted(FaceField(_three(grid.low), _three(grid.step), grid.times, along, across, upward), max(errors))
+    low, step, density = _three(grid.low), _three(grid.step), _three(_densities(grid.step))
+    return Fitted(FaceField(low, step, density, grid.times, along, across, upward), max(errors))
 
 
 def _faces(velocity: Array, step: tuple[float, ...]) -> tuple[list[Array], float]:

@@ -13,6 +13,7 @@ from ecume.models.tracers import field_files, gridded_flows
 from ecume.models.tracers.flow_loops import Current, Loops, loops_for
 from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS, PastObstacle, Request, Still
 from ecume.models.tracers.obstacle_flows import channel_flow, disc_outline
+from ecume.models.tracers.tank import bounds, periodic_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import FlowSpec, ObstacleSpec, TracersScene
 from ecume.units import Array
@@ -208,8 +209,22 @@ def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:
     except BadInput as error:
         key = error.args[1] if len(error.args) > 1 else "file"
         raise SceneError([Fault(f"flow.field.{key}", str(error.args[0]))]) from error
-    fit = gridded_flows.fitted(grid, scene.flow.field.interpolation)
+    fit = gridded_flows.fitted(grid, scene.flow.field.interpolation, _wrapped(scene, grid))
     return fit.shape, fit.removed
+
+
+def _wrapped(scene: TracersScene, grid: gridded_flows.Grid) -> tuple[int, ...]:
+    """The axes along which the tank has the period of a grid whose velocities are the same at both ends."""
+    found, periodic, (low, _) = [], periodic_of(scene).sides, bounds(scene)
+    for axis, step in enumerate(grid.step):
+        nodes = grid.velocity.shape[1 + axis]
+        ends = np.take(grid.velocity, [0, nodes - 1], axis=1 + axis)
+        first, last = np.split(ends, 2, axis=1 + axis)
+        alike = np.allclose(first, last, rtol=0.0, atol=1e-9 * float(np.nanmax(np.abs(grid.velocity))), equal_nan=True)
+        fits = abs((nodes - 1) * step - periodic[axis]) < 1e-6 * step and abs(grid.low[axis] - low[axis]) < 1e-6 * step
+        if periodic[axis] > 0.0 and fits and alike and nodes > gridded_flows.SPARE + 1:
+            found.append(axis)
+    return tuple(found)
 
 
 def _named_shape(scene: TracersScene, box: Corners) -> Any:

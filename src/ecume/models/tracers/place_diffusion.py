@@ -249,6 +249,18 @@ def sink(
 
 
 @compiled
+def set_settling(
+    position: Array, status: Integers, bodies: tuple[Array, Array], around: Surroundings, drift: Array
+) -> None:
+    """Set the velocities with which particles settle where they are; bodies = (radius, settling speed)."""
+    (radius, settling), d = bodies, position.shape[1]
+    for i in range(len(status)):
+        if status[i] == 0:
+            place = (position[i, 0], position[i, 1], position[i, 2] if d > 2 else 0.0)
+            drift[i, d - 1] = -settling[i] * mobility(place, radius[i], d - 1, around, d)
+
+
+@compiled
 def set_hindrances(
     position: Array, velocity: Array, status: Integers, radius: Array, around: Surroundings, h: float, found: Array
 ) -> None:

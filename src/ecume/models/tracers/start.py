@@ -15,6 +15,8 @@ from ecume.units import Array, with_prefix
 
 TRIES = 2000
 """The number of rounds of random positions before a placement fails."""
+TOGETHER = 1 << 16
+"""The number of random positions that are compared with the surfaces at once."""
 
 
 def start(scene: TracersScene, parameters: Parameters) -> State:
@@ -86,12 +88,19 @@ def scattered(
 ) -> Array:
     """Random positions, uniform in the tank or in the given part of it."""
     low, high = (np.array(corner) for corner in corners(species, scene))
-    found = np.zeros((0, scene.dimensions))
-    for _ in range(TRIES):
-        candidates = rng.uniform(low, np.maximum(low, high), (2 * species.count, scene.dimensions))
-        found = np.concatenate([found, candidates[clearance(candidates, surfaces)[0] >= largest_radius(species)]])
-        if len(found) >= species.count:
-            return found[: species.count]
+    found, room = np.zeros((species.count, scene.dimensions)), largest_radius(species)
+    placed, drawn = 0, 0
+    # Whole rounds of twice the number, in parts, since distances from all surfaces take far more memory than positions.
+    while drawn < TRIES * 2 * species.count:
+        many = min(TOGETHER, 2 * species.count - drawn % (2 * species.count))
+        candidates = rng.uniform(low, np.maximum(low, high), (many, scene.dimensions))
+        drawn += many
+        if placed < species.count:
+            good = candidates[clearance(candidates, surfaces)[0] >= room][: species.count - placed]
+            found[placed : placed + len(good)] = good
+            placed += len(good)
+        if placed == species.count and drawn % (2 * species.count) == 0:
+            return found
     faults.append(Fault(f"particles[{index}]", f"no room for {species.count} of radius {species.radius:g} m"))
     return found
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ecume._jit import admit, compiled, compiled_inside, selection
 from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, counter_of_pair, normals, uniforms
@@ -132,10 +134,9 @@ def copy(target: Array, source: Array) -> None:
 @compiled
 def move_with(parameters: Parameters, state: State, scratch: Workspace, time: float, sheet: Sheet) -> bool:
     """Move particles without inertia for a time with the velocities in `travel`, reflected at walls."""
-    fill(scratch.acceleration, 0.0)
     copy(scratch.origin, state.position)
-    tally = (scratch.hits, scratch.status, state.hits)
-    reflect_all(state.position, scratch.travel, scratch.acceleration, time, sheet, scratch.radius, tally)
+    tally, straight = (scratch.hits, scratch.status, state.hits), np.zeros((1, state.position.shape[1]))
+    reflect_all(state.position, scratch.travel, straight, time, sheet, scratch.radius, tally)
     return record_status(state, scratch.status)
 
 
