@@ -129,16 +129,16 @@ def test_gridded_flows_without_divergence_keep_a_density_uniform(seed, periodic,
     # As much noise as moves a particle by a cell of the count.
     liquid = {"viscosity": 1e-10, "temperature": 293.15}
     radius = 1e-6
-    changes = {"tank": tank, "duration": 2.0, "frame_every": 2.0, "liquid": liquid}
+    changes = {"tank": tank, "duration": 1.5, "frame_every": 1.5, "liquid": liquid}
     if noise:
         changes["hydrodynamics"] = {"brownian": True}
         radius = 1e-8
-    changes["particles"] = [{"radius": radius, "density": 1000.0, "count": 1500}]
+    changes["particles"] = [{"radius": radius, "density": 1000.0, "count": 800}]
     changes["integration"] = {"integrator": "overdamped", "time_step": 0.05}
-    scene = scene_of(flow, [2.0, 1.0], 1500, seed, **changes)
+    scene = scene_of(flow, [2.0, 1.0], 800, seed, **changes)
     position = last_of(scene)
     assert (clearance(position, surfaces_of(scene))[0] >= radius * (1.0 - 1e-9)).all()
-    assert is_uniform(counts_over_cells(position, (2.0, 1.0), (6, 4)))
+    assert is_uniform(counts_over_cells(position, (2.0, 1.0), (4, 3)))
 
 
 def test_a_gridded_flow_is_periodic_where_its_velocities_are(tmp_path):
@@ -157,7 +157,7 @@ def test_a_gridded_flow_is_periodic_where_its_velocities_are(tmp_path):
         np.savez(tmp_path / "flow.npz", x=x, y=z, u=speeds[0], v=speeds[1])
         flow = {"field": {"file": str(tmp_path / "flow.npz")}}
         scene = scene_of(flow, [2.0, 1.0], 4, 1, tank={"high": [2.0, 1.0], "periodic": axes})
-        liquid = varying_flow(scene, bounds(scene))
+        liquid = varying_flow(scene, bounds(scene)).unbounded()
         for axis in range(len(axes)):
             low = np.random.default_rng(5).uniform(size=(50, 2)) * [2.0, 1.0]
             high = low.copy()
@@ -165,18 +165,45 @@ def test_a_gridded_flow_is_periodic_where_its_velocities_are(tmp_path):
             assert liquid.velocity(high, 0.0) == pytest.approx(liquid.velocity(low, 0.0), abs=1e-9)
 
 
+def test_paths_through_a_periodic_side_are_as_exact_as_elsewhere(tmp_path):
+    """The stages of a step lie beyond the side; a tank that begins elsewhere has the same paths."""
+    x, z = np.linspace(0.0, 2.0, 65), np.linspace(0.0, 1.0, 33)
+    u, w = velocities_of(stream_function(np.random.default_rng(6), (2.0, 1.0), True), *np.meshgrid(x, z, indexing="ij"))
+    w[:, 0] = w[:, -1] = 0.0
+    ends = []
+    for shift in (0, 32):
+        speeds = [np.roll(each[:-1], -shift, axis=0) for each in (u + 0.5, w)]
+        speeds = [np.concatenate([each, each[:1]]) for each in speeds]
+        np.savez(tmp_path / "flow.npz", x=x, y=z, u=speeds[0], v=speeds[1])
+        start = np.stack([np.full(6, 1.9 if shift == 0 else 0.9), np.linspace(0.2, 0.8, 6)], axis=1)
+        scene = scene_of(
+            {"field": {"file": str(tmp_path / "flow.npz")}}, [2.0, 1.0], 6, 1, duration=0.4, frame_every=0.4,
+            tank={"high": [2.0, 1.0], "periodic": ["x"]},
+            particles=[{"radius": 1e-6, "density": 1000.0, "positions": start.tolist()}],
+            integration={"integrator": "overdamped", "time_step": 0.08},
+        )  # fmt: skip
+        *_, last = simulate(scene)
+        moved = last.arrays["position"] + last.arrays["image"] * [2.0, 0.0] - start
+        assert shift or last.arrays["image"][:, 0].any()
+        ends.append(moved)
+    assert ends[1] == pytest.approx(ends[0], abs=1e-7)
+
+
 def test_a_linear_interpolation_is_found_to_gather_particles(tmp_path):
-    """The same count sees the sources and sinks of a coarse grid that is interpolated linearly."""
+    """The same count sees the sources and sinks of a coarse grid that is interpolated linearly. Without divergence no
+    liquid flows through the walls, either, where that of the file is zero.
+    """
     rng = np.random.default_rng(3)
     x, z = np.linspace(0.0, 2.0, 7), np.linspace(0.0, 1.0, 4)
     u, w = velocities_of(stream_function(rng, (2.0, 1.0), False), *np.meshgrid(x, z, indexing="ij"))
+    w[:, 0] = w[:, -1] = u[0] = u[-1] = 0.0
     np.savez(tmp_path / "coarse.npz", x=x, y=z, u=u, v=w)
     found = []
     for way in ("linear", "divergence-free"):
         flow = {"field": {"file": str(tmp_path / "coarse.npz"), "interpolation": way}}
         steps = {"integrator": "overdamped", "time_step": 0.05}
-        scene = scene_of(flow, [2.0, 1.0], 1500, 1, duration=6.0, frame_every=6.0, integration=steps)
-        found.append(is_uniform(counts_over_cells(last_of(scene), (2.0, 1.0), (6, 4))))
+        scene = scene_of(flow, [2.0, 1.0], 600, 1, duration=4.0, frame_every=4.0, integration=steps)
+        found.append(is_uniform(counts_over_cells(last_of(scene), (2.0, 1.0), (4, 2))))
     assert found == [False, True]
 
 
@@ -191,7 +218,7 @@ def test_flows_around_obstacles_keep_a_density_uniform(seed):
     rng = np.random.default_rng(seed)
     disc = {"center": [1.0 + float(rng.uniform(-0.1, 0.1)), 0.4 + float(rng.uniform(0.0, 0.2))], "radius": 0.2}
     scene = scene_of(
-        {"name": "channel", "speed": 0.1, "around_obstacles": "creeping"}, [3.0, 1.0], 2500, seed,
+        {"name": "channel", "speed": 0.1, "around_obstacles": "creeping"}, [3.0, 1.0], 1200, seed,
         tank={"high": [3.0, 1.0]}, obstacles=[disc], duration=2.0, frame_every=2.0,
         integration={"integrator": "overdamped", "time_step": 0.1},
     )  # fmt: skip
@@ -200,9 +227,9 @@ def test_flows_around_obstacles_keep_a_density_uniform(seed):
     # The fastest liquid moves by 0.3 m in an empty channel, by twice that beside the disc.
     region = (position[:, 0] > 0.7) & (position[:, 0] < 2.2)
     area = 1.5 - math.pi * 0.2**2
-    expected = 2500 * area / (3.0 - math.pi * 0.2**2)
+    expected = 1200 * area / (3.0 - math.pi * 0.2**2)
     share = area / (3.0 - math.pi * 0.2**2)
-    assert abs(region.sum() - expected) < 5.0 * math.sqrt(2500 * share * (1.0 - share))
+    assert abs(region.sum() - expected) < 5.0 * math.sqrt(1200 * share * (1.0 - share))
     below, above = region & (position[:, 1] < disc["center"][1]), region & (position[:, 1] > disc["center"][1])
     part = (disc["center"][1] * 1.5 - 0.5 * math.pi * 0.2**2) / area
     spread = 5.0 * math.sqrt(region.sum() * part * (1.0 - part))

@@ -5,6 +5,7 @@ They are made for one velocity function and kept on disk, so that a scene compil
 
 from __future__ import annotations
 
+import math
 import typing
 from collections.abc import Callable
 from functools import cache
@@ -38,6 +39,10 @@ class Current(NamedTuple):
     """velocity (m/s) and shear rate (1/s)"""
     spacing: float
     """m: of the differences that give its gradients"""
+    low: tuple[float, ...]
+    """m: the lower corner of the tank, in the order of positions"""
+    periods: tuple[float, ...]
+    """m: of a periodic tank along each axis; 0 without"""
 
 
 class Loops(NamedTuple):
@@ -89,12 +94,21 @@ def instant_at(current: Current, time: float) -> Instant:
     return time, carrier_flows.time_factor(time, pulse[0], pulse[1], pulse[2])
 
 
+@compiled_inside
+def within_period(value: float, low: float, period: float) -> float:
+    """The coordinate in the tank: paths of a step reach beyond its periodic sides, where fields from files end."""
+    return value - period * math.floor((value - low) / period) if period > 0.0 else value
+
+
 def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, Instant], Vector]:
     """The velocity of the whole flow at a point with its coordinates in the order of positions."""
 
     @compiled_for_laws
     def in_3d(current: Current, place: Vector, instant: Instant) -> Vector:
-        found = velocity(current.shape, place[0], place[1], place[2], instant[0])
+        x = within_period(place[0], current.low[0], current.periods[0])
+        y = within_period(place[1], current.low[1], current.periods[1])
+        z = within_period(place[2], current.low[2], current.periods[2])
+        found = velocity(current.shape, x, y, z, instant[0])
         scale, uniform = instant[1], current.uniform
         return (
             scale * found[0] + uniform[0] + uniform[3] * place[2],
@@ -104,7 +118,9 @@ def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[
 
     @compiled_for_laws
     def in_2d(current: Current, place: Vector, instant: Instant) -> Vector:
-        found = velocity(current.shape, place[0], 0.0, place[1], instant[0])
+        x = within_period(place[0], current.low[0], current.periods[0])
+        z = within_period(place[1], current.low[1], current.periods[1])
+        found = velocity(current.shape, x, 0.0, z, instant[0])
         scale, uniform = instant[1], current.uniform
         return scale * found[0] + uniform[0] + uniform[3] * place[1], scale * found[2] + uniform[1], 0.0
 

@@ -286,7 +286,7 @@ def _stream_nodes(velocity: Array, step: tuple[float, ...], wrapped: tuple[int, 
     mixed = 0.5 * (_slope(u, 0) * step[1] - _slope(w, 1) * step[0])
     mixed = np.where(_grown(land), 0.0, mixed)[inside]
     u, w, land = u[inside], w[inside], land[inside]
-    value = _potential_of(along, up, land, wrapped)
+    value = _potential_of(along, up, _shut_edges(u, w, land, wrapped), wrapped)
     misfit = np.concatenate([(np.diff(value, axis=0) - along).ravel(), (np.diff(value, axis=1) - up).ravel()])
     flux = np.concatenate([along.ravel(), up.ravel()])
     nodes = np.stack([value, -w * step[0], u * step[1], mixed], axis=-1)
@@ -324,13 +324,33 @@ def _grown(land: Flags) -> Flags:
     return found
 
 
-def _potential_of(along: Array, up: Array, land: Flags, wrapped: tuple[int, ...]) -> Array:
-    """The function whose differences fit those given along both axes by least squares; constant on each piece of land,
-    and up to a constant the same on both sides of axes that are wrapped.
+STILL = 1e-9
+"""The velocity over the largest one below which it is that of a wall."""
 
-    Without land in a box the normal equations are Poisson's, solved by cosine transforms; otherwise a sparse solver.
+
+def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> tuple[Flags, Flags]:
+    """Whether no liquid flows through edges along x and along z: between nodes on land, and on those sides of the grid
+    that are walls, where the fit would let it through.
     """
-    shape = land.shape
+    along, up = land[:-1] & land[1:], land[:, :-1] & land[:, 1:]
+    quiet = STILL * max(float(np.abs(u).max()), float(np.abs(w).max()))
+    for side in (0, -1):
+        if 1 not in wrapped:
+            still = np.abs(w[:, side]) <= quiet
+            along[:, side] |= still[:-1] & still[1:]
+        if 0 not in wrapped:
+            still = np.abs(u[side]) <= quiet
+            up[side] |= still[:-1] & still[1:]
+    return along, up
+
+
+def _potential_of(along: Array, up: Array, shut: tuple[Flags, Flags], wrapped: tuple[int, ...]) -> Array:
+    """The function whose differences fit those given along both axes by least squares; constant along shut edges, and
+    up to a constant the same on both sides of axes that are wrapped.
+
+    Without either the normal equations are Poisson's in a box, solved by cosine transforms; otherwise a sparse solver.
+    """
+    shape = (along.shape[0] + 1, along.shape[1])
     along, up = along.copy(), up.copy()
     # What flows through the tank as a whole: the rise over a period, which the last step has.
     rises = [float(each.sum(axis=axis).mean()) if axis in wrapped else 0.0 for axis, each in enumerate((along, up))]
@@ -341,7 +361,7 @@ def _potential_of(along: Array, up: Array, land: Flags, wrapped: tuple[int, ...]
     source[:-1] -= along
     source[:, 1:] += up
     source[:, :-1] -= up
-    if not land.any() and not wrapped:
+    if not (shut[0].any() or shut[1].any() or wrapped):
         from scipy.fft import dctn, idctn
 
         modes = [2.0 - 2.0 * np.cos(np.pi * np.arange(n) / n) for n in shape]
@@ -354,12 +374,14 @@ def _potential_of(along: Array, up: Array, land: Flags, wrapped: tuple[int, ...]
     from scipy.sparse.csgraph import connected_components
     from scipy.sparse.linalg import spsolve
 
-    place = np.arange(land.size).reshape(shape)
-    same = [np.stack([place[:-1][land[:-1] & land[1:]], place[1:][land[:-1] & land[1:]]])]
-    same += [np.stack([place[:, :-1][land[:, :-1] & land[:, 1:]], place[:, 1:][land[:, :-1] & land[:, 1:]]])]
+    place = np.arange(math.prod(shape)).reshape(shape)
+    same = [
+        np.stack([place[:-1][shut[0]], place[1:][shut[0]]]),
+        np.stack([place[:, :-1][shut[1]], place[:, 1:][shut[1]]]),
+    ]
     same += [np.stack([np.take(place, 0, axis).ravel(), np.take(place, -1, axis).ravel()]) for axis in wrapped]
     one, other = np.concatenate(same, axis=1)
-    joined = sparse.coo_array((np.ones(len(one)), (one, other)), (land.size, land.size))
+    joined = sparse.coo_array((np.ones(len(one)), (one, other)), (place.size, place.size))
     number = connected_components(joined, directed=False)[1].reshape(shape)
     ends = np.concatenate([
         np.stack([number[:-1].ravel(), number[1:].ravel()]),

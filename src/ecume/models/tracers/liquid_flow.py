@@ -77,6 +77,12 @@ class LiquidFlow(NamedTuple):
             loop(np.ascontiguousarray(places), time, self.current, found)
         return found
 
+    def unbounded(self) -> LiquidFlow:
+        """The same flow, which does not continue periodically beyond a periodic tank."""
+        if self.current == ():
+            return self
+        return self._replace(current=self.current._replace(periods=(0.0,) * len(self.current.periods)))
+
     def instants(self, duration: float) -> list[float]:
         """The times (s) at which the flow is examined."""
         return [0.0] if self.steady else [duration * k / INSTANTS for k in range(INSTANTS)]
@@ -143,7 +149,9 @@ def varying_flow(scene: TracersScene, box: Corners, own: OwnFlow | None = None) 
     factor = (0.0, 0.0, 0.0) if pulse is None else (float(pulse.amplitude), turning, float(pulse.decay_rate))
     steps = getattr(shape, "step", None)
     spacing = 0.1 * min(steps) if steps else DIFFERENCE * _shortest_length(flow, box)
-    current = Current(shape, factor, (*uniform, flow.shear_rate), spacing)
+    periodic = periodic_of(scene)
+    tank = (periodic.low[:d], periodic.sides[:d])
+    current = Current(shape, factor, (*uniform, flow.shear_rate), spacing, *tank)
     loops = own.loops if own is not None else loops_for(current, d)
     made = LiquidFlow(plain.uniform, flow.shear_rate, current, loops, UNIFORM, removed)
     return made._replace(scales=_scales(made, box, scene.duration, spacing))

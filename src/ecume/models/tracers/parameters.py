@@ -226,7 +226,7 @@ def _require_periodic(
     """Raise SceneError if the velocities on both sides of a periodic axis differ."""
     if not periodic.any:
         return
-    low, high = (np.array(corner, float) for corner in box)
+    flow, (low, high) = flow.unbounded(), (np.array(corner, float) for corner in box)
     points = low + np.random.default_rng(0).uniform(size=(200, len(low))) * (high - low)
     times = flow.instants(duration)
     speed = max(np.abs(flow.velocity(points, time)).max() for time in times)
