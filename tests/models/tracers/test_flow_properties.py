@@ -240,6 +240,26 @@ def test_flows_around_obstacles_keep_a_density_uniform(seed):
     assert abs(behind.sum() - share * region.sum()) < 5.0 * math.sqrt(region.sum() * share * (1.0 - share))
 
 
+def test_a_periodic_array_of_obstacles_keeps_a_density_uniform():
+    """Particles that go around the discs of an array, through the periodic side, are as dense everywhere."""
+    pytest.importorskip("skfem")
+    center, radius, count = (0.8, 0.45), 0.2, 1200
+    scene = scene_of(
+        {"name": "channel", "speed": 0.2, "around_obstacles": "creeping"}, [2.0, 1.0], count, 1,
+        tank={"high": [2.0, 1.0], "periodic": ["x"]}, obstacles=[{"center": center, "radius": radius}],
+        duration=4.0, frame_every=4.0, integration={"integrator": "overdamped", "time_step": 0.2},
+    )  # fmt: skip
+    *_, last = simulate(scene)
+    position = last.arrays["position"]
+    assert (clearance(position, surfaces_of(scene))[0] >= 1e-6 * (1.0 - 1e-9)).all()
+    assert last.arrays["image"][:, 0].max() >= 1
+    points = np.random.default_rng(0).uniform(size=(400_000, 2)) * [2.0, 1.0]
+    free = points[np.hypot(*(points - center).T) > radius]
+    expected = counts_over_cells(free, (2.0, 1.0), (5, 3)) * count / len(free)
+    found = counts_over_cells(position, (2.0, 1.0), (5, 3))
+    assert abs(((found - expected) ** 2 / expected).sum() - 14.0) < 5.0 * math.sqrt(28.0)
+
+
 @pytest.mark.filterwarnings("ignore:obstacles. the flow does not go around")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_no_particle_is_ever_outside(seed, tmp_path):

@@ -138,3 +138,40 @@ def test_check_cites_and_describes_the_flow():
 def test_obstacles_that_no_flow_goes_around_are_refused(obstacles, changes, words):
     with pytest.raises(SceneError, match=words):
         MODELS["tracers"].parameters(scene_of(obstacles, **changes))
+
+
+def test_a_periodic_array_has_one_flux_and_the_same_flow_on_both_sides():
+    """No liquid crosses walls and obstacles, the mean speed is that of the key, and nothing diverges."""
+    scene = scene_of([DISC, TRIANGLE], tank={"high": [2.3, 1.0], "periodic": ["x"]})
+    found = varying_flow(scene, bounds(scene)).unbounded()
+    z = (np.arange(1000) + 0.5) / 1000
+    for place in (0.0, 0.7, 1.0, 1.85, 2.3):
+        across = found.velocity(np.stack([np.full(1000, place), z], axis=1), 0.0)
+        assert across[:, 0].mean() == pytest.approx(0.2, rel=1e-5)
+    sides = [found.velocity(np.stack([np.full(1000, place), z], axis=1), 0.0) for place in (0.0, 2.3)]
+    assert sides[1] == pytest.approx(sides[0], abs=1e-9)
+    # Unlike between plates alone, the wake of one disc meets the next.
+    assert np.abs(sides[0][:, 1]).max() > 1e-3 * 0.2
+    angle = np.linspace(0.0, 2.0 * math.pi, 100)
+    around = np.stack([1.0 + 0.15 * np.cos(angle), 0.45 + 0.15 * np.sin(angle)], axis=1)
+    assert np.abs(found.velocity(around, 0.0)).max() < 1e-12
+    points, h = np.random.default_rng(3).uniform((0.05, 0.05), (2.25, 0.95), (100, 2)), 1e-5
+    right, up = np.array([h, 0.0]), np.array([0.0, h])
+    along = found.velocity(points + right, 0.0) - found.velocity(points - right, 0.0)
+    upward = found.velocity(points + up, 0.0) - found.velocity(points - up, 0.0)
+    rate = np.abs(along[:, 0] + upward[:, 1]) / (2.0 * h)
+    assert np.quantile(rate, 0.9) < 1e-7 * np.abs(along / (2.0 * h)).max()
+
+
+def test_a_long_period_has_the_flow_of_a_single_obstacle():
+    alone, repeated = (
+        varying_flow(scene, bounds(scene))
+        for scene in (scene_of([DISC]), scene_of([DISC], tank={"high": [3.0, 1.0], "periodic": ["x"]}))
+    )
+    points = np.random.default_rng(4).uniform((0.6, 0.05), (1.4, 0.95), (100, 2))
+    assert repeated.velocity(points, 0.0) == pytest.approx(alone.velocity(points, 0.0), abs=5e-3 * 0.2)
+
+
+def test_an_array_that_is_periodic_across_is_refused():
+    with pytest.raises(SceneError, match=r"tank\.periodic: got y beside a flow around obstacles"):
+        MODELS["tracers"].parameters(scene_of([DISC], tank={"high": [3.0, 1.0], "periodic": ["y"]}))

@@ -193,9 +193,14 @@ def _around_in_channel(scene: TracersScene) -> Any:
         raise SceneError([Fault(path, "got flow.velocity or shear_rate beside a channel; they would cross obstacles")])
     if not scene.obstacles:
         raise SceneError([Fault(path, "got no obstacles; remove it, or add [[obstacles]]")])
+    if "y" in tank.periodic:
+        raise SceneError(
+            [Fault("tank.periodic", "got y beside a flow around obstacles in a channel; expected x alone")]
+        )
     try:
         outlines = tuple(_outline(body) for body in scene.obstacles)
-        return channel_flow((tank.low[0], tank.low[1]), (tank.high[0], tank.high[1]), outlines, float(flow.speed))
+        corners = ((tank.low[0], tank.low[1]), (tank.high[0], tank.high[1]))
+        return channel_flow(*corners, outlines, float(flow.speed), periodic="x" in tank.periodic)
     except BadInput as error:
         raise SceneError([Fault(path, str(error.args[0]))]) from error
 

@@ -1,4 +1,4 @@
-"""Creeping flow in a channel around obstacles, solved once at the start by finite elements (scikit-fem), in 2D.
+"""Creeping flow in a channel or a periodic array around obstacles, solved once by finite elements (scikit-fem), in 2D.
 
 Velocities are polynomials of fourth order on triangles (Scott and Vogelius), made free of divergence by iterated
 penalty [scott1985]: the divergence vanishes everywhere and not only on the average, so that particles do not cluster,
@@ -92,18 +92,26 @@ def obstacle_velocity(shape: ChannelFlow, x: float, y: float, z: float, time: fl
 
 
 def channel_flow(
-    low: tuple[float, float], high: tuple[float, float], outlines: tuple[Outline, ...], speed: float
+    low: tuple[float, float],
+    high: tuple[float, float],
+    outlines: tuple[Outline, ...],
+    speed: float,
+    *,
+    periodic: bool = False,
 ) -> Any:
-    """The flow between plates at z = low and high around obstacles, with a mean speed. Raises BadInput where obstacles
-    are too close to one another or to a side, and without scikit-fem. [scott1985].
+    """The flow between plates at z = low and high around obstacles, with a mean speed; `periodic`: it repeats along x,
+    driven by a pressure gradient, otherwise it enters and leaves as between plates alone. Raises BadInput where
+    obstacles are too close to one another or to a side, and without scikit-fem. [scott1985].
     """
-    return _solved(low, high, outlines)._replace(speed=speed)
+    return _solved(low, high, outlines, periodic)._replace(speed=speed)
 
 
 @lru_cache(maxsize=4)
-def _solved(low: tuple[float, float], high: tuple[float, float], outlines: tuple[Outline, ...]) -> ChannelFlow:
-    nodes, triangles = mesh_of(low, high, [np.array(each) for each in outlines])
-    along, upward = _velocities(nodes, triangles, low, high)
+def _solved(
+    low: tuple[float, float], high: tuple[float, float], outlines: tuple[Outline, ...], periodic: bool
+) -> ChannelFlow:
+    nodes, triangles = mesh_of(low, high, [np.array(each) for each in outlines], periodic=periodic)
+    along, upward = _velocities(nodes, triangles, (low, high), periodic=periodic)
     corners = nodes[triangles]
     edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
     inverse = np.concatenate([corners[:, 0], np.linalg.inv(edges).reshape(-1, 4)], axis=1)
@@ -123,8 +131,12 @@ def disc_outline(center: tuple[float, ...], radius: float) -> Outline:
 # --- The mesh
 
 
-def mesh_of(low: tuple[float, float], high: tuple[float, float], outlines: list[Array]) -> tuple[Array, Integers]:
-    """Nodes and triangles of a box around convex obstacles. Raises BadInput for obstacles that are too close."""
+def mesh_of(
+    low: tuple[float, float], high: tuple[float, float], outlines: list[Array], *, periodic: bool = False
+) -> tuple[Array, Integers]:
+    """Nodes and triangles of a box around convex obstacles; `periodic`: with the same nodes on the left and on the
+    right. Raises BadInput for obstacles that are too close.
+    """
     from scipy.spatial import Delaunay
 
     width = high[1] - low[1]
@@ -134,10 +146,13 @@ def mesh_of(low: tuple[float, float], high: tuple[float, float], outlines: list[
     sized = [_divided(each, 2.0 * width, each, outlines) for each in outlines]
     segments = _segments(sized)
 
-    def size(places: Array) -> Array:
-        return _size(places, segments, width)
+    shift = np.array([high[0] - low[0], 0.0])
+    copies = np.concatenate([segments, segments - shift, segments + shift]) if periodic else segments
 
-    border = _border(frame, size)
+    def size(places: Array) -> Array:
+        return _size(places, copies, width)
+
+    border = _border(frame, size, periodic=periodic)
     fixed = np.concatenate([border, *sized])
     walls = np.concatenate([segments, _segments([border])]) if len(segments) else _segments([border])
     nodes = np.concatenate([fixed, _inner(low, high, size, walls, outlines)])
@@ -219,8 +234,10 @@ def _size(places: Array, segments: Array, width: float) -> Array:
     return found
 
 
-def _border(frame: Array, size: Any) -> Array:
-    """Nodes along the sides of the box, as far apart as the sizes say."""
+def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
+    """Nodes along the sides of the box (below, right, above, left), as far apart as the sizes say; `periodic`: those on
+    the left are as high as those on the right.
+    """
     found = []
     for a, b in zip(frame, np.roll(frame, -1, axis=0), strict=True):
         along = np.linspace(0.0, 1.0, 400)
@@ -229,6 +246,9 @@ def _border(frame: Array, size: Any) -> Array:
         count = max(2, math.ceil(total[-1]))
         share = np.interp(np.arange(count) / count * total[-1], total, along)
         found.append(a + share[:, None] * (b - a))
+    if periodic:
+        inner = found[1][:0:-1]
+        found[3] = np.concatenate([frame[3:], np.stack([np.full(len(inner), frame[0, 0]), inner[:, 1]], axis=1)])
     return np.concatenate(found)
 
 
@@ -319,14 +339,16 @@ def _require_conforming(nodes: Array, triangles: Integers, outlines: list[Array]
 
 
 def _velocities(
-    nodes: Array, triangles: Integers, low: tuple[float, float], high: tuple[float, float]
+    nodes: Array, triangles: Integers, box: tuple[tuple[float, float], tuple[float, float]], *, periodic: bool
 ) -> tuple[Array, Array]:
     """The coefficients of both velocities on each triangle, at a mean speed of 1."""
+    low, high = box
     try:
         import skfem
         from skfem.helpers import ddot, div, grad
     except ImportError as error:
         raise BadInput(f"the flow around obstacles needs scikit-fem: {install(EXTRA)}") from error
+    from scipy.sparse import csr_array
     from scipy.sparse.linalg import splu
 
     mesh = skfem.MeshTri(np.ascontiguousarray(nodes.T), np.ascontiguousarray(triangles.T))
@@ -334,22 +356,39 @@ def _velocities(
     stiffness = skfem.BilinearForm(lambda u, v, _: ddot(grad(u), grad(v))).assemble(basis)
     squares = skfem.BilinearForm(lambda u, v, _: div(u) * div(v)).assemble(basis)
     given = basis.get_dofs().flatten()
-    velocity, width = np.zeros(basis.N), high[1] - low[1]
+    fixed, width = np.zeros(basis.N), high[1] - low[1]
     x, z = basis.doflocs[:, given]
     share = (z - low[1]) / width
     along = np.isin(given, basis.get_dofs().all("u^1"))
-    ends = np.minimum(np.abs(x - low[0]), np.abs(x - high[0])) < 1e-9 * width
-    velocity[given] = np.where(along & ends, 6.0 * share * (1.0 - share), 0.0)
-    inner = np.setdiff1d(np.arange(basis.N), given)
+    left, right = np.abs(x - low[0]) < 1e-9 * width, np.abs(x - high[0]) < 1e-9 * width
+    push, source = np.zeros(basis.N), np.arange(basis.N)
+    if periodic:
+        inner = (share > 1e-9) & (share < 1.0 - 1e-9)
+        here, there = (
+            (order := np.flatnonzero(side & inner))[np.lexsort((z[order], along[order]))] for side in (left, right)
+        )
+        source[given[there]] = given[here]
+        push = skfem.LinearForm(lambda v, _: v[0]).assemble(basis)
+        given = given[~((left | right) & inner)]
+    else:
+        fixed[given] = np.where(along & (left | right), 6.0 * share * (1.0 - share), 0.0)
+    # Values on the right are those on the left: each unknown is spread to all values that are it.
+    unknown = np.setdiff1d(np.unique(source), given)
+    copies = np.flatnonzero(np.isin(source, unknown))
+    spread = csr_array(
+        (np.ones(len(copies)), (copies, np.searchsorted(unknown, source[copies]))), (basis.N, len(unknown))
+    )
     whole = (stiffness + PENALTY * squares).tocsc()
-    factors = splu(whole[inner][:, inner])
-    known = whole[inner][:, given] @ velocity[given]
-    pressure = np.zeros(basis.N)
+    factors = splu((spread.T @ whole @ spread).tocsc())
+    known, pressure = push - whole @ fixed, np.zeros(basis.N)
     for _ in range(20):
-        velocity[inner] = factors.solve(-known - (squares @ pressure)[inner])
+        velocity = fixed + spread @ factors.solve(spread.T @ (known - squares @ pressure))
         pressure += PENALTY * velocity
+        # Through each section flows the integral of the velocity over the length.
+        speed = float(push @ velocity) / (width * (high[0] - low[0])) if periodic else 1.0
         slopes = np.asarray(basis.interpolate(velocity).grad)
-        if np.abs(slopes[0, 0] + slopes[1, 1]).max() < DIVERGENCE / width:
+        if np.abs(slopes[0, 0] + slopes[1, 1]).max() < DIVERGENCE / width * speed:
+            velocity /= speed
             break
     else:
         raise BadInput("the flow around obstacles was not found; move them apart or simplify them")
