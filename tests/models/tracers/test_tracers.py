@@ -212,7 +212,7 @@ def test_more_tracers_than_the_memory_holds_are_refused_before_they_are_laid_out
     monkeypatch.setattr(costs, "memory_limit", lambda: 16e9)
     many = ParticleSpec(radius=1e-6, density=2500.0, count=50_000_000)
     scene = TracersScene(particles=(many,), tank=TankSpec(high=(1.0, 1.0)), **STILL)
-    with pytest.raises(SceneError, match="50000000 particles need about 47 GB"):
+    with pytest.raises(SceneError, match="50000000 particles need about 34 GB"):
         MODELS["tracers"].parameters(scene)
 
 
