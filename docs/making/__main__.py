@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 from accessible import complete
-from gallery import CLIPS
+from gallery import CLIPS, write_front
 from notebooks import PLAYERS
 from sphinx.cmd.build import build_main
 from staging import ROOT, stage
@@ -28,6 +28,7 @@ def main(folder: Path) -> int:
     complete(folder / "html")
     for made, name in ((CLIPS, "_clips"), (source / PLAYERS, PLAYERS)):
         shutil.copytree(made, folder / "html" / name, dirs_exist_ok=True)
+    write_front(folder / "html" / "_clips")
     sys.stderr.write(f"{folder / 'html' / 'index.html'}\n" if code == 0 else "")
     return code
 

@@ -33,14 +33,25 @@ def cards() -> str:
     return "\n".join([*parts, toctree(f"gallery/{name}" for name in scenes)])
 
 
-FRONT = ("bowl", "bouncing-tracers", "dam-break", "sheared-packing")
-"""One example of each model, for the start page."""
+FRONT = "cereal-bowl"
+"""The template that the start page simulates."""
 
 
 def front() -> str:
-    """The films of the start page."""
-    scenes = texts()
-    return '<div class="gallery">\n' + "\n".join(card(name, scenes[name]) for name in FRONT) + "\n</div>"
+    """The bowl of the start page, which simulates in the reader's browser."""
+    return (
+        f'<iframe class="simulated" src="_clips/{FRONT}.html" title="a bowl of cereal that this page simulates" '
+        'sandbox="allow-scripts allow-downloads"></iframe>'
+    )
+
+
+def write_front(folder: Path) -> None:
+    """Write the page of that bowl."""
+    from ecume.scenes.load import load_scene
+    from ecume.show.play.alone import save_alone
+
+    scene = load_scene((TEMPLATES / f"{FRONT}.toml").read_text(encoding="utf-8"))
+    save_alone(scene, folder / f"{FRONT}.html", 1.0)
 
 
 def pages() -> dict[str, str]:
