@@ -136,13 +136,18 @@ class Bowl(Picture):
         self.height.set_data(self._painted(surface(frame, self.sheet)))
         if self.shapes is None:
             self.floats.set_offsets(frame.arrays["position"])
-            turned = self.turns or "spin" in frame.arrays
-            lines: Any = rises(frame)[~self.headed] if turned else []
-            self.rises.set_segments([*arrows(frame)[self.headed], *lines] if "angle" in frame.arrays else [])
+            self.rises.set_segments(self._marks(frame))
             self._show_images(frame)
         else:
             self.floats.set_verts(outlines_in(frame, self.shapes))
         self.time.set_text(f"{frame.time:.2f} s{self.pace}")
+
+    def _marks(self, frame: Frame) -> list[Any]:
+        """The arrows of floats with a heading, and the lines of others that turn; empty if no float has an angle."""
+        if "angle" not in frame.arrays:
+            return []
+        turned = self.turns or "spin" in frame.arrays
+        return [*arrows(frame)[self.headed], *(rises(frame)[~self.headed] if turned else ())]
 
     def _show_images(self, frame: Frame) -> None:
         """The images of floats around a periodic cell, paler."""
