@@ -146,7 +146,10 @@ def test_every_contour_of_a_color_counts_and_all_of_them_count_one():
         assert quad(tension.surface_weight, 0.0, color)[0] == pytest.approx(liquids.surface_share(color))
         slope = (tension.surface_weight(color + 1e-6) - tension.surface_weight(color - 1e-6)) / 2e-6
         assert slope == pytest.approx(tension.surface_weight_slope(color), rel=1e-6)
-    assert liquids.surface_share(tension.NEUTRAL) == pytest.approx(0.5, rel=1e-14)
+        assert tension.wetted_share(color) == pytest.approx(liquids.surface_share(color), rel=1e-14)
+    for angle in (0.0, 0.3, 0.5 * math.pi, 2.0, math.pi):
+        color = tension.solid_color(math.cos(angle))
+        assert liquids.surface_share(color) == pytest.approx(0.5 * (1.0 + math.cos(angle)), rel=1e-14, abs=1e-16)
 
 
 def test_the_layer_of_a_curved_surface_is_pressed_wherever_particles_are():

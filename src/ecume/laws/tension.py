@@ -14,8 +14,6 @@ PlaneStrength = Annotated[float, Unit("m^5/(kg*s^2)")]
 SpaceStrength = Annotated[float, Unit("m^4/(kg*s^2)")]
 RELIABLE = 0.2
 """The least steepness of the color, over its smoothing length; at a flat surface it is three times that and more."""
-NEUTRAL = 0.3857275681323895
-"""The color of solids whose surface costs the same under liquid and gas: a right angle."""
 
 
 def cohesion_kernel(distance: Length, support: Length) -> PerVolume:
@@ -104,6 +102,43 @@ def surface_weight_slope(color: Number) -> Number:
     (0.0, 0.0)
     """
     return 12.0 * (1.0 - color) * (1.0 - 3.0 * color) if 0.0 < color < 1.0 else 0.0
+
+
+def wetted_share(color: Number) -> Number:
+    """The part chi(c) = int_0^c psi = 6 c^2 - 8 c^3 + 3 c^4 of the contours that have values below a color; 1 above 1.
+
+    On a wall, contours of the color end in lines, and the contour of value c encloses the part of the wall whose color
+    is above c. With the energy -sigma cos(theta) int chi(c) dA of the wall each contour pays Young's difference
+    sigma_sl - sigma_sg = -sigma cos(theta) for the area that it encloses, whatever the width of the layer.
+    [young1805, brackbill1992].
+
+    >>> wetted_share(0.0), wetted_share(1.0), wetted_share(2.0)
+    (0.0, 1.0, 1.0)
+    """
+    inside = min(max(color, 0.0), 1.0)
+    return inside * inside * (6.0 - 8.0 * inside + 3.0 * inside * inside)
+
+
+def solid_color(cosine: Number) -> Number:
+    """The color of a solid that liquid wets with a contact angle of this cosine, between 0 (180 degrees) and 1.
+
+    Between a solid of color s and liquid lie the contours from s to 1, between the solid and gas those from 0 to s:
+    sigma_sl = sigma (1 - chi(s)) and sigma_sg = sigma chi(s), so that Young's law is chi(s) = (1 + cos(theta))/2.
+    [young1805, brackbill1992].
+
+    >>> solid_color(-1.0), round(solid_color(0.0), 4), solid_color(1.0)
+    (0.0, 0.3857, 1.0)
+    """
+    low, high = 0.0, 1.0
+    if abs(cosine) >= 1.0:
+        return 0.5 + 0.5 * math.copysign(1.0, cosine)
+    while low < 0.5 * (low + high) < high:
+        middle = 0.5 * (low + high)
+        if wetted_share(middle) < 0.5 * (1.0 + cosine):
+            low = middle
+        else:
+            high = middle
+    return high
 
 
 def steepness(gradient: Curvature, least: Curvature) -> Curvature:

@@ -142,10 +142,9 @@ def test_cad_solids(tmp_path, name):
 
 
 def test_drop_on_plate():
-    """`check` states the contact angle; another one is refused."""
-    assert ("contact angle", "90 degrees") in [row[:2] for row in SPH.summary(case("drop_on_plate"))]
-    with pytest.raises((BadInput, SceneError), match="contact_angle: no such key"):
-        case("drop_on_plate_angle")
+    """`check` states the contact angle, by default a right one."""
+    for name, angle in (("drop_on_plate", "90 degrees"), ("drop_on_plate_angle", "30 degrees")):
+        assert ("contact angle", angle) in [row[:2] for row in SPH.summary(case(name))]
 
 
 @pytest.mark.parametrize(

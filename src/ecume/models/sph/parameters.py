@@ -90,6 +90,8 @@ class Boundary(NamedTuple):
     """sides, obstacles, bodies"""
     centers: Array
     """(names, 3) the reference points of torques"""
+    wetting: Array
+    """(names,) the cosine of the contact angle of the liquid"""
 
 
 class Drive(NamedTuple):

@@ -28,6 +28,7 @@ from ecume.scenes.quantities import (
     Switch,
     Tension,
     Up,
+    WettingAngle,
     downwards,
     sides_along,
     up_faults,
@@ -98,6 +99,9 @@ class FluidSpec:
     surface_tension: Tension | None = None
     """The surface tension (N/m); by default that of the named liquid, or 0. Effect: contracts the surface; small drops
     need short time steps. That of a named liquid acts with `surface_tension_model = "csf"` only."""
+    contact_angle: WettingAngle | None = None
+    """The contact angle at walls, obstacles and bodies (rad, or text such as `60 deg`), under surface tension; by
+    default 90 degrees. Example: `"60 deg"`. Effect: liquid spreads on walls below 90 degrees, and beads above."""
     sound_speed: PositiveSpeed | None = None
     """The numerical speed of sound (m/s); by default ten times the maximum speed. Effect: larger values compress the
     liquid less and shorten the time step."""

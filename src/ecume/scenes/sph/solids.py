@@ -23,6 +23,7 @@ from ecume.scenes.quantities import (
     Proportion,
     Size,
     Switch,
+    WettingAngle,
 )
 from ecume.scenes.sph.motions import BodyMotionSpec, Turning
 from ecume.units import Length, Number
@@ -138,6 +139,9 @@ class ObstacleSpec(ShapeSpec):
     tangential_restitution: Proportion | None = None
     """The ratio of tangential velocities after and before a reflection at the surface; by default that of the tank.
     Effect: none unless particles penetrate."""
+    contact_angle: WettingAngle | None = None
+    """The contact angle of the liquid at this surface (rad, or text such as `60 deg`); by default that of the liquid.
+    Example: `"60 deg"`. Effect: small angles spread the liquid there, large ones repel it."""
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 
@@ -170,6 +174,9 @@ class BodySpec(ShapeSpec):
     friction: Annotated[Number, Field(ge=0.0, le=10.0)] = 0.3
     """The Coulomb friction coefficient of collisions; two bodies take the smaller one. Effect: larger values hold
     bodies on slopes."""
+    contact_angle: WettingAngle | None = None
+    """The contact angle of the liquid at this surface (rad, or text such as `60 deg`); by default that of the liquid.
+    Example: `"60 deg"`. Effect: small angles spread the liquid there, large ones repel it."""
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from ecume.scenes.common import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent, Path
-from ecume.scenes.quantities import SIDES, STRICT, Coordinate, Motion, Place, Proportion, Size
+from ecume.scenes.quantities import SIDES, STRICT, Coordinate, Motion, Place, Proportion, Size, WettingAngle
 from ecume.scenes.sph.motions import MotionSpec
 from ecume.scenes.sph.solids import Slip
 from ecume.units import Pressure, Speed
@@ -100,6 +100,9 @@ class SideSpec:
     tangential_restitution: Proportion | None = None
     """The ratio of tangential velocities after and before a reflection at this wall; by default that of the tank.
     Effect: none unless particles penetrate."""
+    contact_angle: WettingAngle | None = None
+    """The contact angle of the liquid at this wall (rad, or text such as `60 deg`); by default that of the liquid.
+    Example: `"60 deg"`. Effect: small angles spread the liquid there, large ones repel it."""
     velocity: Motion | None = None
     """The velocity of a wall along itself (m/s), such as a moving lid. Effect: drags the liquid along."""
     motion: MotionSpec | None = None
@@ -121,7 +124,9 @@ class SideSpec:
         complaints: list[tuple[Path, str]] = []
         if (self.kind == "inflow") != (self.speed is not None):
             complaints.append((("speed",), "expected for an inflow, and for nothing else"))
-        given = [key for key in ("restitution", "tangential_restitution") if getattr(self, key) is not None]
+        given = [
+            key for key in ("restitution", "tangential_restitution", "contact_angle") if getattr(self, key) is not None
+        ]
         complaints += [
             ((key,), f'is of a wall; this side is of kind = "{self.kind}"') for key in given if self.kind != "wall"
         ]

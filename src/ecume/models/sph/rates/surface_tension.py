@@ -1,6 +1,6 @@
 """Surface tension between the particles of the liquid: the continuum surface force (CSF), or cohesion.
 
-There is no gas. Images behind walls count as liquid, so that the contact angle at a mirror is 90 degrees.
+There is no gas. Images behind walls count as liquid, so that the contact angle at a mirror is 90 degrees without more.
 
 The continuum surface force is the gradient of an energy, sigma int psi(c) |grad c| dV, summed over nodes. The color c
 and its gradient are summed at the nodes of a fixed square (cubic) grid from all particles around; the energy is a sum
@@ -14,11 +14,16 @@ are on one side of their surface only, has deep minima at disordered configurati
 
 A particle contributes m/rho_0 to the color, whatever its density: forces depend on positions alone. There are no nodes
 behind planes, because half of the color of images, and half of the force on images, would be counted twice. The force
-on an image is added to its source. Solids contribute `NEUTRAL`, without a force. [brackbill1992, wendland1995]
+on an image is added to its source.
+
+Other contact angles: nodes at a mirror have the energy -sigma cos(theta) chi(c) per area of the wall besides (see
+`ecume.laws.tension.wetted_share`), and solids of dummy particles contribute the color that their angle asks for (see
+`solid_color`), without a force on them. [young1805, brackbill1992, wendland1995]
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -91,12 +96,31 @@ def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
     position[:dimension] = fields.position[:dimension]
     # Columns of solids have no density.
     wet = fields.density * fields.volume / parameters.material.density
-    volume = np.where(fields.liquid > 0.0, wet, tension.NEUTRAL * fields.volume).astype(np.float64)
+    dry = solid_colors(parameters, workspace) * fields.volume
+    volume = np.where(fields.liquid > 0.0, wet, dry).astype(np.float64)
     grid = grid_around(parameters, position[:, : workspace.rates.shape[1]])
+    return Colors(position, volume, grid, nodes_of(parameters, position, volume, grid))
+
+
+def nodes_of(parameters: Parameters, position: Array, volume: Array, grid: Grid) -> Array:
+    """The fields at the nodes, and their energy, of particles with these volumes."""
     nodes = np.empty((ENERGY + 1, int(np.prod(grid.shape))))
     color(nodes, position, volume, *grid)
     weigh(nodes, planes_of(parameters), *grid)
-    return Colors(position, volume, grid, nodes)
+    return nodes
+
+
+def solid_colors(parameters: Parameters, workspace: Workspace) -> Array:
+    """The color of each column's solid; zero for liquid."""
+    images, boundary = workspace.images, parameters.boundary
+    liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
+    found = np.zeros(workspace.fields.shape[1])
+    colors = np.array([tension.solid_color(cosine) for cosine in boundary.wetting.tolist()])
+    found[liquid:real] = colors[boundary.dummies.owner]
+    # Images follow in order of their sides, and may be images of earlier ones.
+    for first, end in itertools.pairwise(images.start.tolist()):
+        found[real + first : real + end] = found[images.source[first:end]]
+    return found
 
 
 def grid_around(parameters: Parameters, position: Array) -> Grid:
@@ -112,18 +136,25 @@ def grid_around(parameters: Parameters, position: Array) -> Grid:
 
 
 def planes_of(parameters: Parameters) -> Array:
-    """(sides, 6) a point of each and its normal, into the liquid."""
-    sides, dimension = parameters.boundary.sides, parameters.dimension
-    planes = np.zeros((len(sides.normal), 6))
-    planes[:, :dimension] = sides.point - parameters.origin
-    planes[:, 3 : 3 + dimension] = sides.normal
+    """(sides, 7) a point of each, its normal into the liquid, and the cosine of its contact angle."""
+    boundary, dimension = parameters.boundary, parameters.dimension
+    planes = np.zeros((len(boundary.sides.normal), 7))
+    planes[:, :dimension] = boundary.sides.point - parameters.origin
+    planes[:, 3 : 3 + dimension] = boundary.sides.normal
+    planes[:, 6] = np.where(boundary.image_owner >= 0, boundary.wetting[boundary.image_owner], 0.0)
     return planes
 
 
 def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """The surface energy (J, in 2D per meter of depth): sigma times the sum over nodes."""
-    nodes = colors_of(parameters, workspace).nodes
-    return node_share(parameters) * float(nodes[ENERGY].sum())
+    """The surface energy (J, in 2D per meter of depth): sigma times the sum over nodes, less that of dry solids, of
+    which the nodes cover more where the liquid spreads.
+    """
+    colors = colors_of(parameters, workspace)
+    energy = colors.nodes[ENERGY]
+    dry = np.where(workspace.fields.liquid > 0.0, 0.0, colors.volume)
+    if dry.any():
+        energy = energy - nodes_of(parameters, colors.position, dry, colors.grid)[ENERGY]
+    return node_share(parameters) * float(energy.sum())
 
 
 def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) -> Array:
@@ -209,24 +240,29 @@ def color(nodes: Array, position: Array, volume: Array, low: Array, shape: Integ
 
 @spread
 def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: GridNumbers) -> None:
-    """Compute the energies of the nodes, and replace color and gradient by psi' phi and psi n, for the part of a node
-    in front of all planes.
+    """Compute the energies of the nodes, and replace color and gradient by the derivatives of the energies: psi' phi
+    and psi n for the part of a node in front of all planes, minus psi cos(theta) for its part in a plane.
     """
     step, least = numbers.step, numbers.least
     for node in prange(nodes.shape[1]):
         a, rest = divmod(node, shape[1] * shape[2])
         b, c = divmod(rest, shape[2])
-        share = 1.0
+        share, wall = 1.0, 0.0
         for side in range(len(planes)):
             before = (low[0] + a * step - planes[side, 0]) * planes[side, 3]
             before += (low[1] + b * step - planes[side, 1]) * planes[side, 4]
             before += (low[2] + c * step - planes[side, 2]) * planes[side, 5]
-            share *= min(max(0.5 + before / step, 0.0), 1.0)
+            inside = min(max(0.5 + before / step, 0.0), 1.0)
+            # The derivative along the normal of the part inside is the plane itself.
+            within = planes[side, 6] / step if -0.5 * step <= before < 0.5 * step else 0.0
+            wall = wall * inside + share * within
+            share *= inside
         gx, gy, gz = nodes[1, node], nodes[2, node], nodes[3, node]
         length = math.sqrt(gx * gx + gy * gy + gz * gz)
-        steep, weight = tension.steepness(length, least), share * tension.surface_weight(nodes[0, node])
-        nodes[ENERGY, node] = weight * steep
-        nodes[0, node] = share * tension.surface_weight_slope(nodes[0, node]) * steep
+        value, steep = nodes[0, node], tension.steepness(length, least)
+        weight = share * tension.surface_weight(value)
+        nodes[ENERGY, node] = weight * steep - wall * tension.wetted_share(value)
+        nodes[0, node] = share * tension.surface_weight_slope(value) * steep - wall * tension.surface_weight(value)
         weight /= max(length, least)
         nodes[1, node] = weight * gx
         nodes[2, node] = weight * gy
@@ -422,7 +458,7 @@ TENSIONS: Mapping[str, Tension] = {
             2: "periods and pressures within some percent at ten particles a radius",
             3: "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",
         },
-        laws=(tension.surface_weight, tension.steepness, kernels.wendland_c4_bend),
+        laws=(tension.surface_weight, tension.wetted_share, tension.steepness, kernels.wendland_c4_bend),
     ),
 }  # fmt: skip
 """The methods of surface tension by name."""

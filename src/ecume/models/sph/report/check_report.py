@@ -25,6 +25,7 @@ from ecume.models.sph.report.observation import NUMBER_UNITS
 from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import (
     artificial_viscosity_of,
+    contact_angle_of,
     filled,
     free_surface,
     gravity_of,
@@ -448,8 +449,19 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
         return []
     return [
         ("surface", f"tension by {model}", TENSIONS[model].accuracy[parameters.dimension]),
-        ("contact angle", "90 degrees", "at mirror walls and solids; no other angle is part of the model"),
+        _contact_angles(scene),
     ]
+
+
+def _contact_angles(scene: SphScene) -> Row:
+    """The row on the angle of the liquid at walls, obstacles and bodies, with those of which it is different."""
+    walls = {name: getattr(scene.tank, name) for name in scene.sides if getattr(scene.tank, name).kind == "wall"}
+    solids = {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
+    solids |= {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
+    usual = 90.0 if scene.liquid.contact_angle is None else math.degrees(scene.liquid.contact_angle)
+    angles = {name: math.degrees(contact_angle_of(scene, spec)) for name, spec in (walls | solids).items()}
+    others = [f"{angle:.4g} degrees at {name}" for name, angle in angles.items() if angle != usual]
+    return ("contact angle", f"{usual:.4g} degrees", "; ".join(others) or "at walls and solids: key `contact_angle`")
 
 
 def uniform_inflows(scene: SphScene) -> list[Row]:

@@ -45,8 +45,9 @@ from ecume.models.sph.rates.shifting import SHIFTINGS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.setup.shapes import part_of, solid_of
 from ecume.scenes.faults import suggestion
-from ecume.scenes.sph import FluidSpec, SphScene
+from ecume.scenes.sph import BodySpec, FluidSpec, ObstacleSpec, SphScene
 from ecume.scenes.sph.sources import ParticlesSpec
+from ecume.scenes.sph.tank import SideSpec
 from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
@@ -306,6 +307,38 @@ def tension_of(scene: SphScene) -> str:
 def color_reach_of(scene: SphScene) -> float:
     """The range of the color kernel (m); zero without the continuum surface force."""
     return TENSIONS[tension_of(scene)].color_reaches[len(scene.tank.low)] * scene.spacing
+
+
+def contact_angle_of(scene: SphScene, spec: SideSpec | ObstacleSpec | BodySpec) -> float:
+    """The contact angle (rad) of the liquid at a side, an obstacle or a body."""
+    given = scene.liquid.contact_angle if spec.contact_angle is None else spec.contact_angle
+    return 0.5 * math.pi if given is None else given
+
+
+def contact_cosine(scene: SphScene, spec: SideSpec | ObstacleSpec | BodySpec) -> float:
+    """The cosine of that contact angle: exactly zero at a right angle."""
+    angle = contact_angle_of(scene, spec)
+    return 0.0 if angle == 0.5 * math.pi else math.cos(angle)
+
+
+def require_wetting(scene: SphScene) -> None:
+    """Raise SceneError for contact angles that nothing reads: without surface tension, or with another model of it."""
+    named = {"liquid": scene.liquid, **{f"tank.{name}": getattr(scene.tank, name) for name in scene.sides}}
+    named |= {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
+    named |= {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
+    given = [f"{path}.contact_angle" for path, spec in named.items() if spec.contact_angle is not None]
+    model = tension_of(scene)
+    if given and model != "csf":
+        cure = (
+            "has no effect without surface tension; give liquid.surface_tension, or remove it"
+            if model == "none"
+            else f"is 90 degrees under surface_tension_model = '{model}'; use 'csf', or remove it"
+        )
+        raise SceneError([Fault(path, cure) for path in given])
+    at_sides = [path for path in given if not path.startswith(("obstacles", "bodies"))]
+    if at_sides and scene.tank.walls == "reflect":
+        message = "walls that only reflect have no contact angle; use tank.walls = 'mirror' or 'dummy'"
+        raise SceneError([Fault(path, message) for path in at_sides])
 
 
 def turbulent(scene: SphScene) -> bool:

@@ -20,7 +20,7 @@ from ecume.models.sph.boundaries.driven_bodies import on_path
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, rotations
 from ecume.models.sph.parameters import Bodies, BodyPath, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
-from ecume.models.sph.setup.choices import color_reach_of, impacts_dissipate, sides_of
+from ecume.models.sph.setup.choices import color_reach_of, contact_cosine, impacts_dissipate, require_wetting, sides_of
 from ecume.models.sph.setup.shapes import (
     OwnAxes,
     dummies_of,
@@ -41,6 +41,7 @@ LEAST_PERIOD = 1.2
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
     """The tank, its obstacles, and the particles of bodies relative to their centers."""
     require_long_periods(scene, max(support, color_reach_of(scene)))
+    require_wetting(scene)
     sides, table, image_owner = imaging_sides(scene)
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
@@ -51,7 +52,8 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
     centers = np.zeros((len(names), 3))
     centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
     dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
-    return Boundary(sides, table, image_owner, dummies, guard_of(scene, support), names, centers)
+    wetting = np.array([contact_cosine(scene, spec) for spec in (*sides_of(scene), *scene.obstacles, *scene.bodies)])
+    return Boundary(sides, table, image_owner, dummies, guard_of(scene, support), names, centers, wetting)
 
 
 def require_long_periods(scene: SphScene, support: float) -> None:

@@ -1,0 +1,158 @@
+"""Contact angles at walls, obstacles and bodies: `liquid.contact_angle` and those of their own."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
+
+from ecume.errors import SceneError
+from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.surface_tension import add_surface_tension, surface_energy
+from ecume.models.sph.record import SPH
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+from tests.models.sph.test_tension import begun
+
+OPEN = {"kind": "open"}
+AREA = 0.4
+
+
+def plate(fluid, walls="mirror", angle=None, **more):
+    """A drop of rho = sigma = 1 without weight on the floor of a tank that is open elsewhere."""
+    liquid = {"density": 1.0, "viscosity": 0.15, "surface_tension": 1.0, "maximum_speed": 3.0}
+    return from_plain(
+        {
+            "model": "sph",
+            "duration": 1.0,
+            "frame_every": 0.1,
+            "spacing": 0.04,
+            "gravity": [0.0, 0.0],
+            "liquid": liquid | ({} if angle is None else {"contact_angle": math.radians(angle)}),
+            "tank": {
+                "low": [-2.0, 0.0],
+                "high": [2.0, 2.0],
+                "walls": walls,
+                **dict.fromkeys(("left", "right", "top"), OPEN),
+            },
+            "fluid": [fluid],
+            **more,
+        }
+    )
+
+
+def cap(angle, area=AREA):
+    """The segment of a circle on the line y = 0 that meets it at an angle (degrees), as a polygon."""
+    half = math.radians(angle)
+    radius = math.sqrt(area / (half - math.sin(half) * math.cos(half)))
+    turns = np.linspace(-half, half, 60)
+    corners = np.stack([radius * np.sin(turns), radius * (np.cos(turns) - math.cos(half))], axis=1)
+    return {"vertices": corners.tolist()}
+
+
+def energies(walls, angle):
+    """The surface energy of caps of one area against the angle at which they meet the floor."""
+    shapes = np.arange(30.0, 155.0, 15.0)
+    found = []
+    for shape in shapes:
+        parameters, _, workspace = begun(plate(cap(shape), walls, angle))
+        found.append(surface_energy(parameters, workspace))
+    return CubicSpline(shapes, found)
+
+
+def least(energy):
+    return minimize_scalar(energy, bounds=(31.0, 149.0), method="bounded").x
+
+
+@pytest.mark.compiled
+def test_of_all_caps_the_one_that_meets_a_mirror_at_the_contact_angle_has_the_least_energy():
+    """Young's law: at mirrors the energy of the wall is proportional to the cosine."""
+    level, low = energies("mirror", 90.0), energies("mirror", 60.0)
+    for angle in (50.0, 75.0, 90.0, 105.0, 120.0):
+        steps = math.cos(math.radians(angle)) / 0.5
+        assert least(lambda x, steps=steps: level(x) + steps * (low(x) - level(x))) == pytest.approx(angle, abs=5.0)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("angle", [60.0, 90.0, 120.0])
+def test_of_all_caps_the_one_that_meets_dummies_at_the_contact_angle_has_the_least_energy(angle):
+    assert least(energies("dummy", angle)) == pytest.approx(angle, abs=5.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_forces_are_the_slopes_of_the_energy_at_any_angle(walls, seed):
+    """In a corner of two walls, beside an obstacle, each with an angle of its own."""
+    draw = np.random.default_rng(seed)
+    bottom, left, solid = (float(each) for each in draw.uniform(0.2, 2.9, 3))
+    scene = plate(
+        {"low": [0.0, 0.0], "high": [0.24, 0.2]},
+        walls,
+        method={"jitter": 0.2},
+        tank={
+            "low": [0.0, 0.0], "high": [2.0, 2.0], "walls": walls, "right": OPEN, "top": OPEN,
+            "bottom": {"contact_angle": bottom}, "left": {"contact_angle": left},
+        },
+        obstacles=[{"low": [0.24, 0.0], "high": [0.4, 0.2], "contact_angle": solid}],
+        seed=seed,
+    )  # fmt: skip
+    parameters, state, workspace = begun(scene)
+    add_surface_tension(parameters, state, workspace)
+    for chosen, axis in ((0, 0), (7, 1), (int(draw.integers(len(state.mass))), 0)):
+        here, found = state.position[axis, chosen], []
+        for way in (1e-6, -1e-6):
+            state.position[axis, chosen] = here + way
+            fill(parameters, state, workspace)
+            found.append(surface_energy(parameters, workspace))
+        state.position[axis, chosen] = here
+        force = state.mass[chosen] * state.acceleration[axis, chosen]
+        assert force == pytest.approx((found[1] - found[0]) / 2e-6, rel=1e-5, abs=1e-7)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(("walls", "angle"), [("mirror", 60.0), ("dummy", 110.0)])
+def test_a_drop_spreads_and_beads_to_its_angle(walls, angle):
+    """From half a disc to the segment of a circle, whose height follows from the angle."""
+    frames = list(simulate(plate(cap(90.0), walls, angle)))
+    centers = [frame.arrays["position"][:, 1].mean() for frame in frames]
+    right = plate(cap(angle), walls, angle)
+    expected = SPH.start(right, SPH.parameters(right)).position[1].mean()
+    assert abs(centers[-1] - expected) < 0.3 * abs(centers[0] - expected)
+    assert frames[-1].numbers["kinetic_energy"] < 1e-3
+    total = np.array([frame.numbers["total_energy"] for frame in frames])
+    assert np.diff(total).max() < 1e-3 * np.ptp(total)
+
+
+def test_each_wall_and_solid_has_the_angle_of_the_liquid_or_one_of_its_own():
+    scene = plate(
+        cap(90.0), angle=30.0,
+        obstacles=[{"center": [1.5, 1.0], "radius": 0.2}],
+        bodies=[{"center": [-1.5, 1.0], "radius": 0.2, "density": 2.0, "contact_angle": 2.0}],
+    )  # fmt: skip
+    found = dict(zip(SPH.parameters(scene).boundary.names, SPH.parameters(scene).boundary.wetting, strict=True))
+    assert found["bottom"] == found["obstacle0"] == pytest.approx(math.sqrt(0.75))
+    assert found["body0"] == pytest.approx(math.cos(2.0))
+    row = next(row for row in SPH.summary(scene) if row[0] == "contact angle")
+    assert row == ("contact angle", "30 degrees", "114.6 degrees at bodies[0]")
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        (
+            {"liquid": {"density": 1.0, "maximum_speed": 1.0, "contact_angle": 1.0}},
+            "liquid.contact_angle: has no effect without surface",
+        ),
+        ({"method": {"surface_tension_model": "cohesion"}}, "liquid.contact_angle: is 90 degrees under .*'cohesion'"),
+        ({"tank": {"high": [2.0, 2.0], "walls": "reflect"}}, "liquid.contact_angle: walls that only reflect have no"),
+    ],
+)
+def test_an_angle_that_nothing_reads_is_refused(changed, says):
+    with pytest.raises(SceneError, match=says):
+        SPH.parameters(plate({"low": [0.0, 0.0], "high": [0.4, 0.4]}, angle=60.0, **changed))
+
+
+def test_an_opening_has_no_angle():
+    with pytest.raises(SceneError, match=r"tank\.top\.contact_angle: is of a wall"):
+        plate(cap(90.0), tank={"high": [2.0, 2.0], "top": {"kind": "open", "contact_angle": 1.0}})
