@@ -68,6 +68,7 @@ CASES: dict[str, Case] = {
             "Drops in 2D: rounding, oscillation, damping, pressure inside",
             place="drops:tension_rows",
         ),
+        _case("wetting", "Drops on plates and liquid between plates: contact angles, weight, rise", long=True),
         _case(
             "drops-in-space", "Balls of liquid: swinging, fading, pressure inside", long=True, place="drops:ball_rows"
         ),

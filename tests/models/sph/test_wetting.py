@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
+from scipy.spatial import cKDTree
 
 from ecume.errors import SceneError
 from ecume.models.sph.rates.right_hand_side import fill
@@ -122,6 +123,15 @@ def test_a_drop_spreads_and_beads_to_its_angle(walls, angle):
     assert frames[-1].numbers["kinetic_energy"] < 1e-3
     total = np.array([frame.numbers["total_energy"] for frame in frames])
     assert np.diff(total).max() < 1e-3 * np.ptp(total)
+
+
+@pytest.mark.compiled
+def test_a_drop_with_weight_keeps_its_particles():
+    """With density diffusion that does not complete gradients its outermost layer drifted off as a shell."""
+    scene = plate({"low": [-0.4, 0.0], "high": [0.4, 0.5]}, angle=90.0, gravity=[0.0, -0.7], spacing=0.05)
+    place = list(simulate(scene))[-1].arrays["position"]
+    third = cKDTree(place).query(place, k=4)[0][:, 3]
+    assert np.count_nonzero(third > 1.7 * scene.spacing) <= 2
 
 
 def test_each_wall_and_solid_has_the_angle_of_the_liquid_or_one_of_its_own():

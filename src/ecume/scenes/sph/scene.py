@@ -180,7 +180,8 @@ class MethodSpec:
     tanks. Example: `true`. Effect: false lets walls hold liquid that moves away."""
     density_diffusion: LawName = "automatic"
     """The density diffusion: `hydrostatic`, exact for a liquid at rest and the default under gravity; `antuono`, the
-    default without; `linear`, `molteni` or `none`. Effect: removes pressure noise; `molteni` lifts the surface."""
+    default without, and under surface tension; `linear`, `molteni` or `none`. Effect: removes pressure noise; `molteni`
+    lifts the surface."""
     diffusion_coefficient: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
     """The coefficient delta of the density diffusion. Effect: larger values smooth the pressure more strongly."""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None

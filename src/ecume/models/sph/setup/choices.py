@@ -191,13 +191,15 @@ def acoustic_damping_of(scene: SphScene) -> float:
 
 
 def diffusion_of(scene: SphScene, pull: Array) -> str:
-    """The density diffusion by its name."""
+    """The density diffusion by its name. Under surface tension it completes gradients: the pressure falls within the
+    outermost layers, and a diffusion that takes their neighbors for all there are draws particles off the surface.
+    """
     name = scene.method.density_diffusion
     if name == "automatic" and not pressure_of(scene).compressible:
         return "none"
     if name == "automatic":
-        uniform = pull.any() or scene.base_excitation
-        return "hydrostatic" if uniform and scene.central_force is None else "antuono"
+        uniform = (pull.any() or scene.base_excitation) and scene.central_force is None
+        return "hydrostatic" if uniform and tension_of(scene) != "csf" else "antuono"
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 
