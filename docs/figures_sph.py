@@ -228,6 +228,36 @@ def tension() -> Figure:
     return drawn
 
 
+PLATE = {
+    "duration": 0.08, "frame_every": 0.08, "spacing": 1e-4, "gravity": [0.0, 0.0],
+    "tank": {
+        "low": [-3e-3, 0.0], "high": [3e-3, 2.4e-3],
+        "left": {"kind": "open"}, "right": {"kind": "open"}, "top": {"kind": "open"},
+    },
+    "liquid": {"viscosity": 0.02, "surface_tension": 0.0728, "maximum_speed": 0.5},
+    "fluid": [{"low": [-1e-3, 0.0], "high": [1e-3, 1e-3]}],
+}  # fmt: skip
+
+
+def wetting() -> Figure:
+    """Drops on mirrors and on dummies, from a block, beside segments of circles with the contact angle."""
+    drawn, scale = figure(9.4, 3.8), scale_to(200.0)
+    cases = (("mirror", 30), ("mirror", 60), ("mirror", 120), ("dummy", 60), ("dummy", 90), ("dummy", 120))
+    panels = drawn.subplots(2, 3)
+    for axes, (walls, degrees) in zip(panels.flat, cases, strict=True):
+        angle = np.deg2rad(degrees)
+        plain = PLATE | {"tank": PLATE["tank"] | {"walls": walls}, "liquid": PLATE["liquid"] | {"contact_angle": angle}}
+        frame = simulated(plain)[-1]
+        liquid(axes, scene_of(plain), frame, frame.arrays["pressure"], scale)
+        turns = np.linspace(-angle, angle, 200)
+        radius = 1e3 * np.sqrt(2e-6 / (angle - np.sin(angle) * np.cos(angle)))
+        axes.plot(radius * np.sin(turns) / 1e3, radius * (np.cos(turns) - np.cos(angle)) / 1e3, color=INK, lw=1.0)
+        axes.set(xlim=(-2.6e-3, 2.6e-3), ylim=(0.0, 2.0e-3))
+        axes.set_title(f"{walls}, {degrees}°", y=0.93)
+    drawn.colorbar(scale, ax=panels, label="pressure (Pa)", shrink=0.7)
+    return drawn
+
+
 CARRYING = {
     "model": "sph", "duration": 0.5, "frame_every": 0.25, "spacing": 0.015,
     "tank": {"low": [0.0, 0.0], "high": [1.0, 0.6], "top": {"kind": "open"}},
@@ -300,6 +330,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "sph-bodies": bodies,
     "sph-channel": gates,
     "sph-tension": tension,
+    "sph-wetting": wetting,
     "sph-carried": carried,
     "sph-schemes": schemes,
 }

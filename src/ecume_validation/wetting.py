@@ -44,7 +44,7 @@ def drops_on_a_plate() -> list[Row]:
 
 def angle_of(center: float, height_at: Callable[[float], float]) -> float:
     """The contact angle (degrees) at which the center of a drop is so high."""
-    found: float = brentq(lambda angle: height_at(math.radians(angle)) - center, 10.0, 170.0)
+    found: float = brentq(lambda angle: height_at(math.radians(angle)) - center, 20.0, 160.0)
     return found
 
 
@@ -97,7 +97,7 @@ def young_laplace_height(angle: float) -> float:
         _, depth, _, area, moment = solved.y[:, -1]
         return float(area), float(depth * area - moment)
 
-    top: float = brentq(lambda curvature: shape(curvature)[0] - AREA, 1.0, 1e4)
+    top: float = brentq(lambda curvature: shape(curvature)[0] - AREA, 1e-2, 1e5)
     area, moment = shape(top)
     return moment / area
 
