@@ -135,7 +135,7 @@ SAMPLES = {
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
     "bulk_viscosity": 0.7,
     "slip_force": 0.4,
-    "color": 0.4, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
+    "color": 0.4, "cosine": 0.3, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
     "trace": 1.7, "missing": 0.06, "completion": 1.3, "off": 1.3, "value": 0.3,
     "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
     "shear_squared": 9e-4,

@@ -82,6 +82,7 @@ EFFECTS = {
     "liquid.density": of(2.0),
     "liquid.viscosity": of(0.05),
     "liquid.surface_tension": of(1e-3),
+    "liquid.contact_angle": of(1.0, **TENSE),
     "liquid.sound_speed": of(12.0),
     "liquid.maximum_speed": of(2.0, liquid={"sound_speed": None}),
     "liquid.tait_exponent": of(1.0),
@@ -118,6 +119,7 @@ EFFECTS = {
     "tank.left.tangential_restitution": of(0.5, tank={"walls": "reflect"}, fluid=[{"velocity": [-8.0, 1.0]}]),
     "tank.left.kind": of("open"),
     "tank.left.slip": of("no-slip", liquid={"viscosity": 0.05}, tank={"left": {"slip": "free"}}),
+    "tank.left.contact_angle": of(1.0, **TENSE),
     "tank.left.velocity": of([0.0, 0.5], **VISCOUS),
     "tank.left.speed": of(0.3, **INFLOW),
     "tank.left.profile": of("parabolic", **INFLOW),
@@ -143,6 +145,7 @@ EFFECTS = {
     ),
     "obstacles.axis": of([0.0, 0.5, 0.0], **{**DEEP, "obstacles": [CYLINDER]}),
     "obstacles.hollow": of(True, obstacles=[{"vertices": [[0.5, -0.1], [1.1, -0.1], [1.1, 1.0], [0.5, 1.0]]}]),
+    "obstacles.contact_angle": of(1.0, **TENSE, **OBSTACLE),
     "obstacles.slip": of(
         "no-slip", **{**OBSTACLE, "obstacles": [{**OBSTACLE["obstacles"][0], "slip": "free"}]}, **VISCOUS
     ),
@@ -183,6 +186,7 @@ EFFECTS = {
     "bodies.motion.angles": of([0.0, 0.2], **moved(times=[0.0, 0.1], angles=[0.0, 0.1])),
     "bodies.motion.pivot": of([0.4, 0.5], **moved(spin=1.0)),
     "bodies.motion.axis": of([0.0, 1.0, 0.0], **TURNED),
+    "bodies.contact_angle": of(1.0, **TENSE, **BODY),
     "bodies.slip": of("no-slip", bodies=[{**BODY["bodies"][0], "slip": "free"}], **VISCOUS),
     "bodies.restitution": of(0.9, **FALLING),
     "bodies.friction": of(0.0, **FALLING),
