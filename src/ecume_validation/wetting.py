@@ -9,8 +9,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume_validation.runner import Row, case_scene, frames_of, simulate, within
+from ecume_validation.runner import Row, case_scene, frames_of, within
 
 AREA, VOLUME = 2e-6, 0.5e-9
 """m^2 and m^3, of the liquid."""
@@ -51,14 +52,14 @@ def angle_of(center: float, height_at: Callable[[float], float]) -> float:
 def segment_height(angle: float) -> float:
     """The height of the centroid (m) of the segment of a circle with the area of the drop."""
     radius = math.sqrt(AREA / (angle - math.sin(angle) * math.cos(angle)))
-    return 2.0 / 3.0 * (radius * math.sin(angle)) ** 3 / AREA - radius * math.cos(angle)
+    return 2.0 / 3.0 * math.pow(radius * math.sin(angle), 3.0) / AREA - radius * math.cos(angle)
 
 
 def cap_height(angle: float) -> float:
     """The height of the centroid (m) of the segment of a ball with the volume of the drop."""
     top = 1.0 - math.cos(angle)
-    radius = (VOLUME / (math.pi / 3.0 * top**2 * (3.0 - top))) ** (1.0 / 3.0)
-    return radius * (0.75 * (2.0 - top) ** 2 / (3.0 - top) - math.cos(angle))
+    radius = math.cbrt(VOLUME / (math.pi / 3.0 * top * top * (3.0 - top)))
+    return radius * (0.75 * (2.0 - top) * (2.0 - top) / (3.0 - top) - math.cos(angle))
 
 
 def heavy_drops() -> list[Row]:

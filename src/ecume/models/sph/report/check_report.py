@@ -456,10 +456,12 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _contact_angles(scene: SphScene) -> Row:
     """The row on the angle of the liquid at walls, obstacles and bodies, with those of which it is different."""
     walls = {name: getattr(scene.tank, name) for name in scene.sides if getattr(scene.tank, name).kind == "wall"}
-    solids = {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
-    solids |= {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
+    obstacles = {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
+    bodies = {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
     usual = 90.0 if scene.liquid.contact_angle is None else math.degrees(scene.liquid.contact_angle)
-    angles = {name: math.degrees(contact_angle_of(scene, spec)) for name, spec in (walls | solids).items()}
+    angles = {
+        name: math.degrees(contact_angle_of(scene, spec)) for name, spec in {**walls, **obstacles, **bodies}.items()
+    }
     others = [f"{angle:.4g} degrees at {name}" for name, angle in angles.items() if angle != usual]
     return ("contact angle", f"{usual:.4g} degrees", "; ".join(others) or "at walls and solids: key `contact_angle`")
 
