@@ -73,7 +73,7 @@ def heavy_drops() -> list[Row]:
 
 
 def young_laplace_height(angle: float) -> float:
-    """The height of the centroid (m) of a heavy drop in a plane, from the curvature of its top that gives its area."""
+    """The height of the centroid (m) of a heavy drop in 2D, from the curvature of its top that gives its area."""
 
     def shape(curvature: float) -> tuple[float, float]:
         """The area below the profile, and its moment about the plate."""
@@ -126,4 +126,4 @@ def drop_in_space() -> list[Row]:
         "fluid=[{low=[-0.5e-3, 0.0, -0.5e-3], high=[0.5e-3, 0.5e-3, 0.5e-3]}]",
     ]  # fmt: skip
     measured = angle_of(height(list(frames_of("wetting", changes))), cap_height)
-    return [within("drop on a plate in space: angle at 60 degrees", measured, 60.0, 8.0)]
+    return [within("drop on a plate in 3D: angle at 60 degrees", measured, 60.0, 8.0)]
