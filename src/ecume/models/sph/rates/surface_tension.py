@@ -17,7 +17,7 @@ behind planes, because half of the color of images, and half of the force on ima
 on an image is added to its source.
 
 Other contact angles: nodes at a mirror have the energy -sigma cos(theta) chi(c) per area of the wall besides (see
-`ecume.laws.tension.wetted_share`), and solids of dummy particles contribute the color that their angle asks for (see
+`ecume.laws.tension.wetted_share`), and solids of dummy particles contribute the color of their angle (see
 `solid_color`), without a force on them. [young1805, brackbill1992, wendland1995]
 """
 
