@@ -106,7 +106,7 @@ def test_the_gallery_shows_every_example(makers):
 def test_the_start_page_opens_with_a_bowl_that_simulates(makers, tmp_path):
     gallery = makers("gallery")
     index = dict(makers("staging").written(tmp_path))["index.md"]
-    assert index.index(f'src="_clips/{gallery.FRONT}.html"') < index.index("Quick start")
+    assert index.index(f'src="_clips/{gallery.FRONT}.html"') < index.index("| model |")
     gallery.write_front(tmp_path)
     assert 1e5 < (tmp_path / f"{gallery.FRONT}.html").stat().st_size < 1e6
 
