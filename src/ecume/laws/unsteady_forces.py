@@ -51,8 +51,8 @@ def saffman_lift(slip: Speed, radius: Length, density: Density, viscosity: Visco
 
     It acts along (u - v) x curl u: a sphere that lags moves toward faster liquid. u - v: the `slip`; G: the rate of
     shear. For Reynolds numbers of slip and shear below 1, that of the slip below the root of that of the shear, and far
-    from walls. [saffman1965]; its abstract has 81.2, a slip of the pen, and codes such as OpenFOAM have 6.46. The
-    corrigendum of 1968 was not read.
+    from walls. [saffman1965], whose abstract has the factor 81.2; OpenFOAM and waLBerla have 6.46. The corrigendum of
+    1968 was not read.
 
     >>> round(saffman_lift(0.1, 1e-3, 1000.0, 1e-3, 4.0) * 1e6, 4)
     1.292
