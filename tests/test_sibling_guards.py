@@ -24,7 +24,7 @@ REVIEWED = {
     "_cache.py": {"json.loads": "the manifest of shipped code, which the owner of the installation wrote"},
     "_parts.py": {"pickle.loads": "compiled code whose file and folders belong to the user alone"},
     "../ecume_lammps/rank.py": {"json.loads": "a scene that the starting process wrote into its own folder"},
-    "models/tracers/field_files.py": {"np.load": "a user's archive of velocities, without pickles, after its kind"},
+    "models/field_files.py": {"np.load": "a user's archive of velocities, without pickles, after its kind"},
     "scenes/faults.py": {"tomllib.loads": "one value after `--set`, its keys bounded before"},
     "scenes/overrides.py": {"tomllib.loads": "one value of `--set`, its length and keys bounded before"},
     "scenes/toml.py": {"tomllib.loads": "all texts of scenes: depth and keys are bounded before"},

@@ -87,7 +87,9 @@ def _magnetic_field(scene: FloatingScene) -> str:
 
 
 def _tabulated_flow(scene: FloatingScene) -> str:
-    return _whether(scene.flow is not None and scene.flow.nodes is not None, "a table")
+    return _whether(
+        scene.flow is not None and (scene.flow.nodes is not None or scene.flow.field is not None), "a table"
+    )
 
 
 def _motion(scene: FloatingScene) -> str:

@@ -24,7 +24,7 @@ from ecume.laws.soft_pair import PREFACTORS
 from ecume.laws.surfaces import SURFACES
 from ecume.models import MODELS
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
-from ecume.scenes import floating
+from ecume.scenes import fields, floating
 from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import SCENES
@@ -40,6 +40,7 @@ SECTIONS = {
     "[liquid]": floating.LiquidSpec,
     "[flow]": floating.FlowSpec,
     "[flow.nodes]": floating.NodesSpec,
+    "[flow.field]": fields.FieldSpec,
     "[[particles]]": floating.FloatSpec,
     "[particles.surface_energies]": floating.SurfaceEnergies,
     "[particles.disc]": floating.DiscSpec,
@@ -263,7 +264,9 @@ def test_the_pages_on_soft_spheres_name_every_law_and_scheme(table):
 
 def test_the_tables_of_options_leave_no_part_of_a_scene_out():
     parts = {part for part in vars(floating).values() if dataclasses.is_dataclass(part)}
-    assert {part for part in parts if part.__module__.startswith(floating.__name__)} == set(SECTIONS.values())
+    assert {part for part in parts if part.__module__.startswith(floating.__name__)} == {*SECTIONS.values()} - {
+        fields.FieldSpec
+    }  # of tracers, too
     text = physics("floating")
     assert all(f"`{source} = " in text for source in SOURCES)
 

@@ -18,6 +18,7 @@ from ecume.scenes.faults import (
     read_path,
     written,
 )
+from ecume.scenes.fields import follow_field
 from ecume.scenes.floating.sources import RUN as START
 from ecume.scenes.floating.sources import SOURCES, rows_from
 from ecume.scenes.overrides import overridden
@@ -26,7 +27,6 @@ from ecume.scenes.sizes import follow_sizes
 from ecume.scenes.tables import NotText, text_of
 from ecume.scenes.templates import templates
 from ecume.scenes.toml import syntax_fault, tables_of
-from ecume.scenes.tracers import follow_field
 
 MOST_BYTES = 2**20
 OVERRIDDEN = " (from --set)"
@@ -107,7 +107,7 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
     if raw.get("model") == "floating":
         from ecume.scenes.floating.surroundings import follow_current
 
-        return [*follow_sizes(raw, folder), *follow_current(raw, folder)]
+        return [*follow_sizes(raw, folder), *follow_current(raw, folder), *follow_field(raw, folder)]
     if raw.get("model") == "soft":
         return [*follow_sizes(raw, folder), *_started(raw, folder)]
     if raw.get("model") == "tracers":

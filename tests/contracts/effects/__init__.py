@@ -6,7 +6,12 @@ to the model's base scene beside which it matters.
 
 from __future__ import annotations
 
+import os
+import tempfile
+from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 RUN, PICTURE, EXPORT, FILES, REFUSED, STOPS = "run", "picture", "export", "files", "refused", "stops"
 
@@ -26,6 +31,18 @@ class Effect(NamedTuple):
 def of(value: Any, shows: str = RUN, **beside: Any) -> Effect:
     """An effect, with tables of the scene beside it."""
     return Effect(value, beside, shows)
+
+
+def grid(name: str, scale: float = 1.0) -> str:
+    """A file with two instants of a rotation."""
+    path = Path(tempfile.gettempdir()) / f"ecume-effects-{os.getpid()}-{name}.npz"
+    x, t = np.linspace(0.0, 0.02, 5), np.array([0.0, 1.0])
+    along, up = np.meshgrid(x, x, indexing="ij")
+    u, v = -scale * (up - 0.01), scale * (along - 0.01) + 0.3 * along * (along - 0.02)
+    arrays = {"x": x, "y": x, "t": t, "u": np.stack([u, 2.0 * u]), "v": np.stack([v, 2.0 * v])}
+    arrays |= {"other": 0.9 * x, "tau": 2.0 * t, "w": 2.0 * arrays["v"]}
+    np.savez(path, **arrays)
+    return str(path)
 
 
 def push(distance: float, parameters: Any) -> float:

@@ -1,6 +1,6 @@
 """Effects of the keys of floats."""
 
-from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, grid, of
 
 BASE = {
     "model": "floating", "duration": 5e-4, "frame_every": 5e-4,
@@ -16,6 +16,8 @@ NODES = {
     "vx": [[0.0, 0.0], [0.01, 0.01]],
     "vy": [[0.0, 0.01], [0.0, 0.01]],
 }
+FIELD = {"flow": {"field": {"file": grid("one")}}}
+STEERED = {"flow": {"field": {"file": grid("one"), "coordinates": ["x", "y"], "velocities": ["u", "v"]}}}
 NOISE = {"hydrodynamics": {"brownian": True}, "integration": {"integrator": "overdamped", "time_step": 5e-5}}
 SCATTERED = {"particles": [{"positions": None, "count": 4}], "dish": {"radius": 0.02}}
 DISC = {"particles": [{"contact_angle": None, "disc": {"thickness": 1e-3}}]}
@@ -100,6 +102,15 @@ EFFECTS = {
     "flow.nodes.high": of([0.02, 0.01], flow={"nodes": NODES}),
     "flow.nodes.vx": of([[0.0, 0.0], [0.02, 0.02]], flow={"nodes": NODES}),
     "flow.nodes.vy": of([[0.0, 0.02], [0.0, 0.02]], flow={"nodes": NODES}),
+    "flow.field.file": of(grid("two", 2.0), **FIELD),
+    "flow.field.length_unit": of(0.5, **FIELD),
+    "flow.field.velocity_unit": of(0.5, **FIELD),
+    "flow.field.time_unit": of(1e-3, **FIELD),
+    "flow.field.coordinates": of(["x", "other"], **STEERED),
+    "flow.field.velocities": of(["u", "w"], **STEERED),
+    "flow.field.time": of("tau", **FIELD),
+    "flow.field.interpolation": of("linear", **FIELD),
+    "flow.field.spacing": of(0.001, REFUSED, **FIELD),
     "particles.name": of("cereal", PICTURE),
     "particles.count": of(5, **SCATTERED),
     "particles.radius": of(9e-4),

@@ -1,12 +1,6 @@
 """Effects of the keys of tracers."""
 
-import os
-import tempfile
-from pathlib import Path
-
-import numpy as np
-
-from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, of
+from . import FILES, OUTPUT, PICTURE, REFUSED, STOPS, grid, of
 
 BASE = {
     "model": "tracers", "duration": 0.02, "frame_every": 0.02, "gravity": 9.81,
@@ -35,18 +29,6 @@ TUBE = {
     "flow": {"name": "tube", "speed": 0.02, "radius": 0.008, "center": [0.0, 0.008, 0.008]},
 }
 PULSE = {"flow": {"name": "channel", "speed": 0.02, "pulse": {"amplitude": 0.5, "period": 0.1}}}
-
-
-def grid(name, scale=1.0, **renamed):
-    """A file with two instants of a rotation."""
-    path = Path(tempfile.gettempdir()) / f"ecume-effects-{os.getpid()}-{name}.npz"
-    x, t = np.linspace(0.0, 0.02, 5), np.array([0.0, 1.0])
-    along, up = np.meshgrid(x, x, indexing="ij")
-    u, v = -scale * (up - 0.01), scale * (along - 0.01) + 0.3 * along * (along - 0.02)
-    arrays = {"x": x, "y": x, "t": t, "u": np.stack([u, 2.0 * u]), "v": np.stack([v, 2.0 * v])}
-    arrays |= {"other": 0.9 * x, "tau": 2.0 * t, "w": 2.0 * arrays["v"]}
-    np.savez(path, **arrays)
-    return str(path)
 
 
 AROUND = {

@@ -9,9 +9,8 @@ from ecume.analysis.series import tracks
 from ecume.citing import papers_of
 from ecume.errors import SceneError
 from ecume.laws import carrier_flows
-from ecume.models import MODELS
-from ecume.models.tracers import gridded_flows
-from ecume.models.tracers.gridded_flows import Grid
+from ecume.models import MODELS, gridded_flows
+from ecume.models.gridded_flows import Grid
 from ecume.models.tracers.liquid_flow import varying_flow
 from ecume.models.tracers.named_flows import NAMED_FLOWS
 from ecume.models.tracers.tank import bounds

@@ -15,6 +15,7 @@ from ecume.models.costs import Content, frame_cost
 from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO
 from ecume.models.floating.first_contact import contact_row
 from ecume.models.floating.forces.ewald_grid import Split
+from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import force_left, law_of, row_of, two_floats
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, DRAG_LAWS, Parameters, distinct_rows, part_of
@@ -76,6 +77,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_raft_speeds(parameters, scene),
         *_summary_of_drag(parameters, scene),
         *_summary_of_added_mass(parameters, scene),
+        *_summary_of_flow(parameters),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *sizes_rows(parameters.floats.radius),
@@ -84,6 +86,17 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_steps(parameters, scene),
         ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
     ]
+
+
+def _summary_of_flow(parameters: Parameters) -> list[Row]:
+    """The velocities at nodes: the largest speed, and the times that they cover."""
+    table = getattr(parameters.drift, "table", None)
+    if table is None:
+        return []
+    first, last = (duration_text(float(table.times[k])) for k in (0, -1))
+    count = len(table.times)
+    varies = f"{count} instants from {first} to {last}, constant before and after" if count > 1 else "steady"
+    return [("flow from a file", with_prefix(fastest_at_nodes(parameters.drift), "m/s", 3), f"at most; {varies}")]
 
 
 def _summary_of_cell(parameters: Parameters) -> list[Row]:

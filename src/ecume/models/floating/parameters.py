@@ -102,6 +102,23 @@ class Drift(NamedTuple):
     """whether floats have active forces, or forces by waves or a magnetic field"""
 
 
+class VaryingDrift(NamedTuple):
+    """The same with velocities of a file: a type of its own, so that other scenes compile none of their functions."""
+
+    flow: Array
+    nodes: Array
+    frame: Array
+    flows: bool
+    thermal: float
+    seed: int
+    thickness: float
+    jump: float
+    sway: Sway
+    active: bool
+    table: Any
+    """of a type of `gridded_flows.GRIDDED_VELOCITIES`"""
+
+
 class Parameters(NamedTuple):
     """See `ecume.models.model`."""
 
@@ -171,6 +188,17 @@ class Scratch(NamedTuple):
     interactions: tuple[Any, ...]
     resistances: tuple[Any, ...]
     contacts: Any
+
+
+class ClockedScratch(NamedTuple):
+    """The same where forces depend on the time: a type of its own, so that other scenes compile no clock."""
+
+    integrator: Any
+    interactions: tuple[Any, ...]
+    resistances: tuple[Any, ...]
+    contacts: Any
+    clock: Array
+    """(1,) s: the time at which forces are evaluated"""
 
 
 def part_of(parameters: Parameters, constants: type) -> Any:

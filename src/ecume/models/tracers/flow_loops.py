@@ -17,7 +17,7 @@ from ecume._jit import admit, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import axpy, load, store
 from ecume.laws import carrier_flows
-from ecume.models.tracers.gridded_flows import GRIDDED_VELOCITIES
+from ecume.models.gridded_flows import GRIDDED_VELOCITIES
 from ecume.models.tracers.named_flows import NAMED_FLOWS, OTHER_VELOCITIES
 from ecume.models.tracers.obstacle_flows import ChannelFlow, obstacle_velocity
 from ecume.models.user_laws import compiled_for_laws
@@ -66,7 +66,7 @@ class Loops(NamedTuple):
 def _velocity_functions() -> dict[type, Callable[..., Vector]]:
     named = {typing.get_type_hints(row.shape)["return"]: row.velocity for row in NAMED_FLOWS.values()}
     solved = {ChannelFlow: obstacle_velocity}
-    return {**named, **OTHER_VELOCITIES, **GRIDDED_VELOCITIES, **solved}  # type: ignore[dict-item]  # compiled functions are functions
+    return {**named, **OTHER_VELOCITIES, **GRIDDED_VELOCITIES, **solved}
 
 
 def loops_for(current: Current, dimensions: int) -> Loops:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.models.tracers import field_files, gridded_flows
+from ecume.models import field_files, gridded_flows
 from ecume.models.tracers.flow_loops import Current, Loops, loops_for
 from ecume.models.tracers.named_flows import DETOURS, NAMED_FLOWS, PastObstacle, Request, Still
 from ecume.models.tracers.obstacle_flows import channel_flow, disc_outline

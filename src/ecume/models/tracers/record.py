@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.laws import brownian_motion, carrier_flows, drag, gases, unsteady_forces, wall_drag
+from ecume.models import gridded_flows
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.invariants import INJECTED, Invariant, NumberHistory, Numbers, energy_never_rises
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
-from ecume.models.tracers import gridded_flows, obstacle_flows
+from ecume.models.tracers import obstacle_flows
 from ecume.models.tracers.check_report import BYTES_PER_PARTICLE, summary_in, through_solids
 from ecume.models.tracers.drag_laws import DRAGS
 from ecume.models.tracers.energy_budget import exchange, has_external_work, overdamped_kinetic_energy

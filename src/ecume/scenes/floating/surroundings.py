@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from ecume.scenes.common import Constant, dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.fields import FieldSpec
 from ecume.scenes.quantities import (
     STRICT,
     AbsoluteTemperature,
@@ -117,7 +118,7 @@ class NodesSpec:
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FlowSpec:
     """The flow of the liquid's surface, which drags the floats: the sum of a uniform flow, three linear ones and that
-    of a table.
+    of a table or a file.
     """
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
@@ -134,6 +135,15 @@ class FlowSpec:
     nodes: NodesSpec | None = None
     """A tabulated flow, added to these; a file gives it as `velocity_from = "table.csv"`. Effect: adds the
     velocities of the table, interpolated between its nodes."""
+    field: FieldSpec | None = None
+    """Velocities from a file or a run, which may vary in time, added to these. Effect: drags floats with these
+    velocities; NaN is land, where the liquid is at rest."""
+
+    @model_validator(mode="after")
+    def _one_table(self) -> Self:
+        if self.nodes is not None and self.field is not None:
+            raise Inconsistent([(("field",), "got a table, too; expected one of velocity_from and field")])
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

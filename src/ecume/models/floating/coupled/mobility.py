@@ -268,10 +268,11 @@ def fill_current(scratch: CoupledScratch, parameters: Parameters, state: State) 
     that stays behind.
     """
     drift, current = parameters.drift, scratch.current
+    now = state.step[0] * parameters.time_step
     for i in range(len(current)):
         x, y = 0.0, 0.0
         if drift.flows:
-            x, y = current_at(drift, state.position[i, 0], state.position[i, 1])
+            x, y = current_at(drift, now, state.position[i, 0], state.position[i, 1])
         current[i, 0], current[i, 1] = x, y
     if drift.sway.moves:
         time = (state.step[0] + 0.5) * parameters.time_step

@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside
+from ecume._jit import by_type, compiled, compiled_inside, selected
+from ecume.errors import BadInput
 from ecume.laws import brownian_motion
-from ecume.models.floating.parameters import DRAG_LAWS, Drift, Parameters, Sway
+from ecume.models.field_files import grid_of
+from ecume.models.floating.options import scene_error
+from ecume.models.floating.parameters import (
+    DRAG_LAWS,
+    ClockedScratch,
+    Drift,
+    Parameters,
+    Scratch,
+    Sway,
+    VaryingDrift,
+)
+from ecume.models.gridded_flows import GRIDDED_VELOCITIES, fitted, velocities_at_nodes
 from ecume.models.liquids import inertia_over_viscosity, liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
+    from ecume.scenes.fields import FieldSpec
     from ecume.scenes.floating import FloatingScene, NodesSpec
 
 
@@ -34,18 +47,12 @@ def drift_of(scene: FloatingScene) -> Drift:
     slowing = inertia_over_viscosity(liquid) if fast else 0.0
     thermal = brownian_motion.thermal_energy(scene.liquid.temperature) if scene.hydrodynamics.brownian else 0.0
     flows = bool(np.any(rates)) or bool(np.any(nodes))
-    return Drift(
-        rates,
-        nodes,
-        frame,
-        flows,
-        thermal,
-        scene.seed,
-        slowing,
-        0.0,
-        sway_of(scene),
-        _driven(scene),
-    )
+    drift = Drift(rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene), _driven(scene))
+    if flow is None or flow.field is None:
+        return drift
+    # Nodes of which there are some, since code asks for them before it asks for the current at a place.
+    varying = VaryingDrift(*drift._replace(nodes=np.zeros((2, 2, 2)), flows=True), _table_of(flow.field))
+    return cast(Drift, varying)
 
 
 def sway_of(scene: FloatingScene) -> Sway:
@@ -67,20 +74,53 @@ def _nodes_of(nodes: NodesSpec) -> tuple[Array, Array]:
     return table, np.concatenate([low, (np.array(table.shape[1:]) - 1.0) / (high - low)])
 
 
+def _table_of(field: FieldSpec) -> Any:
+    """The velocities of a file, as tracers have them: y here is their height. Raises SceneError."""
+    try:
+        return fitted(grid_of(field, 2), field.interpolation).shape
+    except BadInput as error:
+        key = error.args[1] if len(error.args) > 1 else "file"
+        raise scene_error(f"flow.field.{key}", str(error.args[0])) from error
+
+
+def fastest_at_nodes(drift: Drift) -> float:
+    """The largest speed at the nodes of a table or a file (m/s)."""
+    table = getattr(drift, "table", None)
+    along, across = (drift.nodes[0], drift.nodes[1]) if table is None else velocities_at_nodes(table)
+    return float(np.hypot(along, across).max(initial=0.0))
+
+
+def shortest_change(drift: Drift) -> float:
+    """The shortest time between two instants of a file (s)."""
+    table = getattr(drift, "table", None)
+    return math.inf if table is None else float(np.diff(table.times).min(initial=math.inf))
+
+
 @compiled_inside
 def straight_current(flow: Array, x: float, y: float) -> tuple[float, float]:
     """The velocity of a flow that is uniform, or linear in the position (m/s)."""
     return flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
 
 
+gridded_velocity = by_type(GRIDDED_VELOCITIES.__getitem__, 0)
+
+
 @compiled
-def current_at(drift: Drift, x: float, y: float) -> tuple[float, float]:
-    """The velocity of the surface (m/s)."""
+def steady_current(drift: Drift, time: float, x: float, y: float) -> tuple[float, float]:
+    """The velocity of a surface with a flow that is steady (m/s)."""
     along, across = straight_current(drift.flow, x, y)
     if drift.nodes.shape[1] > 0:
         more_along, more_across = between_nodes(drift, x, y)
         along, across = along + more_along, across + more_across
     return along, across
+
+
+@compiled
+def varying_current(drift: VaryingDrift, time: float, x: float, y: float) -> tuple[float, float]:
+    """The velocity of a surface with a flow from a file (m/s)."""
+    along, across = straight_current(drift.flow, x, y)
+    more_along, _, more_across = gridded_velocity(drift.table, x, 0.0, y, time)
+    return along + more_along, across + more_across
 
 
 @compiled
@@ -100,13 +140,45 @@ def between_nodes(drift: Drift, x: float, y: float) -> tuple[float, float]:
 
 
 @compiled
-def add_flow(parameters: Parameters, position: Array, force: Array) -> None:
+def set_time(scratches: ClockedScratch, time: float) -> None:
+    """Set the clock."""
+    scratches.clock[0] = time
+
+
+@compiled
+def time_now(scratches: ClockedScratch) -> float:
+    """The time of the clock (s)."""
+    return scratches.clock[0]
+
+
+class Timing(NamedTuple):
+    """The functions of drift and workspaces with and without a clock, by their type."""
+
+    current: Any = None
+    """current(drift, time, x, y): the velocity of the surface (m/s)"""
+    set_clock: Any = None
+    """set_clock(scratches, time)"""
+    clock: Any = None
+    """clock(scratches): s"""
+
+
+TIMING: dict[type, Timing] = {
+    Drift: Timing(current=steady_current),
+    VaryingDrift: Timing(current=varying_current),
+    Scratch: Timing(),
+    ClockedScratch: Timing(set_clock=set_time, clock=time_now),
+}
+current_at = selected(TIMING, "current")
+set_clock = selected(TIMING, "set_clock")
+clock = selected(TIMING, "clock", 0)
+
+
+@compiled
+def add_flow(parameters: Parameters, time: float, position: Array, force: Array) -> None:
     """Add the drag of the flowing surface: zeta u, where u is its velocity at the center of the float."""
     mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
     for i in range(position.shape[0]):
-        friction, (along, across) = (
-            mass[i] / relaxation[i],
-            current_at(parameters.drift, position[i, 0], position[i, 1]),
-        )
+        friction = mass[i] / relaxation[i]
+        along, across = current_at(parameters.drift, time, position[i, 0], position[i, 1])
         force[i, 0] += friction * along
         force[i, 1] += friction * across

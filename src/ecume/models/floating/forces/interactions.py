@@ -35,7 +35,7 @@ from ecume.models.floating.forces.ewald_grid import (
     split_lines,
 )
 from ecume.models.floating.forces.films import Films, apply_films, films_of
-from ecume.models.floating.forces.flow_and_noise import add_flow
+from ecume.models.floating.forces.flow_and_noise import add_flow, clock
 from ecume.models.floating.forces.magnets import (
     DipoleMoments,
     MagneticField,
@@ -313,12 +313,12 @@ apply_resistances = each_selected(RESISTANCES_BY_CONSTANTS, "slow")
 def evaluate(
     parts: Parts, scratches: Scratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """The forces on all floats at these positions; the neighbor lists must hold there."""
+    """The forces on all floats at these positions and the time of the clock; the neighbor lists must hold there."""
     clear(force)
     sort_positions(lists, position)
     add_forces(parts.interactions, scratches.interactions, parameters, position, lists, force)
     if parameters.drift.flows and parameters.scheme.drags_along:
-        add_flow(parameters, position, force)
+        add_flow(parameters, float(clock(scratches)), position, force)
 
 
 def interactions_of(parameters: Parameters) -> list[tuple[Any, Interaction]]:

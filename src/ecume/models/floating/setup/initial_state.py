@@ -51,7 +51,7 @@ def boundary_of(scene: FloatingScene) -> list[Option]:
     """The boundary of a scene, and a flow that is not uniform, as options."""
     flow = scene.flow
     gradient = flow is not None and bool(
-        flow.shear_rate or flow.rotation_rate or flow.extension_rate or flow.nodes is not None
+        flow.shear_rate or flow.rotation_rate or flow.extension_rate or flow.nodes is not None or flow.field is not None
     )
     return [OPEN if scene.cell is None else CELL, *([GRADIENT] if gradient else [])]
 

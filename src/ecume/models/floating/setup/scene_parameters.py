@@ -17,7 +17,7 @@ from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
 from ecume.models.floating.dishes import is_far_field, wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
-from ecume.models.floating.forces.flow_and_noise import drift_of
+from ecume.models.floating.forces.flow_and_noise import drift_of, shortest_change
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     INTERACTIONS,
@@ -186,7 +186,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
         drift=drift,
-        shortest_time=1.0 / swings if swings > 0.0 else math.inf,
+        shortest_time=min(1.0 / swings if swings > 0.0 else math.inf, shortest_change(drift)),
         raft_mobility=chosen.hydrodynamics.raft_mobility(len(floats.mass)),
         single=scene.interaction.precision == "single",
         periods=periods_in(scene),

@@ -12,6 +12,9 @@ parts select the functions of their rows when the step is compiled.
 from __future__ import annotations
 
 from operator import attrgetter
+from typing import cast
+
+import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, plainly
 from ecume.engine.contact.contacts import Candidates
@@ -24,6 +27,7 @@ from ecume.models.floating.contacts.contact_models import (
     contacts_of,
     find_contacts,
 )
+from ecume.models.floating.forces.flow_and_noise import set_clock
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     RESISTANCES_BY_CONSTANTS,
@@ -34,7 +38,16 @@ from ecume.models.floating.forces.interactions import (
     kick_spins,
     sort_parts,
 )
-from ecume.models.floating.parameters import Parameters, Parts, Scratch, State, Workspace, copy_rows
+from ecume.models.floating.parameters import (
+    ClockedScratch,
+    Parameters,
+    Parts,
+    Scratch,
+    State,
+    VaryingDrift,
+    Workspace,
+    copy_rows,
+)
 from ecume.models.floating.time_integration.integrators import (
     INTEGRATORS_BY_CONSTANTS,
     add_heat,
@@ -120,6 +133,7 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
     add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
     move(parts.integrator, scratches.integrator, parameters, state, workspace)
     contacts_after_drift(parts.contacts, scratches.contacts, parameters, state, workspace)
+    set_clock(scratches, (state.step[0] + 1) * parameters.time_step)
     if parameters.scheme.forces_at_end:
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
     add_heat(parts.integrator, scratches.integrator, parameters, state, workspace)
@@ -139,6 +153,7 @@ def integrate(
     so that code which does not depend on them is compiled once.
     """
     begin(parts.integrator, scratches.integrator, parameters, state)
+    set_clock(scratches, state.step[0] * parameters.time_step)
     if workspace.ready[0] == 0 and parameters.scheme.forces_at_end:
         evaluate(parts, scratches, parameters, state.position, workspace.lists, workspace.force)
     workspace.ready[0] = 1
@@ -203,7 +218,10 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
     moving = INTEGRATORS_BY_CONSTANTS[type(parts.integrator)].scratch(parts.integrator, own)
     touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, moving)
     slowing = tuple(RESISTANCES_BY_CONSTANTS[type(part)].scratch(moving) for part in parts.resistances)
-    return Scratch(moving, own, slowing, touching)
+    if not isinstance(parameters.drift, VaryingDrift):
+        return Scratch(moving, own, slowing, touching)
+    now = np.array([float(state.step[0]) * parameters.time_step])
+    return cast(Scratch, ClockedScratch(moving, own, slowing, touching, now))
 
 
 @composed

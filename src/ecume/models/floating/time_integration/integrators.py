@@ -40,7 +40,7 @@ from ecume.models.floating.coupled.mobility import (
     make_coupled_scratch,
     predict_coupled,
 )
-from ecume.models.floating.forces.flow_and_noise import current_at, straight_current
+from ecume.models.floating.forces.flow_and_noise import current_at, set_clock, straight_current
 from ecume.models.floating.forces.interactions import evaluate
 from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import (
@@ -80,10 +80,11 @@ def power_of_current(parameters: Parameters, state: State, midstep_velocity: Arr
     mass, relaxation, radius = parameters.floats.mass, parameters.floats.relaxation_time, parameters.floats.radius
     drift, position, velocity, half = parameters.drift, state.position, state.velocity, 0.5 * parameters.time_step
     flow, thickness, tabled, power = drift.flow, drift.thickness, drift.nodes.shape[1] > 0, 0.0
+    time = state.step[0] * parameters.time_step + half
     for i in range(len(position)):
         x, y = position[i, 0] + half * midstep_velocity[i, 0], position[i, 1] + half * midstep_velocity[i, 1]
         # Passing the whole of `drift` is slow.
-        along, across = current_at(drift, x, y) if tabled else straight_current(flow, x, y)
+        along, across = current_at(drift, time, x, y) if tabled else straight_current(flow, x, y)
         friction = mass[i] / relaxation[i]
         if thickness > 0.0:
             slip = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
@@ -148,7 +149,8 @@ def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
 def kick_floats(part: Any, parameters: Parameters, state: State, force: Array, ahead: float) -> None:
     """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps from now."""
     if parameters.drift.thickness > 0.0:
-        apply_nonlinear_kick(parameters, state, force)
+        # The forces are those at the beginning of a step, or at its end after the drift.
+        apply_nonlinear_kick(parameters, state, force, (state.step[0] + int(ahead)) * parameters.time_step)
     else:
         apply_kick(parameters.kick, state.velocity, force)
     move_dish(part, parameters, state, ahead)
@@ -171,13 +173,15 @@ def add_dish_motion(part: Any, parameters: Parameters, state: State, ahead: floa
 
 
 @compiled
-def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array) -> None:
-    """Apply a kick with a drag coefficient that depends on the speed at the beginning of the kick."""
+def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array, now: float) -> None:
+    """Apply a kick with a drag coefficient that depends on the speed at the beginning of the kick; `now` is the time
+    of the forces (s).
+    """
     floats, velocity = parameters.floats, state.velocity
     time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
     for i in range(force.shape[0]):
         friction = floats.mass[i] / floats.relaxation_time[i]
-        along, across = current_at(parameters.drift, state.position[i, 0], state.position[i, 1])
+        along, across = current_at(parameters.drift, now, state.position[i, 0], state.position[i, 1])
         speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
         faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
         decay = math.exp(-time * faster / floats.relaxation_time[i])
@@ -266,6 +270,7 @@ def predict_runge_kutta(
             advance_rows(position, velocity, ahead)
             copy_rows(velocity, state.velocity)
             advance_rows(velocity, slope, ahead)
+            set_clock(scratches, state.step[0] * time + ahead)
             evaluate(parts, scratches, parameters, position, workspace.lists, push)
         accelerate(parameters, velocity, push, slope)
         weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
@@ -283,6 +288,7 @@ def predict_stoermer(
     copy_rows(midstep_velocity, state.velocity)
     copy_rows(middle, state.position)
     advance_rows(middle, state.velocity, 0.5 * parameters.time_step)
+    set_clock(scratches, (state.step[0] + 0.5) * parameters.time_step)
     evaluate(parts, scratches, parameters, middle, workspace.lists, workspace.force)
     apply_kick(parameters.kick, state.velocity, workspace.force)
     average_rows(midstep_velocity, state.velocity)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ecume.engine.walls import surfaces
 from ecume.models.floating.dishes import wall_stiffness, walls_of
+from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme, distinct_rows
@@ -235,8 +236,7 @@ def _judge(given: float, good: float) -> None:
 def _speeds(parameters: Parameters, scene: FloatingScene) -> float:
     """The largest initial speed, or the largest speed of the flow where floats are (m/s)."""
     drift, starts = parameters.drift, given_places(scene).velocity
-    nodes = np.hypot(drift.nodes[0], drift.nodes[1])
-    carried = _flow_speed(parameters, scene) + float(nodes.max(initial=0.0))
+    carried = _flow_speed(parameters, scene) + fastest_at_nodes(drift)
     carried += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
     return max(carried, float(np.hypot(starts[:, 0], starts[:, 1]).max()))
 

@@ -252,6 +252,13 @@ def _densities(steps: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(1.0 / step for step in steps)
 
 
+def velocities_at_nodes(shape: StreamField | LinearField) -> tuple[Array, Array]:
+    """The velocities along x and z of a field in 2D at its nodes (m/s)."""
+    if isinstance(shape, LinearField):
+        return shape.nodes[..., 0], shape.nodes[..., 2]
+    return shape.nodes[..., 2] / shape.step[1], -shape.nodes[..., 1] / shape.step[0]
+
+
 def _three(values: tuple[float, ...]) -> Point:
     x, y, z = values
     return x, y, z
@@ -472,7 +479,7 @@ def _without_divergence(fluxes: list[Array], shut: list[Flags]) -> list[Array]:
     ]
 
 
-GRIDDED_VELOCITIES = {
+GRIDDED_VELOCITIES: dict[type, Any] = {
     StreamField: stream_velocity,
     FaceField: face_velocity,
     LinearField: linear_velocity,

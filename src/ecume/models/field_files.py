@@ -15,8 +15,8 @@ import numpy as np
 
 from ecume.engine import interpolation
 from ecume.errors import BadInput, install
-from ecume.models.tracers.gridded_flows import Grid
-from ecume.scenes.tracers import FieldSpec
+from ecume.models.gridded_flows import Grid
+from ecume.scenes.fields import FieldSpec
 from ecume.trajectories.reader import open_trajectory
 from ecume.units import Array
 
