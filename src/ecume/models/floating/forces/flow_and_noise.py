@@ -148,7 +148,8 @@ def set_time(scratches: ClockedScratch, time: float) -> None:
 @compiled
 def time_now(scratches: ClockedScratch) -> float:
     """The time of the clock (s)."""
-    return scratches.clock[0]
+    now: float = scratches.clock[0]
+    return now
 
 
 class Timing(NamedTuple):
