@@ -103,7 +103,7 @@ class Drift(NamedTuple):
 
 
 class VaryingDrift(NamedTuple):
-    """The same with velocities of a file: a type of its own, so that other scenes compile none of their functions."""
+    """The same with velocities of a file: a separate type, so that other scenes compile none of their functions."""
 
     flow: Array
     nodes: Array
@@ -191,7 +191,7 @@ class Scratch(NamedTuple):
 
 
 class ClockedScratch(NamedTuple):
-    """The same where forces depend on the time: a type of its own, so that other scenes compile no clock."""
+    """The same where forces depend on the time: a separate type, so that other scenes compile no clock."""
 
     integrator: Any
     interactions: tuple[Any, ...]

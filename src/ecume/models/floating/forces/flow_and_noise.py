@@ -50,7 +50,7 @@ def drift_of(scene: FloatingScene) -> Drift:
     drift = Drift(rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene), _driven(scene))
     if flow is None or flow.field is None:
         return drift
-    # Nodes of which there are some, since code asks for them before it asks for the current at a place.
+    # Not empty, since compiled code first tests whether there are nodes.
     varying = VaryingDrift(*drift._replace(nodes=np.zeros((2, 2, 2)), flows=True), _table_of(flow.field))
     return cast(Drift, varying)
 
