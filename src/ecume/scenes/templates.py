@@ -58,7 +58,7 @@ def copy_template(name: str, to: Path) -> list[Path]:
     return list(contents)
 
 
-BESIDE = (".csv", ".nc")
+BESIDE = (".csv", ".nc", ".npz")
 """Files that belong to a template: tables of particles, and fields."""
 
 
