@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume._jit import compiled_inside
+from ecume.models.stream_fits import Edges, Fits
 from ecume.units import Array
 
 Point = tuple[float, float, float]
@@ -267,8 +268,9 @@ def _three(values: tuple[float, ...]) -> Point:
 def _stream_field(grid: Grid, wrapped: tuple[int, ...]) -> Fitted:
     """The bicubic stream function of each instant."""
     made, errors = [], []
+    fits = Fits()
     for velocity in grid.velocity:
-        nodes, error = _stream_nodes(velocity, grid.step, wrapped)
+        nodes, error = _stream_nodes(velocity, grid.step, wrapped, fits)
         made.append(nodes)
         errors.append(error)
     low, step = (grid.low[0], grid.low[1]), (grid.step[0], grid.step[1])
@@ -280,7 +282,9 @@ SPARE = 2
 """Nodes beyond each periodic side that differences near it need."""
 
 
-def _stream_nodes(velocity: Array, step: tuple[float, ...], wrapped: tuple[int, ...]) -> tuple[Array, float]:
+def _stream_nodes(
+    velocity: Array, step: tuple[float, ...], wrapped: tuple[int, ...], fits: Fits
+) -> tuple[Array, float]:
     whole = velocity
     for axis in wrapped:
         period = whole.shape[axis] - 1
@@ -293,7 +297,7 @@ def _stream_nodes(velocity: Array, step: tuple[float, ...], wrapped: tuple[int, 
     mixed = 0.5 * (_slope(u, 0) * step[1] - _slope(w, 1) * step[0])
     mixed = np.where(_grown(land), 0.0, mixed)[inside]
     u, w, land = u[inside], w[inside], land[inside]
-    value = _potential_of(along, up, _shut_edges(u, w, land, wrapped), wrapped)
+    value = fits.of(_shut_edges(u, w, land, wrapped))(along, up)
     misfit = np.concatenate([(np.diff(value, axis=0) - along).ravel(), (np.diff(value, axis=1) - up).ravel()])
     flux = np.concatenate([along.ravel(), up.ravel()])
     nodes = np.stack([value, -w * step[0], u * step[1], mixed], axis=-1)
@@ -335,7 +339,7 @@ STILL = 1e-9
 """The velocity over the largest one below which it is that of a wall."""
 
 
-def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> tuple[Flags, Flags]:
+def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> Edges:
     """Whether no liquid flows through edges along x and along z: between nodes on land, and on those sides of the grid
     that are walls, where the fit would let it through.
     """
@@ -348,63 +352,7 @@ def _shut_edges(u: Array, w: Array, land: Flags, wrapped: tuple[int, ...]) -> tu
         if 0 not in wrapped:
             still = np.abs(u[side]) <= quiet
             up[side] |= still[:-1] & still[1:]
-    return along, up
-
-
-def _potential_of(along: Array, up: Array, shut: tuple[Flags, Flags], wrapped: tuple[int, ...]) -> Array:
-    """The function whose differences fit those given along both axes by least squares; constant along shut edges, and
-    up to a constant the same on both sides of axes that are wrapped.
-
-    Without either the normal equations are Poisson's in a box, solved by cosine transforms; otherwise a sparse solver.
-    """
-    shape = (along.shape[0] + 1, along.shape[1])
-    along, up = along.copy(), up.copy()
-    # What flows through the tank as a whole: the rise over a period, which the last step has.
-    rises = [float(each.sum(axis=axis).mean()) if axis in wrapped else 0.0 for axis, each in enumerate((along, up))]
-    along[-1] -= rises[0]
-    up[:, -1] -= rises[1]
-    source = np.zeros(shape)
-    source[1:] += along
-    source[:-1] -= along
-    source[:, 1:] += up
-    source[:, :-1] -= up
-    if not (shut[0].any() or shut[1].any() or wrapped):
-        from scipy.fft import dctn, idctn
-
-        modes = [2.0 - 2.0 * np.cos(np.pi * np.arange(n) / n) for n in shape]
-        factor = modes[0][:, None] + modes[1][None, :]
-        factor[0, 0] = 1.0
-        spectrum = dctn(source, norm="ortho") / factor
-        spectrum[0, 0] = 0.0
-        return np.asarray(idctn(spectrum, norm="ortho"))
-    from scipy import sparse
-    from scipy.sparse.csgraph import connected_components
-    from scipy.sparse.linalg import spsolve
-
-    place = np.arange(math.prod(shape)).reshape(shape)
-    same = [
-        np.stack([place[:-1][shut[0]], place[1:][shut[0]]]),
-        np.stack([place[:, :-1][shut[1]], place[:, 1:][shut[1]]]),
-    ]
-    same += [np.stack([np.take(place, 0, axis).ravel(), np.take(place, -1, axis).ravel()]) for axis in wrapped]
-    one, other = np.concatenate(same, axis=1)
-    joined = sparse.coo_array((np.ones(len(one)), (one, other)), (place.size, place.size))
-    number = connected_components(joined, directed=False)[1].reshape(shape)
-    ends = np.concatenate([
-        np.stack([number[:-1].ravel(), number[1:].ravel()]),
-        np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()]),
-    ], axis=1)  # fmt: skip
-    count = int(number.max()) + 1
-    edges, signs = np.arange(ends.shape[1]), np.repeat([-1.0, 1.0], ends.shape[1])
-    differences = sparse.csr_array((signs, (np.tile(edges, 2), ends.ravel())), (len(edges), count))
-    laplacian = (differences.T @ differences).tolil()
-    right = np.bincount(number.ravel(), source.ravel(), count)
-    laplacian[0, :] = 0.0
-    laplacian[0, 0], right[0] = 1.0, 0.0
-    value = np.asarray(spsolve(laplacian.tocsc(), right))[number]
-    value[-1] += rises[0]
-    value[:, -1] += rises[1]
-    return value
+    return Edges(along, up, wrapped)
 
 
 def _face_field(grid: Grid) -> Fitted:
