@@ -225,6 +225,21 @@ def test_a_dish_that_is_tilted_and_a_float_that_is_dragged(page):
     assert math.hypot(held["x"][3], held["y"][3]) < math.hypot(left["x"][3], left["y"][3])
 
 
+@with_node
+def test_a_tilted_dish_that_begins_again_is_level_and_stays_so(page):
+    _, _, tilted, _, _, again = asked(
+        page,
+        ["tilt", {"x": 0.1, "y": -0.05}],
+        ["go", {"steps": 100}],
+        ["now"],
+        ["anew"],
+        ["go", {"steps": 100}],
+        ["now"],
+    )
+    assert tilted["slope"][1] < 0.0 < tilted["slope"][0]
+    assert again["slope"] == [0.0, 0.0]
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [

@@ -130,6 +130,17 @@ def test_a_bowl_begins_again_where_it_began(bowl):
     assert bowl.time == 0.0
 
 
+def test_a_tilted_bowl_that_begins_again_is_level_with_its_first_numbers(bowl):
+    bowl.tilt = (0.1, -0.05)
+    bowl.change("liquid", "surface_tension", 0.06)
+    bowl.play(0.05)
+    assert bowl.slosh.slope[0] > 0.0
+    bowl.anew()
+    bowl.play(0.05)
+    assert bowl.slosh == Slosh()
+    assert bowl.scene.liquid == bowl.first.liquid
+
+
 def test_a_float_becomes_larger(bowl):
     bowl.change("cereal", "radius", 2e-3)
     assert bowl.frame.arrays["radius"] == pytest.approx(2e-3)

@@ -3,9 +3,9 @@
 import type { Now } from "./asking";
 import { BowlPage } from "./bowl";
 import type { Alone, Chapter, Filled } from "./chapters";
-import { drawCode } from "./code";
 import type { Bowl } from "./dish";
 import { Inside, unpacked } from "./inside";
+import { addressed, share } from "./sharing";
 import { DEGREE, element, header, slider } from "./toy";
 
 type Range = [label: string, part: string, key: string, low: number, high: number, unit: number, name: string];
@@ -17,6 +17,7 @@ function rounded(value: number): number {
 /** A bowl that a program simulates: all numbers can be changed. */
 class Served extends BowlPage {
   private listed = "";
+  private numbers = "";
 
   constructor(private readonly told: Bowl) {
     super(told, told.shelf[0].name);
@@ -26,17 +27,27 @@ class Served extends BowlPage {
 
   protected tell(seen: Now): void {
     super.tell(seen);
-    const names = [...new Set([...seen.kinds.map((kind) => kind.name), ...this.told.shelf.map((kind) => kind.name)])];
-    if (names.join("\n") + seen.kinds.length === this.listed) return;
-    this.listed = names.join("\n") + seen.kinds.length;
-    const colors = new Map([...this.told.shelf, ...seen.kinds].map((kind) => [kind.name, kind.color]));
-    this.shelve(names.map((name) => [name, colors.get(name)!]), () => this.offer());
-    const { surface_tension, viscosity } = seen.liquid;
+    this.list(seen);
+    const { kinds, liquid, dish } = seen;
+    const numbers = JSON.stringify([kinds, liquid, dish]);
+    const inUse = document.activeElement?.matches("#factors input, #liquid-sliders input");
+    const stale = !inUse && numbers !== this.numbers;
+    this.numbers = inUse ? "" : numbers; // a slider in use stays, and all are made again after it
+    if (!stale) return;
+    this.offer();
     element("liquid-sliders").replaceChildren(
-      this.range(["surface tension", "liquid", "surface_tension", 10, 80, 1e-3, "mN/m"], surface_tension),
-      this.range(["viscosity", "liquid", "viscosity", 0.5, 50, 1e-3, "mPa s"], viscosity),
-      this.range(["contact angle", "dish", "contact_angle", 10, 170, DEGREE, "°"], seen.dish.contact_angle),
+      this.range(["surface tension", "liquid", "surface_tension", 10, 80, 1e-3, "mN/m"], liquid.surface_tension),
+      this.range(["viscosity", "liquid", "viscosity", 0.5, 50, 1e-3, "mPa s"], liquid.viscosity),
+      this.range(["contact angle", "dish", "contact_angle", 10, 170, DEGREE, "°"], dish.contact_angle),
     );
+  }
+
+  /** What can be dropped. */
+  private list(seen: Now): void {
+    const colors = new Map([...seen.kinds, ...this.told.shelf, ...seen.kinds].map(({ name, color }) => [name, color]));
+    const listed = [...colors.keys()].join("\n");
+    if (listed !== this.listed) this.shelve([...colors], () => this.offer());
+    this.listed = listed;
   }
 
   /** Sliders for the chosen species, if there is one of it. */
@@ -68,7 +79,7 @@ class Alike extends BowlPage {
   private shown = "";
 
   constructor(
-    private readonly inside: Inside,
+    inside: Inside,
     private readonly alone: Alone,
     private readonly liquids: Record<string, Filled>[],
   ) {
@@ -85,7 +96,8 @@ class Alike extends BowlPage {
       });
     }
     element("empty").addEventListener("click", () => void this.change("empty"));
-    element("link").addEventListener("click", () => void this.share());
+    element("link").hidden = !addressed;
+    element("link").addEventListener("click", async () => this.say(await share(`#${await inside.act("link")}`)));
     window.addEventListener("hashchange", () => void this.bring());
     void this.bring().then(() => this.follow());
   }
@@ -129,16 +141,6 @@ class Alike extends BowlPage {
     const had = document.activeElement?.getAttribute("aria-label");
     element("factors").replaceChildren(...rows);
     if (had) element("factors").querySelector<HTMLElement>(`[aria-label="${CSS.escape(had)}"]`)?.focus();
-  }
-
-  /** A link whose fragment holds the bowl as it is, and its code. */
-  private async share(): Promise<void> {
-    history.replaceState(null, "", `#${await this.inside.act("link")}`);
-    const copied = await navigator.clipboard?.writeText(location.href).then(() => true, () => false);
-    const local = location.protocol === "file:" ? " It opens on this machine only: others need the file, or the page from a site." : "";
-    this.say((copied ? "The link is copied: it holds the bowl as it is now." : "The address of this page now holds the bowl as it is.") + local);
-    const code = element<HTMLCanvasElement>("code");
-    element("code-row").hidden = !drawCode(code, location.href);
   }
 
   private async bring(): Promise<void> {

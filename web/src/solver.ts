@@ -210,7 +210,7 @@ export class Bowl {
   private anew(number: number): string {
     if (!this.alone.chapters[number]) return "There is no such scene.";
     [this.choice, this.floats] = this.beginning(number);
-    [this.slope, this.rate, this.time] = [[0, 0], [0, 0], 0];
+    [this.tilt, this.slope, this.rate, this.time] = [[0, 0], [0, 0], [0, 0], 0];
     this.begin();
     return "";
   }

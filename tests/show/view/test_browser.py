@@ -1,11 +1,14 @@
 """The page in a real browser: it plays, colors, inspects, survives a hostile scene, and asks nobody anything."""
 
 import contextlib
+import html
 import io
 import os
 import shutil
 import threading
+import time
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
@@ -17,12 +20,12 @@ from tests.show.view.test_page import HOSTILE
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.play.alone import save_alone
-from ecume.show.play.pages import game_of
+from ecume.show.play.pages import Written, game_of
 from ecume.show.serving import served
 from ecume.show.style import DARK_CANVAS, contrast
 from ecume.show.view import save_page
 from ecume.show.view.chunks import pack
-from ecume.show.view.page import Source, hexadecimal, looks, page, serving
+from ecume.show.view.page import ALONE, Source, hexadecimal, looks, page, serving
 from ecume.show.view.scenery import STAGES
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -299,6 +302,17 @@ def simulating(tmp_path_factory):
     return written.as_uri()
 
 
+SITE = "https://bowl.example/bowl.html"
+AROUND = "https://around.example/"
+
+
+def on_site(tab, simulating, around=""):
+    """The page as a site gives it out, and another one around it."""
+    tab.route(SITE, lambda route: route.fulfill(path=unquote(urlsplit(simulating).path), content_type="text/html"))
+    tab.route(AROUND, lambda route: route.fulfill(body=around, content_type="text/html"))
+    tab.goto(AROUND if around else SITE)
+
+
 def floats_of(tab):
     return int(tab.inner_text("#clock").split(" · ")[1].split(" ")[0])
 
@@ -360,9 +374,10 @@ def test_a_link_brings_a_bowl_back_and_hostile_ones_end_in_a_sentence(browser, t
     tab.get_by_role("button", name="empty the dish").click()
     tab.locator("#canvas").press("Enter")
     tab.get_by_role("button", name="link").click()
-    tab.wait_for_selector("#said:has-text('holds the bowl')")
-    assert tab.locator("#code").is_visible()
+    tab.wait_for_selector("#said:has-text('opens on this machine only')")
+    assert not tab.locator("#code").is_visible()
     link = tab.evaluate("location.href")
+    assert tab.input_value("#address") == link
     other = browser.new_page()
     other.goto(link)
     other.wait_for_selector("#clock:has-text(' 1 floats')", timeout=30_000)
@@ -377,12 +392,60 @@ def test_a_link_brings_a_bowl_back_and_hostile_ones_end_in_a_sentence(browser, t
     assert tab.complaints == []
 
 
+def test_a_link_to_a_site_has_a_code(tab, simulating):
+    on_site(tab, simulating)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.get_by_role("button", name="link").click()
+    tab.wait_for_selector("#code", state="visible")
+    assert tab.input_value("#address") == tab.evaluate("location.href")
+    assert tab.input_value("#address").startswith(f"{SITE}#")
+    assert "holds the bowl" in tab.inner_text("#said")
+    assert "this machine" not in tab.inner_text("#said")
+
+
+def test_a_page_of_a_program_hands_over_neither_its_token_nor_a_code(tab, simulating):
+    site = Written(Path(unquote(urlsplit(simulating).path)).read_text(encoding="utf-8"), ALONE)
+    with served(site) as address:
+        tab.goto(address)
+        tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+        tab.get_by_role("button", name="empty the dish").click()
+        tab.get_by_role("button", name="link").click()
+        tab.wait_for_selector("#said:has-text('this page opens on this machine only')")
+        assert not tab.locator("#code").is_visible()
+        fragment = tab.input_value("#address")
+        assert tab.evaluate("location.hash") == fragment
+    assert site.token not in fragment
+    tab.goto(simulating + fragment)
+    tab.wait_for_selector("#clock:has-text(' 0 floats')", timeout=30_000)
+
+
+def test_a_page_in_a_frame_shows_its_link(tab, simulating):
+    on_site(tab, simulating, f'<iframe sandbox="allow-scripts" width="1000" height="650" src="{SITE}"></iframe>')
+    inner = tab.frame_locator("iframe")
+    inner.locator("body[data-drawn]").wait_for(timeout=30_000)
+    inner.get_by_role("button", name="link").click()
+    inner.locator("#said:has-text('The link beside the bowl holds the bowl as it is now.')").wait_for()
+    inner.locator("#address").focus()
+    link = inner.locator("#address").input_value()
+    assert link.startswith(f"{SITE}#")
+    assert inner.locator("#address").evaluate("shown => shown.selectionEnd - shown.selectionStart") == len(link)
+
+
+def test_a_page_without_an_address_offers_no_link(tab, simulating):
+    text = Path(unquote(urlsplit(simulating).path)).read_text(encoding="utf-8")
+    tab.set_content(f'<iframe sandbox="allow-scripts" srcdoc="{html.escape(text)}"></iframe>')
+    inner = tab.frame_locator("iframe")
+    inner.locator("body[data-drawn]").wait_for(timeout=30_000)
+    assert inner.locator("#save").is_visible()
+    assert not inner.locator("#link").is_visible()
+
+
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: `npm ci` in web/")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_no_violation_in_a_page_that_simulates(browser, simulating, scheme):
     for size in ({"width": 1280, "height": 800}, {"width": 390, "height": 844}):
         shown = browser.new_page(viewport=size, color_scheme=scheme)
-        shown.goto(simulating)
+        on_site(shown, simulating)
         shown.wait_for_selector("body[data-drawn]", timeout=30_000)
         shown.check("#ruler")
         shown.get_by_role("button", name="link").click()
@@ -430,6 +493,35 @@ def test_a_bowl_is_played_with(tab):
         assert len(load_scene(saved.value.path()).particles[1].positions) == 10
         assert not tab.complaints
         assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)
+
+
+def test_sliders_follow_a_bowl_that_begins_again(tab):
+    with played("cereal-bowl", ["particles[0].count=1", "particles[0].positions=[[0, 0]]"]) as (bowl, address):
+        tab.goto(address)
+        sliders = [
+            tab.get_by_label(name)
+            for name in ("surface tension of liquid", "contact angle of dish", "radius of cereal")
+        ]
+        for slider in sliders:
+            slider.wait_for(timeout=30_000)
+        first = [slider.input_value() for slider in sliders]
+        for slider in sliders:
+            slider.focus()
+            slider.press("PageDown")
+            assert slider.evaluate("one => one === document.activeElement")
+        patience = time.monotonic() + 30.0
+        while bowl.scene.particles[0].radius == bowl.first.particles[0].radius:
+            assert time.monotonic() < patience
+            tab.wait_for_timeout(50)
+        changed = [slider.input_value() for slider in sliders]
+        assert all(one != other for one, other in zip(first, changed, strict=True))
+        tab.get_by_role("button", name="begin again").click()
+        for _ in range(200):
+            if sliders[2].input_value() == first[2]:
+                break
+            tab.wait_for_timeout(50)
+        assert [slider.input_value() for slider in sliders] == first
+        assert tab.complaints == []
 
 
 @pytest.mark.long

@@ -1,0 +1,35 @@
+// A link whose fragment holds the bowl as it is now: where it opens, and how it is handed over.
+
+import { drawCode } from "./code";
+import { element } from "./toy";
+
+const LOCAL = location.protocol === "file:" || ["127.0.0.1", "localhost", "[::1]"].includes(location.hostname);
+/** The program that gave the page out answers nobody without its token, which stays here. */
+const GUARDED = new URLSearchParams(location.search).has("token");
+
+/** Whether the page has an address: one that is written into a frame of another page has none. */
+export const addressed = ["file:", "http:", "https:"].includes(location.protocol);
+
+/** What is handed over: a link, or what makes one behind the address of another page. */
+function handed(fragment: string): string {
+  return GUARDED ? fragment : location.href.split("#")[0] + fragment;
+}
+
+function where(): string {
+  if (GUARDED) return " Put it behind the address of a page that `ecume view` saved of this scene: this page opens on this machine only.";
+  return LOCAL ? " It opens on this machine only: others need the file, or the page from a site." : "";
+}
+
+/** Show a link and its code, and copy it where that is allowed; what is said of it. */
+export async function share(fragment: string): Promise<string> {
+  const address = handed(fragment);
+  if (window === window.top) history.replaceState(null, "", fragment);
+  const shown = element<HTMLInputElement>("address");
+  shown.value = address;
+  shown.onfocus = () => shown.select();
+  element("code").hidden = LOCAL || !drawCode(element("code"), address);
+  element("link-row").hidden = false;
+  const copied = await navigator.clipboard?.writeText(address).then(() => true, () => false);
+  const said = copied ? "The link is copied: it holds the bowl as it is now." : "The link beside the bowl holds the bowl as it is now.";
+  return said + where();
+}
