@@ -3,7 +3,7 @@
 >>> from ecume.scenes.templates import folder
 >>> from ecume.scenes.load import load_scene
 >>> papers_of(load_scene((folder() / "two-spheres.toml").read_text()))[:2]
-['nicolson1949', 'chan1981']
+['nicolson1949', 'canbraun2022']
 """
 
 from __future__ import annotations

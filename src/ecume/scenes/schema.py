@@ -1,6 +1,9 @@
-"""The table of scenes, the conversion between scenes and plain data, and the units that the schema knows.  >>> scene =
-from_plain({"model": "floating", "duration": "1 s", "frame_every": "0.1 s", ...     "particles": [{"radius": "1 mm",
-"density": 600, "contact_angle": "70 deg"}]}) >>> from_plain(to_plain(scene)) == scene True
+"""The table of scenes, the conversion between scenes and plain data, and the units that the schema knows.
+
+>>> scene = from_plain({"model": "floating", "duration": "1 s", "frame_every": "0.1 s",
+...     "particles": [{"radius": "1 mm", "density": 600, "contact_angle": "70 deg"}]})
+>>> from_plain(to_plain(scene)) == scene
+True
 """
 
 from __future__ import annotations

@@ -164,17 +164,25 @@ def edges_of(values: Array, without: str) -> Array:
     return np.linspace(low, high if high > low else low + max(abs(low), 1e-9) * 1e-6, BINS + 1)
 
 
+FLAT = 1e-6
+"""The extent of deposited particles along an axis, over the largest, below which they lie in a plane across it."""
+
+
 def deposition(frames: Frames, scene: TracersScene) -> Figure:
-    """The number of deposited particles per length along each axis, at the end."""
+    """The number of deposited particles per length along each axis, at the end; not across a single plane of them."""
     last = frames[-1]
     held = dispersion.deposited(last)
     names = axis_names(last)
     places = last.arrays["position"][held]
+    extents = np.ptp(places, axis=0) if len(places) else np.zeros(len(names))
+    wide = extents > FLAT * extents.max()
     scale = scale_for(float(np.abs(places).max(initial=0.0)), "m")
     with style():
         drawn = figure()
         axes = drawn.add_subplot(xlabel=f"place ({scale.unit})", title=titled("Deposition", scene))
         for axis, (name, color) in enumerate(zip(names, PALETTE, strict=False)):
+            if wide.any() and not wide[axis]:
+                continue
             found = dispersion.deposition(last, edges_of(places[:, axis], "no particle is deposited"), axis)
             counted = (found.density / scale.factor, found.error / scale.factor)
             bars(axes, scale.factor * found.edges, counted, color, f"along {name}")
@@ -197,11 +205,10 @@ def efficiency(frames: Frames, scene: TracersScene) -> Figure:
         raise BadInput("no particle is deposited or has left; no efficiency to draw")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene, "Efficiency of collectors")
-        band(axes, course.time, (course.value, course.error), "walls and obstacles that hold particles", PALETTE[1])
+        axes = over_time(drawn, scene, "Efficiency of walls and obstacles that hold particles")
+        band(axes, course.time, (course.value, course.error), "", PALETTE[1])
         axes.set_ylabel("deposited over deposited or gone")
         axes.set_ylim(0.0, 1.05)
-        legend_outside(axes)
     return drawn
 
 
