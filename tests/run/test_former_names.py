@@ -8,8 +8,11 @@ import pytest
 
 from ecume.models import MODELS
 from ecume.run.archives import FORMER_NAMES, with_present_names
+from ecume.run.directory import RunDirectory
+from ecume.run.scalars import lines_of
 from ecume.trajectories.gsd import FORMER_BEGINNINGS, FORMER_NUMBERS, present_name
 from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.records import sealed_line
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "0.1.0"
 
@@ -59,3 +62,13 @@ def test_an_array_keeps_its_name():
 def test_no_present_number_is_taken_for_a_former_one():
     present = [*FORMER_NUMBERS.values(), *(f"{begin}0" for begin in FORMER_BEGINNINGS.values())]
     assert list(map(present_name, present)) == present
+
+
+def test_lines_of_numbers_with_checksums_have_present_names(tmp_path):
+    """Runs with checksums keep their lines of former names when they go on; monitors of invariants read all of them."""
+    home = RunDirectory(tmp_path)
+    home.manifest.write_text(sealed_line({"format": 1}))
+    line = sealed_line({"step": 0, "time": 0.0, "lost": 2.0, "came_through_opening_1": 3.0})
+    home.scalars.write_text(line)
+    (found,) = lines_of(home)
+    assert (found["particles_lost"], found["entered_through_opening_1"]) == (2.0, 3.0)

@@ -9,9 +9,11 @@ import pytest
 from ecume.analysis.series import PathWarning, tracks
 from ecume.errors import BadInput, RunExists
 from ecume.run import resume, verify
-from ecume.run.imports import import_run
+from ecume.run.imports import Alike, import_run
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
+from ecume.trajectories.foreign import dumps, xyz
+from ecume.trajectories.foreign.particles import Particles
 from ecume.trajectories.reader import open_trajectory
 
 BOWL = """\
@@ -255,7 +257,7 @@ ITEM: ATOMS type radius x y
     ("changed", "message"),
     [
         ({"side": 90}, r"frame 2: the periodic box is 0\.09 x 0\.08 m; expected 0\.1 x 0\.08 m as in frame 0"),
-        ({"step": 25}, "frame 2: is 15 steps .* frame 1 is 10 after frame 0; expected equal intervals"),
+        ({"step": 25}, "frame 2: is 15 steps .* the frames so far are 12.5 apart; expected equal intervals"),
         ({"step": 10}, "frame 2: is 0 steps"),
         ({"kinds": "21"}, "frame 2: particle 1 is of type 2, and of type 1 in frame 0; expected the same order"),
     ],
@@ -270,3 +272,32 @@ def test_frames_that_a_run_cannot_have_are_refused(changed, message, tmp_path):
     with pytest.raises(BadInput, match=message):
         import_run(tmp_path / "cell.toml", tmp_path / "run", overrides=["duration=0.2"])
     assert not (tmp_path / "run").exists()
+
+
+def test_times_that_a_file_rounds_are_equal_intervals():
+    """Of 30 frames a second in ms, intervals are 33 and 34 ms; a doubled frame is found all the same."""
+    made = [particles_at(round(number / 30.0, 3)) for number in range(40)]
+    alike = Alike("film.xyz", made[0])
+    for number, found in enumerate(made):
+        alike.require(found, np.zeros(2), number)
+    with pytest.raises(BadInput, match="frame 40: is 0 steps or units of time after the one before"):
+        alike.require(made[-1], np.zeros(2), 40)
+
+
+def particles_at(time):
+    return Particles(("1",), np.zeros(1, np.int64), np.zeros((1, 3)), instant=time)
+
+
+@pytest.mark.parametrize("comment", ["i = 0, time = 0.000, E = -1", "time=12:30:00", 'Time="0.5 ps"', "Time=0.25"])
+def test_a_comment_of_any_program_may_name_a_time(comment):
+    count, read = xyz.series(f"1\n{comment}\nA 0 0 0\n")
+    assert count == 1
+    assert read(0).instant == {"i = 0, time = 0.000, E = -1": 0.0, "Time=0.25": 0.25}.get(comment)
+
+
+def test_the_time_of_a_dump_goes_before_its_steps():
+    """With steps of varying length the numbers of steps are uneven where times are even."""
+    text = "ITEM: TIME\n0.5\nITEM: TIMESTEP\n17\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
+    text = text.replace("ITEM: TIME\n0.5\nITEM: TIMESTEP\n17\n", "ITEM: TIMESTEP\n17\nITEM: TIME\n0.5\n")
+    _, read = dumps.series(text + "ITEM: ATOMS id x y z\n1 0 0 0\n")
+    assert read(0).instant == 0.5

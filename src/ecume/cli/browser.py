@@ -151,12 +151,12 @@ def play(
     usual = [] if tank or scene else ["particles[0].count=12"]
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
+    echo("starting; the first start compiles, which can take minutes ...")
     if not refusal(asked):
         with served(Written(alone(asked), ALONE)) as address, offered(address, "play; Ctrl-C ends it"):
             _wait()
         return
     game = game_of(asked)
-    echo("starting; the first start compiles, which can take minutes ...")
     game.toy.moving.play(0.0)
     with served(game) as address, offered(address, "play"):
         try:

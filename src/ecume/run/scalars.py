@@ -14,6 +14,7 @@ from ecume._plain_files import opened
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, has_checksums, owner_of
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd import present_name
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.records import LINE, line_of, sealed_line, storing, write_whole
 
@@ -34,15 +35,16 @@ def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
 
 
 def lines_of(home: RunDirectory) -> Iterator[dict[str, Any]]:
-    """The numbers of the frames. Raises StorageError at the first line that is damaged."""
+    """The numbers of the frames by their present names. Raises StorageError at the first line that is damaged."""
     if not home.scalars.exists():
         return
     checked, owner = has_checksums(home), owner_of(home, home.scalars)
     for number, content in enumerate(split(home, home.scalars), start=1):
         try:
-            yield line_of(content, LINE, checked=checked, owner=owner)
+            line = line_of(content, LINE, checked=checked, owner=owner)
         except ValueError as error:
             raise StorageError(f"{home.scalars}: damaged: line {number}: {error}") from error
+        yield {present_name(name): value for name, value in line.items()}
 
 
 def split(home: RunDirectory, path: Path) -> Iterator[bytes]:

@@ -25,6 +25,7 @@ from ecume.models.invariants import INJECTED
 from ecume.scenes.faults import suggestion
 from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd import present_name
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.samples import Samples
 from ecume.units import Array
@@ -148,7 +149,7 @@ def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
 
 def number_over_time(frames: Frames, scene: Scene, name: str) -> Figure:
     """A number of the frames over time. Raises BadInput if they have none of this name."""
-    shown = evolution(frames)
+    shown, name = evolution(frames), present_name(name)
     if name not in shown[0].numbers:
         raise BadInput(f"the frames have no number {name!r}; {suggestion(name, sorted(shown[0].numbers))}")
     (values,) = series(shown, number(name))

@@ -72,6 +72,8 @@ def plot_sweep(
     drawn = sweep_figure(sweep, kind, measure)
     name = f"{kind}-{re.sub(r'[^A-Za-z0-9]+', '-', measure).strip('-')}" if measure else kind
     target = out if out is not None and out.suffix and not out.is_dir() else (out or directory) / f"{name}.{form}"
+    if kind == "fit" and data is not None and data.resolve() == target.with_suffix(".csv").resolve():
+        raise BadInput(f"--data {data}: the table of the fit has this name; expected another one")
     tables = [] if data is None else [written_data(drawn, data)]
     save(finished(drawn, finish), target)
     if kind == "fit":

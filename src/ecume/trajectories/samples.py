@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ecume._plain_files import content_of
 from ecume.errors import BadInput, StorageError
+from ecume.trajectories.gsd import present_name
 from ecume.trajectories.records import SUM, line_of, storing
 from ecume.trajectories.tables import library
 
@@ -116,7 +117,9 @@ class Samples:
         """The table as text."""
         lines = self.content.splitlines()
         try:
-            self.names, self.units, self.blocks = read_heading(lines[0].decode() if lines else ",".join(LEAD[:2]))
+            names, units, self.blocks = read_heading(lines[0].decode() if lines else ",".join(LEAD[:2]))
+            self.names = [present_name(name) for name in names]
+            self.units = {present_name(name): unit for name, unit in units.items()}
             rows = [[float(cell) for cell in line.split(b",")] for line in lines[1:]]
             self._values = np.array(rows, dtype=np.float64).reshape(len(rows), self._width)
         except ValueError as error:
@@ -199,6 +202,7 @@ class Samples:
         return f"Samples({str(self.path.parent)!r}, {len(self)} rows{span}: {', '.join(self.names)})"
 
     def _column(self, name: str, statistic: int) -> NDArray[np.float64]:
+        name = present_name(name)
         if name not in self.names:
             known = ", ".join(self.names)
             raise BadInput(f"{self.path}: got the name {name!r}; expected one of {known} (output.samples.numbers)")

@@ -144,7 +144,7 @@ def test_each_wall_and_solid_has_the_angle_of_the_liquid_or_one_of_its_own():
     assert found["bottom"] == found["obstacle0"] == pytest.approx(math.sqrt(0.75))
     assert found["body0"] == pytest.approx(math.cos(2.0))
     row = next(row for row in SPH.summary(scene) if row[0] == "contact angle")
-    assert row == ("contact angle", "30 degrees", "114.6 degrees at bodies[0]")
+    assert row == ("contact angle", "30 degrees", "114.6 degrees at bodies[0]; bodies feel no capillary force")
 
 
 @pytest.mark.parametrize(
@@ -155,12 +155,47 @@ def test_each_wall_and_solid_has_the_angle_of_the_liquid_or_one_of_its_own():
             "liquid.contact_angle: has no effect without surface",
         ),
         ({"method": {"surface_tension_model": "cohesion"}}, "liquid.contact_angle: is 90 degrees under .*'cohesion'"),
-        ({"tank": {"high": [2.0, 2.0], "walls": "reflect"}}, "liquid.contact_angle: walls that only reflect have no"),
+        ({"tank": {"high": [2.0, 2.0], "walls": "reflect"}}, "liquid.contact_angle: has no effect: there are only"),
     ],
 )
 def test_an_angle_that_nothing_reads_is_refused(changed, says):
     with pytest.raises(SceneError, match=says):
         SPH.parameters(plate({"low": [0.0, 0.0], "high": [0.4, 0.4]}, angle=60.0, **changed))
+
+
+def test_solids_have_an_angle_beside_walls_that_only_reflect():
+    scene = plate(
+        cap(90.0),
+        angle=30.0,
+        tank={"low": [-2.0, 0.0], "high": [2.0, 2.0], "walls": "reflect"},
+        obstacles=[{"center": [1.5, 1.0], "radius": 0.2}],
+    )
+    assert SPH.parameters(scene).boundary.wetting[-1] == pytest.approx(math.sqrt(0.75))
+    assert ("contact angle", "30 degrees") in [row[:2] for row in SPH.summary(scene)]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_wall_is_counted_once_wherever_its_nodes_are(dimension):
+    """Nodes are at multiples of 0.6 spacings: the wall may be on them, or midway between two."""
+    found = []
+    for offset in (0.0, 0.37, -7.0, -7.5, -10.5, -22.5):
+        size, floor = [0.4, 0.2, 0.4][:dimension], 0.04 * offset
+        low = [-0.2, floor, -0.2][:dimension]
+        sides = ("left", "right", "top", "front", "back")[: 2 * dimension - 1]
+        tank = {
+            "low": [-2.0, floor, -2.0][:dimension],
+            "high": [2.0, floor + 2.0, 2.0][:dimension],
+            **dict.fromkeys(sides, OPEN),
+        }
+        block = {"low": low, "high": [start + side for start, side in zip(low, size, strict=True)]}
+        more = {"tank": tank, "gravity": [0.0] * dimension}
+        energy = [
+            surface_energy(*(begun(plate(block, angle=angle, **more))[k] for k in (0, 2))) for angle in (90.0, 60.0)
+        ]
+        found.append((energy[0] - energy[1]) / (0.5 * math.prod(size) / size[1]))
+    assert found == pytest.approx([found[0]] * len(found), rel=0.02)
+    assert found[0] == pytest.approx(1.0, abs=0.25)
 
 
 def test_an_opening_has_no_angle():

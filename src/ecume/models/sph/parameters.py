@@ -92,6 +92,8 @@ class Boundary(NamedTuple):
     """(names, 3) the reference points of torques"""
     wetting: Array
     """(names,) the cosine of the contact angle of the liquid"""
+    color: Array
+    """(names,) the color of dummies under surface tension, which follows from that"""
 
 
 class Drive(NamedTuple):

@@ -176,7 +176,8 @@ class BodySpec(ShapeSpec):
     bodies on slopes."""
     contact_angle: WettingAngle | None = None
     """The contact angle of the liquid at this surface (rad, or text such as `60 deg`); by default that of the liquid.
-    Example: `"60 deg"`. Effect: small angles spread the liquid there, large ones repel it."""
+    Example: `"60 deg"`. Effect: small angles spread the liquid there, large ones repel it; the
+    body feels no force by it."""
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 

@@ -204,7 +204,7 @@ class Bowl:
 
     def anew(self) -> None:
         """Begin again."""
-        self.slosh, self.tilt, self.time = Slosh(), (0.0, 0.0), 0.0
+        self.slosh, self.tilt, self.time, self.calmed = Slosh(), (0.0, 0.0), 0.0, -math.inf
         self._begin(self.first)
 
     def forces(self) -> Array:

@@ -12,6 +12,7 @@ from ecume.trajectories.foreign.particles import (
     FileFault,
     Particles,
     frame_number,
+    instant_of,
     number,
     numbered,
     require_count,
@@ -89,7 +90,8 @@ def _table(lines: Sequence[str], place: int, end: int) -> Table:
         _numbers(line.split(), bounds + axis + 1) for axis, line in enumerate(lines[bounds : min(bounds + AXES, end)])
     ]
     rows = [line.split() for line in lines[first : first + count]]
-    return Table(box, head[2:], rows, first + 1, _step(lines, items["TIMESTEP"][1]))
+    clock = items.get("TIME", items["TIMESTEP"])[1]
+    return Table(box, head[2:], rows, first + 1, instant_of(lines[clock]) if clock < end else None)
 
 
 def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
@@ -106,16 +108,9 @@ def _yaml_table(lines: Sequence[str], place: int, end: int) -> Table:
     at = keys["box"] + 1
     box = [_numbers(_items(line), at + axis + 1) for axis, line in enumerate(lines[at : min(at + AXES, end)])]
     rows = [_items(line) for line in lines[first : first + count]]
-    step = (
-        number(lines[keys["timestep"]].partition(":")[2].strip(), keys["timestep"] + 1) if "timestep" in keys else None
-    )
+    clock = keys.get("time", keys.get("timestep"))
+    step = None if clock is None else instant_of(lines[clock].partition(":")[2])
     return Table(box, _items(lines[keys["keywords"]].partition(":")[2]), rows, first + 1, step)
-
-
-def _step(lines: Sequence[str], at: int) -> float | None:
-    """The time step of a frame; None where the line does not hold one number."""
-    words = lines[at].split() if at < len(lines) else []
-    return number(words[0], at + 1) if len(words) == 1 else None
 
 
 def _items(line: str) -> list[str]:

@@ -58,6 +58,15 @@ def number(word: str, line: int) -> float:
     return value
 
 
+def instant_of(text: str) -> float | None:
+    """The time or time step in a text, in the unit of the file; None where it is no number."""
+    try:
+        value = float(text.strip().rstrip(",;"))
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
 def whole(word: str, line: int, least: int = 0) -> int:
     """The integer in a text. Raises FileFault."""
     if not (word.isascii() and word.isdigit() and len(word) < 19 and int(word) >= least):

@@ -18,6 +18,7 @@ from ecume.trajectories.foreign.particles import (
     FileFault,
     Particles,
     frame_number,
+    instant_of,
     number,
     numbered,
     require_count,
@@ -83,7 +84,7 @@ def _frame(lines: Sequence[str], starts: Sequence[int], index: int) -> Particles
     sides, tilt = _box(comment, start + 2)
     mass, density = single.get("mass"), single.get("density")
     velocity = _velocities(values, start + 2)
-    instant = number(comment["time"], start + 2) if "time" in comment else None
+    instant = instant_of(comment.get("time", ""))
     return Particles(names, kind, values["position"], velocity, diameter, mass, density, sides, tilt, instant=instant)
 
 

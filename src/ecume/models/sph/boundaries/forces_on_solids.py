@@ -245,9 +245,10 @@ def _add_reflected(parameters: Parameters, workspace: Workspace, reflected: Inte
     lists = reversed_lists(workspace.lists, near, columns, len(group))
     push = forces_on(parameters, workspace, columns, group, lists)[0]
     chain, root = chains_of(images, real)[reflected], roots_of(images, real)[reflected]
+    fixed, (kinds, kind) = root < liquid + parameters.bodies.first, np.unique(chain, return_inverse=True)
+    crossed = [_crossed(parameters.boundary.image_owner, int(each)) for each in kinds]
     for axis in range(parameters.dimension):
-        turns = np.array([axis in _crossed(parameters.boundary.image_owner, int(each)) for each in chain])
-        fixed = root < liquid + parameters.bodies.first
+        turns = np.array([axis in each for each in crossed])[kind]
         own = np.where(turns, np.where(fixed, 0.0, -push[axis]), push[axis])
         force[axis] += np.bincount(root - (real - force.shape[1]), own, force.shape[1])
 

@@ -246,7 +246,7 @@ def expel_from_drawn(parameters: Parameters, state: State) -> None:
         owner = drawn_owner(parameters, number)
         state.hits[owner] += len(inside)
         state.tally[GUARD_HITS] += len(inside)
-        if len(inside):
+        if len(inside) and guard.reach > 0.0:
             add_impulse(parameters, state, Repelled(owner, inside, -approach * normal.T))
 
 

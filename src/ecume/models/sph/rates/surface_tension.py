@@ -115,8 +115,7 @@ def solid_colors(parameters: Parameters, workspace: Workspace) -> Array:
     images, boundary = workspace.images, parameters.boundary
     liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
     found = np.zeros(workspace.fields.shape[1])
-    colors = np.array([tension.solid_color(cosine) for cosine in boundary.wetting.tolist()])
-    found[liquid:real] = colors[boundary.dummies.owner]
+    found[liquid:real] = boundary.color[boundary.dummies.owner]
     # Images follow in order of their sides, and may be images of earlier ones.
     for first, end in itertools.pairwise(images.start.tolist()):
         found[real + first : real + end] = found[images.source[first:end]]
@@ -253,8 +252,8 @@ def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: Gri
             before += (low[1] + b * step - planes[side, 1]) * planes[side, 4]
             before += (low[2] + c * step - planes[side, 2]) * planes[side, 5]
             inside = min(max(0.5 + before / step, 0.0), 1.0)
-            # The derivative along the normal of the part inside is the plane itself.
-            within = planes[side, 6] / step if -0.5 * step <= before < 0.5 * step else 0.0
+            # Of a plane between two nodes each has a share; they sum to one wherever it is.
+            within = planes[side, 6] / step * max(0.0, 1.0 - abs(before) / step)
             wall = wall * inside + share * within
             share *= inside
         gx, gy, gz = nodes[1, node], nodes[2, node], nodes[3, node]

@@ -35,13 +35,15 @@ from ecume.models.sph.setup.choices import (
     smallest_extent,
     smoothing_of,
     tension_of,
+    wet_walls,
 )
 from ecume.models.sph.setup.initial_particles import cells_of, unaligned_solids
 from ecume.models.sph.setup.packing import unevenness
 from ecume.models.sph.setup.shapes import part_of, solids_of
 from ecume.models.sph.setup.walls_and_bodies import holds, narrowest_channel
 from ecume.models.step_counts import last_step
-from ecume.scenes.sph import SphScene
+from ecume.scenes.sph import BodySpec, ObstacleSpec, SphScene
+from ecume.scenes.sph.tank import SideSpec
 from ecume.units import Array, duration_text, size_text, with_prefix
 
 IRRELEVANT, RELEVANT = 1000.0, 100.0
@@ -455,15 +457,18 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _contact_angles(scene: SphScene) -> Row:
     """The row on the angle of the liquid at walls, obstacles and bodies, with those of which it is different."""
-    walls = {name: getattr(scene.tank, name) for name in scene.sides if getattr(scene.tank, name).kind == "wall"}
+    walls = wet_walls(scene)
     obstacles = {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
     bodies = {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}
     usual = 90.0 if scene.liquid.contact_angle is None else math.degrees(scene.liquid.contact_angle)
-    angles = {
-        name: math.degrees(contact_angle_of(scene, spec)) for name, spec in {**walls, **obstacles, **bodies}.items()
-    }
-    others = [f"{angle:.4g} degrees at {name}" for name, angle in angles.items() if angle != usual]
-    return ("contact angle", f"{usual:.4g} degrees", "; ".join(others) or "at walls and solids: key `contact_angle`")
+    wetted: dict[str, SideSpec | ObstacleSpec | BodySpec] = {**walls, **obstacles, **bodies}
+    angles = {name: math.degrees(contact_angle_of(scene, spec)) for name, spec in wetted.items()}
+    if not angles:
+        return ("contact angle", "none", "no wall but such that reflect, and no solid")
+    remarks = [f"{angle:.4g} degrees at {name}" for name, angle in angles.items() if angle != usual]
+    remarks = remarks or ["at walls and solids: key `contact_angle`"]
+    remarks += ["bodies feel no capillary force"] * bool(bodies)
+    return ("contact angle", f"{usual:.4g} degrees", "; ".join(remarks))
 
 
 def uniform_inflows(scene: SphScene) -> list[Row]:

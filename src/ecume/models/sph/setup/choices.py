@@ -337,10 +337,18 @@ def require_wetting(scene: SphScene) -> None:
             else f"is 90 degrees under surface_tension_model = '{model}'; use 'csf', or remove it"
         )
         raise SceneError([Fault(path, cure) for path in given])
-    at_sides = [path for path in given if not path.startswith(("obstacles", "bodies"))]
-    if at_sides and scene.tank.walls == "reflect":
-        message = "walls that only reflect have no contact angle; use tank.walls = 'mirror' or 'dummy'"
-        raise SceneError([Fault(path, message) for path in at_sides])
+    wetted = bool(wet_walls(scene)) or bool(scene.obstacles or scene.bodies)
+    unread = [path for path in given if path.startswith("tank") and scene.tank.walls == "reflect"]
+    unread += ["liquid.contact_angle"] * ("liquid.contact_angle" in given and not wetted)
+    if unread:
+        message = "has no effect: there are only open sides, or walls that reflect and have no contact angle"
+        raise SceneError([Fault(path, message) for path in unread])
+
+
+def wet_walls(scene: SphScene) -> dict[str, SideSpec]:
+    """The sides that the liquid meets with a contact angle: walls that do not only reflect."""
+    sides = {name: getattr(scene.tank, name) for name in scene.sides}
+    return {} if scene.tank.walls == "reflect" else {name: side for name, side in sides.items() if side.kind == "wall"}
 
 
 def turbulent(scene: SphScene) -> bool:

@@ -16,6 +16,7 @@ from ecume.engine.shapes import Ball, Box, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.kernels import kernel
+from ecume.laws.tension import solid_color
 from ecume.models.sph.boundaries.driven_bodies import on_path
 from ecume.models.sph.boundaries.rigid_bodies import drive_at, rotations
 from ecume.models.sph.parameters import Bodies, BodyPath, Boundary, Drive, Dummies, Guard, Material, OpenBoundary
@@ -53,7 +54,8 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
     centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
     dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
     wetting = np.array([contact_cosine(scene, spec) for spec in (*sides_of(scene), *scene.obstacles, *scene.bodies)])
-    return Boundary(sides, table, image_owner, dummies, guard_of(scene, support), names, centers, wetting)
+    color = np.array([solid_color(cosine) for cosine in wetting.tolist()])
+    return Boundary(sides, table, image_owner, dummies, guard_of(scene, support), names, centers, wetting, color)
 
 
 def require_long_periods(scene: SphScene, support: float) -> None:
