@@ -366,6 +366,24 @@ def test_a_bowl_is_played_by_keys_alone(tab, simulating):
     assert tab.complaints == []
 
 
+def test_a_bowl_is_played_by_hands(tab, simulating):
+    tab.goto(simulating)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.get_by_role("button", name="pause").click()
+    tab.get_by_role("button", name="empty the dish").click()
+    tab.wait_for_selector("#clock:has-text(' 0 floats')")
+    box = tab.locator("#canvas").bounding_box()
+    middle = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+    tab.mouse.click(*middle)
+    tab.wait_for_selector("#clock:has-text(' 1 floats')")
+    assert tab.locator("#liquid select").count() == 1
+    tab.locator("#liquid select").select_option("water")
+    tab.wait_for_timeout(200)
+    assert tab.locator("#liquid select").input_value() == "water"
+    assert floats_of(tab) == 1
+    assert tab.complaints == []
+
+
 def test_a_link_brings_a_bowl_back_and_hostile_ones_end_in_a_sentence(browser, tab, simulating):
     tab.goto(simulating)
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
