@@ -125,7 +125,7 @@ def test_a_bowl_begins_again_where_it_began(bowl):
     bowl.drop("bead", 0.01, 0.005)
     bowl.play(0.1)
     assert np.abs(bowl.forces()).max() > 0.0
-    bowl.anew()
+    bowl.begin_again()
     assert places(bowl) == pytest.approx(start)
     assert bowl.time == 0.0
 
@@ -135,7 +135,7 @@ def test_a_tilted_bowl_that_begins_again_is_level_with_its_first_numbers(bowl):
     bowl.change("liquid", "surface_tension", 0.06)
     bowl.play(0.05)
     assert bowl.slosh.slope[0] > 0.0
-    bowl.anew()
+    bowl.begin_again()
     bowl.play(0.05)
     assert bowl.slosh == Slosh()
     assert bowl.scene.liquid == bowl.first.liquid

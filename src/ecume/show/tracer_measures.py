@@ -180,12 +180,17 @@ def deposition(frames: Frames, scene: TracersScene) -> Figure:
     with style():
         drawn = figure()
         axes = drawn.add_subplot(xlabel=f"place ({scale.unit})", title=titled("Deposition", scene))
+        densities = list[Array]()
         for axis, (name, color) in enumerate(zip(names, PALETTE, strict=False)):
             if wide.any() and not wide[axis]:
                 continue
             found = dispersion.deposition(last, edges_of(places[:, axis], "no particle is deposited"), axis)
             counted = (found.density / scale.factor, found.error / scale.factor)
             bars(axes, scale.factor * found.edges, counted, color, f"along {name}")
+            densities.append(counted[0][counted[0] > 0.0])
+        # What lies on a floor is one column, far above those of obstacles.
+        axes.set_yscale("log")
+        axes.set_ylim(bottom=0.5 * float(np.concatenate(densities).min()))
         axes.set_ylabel(f"particles per {scale.unit}")
         legend_outside(axes)
     return drawn

@@ -81,6 +81,51 @@ def test_of_all_caps_the_one_that_meets_dummies_at_the_contact_angle_has_the_lea
     assert least(energies("dummy", angle)) == pytest.approx(angle, abs=5.0)
 
 
+def require_slopes(scene, chosen):
+    """Compare forces on some particles along some axes with differences of the energy."""
+    parameters, state, workspace = begun(scene)
+    add_surface_tension(parameters, state, workspace)
+    for particle, axis in chosen:
+        here, found = state.position[axis, particle], []
+        for way in (1e-6, -1e-6):
+            state.position[axis, particle] = here + way
+            fill(parameters, state, workspace)
+            found.append(surface_energy(parameters, workspace))
+        state.position[axis, particle] = here
+        force = state.mass[particle] * state.acceleration[axis, particle]
+        assert force == pytest.approx((found[1] - found[0]) / 2e-6, rel=1e-5, abs=1e-7)
+
+
+def random_tank(seed):
+    """A block in a corner of a tank, in 2D or 3D, with angles, walls and directions drawn at random."""
+    draw = np.random.default_rng(seed)
+    dimension, walls = int(draw.integers(2, 4)), str(draw.choice(["mirror", "dummy"]))
+    low, size = 0.04 * draw.uniform(-30.0, 30.0, dimension), 0.04 * draw.integers(3, 6, dimension)
+    sides: dict[str, object] = dict.fromkeys(("left", "right", "bottom", "top", "front", "back")[: 2 * dimension], OPEN)
+    sides["bottom"], sides["left"] = ({"contact_angle": float(draw.uniform(0.1, 3.0))} for _ in range(2))
+    kind = int(draw.integers(4))
+    if kind == 0:
+        sides["left"] = sides["right"] = {"kind": "periodic"}
+    if kind == 1 and walls == "mirror":
+        sides["left"] |= {"motion": {"amplitude": 0.01, "frequency": 1.0}}
+    more = {"up": "z"} if dimension == 3 and draw.random() < 0.5 else {}
+    if kind == 2:
+        more["method"] = {"pressure": "incompressible", "jitter": 0.2}
+    return plate(
+        {"low": low.tolist(), "high": (low + size).tolist()},
+        angle=float(draw.uniform(5.0, 175.0)), seed=seed, gravity=[0.0] * dimension,
+        tank={"low": low.tolist(), "high": (low + 0.48).tolist(), "walls": walls, **sides}, **more,
+    )  # fmt: skip
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("seed", range(12))
+def test_forces_are_the_slopes_of_the_energy_in_random_tanks(seed):
+    scene, draw = random_tank(seed), np.random.default_rng(seed)
+    chosen = [(int(draw.integers(9)), int(draw.integers(len(scene.tank.low)))) for _ in range(6)]
+    require_slopes(scene, chosen)
+
+
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_forces_are_the_slopes_of_the_energy_at_any_angle(walls, seed):
@@ -98,17 +143,7 @@ def test_forces_are_the_slopes_of_the_energy_at_any_angle(walls, seed):
         obstacles=[{"low": [0.24, 0.0], "high": [0.4, 0.2], "contact_angle": solid}],
         seed=seed,
     )  # fmt: skip
-    parameters, state, workspace = begun(scene)
-    add_surface_tension(parameters, state, workspace)
-    for chosen, axis in ((0, 0), (7, 1), (int(draw.integers(len(state.mass))), 0)):
-        here, found = state.position[axis, chosen], []
-        for way in (1e-6, -1e-6):
-            state.position[axis, chosen] = here + way
-            fill(parameters, state, workspace)
-            found.append(surface_energy(parameters, workspace))
-        state.position[axis, chosen] = here
-        force = state.mass[chosen] * state.acceleration[axis, chosen]
-        assert force == pytest.approx((found[1] - found[0]) / 2e-6, rel=1e-5, abs=1e-7)
+    require_slopes(scene, [(0, 0), (7, 1), (int(draw.integers(20)), 0)])
 
 
 @pytest.mark.compiled

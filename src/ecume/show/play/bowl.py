@@ -202,7 +202,7 @@ class Bowl:
         )
         self._begin(_with(scene, kind, fewer))
 
-    def anew(self) -> None:
+    def begin_again(self) -> None:
         """Begin again."""
         self.slosh, self.tilt, self.time, self.calmed = Slosh(), (0.0, 0.0), 0.0, -math.inf
         self._begin(self.first)

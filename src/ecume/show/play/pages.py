@@ -218,7 +218,7 @@ class BowlPage:
             "take": lambda asked: bowl.take(int(asked["one"])),
             "tilt": self._tilt,
             "change": lambda asked: bowl.change(str(asked["part"]), str(asked["key"]), number(asked["value"])),
-            "anew": lambda asked: bowl.anew(),
+            "anew": lambda asked: bowl.begin_again(),
         }
         self._painted, self._paint = 0.0, ""
         self._sheet: tuple[Any, Sheet] | None = None
@@ -305,7 +305,7 @@ class TankPage:
             "drag": lambda asked: tank.drag(number(asked["x"])),
             "wave": lambda asked: tank.wave(),
             "lean": lambda asked: tank.lean(number(asked["angle"])),
-            "anew": lambda asked: tank.anew(),
+            "anew": lambda asked: tank.begin_again(),
             "color": self._choose,
         }
         low, high = np.array(tank.first.tank.low), np.array(tank.first.tank.high)

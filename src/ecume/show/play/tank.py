@@ -223,9 +223,9 @@ class Tank:
     def __init__(self, scene: SphScene) -> None:
         require_playable(scene)
         self.first, self.time, self.news = fixed(scene), 0.0, list[str]()
-        self.anew()
+        self.begin_again()
 
-    def anew(self) -> None:
+    def begin_again(self) -> None:
         """Begin again, with all that was there at first."""
         self.aim, self.tilt, self.leaning = 0.0, 0.0, 0.0
         self.wave_since, self.calmed = -math.inf, -math.inf
@@ -361,7 +361,7 @@ class Tank:
     def _calm(self, kept: Liquid) -> None:
         """Bring liquid to rest where it last was whole; restart where that did not help just now."""
         if self.time - self.calmed < SOON:
-            self.anew()
+            self.begin_again()
             self.news.append(ANEW)
             return
         self.calmed = self.time

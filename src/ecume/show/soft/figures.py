@@ -284,11 +284,11 @@ def creep_curves(frames: Frames, scene: SoftScene) -> Figure:
     moments = [stage.time for stage in scene.protocol if stage.shear_stress is not None]
     if not moments:
         raise BadInput("the protocol imposes no shear_stress; creep requires one")
-    sheared_anew = [
+    sheared_again = [
         stage.time for stage in expanded(scene.protocol) if any(getattr(stage, key) is not None for key in SHEARS)
     ]
     last = float(times(frames)[-1])
-    ends = [min((time for time in sheared_anew if time > start), default=last) for start in moments]
+    ends = [min((time for time in sheared_again if time > start), default=last) for start in moments]
     with style():
         drawn = figure(6.4, 4.8)
         strains, rates = drawn.subplots(2, 1, sharex=True)

@@ -128,6 +128,8 @@ class ContactModel(Option):
     """energy(part, scratch, parameters, state, workspace): among floats and at walls (J)"""
     gaps: Callable[..., list[tuple[int, int, float]]] | None = None
     """gaps(part, parameters, positions, angles, reach): for floats that are no discs"""
+    stores_overlaps: bool = False
+    """whether overlaps store energy, so that those of the start stay"""
     laws: tuple[Callable[..., Any], ...] = (friction.impulse,)
     """functions whose docstrings name the references that `ecume cite` lists"""
 
@@ -179,7 +181,7 @@ CONTACTS = {
     ),
     "spring-dashpot": ContactModel(
         path="contacts.law", name="'spring-dashpot'", constants=Springs, make=springs_of,
-        before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies,
+        before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies, stores_overlaps=True,
         laws=(friction.spring_push, friction.dashpot_restitution), gives=frozenset({"apart", "no spins"}),
         needs={
             "reciprocal": "its energy is compared with that of the pair law",

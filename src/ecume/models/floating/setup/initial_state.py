@@ -22,8 +22,7 @@ from ecume.engine.walls import Walls, surfaces
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity
 from ecume.models.floating.contacts.candidates import list_candidates
-from ecume.models.floating.contacts.contact_models import NoContacts, contacts_of, gaps_between
-from ecume.models.floating.contacts.springs import Springs
+from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
@@ -151,9 +150,9 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
 
 
 def _are_hard(parameters: Parameters) -> bool:
-    """Whether contacts of round floats allow no overlap: with springs, overlaps store energy."""
-    soft = parameters.passing or isinstance(parameters.parts.contacts, Springs | NoContacts)
-    return not soft and contacts_of(parameters).gaps is None
+    """Whether round floats may not overlap."""
+    contacts = contacts_of(parameters)
+    return not parameters.passing and not contacts.stores_overlaps and contacts.gaps is None
 
 
 SLIGHT, SEPARATE, MOST_SWEEPS = 0.02, 2e-4, 1000
@@ -276,8 +275,8 @@ def _angle_of(row: FloatRow) -> float:
 
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
     """Raise SceneError for floats with given positions that overlap or are outside the dish."""
-    soft = isinstance(parameters.parts.contacts, Springs)
-    faults = position_faults(parameters, position, which, float_names(scene), SLIGHT if soft else TOUCHING)
+    tolerance = SLIGHT if contacts_of(parameters).stores_overlaps else TOUCHING
+    faults = position_faults(parameters, position, which, float_names(scene), tolerance)
     if faults:
         more = [Fault("", f"and {len(faults) - MOST_FAULTS} more of these")] if len(faults) > MOST_FAULTS else []
         raise SceneError(faults[:MOST_FAULTS] + more)
