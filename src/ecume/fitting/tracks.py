@@ -414,7 +414,7 @@ def _floats_start(plain: dict[str, Any], position: Array, velocity: Array | None
     places = iter(range(len(position)))
     for species in plain["particles"]:
         mine = [next(places) for _ in range(species["count"])]
-        species |= {"placement": "random", "spacing": None, "ring_radius": None}
+        species |= {"placement": "random", "spacing": None, "ring_radius": None, "center": None}
         species["positions"] = position[mine].tolist()
         if velocity is not None:
             species["velocities"] = velocity[mine].tolist()

@@ -1,9 +1,14 @@
+import copy
+
 import numpy as np
 import pytest
 
 from ecume.errors import SceneError
+from ecume.fitting.tracks import _floats_start
 from ecume.models import MODELS, costs
 from ecume.scenes.schema import from_plain, to_plain
+from ecume.show.play.bowl import placed
+from ecume.show.play.offered import species_of
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
@@ -178,3 +183,23 @@ def test_keys_of_an_arrangement_that_is_not_asked_for_are_refused(given):
     bead = {"radius": 1e-3, "density": 600.0, "contact_angle": 1.2, **given}
     with pytest.raises(SceneError, match="means something only with placement"):
         from_plain({"model": "floating", "duration": 1.0, "frame_every": 0.1, "particles": [bead]})
+
+
+def test_games_and_fits_replace_arrangements_that_have_a_center():
+    """They write positions in place of a ring around a point, or a lattice."""
+    for keys in ({"placement": "ring", "ring_radius": 5e-3}, {"placement": "lattice", "spacing": 4e-3}):
+        bead = {"radius": 1e-3, "density": 600.0, "contact_angle": 1.2, "count": 4, "center": [4e-3, 0.0], **keys}
+        plain = {
+            "model": "floating",
+            "duration": 1.0,
+            "frame_every": 0.1,
+            "dish": {"radius": 0.03},
+            "particles": [bead],
+        }
+        scene = from_plain(plain)
+        assert len(species_of(scene, shelf=False)) == 1
+        again = copy.deepcopy(to_plain(scene))
+        _floats_start(again, np.linspace(-0.01, 0.01, 8).reshape(4, 2), None)
+        assert len(from_plain(again).particles[0].positions) == 4
+        moved = placed(scene, np.linspace(-0.01, 0.01, 8).reshape(4, 2), np.zeros((4, 2)), np.zeros(4, int))
+        assert len(moved.particles[0].positions) == 4

@@ -339,23 +339,23 @@ def _sizes(species: FloatSpec) -> Complaints:
 
 def _layout(species: FloatSpec) -> Complaints:
     """The faults unless there are as many positions as floats; lattices and rings require a length, and no other
-    placement has it. Beside positions these keys may be there: games and fits put them into scenes that have them.
+    placement has it.
     """
     if len(species.velocities) not in (0, len(species.positions)):
         return [(("velocities",), f"got {len(species.velocities)}; there are {len(species.positions)} positions")]
-    if species.positions:
-        fits = species.count in (0, len(species.positions))
-        return [] if fits else [(("count",), f"got {species.count}; there are {len(species.positions)} positions")]
     complaints: Complaints = []
+    placed = "" if species.positions else species.placement
     # Runs of former versions state the origin.
-    if species.center not in (None, (0.0, 0.0)) and species.placement == "random":
-        complaints.append((("center",), 'means something only with placement = "lattice" or "ring"'))
+    if species.center not in (None, (0.0, 0.0)) and placed in ("", "random"):
+        complaints.append((("center",), 'means something only with placement = "lattice" or "ring", without positions'))
     for placement, key in (("lattice", "spacing"), ("ring", "ring_radius")):
         given = getattr(species, key) is not None
         if given and species.placement != placement:
             complaints.append(((key,), f'means something only with placement = "{placement}"'))
-        if not given and species.placement == placement:
+        if not given and placed == placement:
             complaints.append((("placement",), f'"{placement}" needs {key} as well'))
+    if species.positions and species.count not in (0, len(species.positions)):
+        complaints.append((("count",), f"got {species.count}; there are {len(species.positions)} positions"))
     return complaints
 
 

@@ -299,6 +299,7 @@ def placed(scene: FloatingScene, position: Array, velocity: Array, species: Arra
                 placement="random",
                 spacing=None,
                 ring_radius=None,
+                center=None,
                 color=kind.color,
                 positions=places,
                 velocities=speeds,

@@ -90,7 +90,7 @@ def species_of(scene: FloatingScene, *, shelf: bool = True) -> list[FloatSpec]:
     more = [FloatSpec(name=name, **values) for name, values in SHELF.items() if shelf and name not in known]
     bare: dict[str, Any] = {
         "count": 1, "positions": (), "velocities": (), "velocity": (0.0, 0.0),
-        "placement": "random", "spacing": None, "ring_radius": None,
+        "placement": "random", "spacing": None, "ring_radius": None, "center": None,
     }  # fmt: skip
     return [dataclasses.replace(spec, **bare) for spec in (*scene.particles, *more)]
 
