@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from io import FileIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,10 +85,8 @@ def _tilt(box: list[float]) -> float:
 
 def _step(file: FileIO, index: Index, frame: int) -> float | None:
     """The number of steps of a frame that states its own, or of the first."""
-    if "configuration/step" not in index.names:
-        return None
-    own = index.entries["frame"][index.entries["name"] == index.names.index("configuration/step")]
-    found = _chunk(file, index, frame, "configuration/step") if frame in own else None
+    own = frame == 0 or _entry(index, frame, "configuration/step") is not None
+    found = _chunk(file, index, frame, "configuration/step") if own else None
     return float(found.flat[0]) if found is not None and found.size else None
 
 
@@ -112,13 +112,21 @@ def _names(types: Chunk | None) -> tuple[str, ...]:
     return tuple(row.tobytes().split(b"\0", 1)[0].decode(errors="replace") for row in types)
 
 
-def _chunk(file: FileIO, index: Index, frame: int, name: str) -> Chunk | None:
-    """A chunk of a frame, or that of the first frame. The index lists no chunk that is not in the file."""
+def _entry(index: Index, frame: int, name: str) -> Any:
+    """The entry of a chunk of a frame; None without one. Entries are in the order of frames."""
     if name not in index.names:
         return None
-    mine = index.entries[index.entries["name"] == index.names.index(name)]
+    order = index.entries["frame"]
+    own = index.entries[bisect_left(order, frame) : bisect_right(order, frame)]
+    found = own[own["name"] == index.names.index(name)]
+    return found[0] if len(found) else None
+
+
+def _chunk(file: FileIO, index: Index, frame: int, name: str) -> Chunk | None:
+    """A chunk of a frame, or that of the first frame. The index lists no chunk that is not in the file."""
     for number in (frame, 0):
-        for entry in mine[mine["frame"] == number]:
+        entry = _entry(index, number, name)
+        if entry is not None:
             kind = TYPES[int(entry["type"])]
             rows, columns = int(entry["rows"]), int(entry["columns"])
             if rows * columns > MOST_NUMBERS:
