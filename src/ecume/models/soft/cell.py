@@ -24,7 +24,9 @@ from ecume.units import Array
 TILT, WIDTH, HEIGHT, DEPTH, STRAIN = range(5)
 """Indices of a shape: tilt over width, logarithms of the factors of width, height and depth, and total strain."""
 MORE = 5
-"""Index of a slope: the growth rate of the tilt, minus that of a box with the aspect ratio at the start of the step."""
+"""Index of a slope: the growth rate of the tilt, minus that of a box whose aspect ratio stays that at the start of the
+step.
+"""
 
 
 class Cell(NamedTuple):
@@ -224,7 +226,8 @@ def transformed(gradient: Array, x: Vector) -> Vector:
 
 @compiled
 def gradient_of(cell: Cell, unknown: int, goal: StageTarget, row: bool) -> Array:
-    """The displacement gradient per unit of an unknown: of the shear, if a stress controls it, then of the size.
+    """The displacement gradient per unit of an unknown of the box: the shear, if a stress controls it, or else the
+    size.
 
     With `row`, that of the virtual work of its stress. They differ for an imposed strain, whose tilt depends on the
     height.
@@ -242,7 +245,7 @@ def gradient_of(cell: Cell, unknown: int, goal: StageTarget, row: bool) -> Array
 
 @compiled
 def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> float:
-    """The prescribed work per unit of an unknown (J), positive for tension."""
+    """The prescribed work of a stress per unit of an unknown of the box (J), positive for tension."""
     space = volume(cell, dimensions)
     if unknown == 0 and is_stressed(cell):
         return space * drive.shear_stress
@@ -301,8 +304,8 @@ def place_images(pairs: Pairs, cell: Cell) -> None:
 
 @compiled
 def cell_error(cell: Cell, scheme: Scheme, time_step: float) -> float:
-    """The largest difference from the embedded scheme, of the strain or of the logarithm of a side, of components that
-    stresses control.
+    """The largest difference from the embedded scheme, of the strain and of the logarithms of the sides, as far as
+    stresses control them.
     """
     largest = 0.0
     for k in range(WIDTH, STRAIN + 1):

@@ -59,15 +59,15 @@ class Contacts(NamedTuple):
     coefficient: float
     """of contact friction"""
     roughness: float
-    """m: the gap below which there is contact friction"""
+    """m: the gap below which contact friction acts"""
     critical_load: float
-    """N: the compression above which there is contact friction"""
+    """N: the compression above which contact friction acts"""
     tangential_law: int
     """the code of a row of `ecume.laws.soft_contacts.TANGENTIAL`"""
     tension_law: int
     """the code of a row of `ecume.laws.soft_contacts.TENSION`"""
     cavitation_pressure: float
-    """Pa: the largest pressure difference by which a film is below the outside"""
+    """Pa: the largest suction of a film, relative to the surrounding pressure"""
 
 
 class Laws(NamedTuple):
@@ -103,7 +103,7 @@ class Parameters(NamedTuple):
     end: float
     """s: the end of the run, if it is between two frames; otherwise infinite"""
     last_tick: int
-    """the tick of that end"""
+    """the tick of `end`"""
     dimensions: int
     radius: Array
     modulus: Array
@@ -126,7 +126,7 @@ class Parameters(NamedTuple):
     laws: Laws
     protocol: Protocol
     listed: str
-    """one of `CONTACT_LISTS`: what frames contain of contacts"""
+    """the contacts in frames: one of `CONTACT_LISTS`"""
     scheme: str
     tolerance: float
     """of ln(gap), and of directions (rad), in a step"""

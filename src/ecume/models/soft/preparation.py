@@ -23,9 +23,9 @@ from ecume.units import Array
 DENSEST = 1.4
 """The largest volume fraction of a compression to a given pressure."""
 LONGEST = 1000
-"""The time, times the rate, after which an unrelaxed packing is given up."""
+"""The longest relaxation, in units of 1/rate."""
 FAINT = 1e-9
-"""The force below which spheres are not in contact, over the largest modulus times radius squared."""
+"""The force below which a contact counts as open, over the largest modulus times radius squared."""
 
 
 def start(scene: SoftScene, parameters: Parameters) -> State:
@@ -56,7 +56,7 @@ def _pressing(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -
 
 
 def _unloaded(spec: PreparationSpec, parameters: Parameters) -> Parameters:
-    """The parameters without loads and without an end, on a clock whose frames are 1/rate apart."""
+    """The parameters without loads and without an end, with frames at intervals of 1/rate."""
     nothing = {name: np.zeros_like(getattr(parameters, name)) for name in ("force", "torque", "weight")}
     return parameters._replace(time_step=1.0 / spec.rate / parameters.steps_per_frame, end=math.inf, **nothing)
 
@@ -78,15 +78,15 @@ def _prepared(scene: SoftScene, spec: PreparationSpec, parameters: Parameters) -
 
 
 def _presses(spec: PreparationSpec, parameters: Parameters, state: State) -> bool:
-    """Whether a pressure that is looked for is reached."""
+    """Whether the requested pressure is reached; False without one."""
     if spec.pressure is None:
         return False
     return observe(parameters, state, workspace(parameters, state, 1.0)).numbers["pressure"] >= spec.pressure
 
 
 def compression(scene: SoftScene, spec: PreparationSpec) -> tuple[StageSpec, StageSpec]:
-    """The scale of the cell over time, between the fraction at which spheres are placed and the goal; or, in search of
-    a pressure, a fraction that few packings exceed.
+    """The scale of the cell over time, from the volume fraction of the placement to the requested one, or, for a
+    requested pressure, to DENSEST.
     """
     ratio = ((spec.volume_fraction or DENSEST) / first_fraction(scene)) ** (1.0 / dimensions_of(scene))
     first, last = (ratio, 1.0) if spec.pressure is None else (1.0, 1.0 / ratio)
@@ -102,7 +102,7 @@ def _rewind(scene: SoftScene, parameters: Parameters, state: State) -> None:
 
 
 def _relax(parameters: Parameters, state: State, part: float) -> None:
-    """Wait until the forces on contacts change by less than a part of them within 1/rate. Raises SceneError."""
+    """Integrate until contact forces change by less than the fraction `part` within 1/rate. Raises SceneError."""
     frame, least = parameters.steps_per_frame, FAINT * float((parameters.modulus * parameters.radius**2).max())
     before = _forces(parameters, state)
     for _ in range(LONGEST):
@@ -119,20 +119,20 @@ def _relax(parameters: Parameters, state: State, part: float) -> None:
 
 
 def _go(parameters: Parameters, state: State, steps: int) -> None:
-    """Advance by so many ticks, or up to a change of contacts. Raises SceneError where no step is short enough."""
+    """Advance by `steps` ticks, or until contacts change. Raises SceneError if no step is short enough."""
     if advance(parameters, state, workspace(parameters, state, 1.0), steps) == DIVERGED:
         raise SceneError([Fault("preparation", diagnosis(parameters, state))])
 
 
 def _forces(parameters: Parameters, state: State) -> tuple[Integers, Array]:
-    """The contacts, by their spheres and image, and the force of each (N)."""
+    """The contacts, as spheres and image, and their forces (N)."""
     scratch, count = workspace(parameters, state, 1.0), int(state.contacts[0])
     begin_step(parameters, scratch.step, drive_at(parameters.protocol, float(state.pace[CLOCK])))
     return np.hstack([state.pair[:count], state.image[:count]]), scratch.step.responses.force.copy()
 
 
 def _changed(before: tuple[Integers, Array], now: tuple[Integers, Array]) -> float:
-    """The root mean square by which forces have changed (N), with those of contacts that opened or closed."""
+    """The root mean square change of contact forces (N), including contacts that opened or closed."""
     contact, place = np.unique(np.concatenate([before[0], now[0]]), axis=0, return_inverse=True)
     change = np.zeros((len(contact), before[1].shape[1]))
     np.add.at(change, place.ravel()[: len(before[0])], -before[1])

@@ -44,7 +44,7 @@ class Drive(NamedTuple):
     load: float
     """factor of external forces"""
     strain: float
-    """of the box, of x with y"""
+    """of the box, along x per height"""
     rate: float
     """of the strain (1/s)"""
     scale: float
@@ -72,10 +72,10 @@ class Rules(NamedTuple):
 
 
 class SizeControl(NamedTuple):
-    """The control of the box size after a moment with this key."""
+    """Which sides of the box a stress controls after a moment with this key."""
 
     sides: tuple[int, int, int]
-    """which of width, height and depth the stress of the key controls; all 0 where they are imposed"""
+    """1 for each of width, height and depth that the stress of the key controls, 0 where imposed"""
 
 
 SIZE_CONTROLS = {

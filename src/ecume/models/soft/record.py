@@ -57,12 +57,12 @@ def extended(laws: Sequence[BoundLaw]) -> Model:
 
 
 def summary(scene: SoftScene) -> list[Row]:
-    """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
+    """Derived numbers: name, value with unit, remark. Raises SceneError for anything that would prevent a run."""
     parameters = checked_parameters(scene)
     return advice(scene, parameters, unprepared(scene, parameters))
 
 
-# --- What soft spheres must not lose: the balance of forces on each, the films between them, and energy
+# --- Invariants of soft spheres: balanced forces, positive gaps, and energy
 
 
 DEEP_CONTACT = "the largest of a contact, over the smaller radius, beyond which the contact laws are inaccurate"
@@ -73,7 +73,7 @@ in rounding.
 
 
 def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene."""
+    """The invariants of a scene."""
     balance = "what a step leaves on a sphere, over the typical force"
     allowed = error_of_run(parameters.scheme, parameters.tolerance)
     return [
@@ -85,8 +85,10 @@ def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
 
 
 def _missing(seen: NumberHistory) -> float:
-    """The defect of the energy budget: work less the change of stored energy, dissipation, and the part of contact
-    sizes. The tolerance is one of ln(gap) and directions, so where little moved, of what moving as much would do.
+    """The residual of the energy budget: the work minus the changes of stored, dissipated and
+    surface energy.
+
+    It is relative to the exchanged energy plus `stake`, since the tolerance is one of ln(gap) and directions.
     """
     if INJECTED not in seen.now:
         return 0.0
@@ -97,7 +99,7 @@ def _missing(seen: NumberHistory) -> float:
 
 
 def _deflected(seen: NumberHistory) -> float:
-    """Zero in runs of an earlier version."""
+    """The largest deflection; zero in runs of earlier versions."""
     return seen.now.get("largest_deflection", 0.0)
 
 

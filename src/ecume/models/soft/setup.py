@@ -40,7 +40,9 @@ from ecume.units import Array, with_prefix
 GAP = 1e-2
 """The initial gap over the smallest radius."""
 WIDER = 1.05
-"""Spheres are pushed apart as if their gap were this much wider, so that it is there when they have nearly stopped."""
+"""Overlapping spheres are separated as if the gap were larger by this factor, so that a minimization that is not quite
+converged suffices.
+"""
 WAY_OUT = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
 ROUNDS, PUSHES = 20, 400
 """The largest number of rounds of the minimization, and of evaluations in each."""
@@ -71,7 +73,7 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
 
 
 def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
-    """Raise SceneError if spheres with half of the least gap around each would fill more than the whole region."""
+    """Raise SceneError if spheres, each with half of the least gap around it, would fill more than the whole region."""
     unit = math.pi if parameters.dimensions == 2 else 4.0 / 3.0 * math.pi
     filled = unit * float(((parameters.radius + 0.5 * least) ** parameters.dimensions).sum()) / float(np.prod(ends))
     if filled > 1.0:
@@ -80,7 +82,9 @@ def _require_room(parameters: Parameters, ends: Array, least: float) -> None:
 
 
 def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
-    """The nearest places, more or less, without gaps below `least`: overlaps cost their square. Raises SceneError."""
+    """Positions near the given ones without gaps below `least`, by minimizing the sum of squared overlaps. Raises
+    SceneError.
+    """
     wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
     unit, walls = float(parameters.radius.min()), parameters.walls.surfaces
     points = nearest_points(walls)
@@ -115,7 +119,7 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
 
 
 MOST_FORCE = 2.0
-"""Over modulus and radius squared: it deflects a surface by more than a radius."""
+"""The largest external force over modulus times radius squared: it deflects a surface by more than a radius."""
 MOST_FILLED = 1.5
 """The largest volume fraction, of undeformed spheres."""
 
@@ -154,7 +158,7 @@ def require_no_torque(parameters: Parameters, state: State) -> None:
 
 
 def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
-    """Undeformed spheres that overlap have no film between them."""
+    """Raise SceneError if undeformed spheres overlap: there is no film between them."""
     touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
     pair, _, between = neighbors(touching, position, box)
     if len(pair):
@@ -170,7 +174,7 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
 
 
 def require_hold(parameters: Parameters, state: State) -> None:
-    """Raise SceneError for spheres without drag that something pulls at and no film connects to the rest."""
+    """Raise SceneError for spheres without drag on which a force acts and which no film connects to the others."""
     pair = state.pair[: state.contacts[0]]
     _, pulled = loose_spheres(parameters, pair, state.touching)
     if len(pulled):
@@ -197,7 +201,7 @@ def require_moderate_forces(parameters: Parameters) -> None:
 
 
 def fillings(parameters: Parameters) -> float:
-    """The largest volume fraction of the protocol, if it prescribes the size of the box; 0 without a box."""
+    """The largest volume fraction in the protocol, if it prescribes the size of the box; 0 without a box."""
     box, dimensions = parameters.box[: parameters.dimensions], parameters.dimensions
     if not box.all():
         return 0.0
@@ -208,7 +212,7 @@ def fillings(parameters: Parameters) -> float:
 
 
 def require_room(parameters: Parameters) -> None:
-    """Raise SceneError for boxes into which spheres do not fit, however they are deformed."""
+    """Raise SceneError for boxes that are too small for the spheres at any deformation."""
     filled = fillings(parameters)
     if filled > MOST_FILLED:
         path = "protocol" if parameters.protocol.courses[:, SCALE, 0].min() < 1.0 else "cell.size"
@@ -217,21 +221,21 @@ def require_room(parameters: Parameters) -> None:
 
 
 TICKS = 1024
-"""The ticks between two frames, the unit of progress; time steps are far fewer."""
+"""The number of ticks between two frames. Ticks are the unit of progress; time steps are far fewer."""
 FADE = 1.25
-"""A film fades from the reach to this many reaches."""
+"""A film fades at gaps from the reach to FADE times the reach."""
 ROUNDING = 1e-12
 """The deflection, over the smallest radius, below which its magnitude is smoothed."""
 FIRST_STEP = 1e-6
 """The first step over the time between frames, or between moments of the protocol."""
 FIRST_SHEAR = 0.1
-"""The first shear over the error that the tolerance permits for the smallest gap, so that forces exceed rounding errors
-from the first step on.
+"""The shear of the first step over the error that the tolerance permits for the smallest gap, so that forces exceed
+rounding errors from the first step on.
 """
 REACH = 0.5
 """The default reach of films in a box, over the smallest radius."""
 ROOM = {2: 16, 3: 40}
-"""Contacts a sphere that a state has room for, in each dimension."""
+"""The contacts per sphere for which a state has room, by dimension."""
 
 
 def parameters_of(scene: SoftScene) -> Parameters:
@@ -308,7 +312,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
 
 
 def first_length(scene: SoftScene, parameters: Parameters, state: State) -> float:
-    """The first step (s)."""
+    """The length of the first step (s)."""
     longest = min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
     drive, wave = drive_at(parameters.protocol, 0.0), parameters.protocol.waves[0]
     rate = abs(drive.rate) + abs(drive.growth) + abs(drive.height_rate) + float(wave[0] * wave[2])
@@ -342,8 +346,8 @@ def balance_first(parameters: Parameters, state: State) -> None:
 
 
 def rolled_into(parameters: Parameters, state: State) -> str:
-    """A sentence on spheres that overlap after forces have moved them at constant gaps, since rolling around a single
-    film has no resistance without drag; empty without overlaps.
+    """A sentence if forces have moved spheres into each other at constant gaps, since nothing resists rolling around a
+    single film without drag; empty without overlaps.
     """
     known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
     pair, _, between = new_pairs(parameters, state.position, box_in(parameters, state), known)
@@ -359,7 +363,9 @@ def rolled_into(parameters: Parameters, state: State) -> str:
 def _without_balance(
     parameters: Parameters, state: State, at: tuple[Drive, Drive, Rules], path: str
 ) -> tuple[str, str]:
-    """The key to change, and why: its solver where another one finds a balance, or the physical reason."""
+    """The key to change, and the reason: the chosen solver if another one finds a balance, otherwise the physical
+    reason.
+    """
     if parameters.solver != "auto":
         usual = parameters._replace(solver="auto")
         if balance(usual, workspace(usual, state, 1.0), at, state.effort.copy()):
@@ -369,7 +375,7 @@ def _without_balance(
 
 
 def _planes(scene: SoftScene) -> Planes:
-    """The walls with their motions and forces."""
+    """The walls, their motions and their forces."""
     dimensions, count = dimensions_of(scene), len(scene.walls)
     point, normal, velocity = np.zeros((3, count, dimensions))
     force = np.zeros((count, 3))
@@ -415,7 +421,7 @@ def _spans(protocol: Protocol, otherwise: float) -> list[float]:
 
 
 def prefactors_of(films: FilmSpec) -> Prefactors:
-    """The set of prefactors that a scene names, with its changes."""
+    """The prefactors of the named set, with the changes of the scene."""
     known = chosen(PREFACTORS, films.prefactors, "set of prefactors")
     given = {name: getattr(films, name) for name in Prefactors._fields}
     return known._replace(**{name: value for name, value in given.items() if value is not None})
@@ -454,7 +460,7 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
 
 
 def laws_chosen(scene: SoftScene) -> Laws:
-    """The rows that a scene names."""
+    """The rows of the tables of laws that a scene names."""
     films = scene.films
     return Laws(
         SURFACES[films.surface],

@@ -32,7 +32,7 @@ largest residual force on a sphere over the typical force.
 ACCEPTED, REJECTED, FAILED = range(3)
 """Indices of `State.tally`."""
 NO_BUDGET = np.zeros(0)
-"""The budget of runs of earlier versions, which have none."""
+"""The energy budget in runs of earlier versions: empty."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
 """The orientation at time 0, by the number of components of a spin."""
@@ -223,11 +223,11 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
 
 
 def force_residual(step: Step) -> float:
-    """The largest residual force on a sphere, less what rounding of positions makes of it, over the typical force: the
-    root mean square of contact forces, or of external forces if that is larger.
+    """The largest residual force on a sphere over the typical force, minus the rounding error of positions. The typical
+    force is the root mean square of contact forces, or of external forces if that is larger.
     """
     forces = [step.responses.force, step.bodies.force, step.bodies.weight]
-    # As in `newton.imbalance`: places are known to the last digits of themselves, not of the distances between them.
+    # As in `newton.imbalance`: the rounding error is relative to positions, not to the distances between spheres.
     far = 2.0 * float(np.abs(step.bodies.position).max(initial=0.0))
     size = step.pairs.radius_sum + far + np.abs(step.pairs.offset).max(axis=1)
     firmest = stiffest(step.responses.stiffness, size)
@@ -328,7 +328,7 @@ class Step(NamedTuple):
     bodies: Bodies
     spins: Spins
     walls: Walls | tuple[()]
-    """empty without walls, whose code is then not compiled"""
+    """empty without walls, so that their code is not compiled"""
     matrix: Matrix
     cell: Cell
     borders: Borders

@@ -1,7 +1,7 @@
 """Pair laws of the user for soft spheres: normal forces between surfaces as a function of the gap.
 
-They are added to the long-range force of the scene between spheres, not at walls. Compiled loops read them from tables
-that are made once, for each pair of species; so they do not depend on code of the user.
+They are added to the long-range force of the scene between spheres, not at walls. Compiled loops interpolate them in
+tables, one for each pair of species, so that compiled code does not depend on code of the user.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ecume.scenes.soft import SoftScene
 from ecume.units import Array, with_prefix
 
 NARROWEST, WIDEST = 1e-10, 1e4
-"""Ends of a table: in radii of the smallest sphere, and of the largest one where films have no cutoff."""
+"""Ends of the tables: in radii of the smallest sphere, and of the largest one if films have no cutoff."""
 TESTED = (1e-6, 1e-3, 1.0)
 """The gaps at which laws are tested, in radii of the smallest sphere."""
 
@@ -56,7 +56,7 @@ def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
 
 
 def tables_of(laws: Sequence[BoundLaw], scene: SoftScene, parameters: Parameters) -> Tables:
-    """The sum of the laws of each pair of species, over ln(gap)."""
+    """The sum of the laws of each pair of species, tabulated over ln(gap)."""
     count = len(scene.particles)
     masks, row = masks_of(laws, count), np.full((count, count), -1)
     first = np.array([np.flatnonzero(parameters.species == kind)[0] for kind in range(count)])
@@ -85,7 +85,9 @@ def _ends(parameters: Parameters) -> Array:
 
 
 def _forces(law: BoundLaw, pair: SpherePair, ends: Array, parameters: Parameters) -> Array:
-    """A law at the gaps of a table (N). Raises BadInput where it is not finite, or not the same for both spheres."""
+    """The force of a law at the gaps of a table (N). Raises BadInput where it is not finite, or differs between the
+    spheres of a pair.
+    """
     given = pair._replace(constants=law.constants)
     swapped = SpherePair(pair.radius_j, pair.radius_i, pair.modulus_j, pair.modulus_i, law.constants)
     require_force(law, [part * float(parameters.radius.min()) for part in TESTED], given, swapped)

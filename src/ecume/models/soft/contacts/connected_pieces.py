@@ -36,8 +36,8 @@ def pieces(pair: Integers, touching: Integers) -> Integers:
 
 
 def loose_spheres(parameters: Parameters, pair: Integers, touching: Integers) -> tuple[Integers, Integers]:
-    """The first sphere of each piece that neither walls nor drag hold, and the first of those pieces on which a force
-    acts.
+    """The first sphere of each piece that neither walls nor drag hold, and those of them on whose
+    piece a force acts.
 
     If all spheres are one piece, none is returned: then only their common translation is undetermined.
     """

@@ -28,7 +28,9 @@ from ecume.models.soft.parameters import Contacts
 admit(soft_contacts, soft_pair, long_range, surfaces, interfaces, friction)
 
 FAINTEST = 1e-3
-"""The fraction of its friction that a faded film keeps: its surfaces relax at once, so that no force jumps."""
+"""The fraction of its friction that a faded film keeps. Its surfaces then relax at once, so that the force does not
+jump.
+"""
 
 OF_SURFACE = ("body", "gap", "stretch", "prefactors", "contacts")
 OF_GAP = ("gap", "reduced_radius", "contacts")
@@ -154,7 +156,7 @@ def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Su
 def bent_by(
     contacts: Contacts, body: Body, gap: float, stretch: float, shear: float
 ) -> tuple[Widening, Bending, Surface]:
-    """The widening and bending of a contact by a deflection, and the surfaces of the widened contact."""
+    """The widening and bending of a contact by a deflection, and the stiffnesses and size of its widened surfaces."""
     widening: Widening = widening_by(stretch, contacts, contacts.tension_law)
     surface = surface_of(contacts, body, gap, widening.deflection)
     ratio = surface.tangential / surface.normal
@@ -164,8 +166,8 @@ def bent_by(
 
 @compiled_inside
 def elastic_of(contacts: Contacts, body: Body, gap: float, stretch: float, shear: float) -> Elastic:
-    """The elastic response. Both stiffnesses are those of the bending deflection, but where tension does not widen the
-    contact, its normal stiffness is that at rest.
+    """The elastic response of a contact. Both stiffnesses are those at the bending deflection; where tension does not
+    widen the contact, the normal stiffness is that without deflection.
     """
     widening, bending, film = bent_by(contacts, body, gap, stretch, shear)
     bent, follows = surface_of(contacts, body, gap, bending.deflection), widening.follows
@@ -188,7 +190,9 @@ def elastic_of(contacts: Contacts, body: Body, gap: float, stretch: float, shear
 
 @compiled_inside
 def contact_energy(contacts: Contacts, body: Body, gap: float, stretch: float, shear_squared: float) -> float:
-    """The elastic energy of a contact (J); by the paper's tangential law, at its present tangential stiffness."""
+    """The elastic energy of a contact (J). With the paper's tangential law, it is that at the present tangential
+    stiffness.
+    """
     widening, bending, film = bent_by(contacts, body, gap, stretch, math.sqrt(shear_squared))
     beside = 0.5 * film.normal * (stretch * stretch - widening.deflection * widening.deflection)
     sheared: float = sheared_energy_by(film.tangential, shear_squared, contacts, contacts.tangential_law)
@@ -197,8 +201,8 @@ def contact_energy(contacts: Contacts, body: Body, gap: float, stretch: float, s
 
 @compiled_inside
 def contact_gap_energy(contacts: Contacts, body: Body, gap: float, stretch: float, shear_squared: float) -> float:
-    """The derivative of that energy by ln(gap), at constant deflections (J); by the paper's tangential law without the
-    part of the shear.
+    """The derivative of the elastic energy by ln(gap), at constant deflections (J). With the paper's tangential law,
+    the tangential part is omitted.
     """
     widening, bending, film = bent_by(contacts, body, gap, stretch, math.sqrt(shear_squared))
     beside = 0.5 * film.normal * (stretch * stretch - widening.deflection * widening.deflection)
@@ -214,7 +218,7 @@ def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) ->
 
 @compiled_inside
 def gap_energy_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
-    """The derivative of that energy by ln(gap), at a constant deflection (J)."""
+    """The derivative of the normal elastic energy by ln(gap), at a constant deflection (J)."""
     energy: float = gap_energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
     return energy
 
@@ -261,12 +265,12 @@ Vector = tuple[float, float, float]
 ROUNDING = 2e-15
 """The rounding error of a force, over stiffness times coordinates."""
 STILL = 1e-14
-"""The smallest shear, over the center distance, that has a direction."""
+"""The smallest shear, over the center distance, whose direction is used."""
 
 
 @compiled_inside
 def rates(film: Film) -> tuple[float, float]:
-    """The rate of ln(gap), and the rate at which n rotates towards the shear: the force of the surfaces drives the
+    """The rate of ln(gap), and the angular velocity of n towards the shear (1/s). The force of the surfaces drives the
     film.
     """
     sheared = film.surface.tangential * film.shear * film.held
@@ -367,7 +371,7 @@ def dot(a: Vector, b: Vector) -> float:
 
 @compiled_inside
 def square_across(x: Vector, n: Vector) -> float:
-    """The square of the part of a vector perpendicular to a unit vector. The difference of squares would lose it."""
+    """The square of the part of a vector perpendicular to a unit vector, without the cancellation in x^2 - (x.n)^2."""
     along = dot(x, n)
     across = (x[0] - along * n[0], x[1] - along * n[1], x[2] - along * n[2])
     return dot(across, across)

@@ -67,7 +67,7 @@ def remove_known(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> 
 
 @compiled_inside
 def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool:
-    """Whether the first component that differs is smaller."""
+    """Whether one row precedes another in lexicographic order."""
     for k in range(rows.shape[1]):
         if rows[row, k] != others[other, k]:
             return bool(rows[row, k] < others[other, k])
@@ -130,7 +130,7 @@ def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
 
 
 def _open(parameters: Parameters, state: State, found: PairList) -> None:
-    """Add contacts without a force: the gap vector is along the line of centers. The contacts remain sorted."""
+    """Add contacts without a force, whose gap vectors are along the lines of centers, and sort all contacts."""
     pair, image, between = found
     here = int(state.contacts[0])
     total = here + len(pair)

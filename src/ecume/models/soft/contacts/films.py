@@ -46,7 +46,7 @@ class Pairs(NamedTuple):
     reduced_radius: Array
     modulus: Array
     laws: Across | tuple[()]
-    """the user's laws; empty without any, whose code is then not compiled"""
+    """the user's laws; empty without any, so that their code is not compiled"""
     across: Array
     """(C, 2) the force of the user's law of each contact (N), and its slope over the gap (N/m)"""
 
@@ -121,8 +121,8 @@ def contact_response(
 
 @compiled_inside
 def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> Vector:
-    """The vector from the center of one sphere to the image of the other that it touches; in 2D its third component is
-    0.
+    """The vector from the center of one sphere to the periodic image of the other that it touches; in 2D its third
+    component is 0.
     """
     x = position[j, 0] - position[i, 0] + offset[c, 0]
     y = position[j, 1] - position[i, 1] + offset[c, 1]

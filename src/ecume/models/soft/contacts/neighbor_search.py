@@ -1,5 +1,7 @@
-"""Neighbor search among many spheres by cells, with threads: the pairs of `tree_search.neighbors`, in the same order,
-with the same bits. Each sphere writes its own row, so that nothing depends on the number of threads.
+"""Neighbor search among many spheres by cells, with threads.
+
+The pairs are those of `tree_search.neighbors`, in the same order and with the same bits. Each sphere writes its own
+row, so that the result does not depend on the number of threads.
 """
 
 from __future__ import annotations
@@ -53,8 +55,8 @@ def fill_rows(
     copies: tuple[Array, Integers, Integers],
     near: tuple[Array, float],
 ) -> None:
-    """Write the neighbors of each sphere among all copies, in order. If there are more than fit, only their number is
-    right.
+    """Write the neighbors of each sphere among all copies, in order. If a row is too short, only the number of
+    neighbors is right.
     """
     place, owner, copy = copies
     radius, reach = near
@@ -105,8 +107,8 @@ def insert(row: Integers, found: int, p: int, names: tuple[Integers, Integers]) 
 
 @compiled_inside
 def precedes(p: int, q: int, names: tuple[Integers, Integers]) -> bool:
-    """Whether one copy precedes another in the order of owners and images. All copies of one owner are shifted by the
-    same image, which does not matter here.
+    """Whether one copy precedes another in the order of owners and images. The shift that all copies of an owner have
+    in common does not change the order.
     """
     owner, copy = names
     if owner[p] != owner[q]:

@@ -21,8 +21,8 @@ from ecume.models.soft.contacts.films import ContactResponses, Pairs, center_dis
 from ecume.units import Array
 
 SPIN_STIFFNESS = 1e-9
-"""The relative stiffness added against spins. A sphere with a single neighbor in 3D rotates without resistance about
-the line to it; this makes Newton's matrix regular, and does not change the equations.
+"""The relative stiffness added against spins. In 3D nothing resists the spin of a sphere about the line to its only
+neighbor; the added stiffness makes Newton's matrix regular, and does not change the equations.
 """
 
 
@@ -245,11 +245,12 @@ def fill_rotation_sides(matrix: Matrix, spins: Spins, right: Array) -> None:
 
 @compiled
 def remove_free_rotation(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Array, float]) -> None:
-    """Add a rotation of all spheres to Newton's step so that the total moment of external forces is zero; where these
-    do not resist a rotation, so that the mean spin is zero. The rotations are the solutions for the sides of
-    `fill_rotation_sides`. `pull` contains the forces proportional to the load, the constant forces, and the load.
+    """Add a rotation of all spheres to Newton's step so that the total moment of external forces is zero. Where these
+    forces do not resist a rotation, the mean spin becomes zero instead.
 
-    The matrix holds the first sphere: the remaining moment acts on it, since contacts have no total moment.
+    The rotations are the solutions for the sides of `fill_rotation_sides`. `pull` contains the forces proportional to
+    the load, the constant forces, and the load. The matrix holds the first sphere: the remaining moment acts on it,
+    since contacts have no total moment.
     """
     whole, columns, to_mean, to_moment = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3), np.zeros(3)
     moment, size = moment_of(position, spins, changes[0], pull)
@@ -312,8 +313,8 @@ def total_torque(spins: Spins, load: float) -> Array:
 
 @compiled
 def least_squares(matrix: Array, right: Array, otherwise: Array) -> Array:
-    """The least-squares solution of three equations by normal equations; undetermined components
-    keep the given value.
+    """The least-squares solution of three equations by normal equations; undetermined components keep the values in
+    `otherwise`.
     """
     rows, solution = np.zeros((3, 4)), np.zeros(3)
     for k in range(3):

@@ -1,4 +1,4 @@
-"""The neighbors of few spheres, found by a tree; those of many are found by `neighbor_search`."""
+"""Neighbor search among few spheres by a tree. `neighbor_search` finds the same pairs among many spheres."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def across(tables: Tables | tuple[()], species: Array, pair: Integers) -> Across
 
 
 def log_gaps(ends: Array, beyond: int = 0) -> Array:
-    """The nodes of tables, with so many more on both sides."""
+    """The nodes of tables, with `beyond` further nodes at both ends."""
     return np.asarray(ends[0] + ends[1] * np.arange(-beyond, INTERVALS + 1 + beyond))
 
 

@@ -135,7 +135,7 @@ def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
 
 @compiled_inside
 def flattened(film: Film, far: float) -> Film:
-    """A contact with a sphere of infinite radius: a slip shears its surface, and its normal is constant."""
+    """The contact with a sphere of infinite radius, whose normal is constant: a slip only shears the surface."""
     return Film(
         film.gap, far, far, film.shear, film.stretch, film.surface, film.resistance, film.faded, film.fade_slope,
         film.remote_force, film.remote_slope, film.draw, film.held, film.slide_by_pull, film.slide_by_limit,
@@ -456,7 +456,7 @@ def target_force(places: Places, unknown: int, load: tuple[float, float]) -> flo
 
 @compiled
 def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Array, Array]) -> None:
-    """Compute the residual force on each movable wall, and its derivatives by displacements of walls."""
+    """Compute the residual force on each movable wall, and its derivatives by the displacements of walls."""
     (left, corner), touches, free = borders, walls.touches, walls.places.free
     for one in range(len(free)):
         wall, axis = free[one]

@@ -2,5 +2,5 @@
 
 Start with `time_stepping`, which chooses the length of steps, then `dirk` (the stages of a step; coefficients in
 `dirk_schemes`) and `newton` (also forces and the matrix). `bordered_system` adds what all spheres share (a box or walls
-that answer to stresses), and `linear_solvers` chooses how the system is solved.
+that stresses control), and `linear_solvers` chooses how the system is solved.
 """

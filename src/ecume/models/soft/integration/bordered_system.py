@@ -1,9 +1,10 @@
-"""Common unknowns of all spheres in a stage, the shear and size of a stress-controlled box, as borders of the linear
-system.
+"""The shear and size of a stress-controlled box, and the positions of movable walls, as borders of the linear system of
+a stage.
 
-An unknown moves everything by a gradient, K x, beside what each sphere is moved by. Its row of the system is the work
-done in it, sum of F_ij (K X_ij), which is to be volume times stress; its column is the forces that it changes. The
-spheres' matrix is solved for the right side and for each column, and a system of one or two unknowns is left.
+An unknown of the box displaces the spheres by a gradient, K x, in addition to their own displacements. Its row is the
+virtual work of the contact forces, the sum of F_ij (K X_ij), which must equal volume times stress; its column is the
+change of the forces. The matrix of the spheres is solved for the residual forces and for each column, which leaves a
+system of one or two unknowns.
 """
 
 from __future__ import annotations
@@ -22,11 +23,13 @@ from ecume.models.soft.contacts.walls import Walls, column_of_wall, corner_of_wa
 from ecume.units import Array
 
 MOST = 2
-"""Unknowns of a box."""
+"""The largest number of unknowns of a box."""
 
 
 class Borders(NamedTuple):
-    """Right sides and solutions of the spheres' matrix: of their forces first, then of each column; and the rest."""
+    """Right-hand sides and solutions of the matrix of the spheres: first the residual forces, then the columns of the
+    border.
+    """
 
     right: Array
     """(1 + A, N, b)"""
@@ -35,7 +38,7 @@ class Borders(NamedTuple):
     rows: Array
     """(A, N, b)"""
     left: Array
-    """(A,) what is missing of each work"""
+    """(A,) residual work"""
     corner: Array
     """(A, A)"""
 
@@ -60,7 +63,7 @@ class DragTerms(NamedTuple):
 
 
 def make_borders(count: int, width: int, most: int) -> Borders:
-    """Room for so many unknowns."""
+    """Zero arrays for the borders of up to `most` unknowns."""
     return Borders(
         np.zeros((1 + most, count, width)),
         np.zeros((1 + most, count, width)),
@@ -72,7 +75,7 @@ def make_borders(count: int, width: int, most: int) -> Borders:
 
 @compiled_inside
 def work_change(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
-    """The work in one displacement of the forces that another one changes, in a contact."""
+    """The virtual work, in one displacement, of the change of a contact force by another displacement."""
     total = 0.0
     for k in range(3):
         for m in range(3):
@@ -82,7 +85,7 @@ def work_change(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
 
 @compiled
 def box_stress_residual(cell: Cell, network: ContactNetwork, goal: StageTarget) -> float:
-    """The largest residual work over the work of all forces with equal signs, without the rounding error."""
+    """The largest residual work, relative to the sum of its absolute terms, minus the rounding error."""
     first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
     force, stiffness = network.responses.force, network.responses.stiffness
     worst = 0.0
@@ -105,7 +108,7 @@ def box_stress_residual(cell: Cell, network: ContactNetwork, goal: StageTarget) 
 
 @compiled
 def fill_border(cell: Cell, network: ContactNetwork, goal: StageTarget, borders: Borders, unknown: int) -> None:
-    """Fill the forces that an unknown changes, the row of its work, and the residual of this work."""
+    """Fill the border of an unknown: its column of forces, its row, and its residual work."""
     first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
     force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     column, rows, left = borders.right[1 + unknown], borders.rows[unknown], borders.left
@@ -133,8 +136,10 @@ def fill_border(cell: Cell, network: ContactNetwork, goal: StageTarget, borders:
 
 @compiled
 def add_drag(cell: Cell, dragged: DragTerms, goal: StageTarget, column: Array, unknown: int) -> None:
-    """Add the drag that an unknown changes: spheres go with its gradient K, and the liquid with the flow A that it
-    changes by dA, so that a force zeta (dA x + A K x - K x)/span is added, and on spins half of the vorticity's torque.
+    """Add the change of the drag forces to the column of an unknown.
+
+    Spheres move with its gradient K, and the flow A of the liquid changes by dA, so that the force on a sphere changes
+    by zeta (dA x + A K x - K x)/span. The torque follows from half of the vorticity.
     """
     by, along = gradient_of(cell, unknown, goal, False), flow_gradient(cell)
     change = by.copy()
@@ -154,7 +159,7 @@ def add_drag(cell: Cell, dragged: DragTerms, goal: StageTarget, column: Array, u
 
 @compiled_inside
 def add_spins(network: ContactNetwork, c: int, displaced: tuple[Vector, Vector], to: tuple[Array, Array]) -> None:
-    """The torques that an unknown changes, and the work in it of the forces that a spin changes, of one contact."""
+    """Add the torques of a contact to the column of an unknown, and the work of the forces by a spin to its row."""
     i, j, size = network.pairs.first[c], network.pairs.second[c], network.pairs.radius_sum[c]
     force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     (across, along), (column, rows) = displaced, to
@@ -173,7 +178,7 @@ def add_spins(network: ContactNetwork, c: int, displaced: tuple[Vector, Vector],
 
 @compiled
 def fill_corner(cell: Cell, network: ContactNetwork, goal: StageTarget, corner: Array) -> None:
-    """The derivatives of the works by the unknowns themselves, those of the target values included."""
+    """Compute the derivatives of residual works by the unknowns of the box, including those of the prescribed works."""
     first, second, offset, position = network.pairs.first, network.pairs.second, network.pairs.offset, network.position
     force, correction, stiffness = network.responses.force, network.responses.correction, network.responses.stiffness
     for one in range(unknowns(cell)):
@@ -198,7 +203,7 @@ def fill_corner(cell: Cell, network: ContactNetwork, goal: StageTarget, corner: 
 def fill_all_borders(
     cell: Cell, network: ContactNetwork, dragged: DragTerms, goal: StageTarget, borders: Borders
 ) -> None:
-    """All borders of a system whose box answers to stresses."""
+    """Fill the borders and the corner of a system with a stress-controlled box."""
     for unknown in range(unknowns(cell)):
         fill_border(cell, network, goal, borders, unknown)
         if goal.span > 0.0:
@@ -208,15 +213,15 @@ def fill_all_borders(
 
 @compiled
 def fill_wall_borders(walls: Walls, load: tuple[float, float], borders: Borders, dimensions: int) -> None:
-    """All borders of a system whose walls yield to forces."""
+    """Fill the borders and the corner of a system with movable walls."""
     for unknown in range(len(walls.places.free)):
         column_of_wall(walls, (borders.right[1 + unknown], borders.rows[unknown]), unknown, dimensions)
     corner_of_walls(walls, load, (borders.left, borders.corner))
 
 
 def border_solution(borders: Borders, count: int) -> Array | None:
-    """The change of the unknowns, from the solutions of all right-hand sides, which are combined; None without a
-    solution.
+    """The changes of the unknowns; the solutions of all right-hand sides are combined with them. None for a singular
+    system.
     """
     by = borders.change.reshape(len(borders.change), -1)
     rows = borders.rows[:count].reshape(count, -1)

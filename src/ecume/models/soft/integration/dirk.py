@@ -37,8 +37,8 @@ from ecume.units import Array
 
 FAILED = -1.0
 BEGIN, BALANCE, STEP = range(3)
-"""Tasks of a solver: compute the rates at the start of a step, find the positions where forces and stresses balance at
-constant gaps, or compute a step.
+"""Tasks of a solver: compute the rates at the start of a step, balance forces and stresses at constant gaps, or compute
+a step.
 """
 
 
@@ -228,8 +228,8 @@ def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme
 
 @compiled
 def step_dense(contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int) -> float:
-    """Do any task for few spheres: BEGIN, BALANCE over a time `during.length`, or a STEP. One function instead of
-    three, each of which would take as long to compile.
+    """Perform any task for few spheres: BEGIN, BALANCE over a time `during.length`, or STEP. Three functions would each
+    take as long to compile as this one.
     """
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)
@@ -242,7 +242,7 @@ def step_dense(contacts: Contacts, step: Step, scheme: Scheme, during: StepReque
 def step_many(
     newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: StepRequest, task: int
 ) -> float:
-    """Do any task for many spheres, with each loop over them compiled separately."""
+    """Perform any task for many spheres, with each loop over them compiled separately."""
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)
     if task == STEP:

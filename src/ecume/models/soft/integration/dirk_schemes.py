@@ -42,7 +42,7 @@ def _scheme(rows: list[list[float]], diagonal: float, embedded: list[float], ord
         lower[stage, : len(row)] = row
     whole = lower + diagonal * np.diag([0.0] + [1.0] * (count - 1))
     times, pair = whole.sum(axis=1), (whole[-1], np.array(embedded))
-    # The mean of a cubic decides which of the two has the higher order.
+    # Of the two, the more accurate one integrates quadratics and cubics with the smaller error.
     mean = min(pair, key=lambda weights: abs(weights @ times**3 - 1 / 4) + abs(weights @ times**2 - 1 / 3))
     return Scheme(lower, diagonal, times, pair[0] - pair[1], np.array([pair[0], mean]), order)
 
@@ -73,7 +73,7 @@ def tr_bdf2() -> Scheme:
 
 @dataclass(frozen=True)
 class TimeScheme:
-    """A row of the table: a scheme, and the measured costs of steps with it; see `cost`."""
+    """A row of the table: a scheme, and its measured costs; see `cost`."""
 
     tableau: Scheme
     paper: Callable[[], Scheme]
@@ -85,8 +85,9 @@ class TimeScheme:
     refinement: float
     """exponent of the number of steps in 1/tolerance"""
     seconds: float
-    """of a step for each film, with the tries that fail: `tr-bdf2` solves 13 systems in a step, `esdirk4` 29, in 25 to
-    65 iterations each"""
+    """of a step per film, with failed attempts: `tr-bdf2` solves 13 systems in a step, `esdirk4` 29, in 25 to 65
+    iterations each
+    """
 
 
 SCHEMES = {
@@ -96,14 +97,16 @@ SCHEMES = {
 """Schemes for `integration.integrator`."""
 
 LOOSE = 5.0
-"""The permitted error of a run, over that by the order of the scheme and the tolerance."""
+"""The permitted error of a run, over the error that follows from the order of the scheme and the tolerance."""
 ROUNDED = 1e-8
-"""The relative energy error by force balances and rounding at any tolerance."""
+"""The relative energy error at any tolerance, by residual forces and rounding."""
 
 
 def error_of_run(scheme: str, tolerance: float) -> float:
-    """The relative error of stresses and work in a run, at most: steps err by the tolerance e, in the power p + 1 of
-    their length where p is the scheme's order, so that all of them together err by e^(p/(p+1)).
+    """The largest expected relative error of stresses and work in a run.
+
+    A step errs by the tolerance e, in proportion to the power p + 1 of its length, where p is the order of the scheme.
+    All steps together then err by e^(p/(p+1)).
     """
     order = SCHEMES[scheme].tableau.order
     return float(LOOSE * tolerance ** (order / (order + 1.0)) + ROUNDED)

@@ -19,8 +19,8 @@ from ecume.models.soft.state import Step, StepRequest, Workspace
 FINE = 1e-13
 """The largest relative change of a position in the last iteration of a balance."""
 FINE_SPUN = 1e-10
-"""The same with spinning spheres: in 3D only external loads resist a spin about the line of a contact, so that its
-rounding error is larger.
+"""The same with spins: in 3D only external loads resist a spin about the line of a contact, so that its rounding error
+is larger.
 """
 FEW = 72
 """The largest number of unknowns for which dense elimination is the fastest."""
@@ -36,7 +36,7 @@ Stepper = Callable[[Contacts, Step, Scheme, StepRequest, int], float]
 
 
 def solver_names(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
-    """The solvers to try, one after the other, from the number of unknowns, the pattern and the state, so that a
+    """The solvers to try, in order. They follow from the number of unknowns, the pattern and the state, so that a
     resumed run chooses the same.
 
     The iterative solver breaks down where the matrix is not positive definite, mostly because the step is too long.
@@ -61,7 +61,7 @@ def stepper(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Step
 
 
 def attempt(parameters: Parameters, scratch: Workspace, during: StepRequest, rules: Rules, effort: Integers) -> float:
-    """Try a step: the estimated error, or `dirk.FAILED`."""
+    """Try a step. Returns the estimated error, or `dirk.FAILED`."""
     step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme].tableau
     step.cell.rules[:] = rules
     kept.iterations = kept.systems = 0
@@ -99,7 +99,7 @@ def balance(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, 
 
 
 def begin_step(parameters: Parameters, step: Step, drive: Drive) -> None:
-    """Compute contacts and forces at the start of a step, into `step`."""
+    """Compute contacts and forces at the start of a step and store them in `step`."""
     during, scheme = StepRequest(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme].tableau
     few = parameters.solver == "auto" and parameters.force.size <= FEW
     start = (

@@ -230,7 +230,7 @@ def is_anchored(step: Step) -> bool:
 
 @compiled
 def largest_value(values: Array) -> float:
-    """The largest value of a line, or zero."""
+    """The largest value of an array, or zero if it is empty or negative."""
     largest = 0.0
     for i in range(len(values)):
         largest = max(largest, values[i])
@@ -238,8 +238,8 @@ def largest_value(values: Array) -> float:
 
 
 MOST_ITERATIONS = 24
-"""The largest number of iterations; at regime changes of films and surfaces, the first ten to fifteen search for the
-side of the kink.
+"""The largest number of iterations. Where films and surfaces change their regime, the first ten to fifteen iterations
+find the regime.
 """
 BALANCE = 1e-9
 """The largest permitted residual force over the largest force; also that of stresses."""
@@ -386,9 +386,10 @@ def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: StageTar
 
 
 def balance_borders(contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """Balance the stresses of the box or the forces on walls in zero time, while drag prevents any motion of the
-    spheres relative to the liquid: they move with the box, and spin with half of its vorticity. The residual forces
-    move them from then on.
+    """Balance the stresses of the box or the forces on walls in zero time.
+
+    Drag prevents any motion of the spheres relative to the liquid: they move with the box, and spin with half of its
+    vorticity. The residual forces move them in the steps that follow.
     """
     apply_drive(step, goal)
     bodies, spins, change, last = step.bodies, step.spins, step.borders.change, math.inf

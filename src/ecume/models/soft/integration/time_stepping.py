@@ -54,27 +54,27 @@ LEAST_ERROR = 1e-8
 MOST_TRIES = 60
 """The number of attempts of a step, each with a shorter time step, before the run ends."""
 LEAST_PER_CYCLE, COARSE = 20, 1e-3
-"""LEAST_PER_CYCLE time steps per cycle of an oscillation at tolerances of COARSE or more, so that a sine is as accurate
-as the gaps.
+"""The least number of time steps per cycle of an oscillation, at tolerances of COARSE or more. A sine is then as
+accurate as the gaps.
 """
 AFTER_JUMP = 1e-6
 """The first step after a jump, over the time between frames; earlier steps contain no information on the relaxation."""
 PER_AGE = 16.0
-"""Times the tolerance, to the power 1/(p + 1): the longest step over the time since a jump. What a jump leaves relaxes
-at all rates, that of the widest films first, whose gaps change little, so that their error says nothing of the work.
+"""The longest step over the time since a jump is (PER_AGE tolerance)^(1/(p + 1)). After a jump films relax at all
+rates. The widest relax first; their gaps change little, so that the error of gaps does not limit the error of the work.
 """
 WORK_TRIES, PART_OF_RUN = 4, 0.01
-"""Attempts to make the energy budget of a step as exact as that of a run: relative to what the step exchanges, and to
-this part of what the run has exchanged.
+"""The number of attempts to reduce the residual of the energy budget of a step, relative to the energy exchanged in the
+step plus PART_OF_RUN times that exchanged in the run.
 """
 SHRINK_FOR_WORK = 0.01, 0.5
-"""The least and the largest factor of the length of a step whose budget is not."""
+"""The least and the largest factor of the length of a step whose energy budget has too large a residual."""
 LEAST_WORK = 1e-14
 """The rounding error of a work, over modulus times radius cubed, summed over the spheres."""
 NARROW = 0.5
 """A new contact with a gap below NARROW times the reach of films was missed by a too long step."""
 NEARLY = 1e-9
-"""A step that would end within this fraction of itself before a frame or corner is extended to it."""
+"""A step that would end before a frame or corner by less than this fraction of its length is extended to it."""
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
@@ -161,7 +161,7 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> PairLi
             if len(state.budget):
                 state.budget[:] += scratch.step.budget.lines[-1, : len(state.budget)]
             _take(parameters, state, scratch, end)
-            # A step that was cut short for a frame says little about how long the next may be.
+            # The error of a step that ends early at a frame does not limit the next step.
             state.pace[LENGTH] = max(
                 _grown(state, length, ratio, scheme), state.pace[LENGTH] * (length < state.pace[LENGTH])
             )
@@ -198,8 +198,8 @@ def new_contacts(parameters: Parameters, step: Step) -> PairList:
 
 
 def missed_contact(parameters: Parameters, step: Step, opened: PairList) -> bool:
-    """Whether a pair of spheres, or a sphere and a wall, are closer than new contacts should be: their film should have
-    appeared in an earlier step.
+    """Whether a gap is narrower than a new contact should have, so that its film should have appeared in an earlier
+    step.
     """
     if step.walls and missed_wall_contact(parameters, step, step.walls):
         return True
@@ -295,8 +295,8 @@ def _tick(parameters: Parameters, before: int, time: float) -> int:
 
 
 def _longest(parameters: Parameters, now: float) -> float:
-    """A part of a cycle, where something oscillates: films say nothing of what is to come. After a jump, or a start
-    under a stress, a part of the time since then.
+    """The longest next step (s): a part of a cycle during oscillations, which the error of films does not predict.
+    After a jump, or a start under a stress, also a part of the time since then.
     """
     protocol, interval = parameters.protocol, interval_at(parameters.protocol, now)
     pace, age = float(protocol.waves[interval, 2]), now - float(protocol.times[interval])
@@ -306,7 +306,7 @@ def _longest(parameters: Parameters, now: float) -> float:
 
 
 def step_per_age(parameters: Parameters) -> float:
-    """The longest step after a jump, over the time since."""
+    """The longest step after a jump, over the time since the jump."""
     order = SCHEMES[parameters.scheme].tableau.order
     return float((PER_AGE * parameters.tolerance) ** (1.0 / (order + 1.0)))
 

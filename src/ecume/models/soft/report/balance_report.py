@@ -1,9 +1,9 @@
-"""Why forces or stresses find no balance: films that do not reach across the cell, a network that yields without
-resistance, or too large a force.
+"""The reason why forces or stresses have no balance: films do not percolate across the cell, the network is floppy, or
+a force is too large.
 
-Films that lead from a sphere to its own periodic image wind around the cell. Only what winds around it along y resists
-a normal stress or a shear stress there; a network that winds may still be floppy, if its spheres can move or roll with
-no film deflected. Both are tested at the first state, where deflections are zero and only the network counts.
+Films that lead from a sphere to its own periodic image wind around the cell. Only films that wind around it along y
+resist a normal stress or a shear stress there. A network that winds may still be floppy, if its spheres can move or
+roll without deflections. Both are tested at the first state, where deflections are zero and only the network counts.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ FLOPPY = 1e-6
 YIELDING = 1e4
 """The ratio to the work in a network of mean stiffness above which forces mostly act on the added stiffness."""
 MOST = 6000
-"""Unknowns of a network that is tested."""
+"""The largest number of unknowns of a network that is tested."""
 
 
 def windings(state: State) -> Integers:
@@ -62,7 +62,10 @@ def windings(state: State) -> Integers:
 
 
 def unjoined(parameters: Parameters, state: State, rules: Rules) -> str:
-    """The stress across the cell that no films bear, since none wind around it there; empty where all are borne.
+    """The stress that no films bear, since none wind around the cell in its direction; empty if films bear all
+    stresses.
+
+    With drag, the liquid bears the stresses.
 
     With drag, the liquid carries what films do not.
     """
@@ -77,9 +80,11 @@ def unjoined(parameters: Parameters, state: State, rules: Rules) -> str:
 
 
 def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
-    """A sentence on a network whose spheres can move without a deflection where the box answers to its stresses; empty
-    where it resists them: what resists after the spheres have moved, over the resistance to an affine deformation. Too
-    many spheres are not tested.
+    """A sentence if the spheres can move without deflections under a controlled stress, otherwise
+    empty.
+
+    The criterion is the smallest resistance after the spheres have moved, over that to an affine deformation. Large
+    systems are not tested.
     """
     step, (drive, rules) = scratch.step, at
     if parameters.drag.any() or not any(rules) or step.bodies.right.size > MOST:
@@ -99,8 +104,10 @@ def floppy(parameters: Parameters, state: State, scratch: Workspace, at: tuple[D
 
 
 def unresisted(parameters: Parameters, state: State, scratch: Workspace, drive: Drive) -> str:
-    """A sentence on forces that begin with the load and that no film resists, so that they would roll spheres at once;
-    empty where films do. Forces that act from the start move the spheres before.
+    """A sentence if a force that begins with the load would roll spheres at once, since no film resists it; otherwise
+    empty.
+
+    Forces that act from the start have moved the spheres before.
     """
     if drive.load != 0.0 or not (parameters.force.any() or parameters.torque.any()):
         return ""
@@ -108,8 +115,10 @@ def unresisted(parameters: Parameters, state: State, scratch: Workspace, drive: 
 
 
 def rolling(parameters: Parameters, scratch: Workspace, drive: Drive, load: float) -> str:
-    """A sentence on forces at a load that no film resists; empty where films do: the work of the forces in a network
-    with a little resistance everywhere, over that in one of its mean stiffness.
+    """A sentence if no film resists the forces at this load, otherwise empty.
+
+    The criterion is the work of the forces in the network with a small added stiffness, over that in one with the mean
+    stiffness.
     """
     pull = np.concatenate([load * parameters.force + parameters.weight, load * parameters.torque], axis=1)
     if parameters.drag.any() or not parameters.torque.shape[1] or not pull.any() or pull.size > MOST:
@@ -130,7 +139,7 @@ def mean_stiffness(matrix: Matrix) -> float:
 
 
 def _softened(scratch: Workspace, columns: Array) -> Array:
-    """The displacements of the spheres under the columns, with the added stiffness."""
+    """The displacements of the spheres under the forces in `columns`, with the added stiffness."""
     from scipy.sparse import bsr_array, eye_array
     from scipy.sparse.linalg import spsolve
 
@@ -151,14 +160,14 @@ def remedies(parameters: Parameters) -> str:
 
 
 def unborne(parameters: Parameters, state: State, rules: Rules) -> str:
-    """A sentence on a stress that no films support, with remedies; empty if films wind around the cell."""
+    """A sentence on a stress that no films bear, with remedies; empty if films wind around the cell."""
     stress = unjoined(parameters, state, rules)
     where = "around the cell" if stress == "pressure" else "around the cell from bottom to top"
     return f"no films lead {where}, so that nothing bears any {stress}; {remedies(parameters)}" if stress else ""
 
 
 def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rules]) -> str:
-    """A sentence on the reason of a missing balance, with remedies."""
+    """A sentence on why there is no balance, with remedies."""
     drive, rules = at
     if not any(rules):
         large = "the surfaces cannot balance forces as large as these; reduce them"
@@ -168,7 +177,7 @@ def unbalanced(parameters: Parameters, scratch: Workspace, at: tuple[Drive, Rule
 
 
 def unmet_wall(parameters: Parameters, state: State) -> str:
-    """A sentence on a wall that a stress pushes or pulls, and that no film holds; empty where all are held."""
+    """A sentence on a movable wall without films; empty if each has some."""
     for wall, axis in parameters.walls.free:
         if not state.touching[:, wall].any() and parameters.walls.force[wall, axis] != 0.0:
             inward = parameters.walls.surfaces.place[wall]

@@ -29,13 +29,13 @@ from ecume.units import Array, duration_text, size_text, with_prefix
 JAMMED = {2: 0.84, 3: 0.64}
 """The volume fraction at which random packings of unequal spheres jam, in each dimension."""
 ALIKE, MANY = 0.1, 30
-"""Spread of radii over their mean, and number of spheres: with a smaller spread and more spheres they crystallize."""
+"""The relative spread of radii below which, and the number of spheres above which, they crystallize."""
 DENSE = {2: 0.70, 3: 0.50}
 """The volume fraction at which equal discs and spheres begin to crystallize."""
 
 
 def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
-    """All rows."""
+    """All rows of `ecume check` on this scene."""
     typical = typical_pair(scene, parameters, state)
     return [
         *_initial_state(scene, parameters, state),
@@ -66,7 +66,7 @@ def log_gaps_of(state: State) -> Array:
 
 
 def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
-    """Estimates of the largest force between two spheres (N), by cause, without zeros."""
+    """Estimates of the largest force between two spheres (N), by cause; zeros are omitted."""
     dimensions, across = parameters.dimensions, (2.0 * pair.radius) ** (parameters.dimensions - 1)
     courses = np.abs(parameters.protocol.courses[:, :, 0])
     load, sheared = float(courses[:, LOAD].max()), float(courses[:, WALL_SHEAR].max())
@@ -95,7 +95,7 @@ def pressed_force(pair: SoftPair, filled: float, dimensions: int) -> float:
 
 
 def rate_of(scene: SoftScene, parameters: Parameters) -> float:
-    """The largest imposed rate of shear (1/s): of the box, or of walls that go along x."""
+    """The largest imposed shear rate (1/s), of the box or of walls that move along x."""
     protocol = parameters.protocol
     rates = np.abs(protocol.courses[:, 1, 1]) + protocol.waves[:, 0] * protocol.waves[:, 2]
     speeds = [wall.velocity[0] for wall in scene.walls if wall.velocity is not None]
@@ -105,9 +105,11 @@ def rate_of(scene: SoftScene, parameters: Parameters) -> float:
 
 
 def sheared_force(pair: SoftPair, gap: float, rate: float, strain: float) -> float:
-    """The largest resistance of a film (N) to neighbors that approach or separate with 2 R times the rate, while they
-    move by 2 R times the strain: the gap changes by as much, but films are not squeezed below the gap at which the
-    surfaces yield as fast, h = R (c_n c_h^(1/2) c_d eta rate / (sqrt(3) alpha_n E))^(2/5).
+    """The largest resistance of a film (N) to neighbors that approach or separate at 2 R times the shear rate, over a
+    distance of 2 R times the strain.
+
+    Films are squeezed down to the gap at which the surfaces yield as fast, h = R (c_n c_h^(1/2) c_d eta rate / (sqrt(3)
+    alpha_n E))^(2/5).
     """
     if not rate > 0.0 or math.isnan(gap):
         return 0.0
@@ -170,8 +172,8 @@ def jamming_fraction(radius: Array, dimensions: int) -> float:
 CONTACT_LOADS = ("stress x cross-section", "compression", "shear of the films")
 """The loads on the contacts of a packing, whose strongest contact has a larger deflection than the mean."""
 STRONGEST = 3.0
-"""Largest deflection over the sum of those that are expected of compression and shear: 2.9 to 3.2 at reduced rates of
-5e-7 to 5e-6, 2.1 at 5e-4 (60 spheres in 2D at a volume fraction of 0.87, the case `rheology`).
+"""Largest deflection over the sum of those expected from compression and shear: 2.9 to 3.2 at reduced rates of 5e-7 to
+5e-6, 2.1 at 5e-4 (60 spheres in 2D at a volume fraction of 0.87, the case `rheology`).
 """
 
 
@@ -259,19 +261,21 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 NUMBERS = 35
 """The approximate number of numbers in a frame."""
 SATURATED = 1000
-"""Spheres whose number of steps in a unit of strain does not grow further; of fewer it is as the root of their number:
-584 were taken by 40 spheres, 1,025 by 100, 1,490 by 200 (tr-bdf2, tolerance 1e-3).
+"""The number of spheres above which the number of steps per unit of strain is constant. Below, it grows as the square
+root: 40 spheres took 584 steps, 100 spheres 1,025, 200 spheres 1,490 (tr-bdf2, tolerance 1e-3).
 """
 THINNED = 0.3
-"""The strain within which films thin to what they are in a flow: until then a step goes further. 36 spheres that fill
+"""The strain within which films thin to their state in steady flow; until then steps are longer. 36 spheres that fill
 0.7 of a 2D cell took 26 steps up to a strain of 0.1, 65 up to 0.3, 262 up to 1, 1,022 up to 2 and 3,011 up to 4.
 """
 BORDERED = 2.0
 """The factor of the cost of a step with stress-controlled box or walls, whose systems have more right-hand sides."""
 FEW_SPHERES, PASSES = 2e-4, 3e-3
-"""Seconds of a step besides: compiled as a whole, and with each pass over the spheres called by itself."""
+"""The constant part of the duration of a step (s): with one compiled function for few spheres, and with one per loop
+for many.
+"""
 BYTES, COMPILER = 3000.0, 3.5e8
-"""Memory of a film, with the sphere that it belongs to, and of all besides."""
+"""Memory of a film with its share of the spheres, and of everything else (bytes)."""
 
 
 def steps_of(scene: SoftScene, parameters: Parameters) -> float:
@@ -287,19 +291,23 @@ def steps_of(scene: SoftScene, parameters: Parameters) -> float:
 
 
 def strain_of(parameters: Parameters, end: float) -> float:
-    """All that the box is sheared and sized by until a time, back and forth; walls that go along count by a height."""
+    """The total variation of shear and size of the box until a time; moving walls count with their path over an
+    estimated height.
+    """
     protocol, total = parameters.protocol, 0.0
     spans = np.diff(np.append(np.minimum(protocol.times, end), end))
     for (_, strain, scale, height, *_), wave, span in zip(protocol.courses, protocol.waves, spans, strict=True):
         rates = abs(strain[1]) + abs(scale[1]) / scale[0] + abs(height[1])
-        # A sine's mean speed is two over pi of its largest.
+        # The mean of |cos| is 2/pi.
         total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])
     moving = np.abs(parameters.walls.surfaces.velocity).max(initial=0.0)
     return float(total + moving * end / (10.0 * parameters.radius.max()))
 
 
 def prepared_strain(scene: SoftScene) -> float:
-    """The compression of the sides before time 0; for a given pressure, at least to random packing."""
+    """The logarithmic compression of the sides before time 0; for a requested pressure, at least that to random
+    packing.
+    """
     if scene.preparation is None:
         return 0.0
     goal = scene.preparation.volume_fraction or JAMMED[dimensions_of(scene)]
@@ -307,7 +315,7 @@ def prepared_strain(scene: SoftScene) -> float:
 
 
 def shear_of(parameters: Parameters, end: float) -> float:
-    """The shear strain of the box until a time, back and forth; infinite where it depends on a shear stress."""
+    """The total variation of the shear strain of the box until a time; infinite if a shear stress controls it."""
     protocol, total = parameters.protocol, 0.0
     spans = np.diff(np.append(np.minimum(protocol.times, end), end))
     for course, wave, rules, span in zip(protocol.courses, protocol.waves, protocol.rules, spans, strict=True):
@@ -318,12 +326,12 @@ def shear_of(parameters: Parameters, end: float) -> float:
 
 
 def seconds_of(parameters: Parameters, contacts: int) -> float:
-    """The duration of a step with so many films."""
+    """The duration of a step (s) with this number of films."""
     few = parameters.force.size + parameters.torque.size <= FEW
     borders = BORDERED if parameters.protocol.rules.any() or len(parameters.walls.free) else 1.0
     return (FEW_SPHERES if few else PASSES) + borders * contacts * SCHEMES[parameters.scheme].seconds
 
 
 def bytes_of(contacts: float) -> float:
-    """The largest memory of a run with so many films."""
+    """The largest memory of a run with this number of films."""
     return COMPILER + BYTES * contacts

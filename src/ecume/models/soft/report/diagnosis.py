@@ -15,7 +15,7 @@ from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State
 from ecume.units import with_prefix
 
 ATOM = 1e-10
-"""m"""
+"""The size of an atom (m)."""
 
 
 def thinnest(state: State) -> float:

@@ -113,8 +113,8 @@ def sum_pairs(
 
 @compiled_inside
 def add_pairs(contacts: Contacts, arrays: ContactArrays, among: tuple[int, int], sums: Array, chunk: int) -> None:
-    """Sum the energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
-    dissipates it, minus the power of long-range forces.
+    """Sum the energy budget of a chunk of pairs. A film takes the power F.dG/dt, in the frame that rotates with its
+    pair, and dissipates it, minus the power of long-range forces.
     """
     (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus, across) = arrays[0], arrays[1]
     (log_gap, direction), (force, slope), (position, box, sheared) = arrays[2], arrays[3], arrays[4]
@@ -276,7 +276,9 @@ def elastic_energy(contacts: Contacts, step: Step) -> float:
 
 
 def elastic_energy_at_end(contacts: Contacts, step: Step) -> float:
-    """The same at the end of a step that is not accepted yet, whose contacts rotate with their spheres."""
+    """The elastic energy at the end of a step that is not accepted yet (J), whose contacts rotate
+    with their spheres.
+    """
     direction = step.films.direction.copy()
     carry(step.pairs.turn, direction)
     between = stored_energy(contacts, step.pairs, step.films._replace(direction=direction), step.bodies.position)
@@ -298,7 +300,7 @@ def remote_energy(contacts: Contacts, step: Step) -> float:
 
 @compiled
 def across_energy(contacts: Contacts, log_gap: Array, radius: Array) -> float:
-    """The energy of the scene's long-range law in films between spheres of these reduced radii (J)."""
+    """The energy of the scene's long-range law in films between spheres with these reduced radii (J)."""
     total, reach = 0.0, contacts.fade_from
     for c in range(len(log_gap)):
         total += remote_energy_by(math.exp(log_gap[c]), radius[c], contacts, contacts.remote)
@@ -308,8 +310,8 @@ def across_energy(contacts: Contacts, log_gap: Array, radius: Array) -> float:
 
 
 def stake(step: Step) -> float:
-    """The work of the forces of contacts while gaps open by their width, and directions rotate by a radian (J): the
-    scale of tolerances.
+    """The energy scale of tolerances (J): the work of contact forces if each gap opened by its width and each gap
+    vector turned by a radian.
     """
     between = _stake(step.responses.force, step.films.direction, exp(step.films.log_gap), step.pairs.radius_sum)
     if not step.walls:
@@ -325,7 +327,7 @@ def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
 
 
 def energy_of_faded(contacts: Contacts, step: Step) -> float:
-    """The elastic energy of contacts whose films have faded (J), which films dissipate at once."""
+    """The elastic energy of contacts whose films have faded (J); films dissipate it at once."""
     if math.isinf(contacts.fade_to):
         return 0.0
     far, total = math.log(contacts.fade_to), 0.0

@@ -1,8 +1,8 @@
 """Frames of soft spheres: positions, states of contacts, and lists of contacts.
 
-Contacts as arrays over spheres, for frames: each contact is listed at its sphere of lower number. By default the
-narrowest gaps of a sphere, with scalars. With `films.output = "vectors"` all contacts, and what a force network, the
-balance of forces and the stress follow from: image, force vectors, deflection.
+Frames contain contacts as arrays over spheres: each contact is listed at its sphere of lower number. By default they
+contain the narrowest gaps of a sphere, as scalars. With `films.output = "vectors"` they contain all contacts, with
+image, force vectors and deflection, so that a force network, the balance of forces and the stress follow from them.
 """
 
 from __future__ import annotations
@@ -153,8 +153,8 @@ def remedy(found: Deflections, contacts: Contacts) -> str:
 
 
 SLOTS = {2: 8, 3: 16}
-"""Contacts that a frame lists for a sphere by default, by dimension: those with later spheres, the narrowest gaps
-first.
+"""The default number of contacts that a frame lists for a sphere, by dimension: those with later spheres, the narrowest
+gaps first.
 """
 MOST = 1000
 """Components that an array of a trajectory can have for a particle."""
@@ -170,7 +170,7 @@ UNLISTED = "unlisted_contacts"
 
 
 def slots_of(parameters: Parameters) -> int:
-    """The number of contacts for which frames have room at each sphere."""
+    """The number of contacts that frames can list for each sphere."""
     dimensions, others = parameters.dimensions, max(len(parameters.radius) - 1, 1)
     if parameters.listed == "scalars":
         return min(SLOTS[dimensions], others)
@@ -178,14 +178,16 @@ def slots_of(parameters: Parameters) -> int:
     images = 2 if parameters.box.any() else 1
     if math.isinf(reach):
         return min(others, MOST)
-    # As many of the smallest spheres as fill the shell within reach of the largest.
+    # At most as many of the smallest spheres as fill the shell within reach of the largest.
     outer, inner = largest + 2.0 * smallest + reach, largest
     shell = (outer**dimensions - inner**dimensions) / smallest**dimensions
     return int(min(max(math.ceil(shell), 1), images * others, MOST))
 
 
 def listed(parameters: Parameters, state: State, step: Step) -> tuple[dict[str, Array | Integers], int]:
-    """The arrays of contacts, and the number of contacts without room; -1 fills the rest of `neighbor`."""
+    """The arrays of contacts, and the number of contacts that were omitted for lack of room; -1 fills the rest of
+    `neighbor`.
+    """
     first, count, slots = step.pairs.first, len(parameters.radius), slots_of(parameters)
     order = np.lexsort((step.log_gap, first))
     place = np.arange(len(first)) - np.searchsorted(first[order], first[order])
@@ -312,7 +314,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
 
 
 def _reduced(step: Step, tension: Array) -> float:
-    """The largest tension of two spheres over E R^2, with R twice the reduced radius."""
+    """The largest tension between two spheres over E R^2, where R is twice the reduced radius."""
     scale = step.pairs.modulus * (2.0 * step.pairs.reduced_radius) ** 2
     return float((tension / scale).max(initial=0.0))
 
@@ -327,9 +329,8 @@ def _spinning(state: State) -> dict[str, Array | Integers]:
 
 
 def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
-    """The velocity of the copy that is within the box: those above and below go with the shear, and all with the sides.
-
-    Of the last step, like the state's own.
+    """The velocity of the periodic copy within the box, mean over the last step: images above and below move with the
+    shear, all of them with the sides.
     """
     velocity = state.velocity.copy()
     if not parameters.box.any():
@@ -346,7 +347,10 @@ def acts_across(parameters: Parameters) -> bool:
 
 
 def _budget(parameters: Parameters, state: State, step: Step, held: float) -> dict[str, float]:
-    """The energy budget (J): stored, injected and dissipated energy, and the separate entry of the surface law.
+    """The energy budget (J): stored, injected and dissipated energy, and the work of the surface
+    law.
+
+    Runs of earlier versions have no energy budget.
 
     Runs begun by an earlier version have no energy budget.
     """
@@ -381,8 +385,8 @@ def _wall_units(numbers: Mapping[str, float]) -> dict[str, str]:
 
 
 def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> dict[str, Array]:
-    """The stress (1/V) sum of F_ij X_ij over contacts, tension positive, in its parts: of films that are squeezed, of
-    films that are sheared, and of what acts across them. Surfaces carry the sum of the three: they are in series.
+    """The stress (1/V) sum of F_ij X_ij over contacts, tension positive, in three parts: of squeezed films, of sheared
+    films, and of long-range forces. The surfaces carry the sum, since they are in series with the films.
     """
     dimensions = parameters.dimensions
     between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]
@@ -398,14 +402,14 @@ def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> d
 
 
 def _remote_forces(parameters: Parameters, step: Step, gap: Array) -> Array:
-    """The repulsion across each film (N)."""
+    """The long-range repulsion in each film (N)."""
     law = _remote_law(parameters, parameters.laws.remote.force)
     built_in = np.array([law(h, r) for h, r in zip(gap, step.pairs.reduced_radius, strict=True)])
     return np.asarray(built_in + step.pairs.across[:, 0])
 
 
 def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:
-    """A law of `REMOTE` with the scene's constants, of gap and reduced radius alone."""
+    """A law of `REMOTE` as a function of gap and reduced radius, with the scene's constants."""
     names = list(inspect.signature(law).parameters)
     given = {name: getattr(parameters.contacts, name) for name in names if hasattr(parameters.contacts, name)}
     if "reduced_radius" in names:
@@ -456,7 +460,9 @@ def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
 
 
 def _components(parts: Mapping[str, Array]) -> dict[str, float]:
-    """Each part's components: `stress_squeeze_xy`, the force along x across a plane of y, and so on."""
+    """The components of each part of the stress: `stress_squeeze_xy`, the force along x across a plane normal to y, and
+    so on.
+    """
     return {
         f"stress_{name}_{AXES[i]}{AXES[j]}": float(value)
         for name, part in parts.items()

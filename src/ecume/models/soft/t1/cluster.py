@@ -35,19 +35,22 @@ from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, 
 from ecume.units import Array
 
 APART, MET = 1.0, 0.2
-"""With a diagonal gap of one radius the cluster has dissociated. If the vertical pair was as close as this before, the
-neighbors were exchanged nevertheless, and the cluster was pulled apart afterwards."""
+"""The gap of diagonals (radii) at which a cluster has dissociated, and the gap of the vertical pair below which it had
+exchanged neighbors before it was pulled apart.
+"""
 LONGEST = 1e10
 """s: the longest duration of a scene."""
 PATIENCE = 30.0
-"""A process that takes this many times the closed-form time to part the horizontal pair, and 60 units, is blocked."""
+"""A process is blocked if it takes longer than PATIENCE times the closed-form time to separate the horizontal pair,
+plus 60 units.
+"""
 SQRT3 = math.sqrt(3.0)
 HORIZONTAL, DIAGONAL, VERTICAL = 0, 1, 5
 """Places of the contacts (0, 1), (0, 2) and (2, 3) among the six."""
 
 
 class Instant(NamedTuple):
-    """The cluster at one time; diagonal is the bond from sphere 0 to sphere 2."""
+    """The cluster at one time; the diagonal is the bond from sphere 0 to sphere 2."""
 
     time: float
     angle: float
@@ -59,7 +62,7 @@ class Instant(NamedTuple):
     tension_vertical: float
     tension_diagonal: float
     sliding_force: float
-    """along the diagonals' surfaces: positive holds the swap back"""
+    """along the surfaces of the diagonals; positive resists the exchange"""
 
 
 @dataclass(frozen=True)
@@ -67,20 +70,19 @@ class T1:
     """The result of a T1 process."""
 
     duration: float
-    """until the vertical pair carries its part; infinite where it never does"""
+    """until the vertical pair carries its part; infinite if it never does"""
     completed: bool
-    """whether it ever did"""
+    """whether the vertical pair carried its part"""
     outcome: str
-    """`t1`, `blocked` or `dissociated`; `t1` also where the cluster swapped neighbors and was torn before it completed
-    """
+    """`t1`, `blocked` or `dissociated`; `t1` also if the cluster exchanged neighbors and was torn before completion"""
     durations: dict[float, float]
-    """for every given threshold, in the given order"""
+    """by threshold, in the given order"""
     reduced_force: float
     """kappa = F_N / (E R^2)"""
     steps: int
     rejected: int
     imbalance: float
-    """the largest force (F_N) that was left on a sphere at the end of a step"""
+    """the largest residual force (F_N) on a sphere at the end of a step"""
     turned: float
     """the largest angle (rad) by which a sphere has spun"""
     series: tuple[Instant, ...]
@@ -96,32 +98,30 @@ class T1:
 
 
 def parting(gap: float, kappa: float, prefactors: str) -> float:
-    """The closed-form time to part the horizontal pair to a radius (eta R^2 / F_N)."""
+    """The closed-form time to separate the horizontal pair to a radius (eta R^2 / F_N)."""
     pair = SoftPair(1.0, 1.0, kappa, prefactors_of(FilmSpec(prefactors=prefactors)))
     return passage_time(pair, kappa, gap, max(1.0, 2.0 * gap))
 
 
 def horizon(gap: float, kappa: float, prefactors: str, ramp: float) -> float:
-    """The time (eta R^2 / F_N) at which a cluster that has not exchanged neighbors is blocked."""
+    """The time (eta R^2 / F_N) after which a cluster that has not exchanged neighbors counts as blocked."""
     return PATIENCE * parting(gap, kappa, prefactors) + 60.0 + ramp
 
 
 def seconds(end: float) -> float:
-    """The unit of time of a scene that ends then: 1 s, or less where it would exceed the longest duration of a
-    scene.
-    """
+    """The unit of time of a scene with this end: 1 s, or less if the scene would exceed the longest duration."""
     return min(1.0, LONGEST / end)
 
 
 def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: float, rtol: float) -> SoftScene:
-    """The cluster in units of radius, modulus and eta R^2 / F_N, which are so many `seconds`."""
+    """The scene of a cluster in units of radius, modulus and eta R^2 / F_N; the latter is `seconds` long."""
     horizontal, vertical = forces
     kappa = abs(horizontal - vertical / SQRT3)
     side = 2.0 + gap
     pulls = ((horizontal, 0.0), (-horizontal, 0.0), (0.0, -vertical), (0.0, vertical))
     places = ((-side / 2, 0.0), (side / 2, 0.0), (0.0, side * SQRT3 / 2), (0.0, -side * SQRT3 / 2))
     films = FilmSpec(prefactors=prefactors, tangential_law="secant", tension_law="symmetric")
-    # A scene keeps its numbers within what is physical: forces and viscosity are in proportion, so that E is 1.
+    # Forces and viscosity are scaled so that the modulus is 1 and all numbers are within the limits of scenes.
     end = horizon(gap, kappa, prefactors, ramp)
     second = seconds(end)
     return SoftScene(
@@ -153,7 +153,7 @@ class Effort(NamedTuple):
     steps: int
     rejected: int
     imbalance: float
-    """the largest force (F_N) that was left on a sphere at the end of a step"""
+    """the largest residual force (F_N) on a sphere at the end of a step"""
     turned: float = 0.0
     """the largest angle (rad) by which a sphere has spun"""
 
@@ -161,7 +161,9 @@ class Effort(NamedTuple):
 def result_of(
     series: Sequence[Instant], found: Sequence[float], thresholds: Sequence[float], kappa: float, effort: Effort
 ) -> T1:
-    """The result for a cluster that reached its thresholds at the times `found`; infinite where it never did."""
+    """The result for a cluster that reached its thresholds at the times `found`; infinite for
+    thresholds never reached.
+    """
     last = found[-1]
     outcome = "t1" if math.isfinite(last) else _end(series)
     durations = dict(zip(thresholds, found, strict=True))
@@ -169,7 +171,7 @@ def result_of(
 
 
 def _end(series: Sequence[Instant]) -> str:
-    """The result for a cluster whose vertical pair never carried its force."""
+    """The outcome for a cluster whose vertical pair never carried its part."""
     if series[-1].gap_diagonal <= APART:
         return "blocked"
     return "t1" if min(instant.gap_vertical for instant in series) < MET else "dissociated"
@@ -179,19 +181,19 @@ class Seen(NamedTuple):
     """The times at which goals were reached; infinite for others."""
 
     since: Array
-    """from which on the vertical pair carries the force"""
+    """since when the vertical pair has carried the force"""
     found: Array
-    """the same, once the vertical pair is the closer one"""
+    """since when it has also been the closer pair"""
 
 
 def unseen(goals: Sequence[float]) -> Seen:
-    """The beginning."""
+    """No goal reached yet."""
     return Seen(np.full(len(goals), math.inf), np.full(len(goals), math.inf))
 
 
 def watch(goals: Sequence[float], seen: Seen, begin: Instant, end: Instant, crossing: Callable[[float], float]) -> bool:
-    """Record the goals reached in a step. Returns whether all are reached; `crossing` is the time at which a force is
-    reached.
+    """Record the goals reached in a step. Returns whether all are reached; `crossing` computes the time at which a
+    force is reached.
 
     At first the distant vertical pair has a peak of force: a wide film has a large contact, and its surface is stiff.
     So a time counts once the vertical pair is the closer one, and only if the force has not fallen below since. A goal
@@ -211,13 +213,13 @@ REDUCED_RADIUS = 0.5
 """The reduced radius of equal spheres, in radii."""
 MOST_ITERATIONS = 50
 BALANCED, CLOSE = 1e-15, 1e-9
-"""The last relative change of the deflections; below the second it need not be the last if it no longer decreases."""
+"""Convergence of the deflections: the last relative change, or CLOSE if the change no longer decreases."""
 FIRST_STEP = 1e-6
 """The first step over the duration of the ramp."""
 DIFFERENCE = 1e-6
-"""Step of the Jacobian's differences."""
+"""The step of finite differences of the Jacobian."""
 RELATIVE = 0.1
-"""The tolerance of ln(gap) and angles, relative: that of a step adds so many times their value."""
+"""The relative tolerance of ln(gap) and angles, over the tolerance of a step."""
 
 
 class Pull(NamedTuple):
@@ -225,17 +227,17 @@ class Pull(NamedTuple):
 
     horizontal: float
     vertical: float
-    """inward forces, in units of the largest"""
+    """inward forces, in units of the largest one"""
     scale: float
-    """the largest, in E R^2: the unit of deflections (R)"""
+    """the largest force, in E R^2: the unit of deflections (R)"""
     viscosity: float
-    """with which times are in eta R^2 / F_N"""
+    """the viscosity that makes eta R^2 / F_N the unit of time"""
     ramp: float
     prefactors: Prefactors
 
 
 class Contact(NamedTuple):
-    """A contact at a deflection."""
+    """The normal response of a contact at a deflection."""
 
     tension: float
     stiffness: float
@@ -270,7 +272,9 @@ def contact_at(pull: Pull, gap: float, deflection: float) -> Contact:
 
 
 def balanced(pull: Pull, time: float, state: Array, guess: Array) -> Balance:
-    """Newton's method for the horizontal and the vertical deflection, which `guess` holds; at gaps that are held."""
+    """Solve for the horizontal and the vertical deflection by Newton's method, at constant gaps; `guess` is the start
+    and receives the solution.
+    """
     load = min(time / pull.ramp, 1.0)
     gaps = exp(state[:3])
     cosine, sine = math.cos(state[3]), math.sin(state[3])
@@ -303,7 +307,7 @@ def balanced(pull: Pull, time: float, state: Array, guess: Array) -> Balance:
 
 
 def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
-    """The rates of ln(gaps), angle and closure: each film flows under the force of its surfaces."""
+    """The rates of ln(gaps), angle and closure. The force of its surfaces drives each film."""
     balance, factors = balanced(pull, time, state, guess), pull.prefactors
     gaps = exp(state[:3])
     opening = np.array(
@@ -324,7 +328,8 @@ def rates(pull: Pull, guess: Array, time: float, state: Array) -> Array:
 def jacobian(pull: Pull, guess: Array, time: float, state: Array) -> Array:
     """The Jacobian of the rates by finite differences.
 
-    The closure relaxes within kappa: differences over a part of the tolerance, which are common, are lost in rounding.
+    The closure relaxes within a time kappa. The usual differences, over a part of the tolerance, would be lost in
+    rounding.
     """
     here, columns = rates(pull, guess, time, state), []
     for k in range(len(state)):
@@ -354,7 +359,7 @@ def follow_symmetric(
 
 
 def _start(gap: float) -> Array:
-    """The cluster at rest."""
+    """The variables of the cluster without deflections."""
     far = SQRT3 * (2.0 + gap) - 2.0
     return np.array([math.log(gap), math.log(far), math.log(gap), math.pi / 3.0, 0.0, 0.0])
 
@@ -364,7 +369,9 @@ Between = Callable[[float], Array]
 
 
 def _steps(pull: Pull, gap: float, end: float, tolerance: float) -> Iterator[tuple[Instant, Between, float]]:
-    """Steps by the implicit formula of Radau: the instant at the end of each, the states in it, and the residual."""
+    """Integrate by Radau's implicit method. Yields the instant at the end of each step, the states in it, and the
+    residual.
+    """
     from scipy.integrate import Radau
 
     guess, state, begin = np.zeros(2), _start(gap), 0.0
@@ -384,7 +391,7 @@ def _steps(pull: Pull, gap: float, end: float, tolerance: float) -> Iterator[tup
 
 
 def _instant(pull: Pull, time: float, state: Array, guess: Array) -> Instant:
-    """A state as numbers."""
+    """The quantities of a series for a state."""
     balance, gaps = balanced(pull, time, state, guess), exp(state[:3])
     across = 2.0 + gaps[0] + pull.scale * balance.horizontal
     along = 2.0 + gaps[1] + pull.scale * balance.vertical
@@ -403,7 +410,7 @@ def _instant(pull: Pull, time: float, state: Array, guess: Array) -> Instant:
 
 
 def _crossing(pull: Pull, begin: Instant, end: Instant, between: Between, goal: float) -> float:
-    """The time within a step at which the vertical pair carries that force."""
+    """The time within a step at which the vertical pair carries the force `goal`."""
     from scipy.optimize import brentq
 
     guess = np.zeros(2)

@@ -1,8 +1,9 @@
-"""The paper's own way through a T1 process, for comparison: solve the derivative of the force balance for the spheres'
-velocities, and step places and gap vectors explicitly, by Adams and Bashforth's second-order formula or Runge-Kutta.
+"""The explicit scheme of the paper for a T1 process, for comparison.
 
-The balance itself is never solved, so that the forces drift out of it; and a step must be as short as the fastest
-contact's relaxation, eta/E. [rognon2009, eq. 16 to 20 and 35 to 49].
+The time derivative of the force balance is solved for the velocities of the spheres; positions and gap vectors are
+integrated by the second-order Adams-Bashforth formula or by Runge-Kutta schemes. The balance itself is never solved, so
+that the forces drift out of it, and a step must be as short as the fastest relaxation of a contact, eta/E. [rognon2009,
+eq. 16 to 20 and 35 to 49].
 """
 
 from __future__ import annotations
@@ -47,9 +48,9 @@ SCHEMES = {"paper": ADAMS_BASHFORTH, "rk2": RUNGE_KUTTA_2, "rk4": RUNGE_KUTTA_4}
 
 
 ROWS = 400
-"""Rows of a record that are computed at once."""
+"""Rows of a record that are computed in one call."""
 LOOKS = 4000
-"""Rows in the time that two spheres would take to part."""
+"""Rows of a record within the closed-form time to separate two spheres."""
 MOST_STEPS = 1e9
 
 
@@ -74,7 +75,7 @@ class Course(NamedTuple):
 
 @compiled
 def look(step: Step, places: Places) -> bool:
-    """Gaps and directions of gap vectors; False when a gap is gone."""
+    """Compute gaps and directions of gap vectors. Returns False if a gap has vanished."""
     films, radius_sum = step.films, step.pairs.radius_sum
     copy_rows(step.bodies.position, places.position)
     for c in range(len(radius_sum)):
@@ -91,12 +92,14 @@ def look(step: Step, places: Places) -> bool:
 
 @compiled
 def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float, found: Places) -> bool:
-    """The rates of spheres and gap vectors: films flow under the forces of the surfaces, which remain in balance."""
+    """Compute the rates of sphere positions and gap vectors. Films flow under the forces of the surfaces, which remain
+    in balance.
+    """
     if not look(step, places):
         return False
     films, responses, bodies = step.films, step.responses, step.bodies
     contact_response(contacts, step.pairs, films, bodies.position, 0.0, responses)
-    # Starts that are off by the rates make the answers' correction the rate of the force at held centers.
+    # With starts displaced by the rates, the correction of a response is the rate of the force at fixed centers.
     for c in range(len(films.log_gap)):
         films.log_gap_start[c] += responses.slope[c, 0]
         reach = step.pairs.radius_sum[c] + math.exp(films.log_gap[c])
@@ -118,7 +121,7 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
 
 @compiled
 def displaced(places: Places, by: Places, part: float, to: Places) -> None:
-    """Places moved by a part of velocities."""
+    """Compute positions displaced by a multiple of velocities."""
     for i in range(places.position.shape[0]):
         for k in range(places.position.shape[1]):
             to.position[i, k] = places.position[i, k] + part * by.position[i, k]
@@ -129,16 +132,18 @@ def displaced(places: Places, by: Places, part: float, to: Places) -> None:
 
 @compiled
 def one_step(contacts: Contacts, step: Step, course: Course, time: float, kept: tuple[Places, ...]) -> bool:
-    """Perform one step of a scheme; `kept` contains positions, a trial, and the velocities of four evaluations."""
+    """Perform one step of a scheme; `kept` contains positions, trial positions, and the velocities
+    of four evaluations.
+    """
     places, trial, first, second, third, fourth = kept
     length = course.length
-    # A step belongs to the ramp if its middle does.
+    # The load grows in a step whose middle is within the ramp.
     rate = 1.0 / course.ramp if time + 0.5 * length < course.ramp else 0.0
     if course.scheme == ADAMS_BASHFORTH:
         displaced(first, first, 0.0, second)
         if not velocities(contacts, step, places, rate, first):
             return False
-        # Velocities jump at both ends of the ramp, and with them what the last ones are worth.
+        # Velocities jump at both ends of the ramp: former velocities do not extrapolate across them.
         if time == 0.0 or (rate == 0.0 and time - 0.5 * length < course.ramp):
             displaced(first, first, 0.0, second)
         displaced(places, first, 1.5 * length, trial)
@@ -163,9 +168,10 @@ def one_step(contacts: Contacts, step: Step, course: Course, time: float, kept: 
 def integrate(
     contacts: Contacts, step: Step, course: Course, kept: tuple[Places, ...], begin: int, record: Array
 ) -> tuple[int, float]:
-    """Steps that fill a record: time, then ln(gap), tension, and force along the surface of each contact.
+    """Integrate while filling a record: time, then ln(gap), tension, and tangential force of each
+    contact.
 
-    How many rows there are before a gap vanished, and the largest force that was left on a sphere at any of them.
+    Returns the number of rows before a gap vanished, and the largest residual force on a sphere in them.
     """
     first, films, responses = step.pairs.first, step.films, step.responses
     drift = 0.0
@@ -188,12 +194,12 @@ def integrate(
 
 
 def places_like(step: Step) -> Places:
-    """Room for places."""
+    """Zero arrays for positions and gap vectors."""
     return Places(np.zeros_like(step.bodies.position), np.zeros((len(step.log_gap), 3)))
 
 
 def places_of(step: Step) -> Places:
-    """The present ones."""
+    """The positions and gap vectors of a step."""
     reach = step.pairs.radius_sum + exp(step.log_gap)
     return Places(step.bodies.before.copy(), reach[:, None] * step.direction)
 
@@ -206,7 +212,7 @@ def follow(
     kappa, ramp = abs(horizontal - vertical / SQRT3), scene.protocol[-1].time
     length = min(kappa, 0.1 * ramp) if how[1] is None else how[1]
     require_positive("time_step", length)
-    length = ramp / math.ceil(ramp / length * (1.0 - 1e-9))  # the forces' course turns between two steps
+    length = ramp / math.ceil(ramp / length * (1.0 - 1e-9))  # the ramp ends between two steps
     goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
     course = Course(length, ramp, SCHEMES[how[0]], max(1, round(scene.duration / (LOOKS * 30.0 * length))))
     if scene.duration >= LONGEST or scene.duration / (10.0 * length) > MOST_STEPS:
@@ -224,7 +230,7 @@ def follow(
 
 
 def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:
-    """Rows of records, and the largest imbalance until then, up to the horizon or to where a gap vanishes."""
+    """Rows of records, and the largest imbalance until then, up to the horizon or until a gap vanishes."""
     parameters = parameters_of(scene)
     step = workspace(parameters, start(scene, parameters), 1.0).step
     kept = (places_of(step), *(places_like(step) for _ in range(5)))
@@ -241,7 +247,7 @@ def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:
 
 def _instant(row: Array, kappa: float, scene: SoftScene) -> Instant:
     gap, tension, slide = (row[1 + k :: 3] for k in range(3))
-    # By the gap vectors: the centers' angle differs by the deflections.
+    # The angle of the gap vectors: that of the centers differs by the deflections.
     across, along = 2.0 + exp(gap[[HORIZONTAL, VERTICAL]])
     return Instant(
         time=float(row[0]),
@@ -257,7 +263,7 @@ def _instant(row: Array, kappa: float, scene: SoftScene) -> Instant:
 
 
 def _crossing(before: Instant, after: Instant, goal: float) -> float:
-    """Between two rows, on a straight line."""
+    """The time at which a force is reached between two rows, by linear interpolation."""
     low, high = -before.tension_vertical, -after.tension_vertical
     part = (goal - low) / (high - low) if low < goal < high else 1.0
     return before.time + part * (after.time - before.time)

@@ -1,8 +1,8 @@
-"""The T1 process: four spheres swap neighbors under a pull. [rognon2009].
+"""The T1 process: four spheres exchange neighbors under external forces. [rognon2009].
 
-Spheres 0 and 1 lie left and right, 2 and 3 above and below; the horizontal pair parts, and the vertical pair meets.
-Lengths are in radii and forces in E R^2; times are in eta R^2 / F_N, where F_N = |F_h - F_v/sqrt(3)| is the tension
-that the film of the horizontal pair is to resist. Tension is positive.
+Spheres 0 and 1 are left and right, 2 and 3 above and below; the horizontal pair separates, and the vertical pair comes
+into contact. Lengths are in radii and forces in E R^2; times are in eta R^2 / F_N, where F_N = |F_h - F_v/sqrt(3)| is
+the tension on the film of the horizontal pair. Tension is positive.
 """
 
 from __future__ import annotations
@@ -50,23 +50,23 @@ from ecume.scenes.soft import SoftScene
 from ecume.units import Array
 
 DIAGONALS = [1, 2, 3, 4]
-"""Places of the contacts of the diagonals."""
+"""Indices of the contacts of the diagonals."""
 FAINT, FAINTEST = 5e-7, 1e-12
-"""Below the first kappa the deflections, which positions hold to 4e-16 radii, are unknowns of their own; below the
-second there would be no difference from rigid spheres that could be computed.
+"""Below the first kappa the deflections are separate unknowns, since positions resolve them only to 4e-16 radii. Below
+the second kappa the result would not differ from that of rigid spheres.
 """
 MOST_FORCE = 2.0
-"""E R^2: it deflects a surface by more than a radius."""
+"""E R^2: it deflects a surface by more than a radius"""
 NARROWEST, WIDEST = 1e-10, 1.0
 """The range of initial gaps, in radii."""
 LONGEST_PARTING = 1e16
-"""eta R^2 / F_N."""
+"""The longest closed-form time of separation (eta R^2 / F_N)."""
 EQUAL = 1e-12
 """The relative distance of forces from the boundary between outcomes below which the driving force vanishes."""
 TOLERANCES = 1e-11, 1e-2
 """The range of `rtol`, as in a scene."""
 CLOSE = 1e-13
-"""The accuracy of the time of a threshold, over the step."""
+"""The accuracy of the time of a threshold, over the length of a step."""
 
 
 def t1_process(
@@ -147,7 +147,7 @@ def _forces(reduced: float | None, ratio: float | None, forces: tuple[float, flo
 
 
 def _items(value: object) -> tuple[float, ...] | None:
-    """The items of a sequence or of a vector; none of anything else."""
+    """The items of a sequence or vector; None for other values."""
     listed = isinstance(value, Sequence) and not isinstance(value, str | bytes)
     vector = isinstance(value, np.ndarray) and value.ndim == 1
     return tuple(cast("Sequence[float]", value)) if listed or vector else None
@@ -169,7 +169,7 @@ def _thresholds(threshold: float | Sequence[float]) -> tuple[float, ...]:
 
 
 def _require_between(name: str, value: float, ends: tuple[float, float], unit: str = "") -> None:
-    """Raise BadInput for numbers outside of a range, whose upper end is included for tolerances only."""
+    """Raise BadInput for numbers outside of a range; the upper end is included for tolerances only."""
     require_number(name, value)
     if not ends[0] <= value <= ends[1] or (unit and value == ends[1]):
         expected = f"at least {ends[0]:g} and below {ends[1]:g}, {unit}" if unit else f"{ends[0]:g} to {ends[1]:g}"
@@ -177,7 +177,7 @@ def _require_between(name: str, value: float, ends: tuple[float, float], unit: s
 
 
 def _require_choices(prefactors: str, method: str, rotation: bool) -> None:
-    """Refuse unknown names, and a switch that is not a boolean."""
+    """Raise BadInput for unknown names, and for a `rotation` that is not a boolean."""
     for name, value in (("prefactors", prefactors), ("method", method)):
         if not isinstance(value, str):
             raise BadInput(f"{name} is {value!r}; expected a name")
@@ -236,7 +236,7 @@ class Span(NamedTuple):
 
 
 def _spans(parameters: Parameters, state: State, scratch: Workspace, unit: Units) -> Iterator[Span]:
-    """Step after step, to the horizon."""
+    """Yield the steps up to the horizon."""
     step, instant = scratch.step, _first(parameters, scratch, unit)
     across = state.position[1] - state.position[0]
     axes = np.array([[across[0], across[1]], [-across[1], across[0]]]) / math.hypot(across[0], across[1])
@@ -267,13 +267,13 @@ def _mirror(state: State, step: Step, axes: Array) -> None:
 
 
 def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
-    """The cluster at rest."""
+    """The instant at the start."""
     begin_step(parameters, scratch.step, drive_at(parameters.protocol, 0.0))
     return _instant(scratch, 0.0, unit)
 
 
 def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
-    """The end of a step in numbers, from the last solution in `films` and `responses`."""
+    """The quantities of a series at the end of a step, from the last solution in `films` and `responses`."""
     films, force = scratch.step.films, scratch.step.responses.force
     gap, tension = exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
     x, y, _ = films.direction[DIAGONAL]
@@ -291,14 +291,14 @@ def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
 
 
 def _diagonal_angle(scratch: Workspace) -> float:
-    """Between the diagonal and the horizontal pair, by their centers."""
+    """The angle between the diagonal and the horizontal pair, from the centers (rad)."""
     place = scratch.step.bodies.position
     across, along = place[1] - place[0], place[2] - place[0]
     return math.atan2(float(across[0] * along[1] - across[1] * along[0]), float(across @ along))
 
 
 def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Units, goal: float) -> float:
-    """The time within the last step at which the vertical pair carries that force, by shorter steps."""
+    """The time within the last step at which the vertical pair carries the force `goal`, by shorter steps."""
     from scipy.optimize import brentq
 
     step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau
