@@ -70,11 +70,11 @@ def scene_with(model: str, part: str, key: str, way: str) -> Any:
 THREADED = """
 import hashlib, sys
 from ecume import _jit
+_jit.FEW = int(sys.argv[3])  # before any loop is declared
 from ecume._jit import use_threads
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments
 use_threads(int(sys.argv[1]))
-_jit.FEW = int(sys.argv[3])
 digest = hashlib.sha256()
 for one in moments(load_scene(sys.argv[2])):
     if one.frame is not None:

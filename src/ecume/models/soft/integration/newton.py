@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly, prange, shared
+from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers import block_matrix
 from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern
 from ecume.models.soft.cell import (
@@ -111,13 +112,17 @@ def sum_forces(
     strain of a stress-controlled box.
     """
     right, position, count = bodies.right, bodies.position, len(bodies.drag)
+    first_link, link, second = pattern.first_link, pattern.link, pairs.second
+    radius_sum, offset = pairs.radius_sum, pairs.offset
+    force, correction, stiffness = responses.force, responses.correction, responses.stiffness
     chunks = (count + CHUNK - 1) // CHUNK
     extremes = np.zeros((chunks, 2))
     for chunk in prange(chunks):
+        network, reactions = ((first_link, link), (second, radius_sum, offset)), (force, correction, stiffness)
         for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, count)):
             most, firmest = set_external_forces(bodies, right, i, along, (given[0], given[1], given[3]))
             extremes[chunk, 0], extremes[chunk, 1] = max(extremes[chunk, 0], most), max(extremes[chunk, 1], firmest)
-            most, firmest = add_contact_forces((pairs, responses, pattern), (position, right), i, given[2])
+            most, firmest = add_contact_forces(network, reactions, (position, right), i, given[2])
             extremes[chunk, 0], extremes[chunk, 1] = max(extremes[chunk, 0], most), max(extremes[chunk, 1], firmest)
     largest, stiffest = 0.0, 0.0
     for chunk in range(chunks):
@@ -152,15 +157,17 @@ def set_external_forces(
 
 @compiled_inside
 def add_contact_forces(
-    network: tuple[Pairs, ContactResponses, Pattern], bodies: tuple[Array, Array], i: int, corrected: float
+    network: tuple[tuple[Integers, Integers], tuple[Integers, Array, Array]],
+    reactions: tuple[Array, Array, Array],
+    bodies: tuple[Array, Array],
+    i: int,
+    corrected: float,
 ) -> tuple[float, float]:
     """Add the forces of the contacts of a sphere, in their order. Returns the largest force, and the largest product of
     stiffness and coordinate, of the contacts in which the sphere is the first.
     """
-    (pairs, responses, pattern), (position, right) = network, bodies
-    force, correction, stiffness = responses.force, responses.correction, responses.stiffness
-    first_link, link = pattern.first_link, pattern.link
-    second, radius_sum, offset = pairs.second, pairs.radius_sum, pairs.offset
+    ((first_link, link), (second, radius_sum, offset)), (force, correction, stiffness) = network, reactions
+    position, right = bodies
     largest, stiffest = 0.0, 0.0
     for place in range(first_link[i], first_link[i + 1]):
         c, ahead = link[place] // 2, link[place] % 2 == 0
