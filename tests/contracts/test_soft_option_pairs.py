@@ -6,7 +6,8 @@ The matrix in `docs/physics/soft.md` is written by `python -m tests.contracts.te
 import copy
 
 import pytest
-from tests.contracts.option_pairs import Pairs, merged, section, write_section
+from tests.contracts.option_pairs import Pairs, frames_of, merged, section, write_section
+from tests.models.soft.test_threads import threaded_loops
 
 pytestmark = pytest.mark.compiled
 
@@ -128,6 +129,26 @@ def long(pair):
 )
 def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
     PAIRS.require_works_or_reason(one, other)
+
+
+def bits(plain):
+    """The bits of all frames of a scene, and why it is refused if it is."""
+    frames, refusal = frames_of(plain, LAWS)
+    return [array.tobytes() for frame in frames for array in frame.arrays.values()], refusal
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("option", [name for name in OPTIONS if not name.startswith(("solver ", "gravity"))])
+def test_an_option_has_the_same_bits_in_threads(monkeypatch, option):
+    """As in a packing of thousands of spheres, where each loop over contacts is compiled for threads. Gravity alone has
+    nothing to hold it.
+    """
+    plain = plain_of(option, "solver iterative")
+    alone = bits(plain)
+    assert alone[1] == ""
+    for loop in threaded_loops():
+        monkeypatch.setattr(loop, "few", 1)
+    assert bits(plain) == alone
 
 
 @pytest.mark.long

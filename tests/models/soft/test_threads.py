@@ -31,7 +31,7 @@ def integrated(scene, steps=6, iterations=0):
     return state
 
 
-def passes():
+def threaded_loops():
     """All loops of the model that have a version with threads."""
     modules = [module for name, module in sys.modules.items() if name.startswith("ecume.models.soft")]
     return {id(one): one for module in modules for one in vars(module).values() if isinstance(one, Shared)}.values()
@@ -45,7 +45,7 @@ def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation
     """By gradients, and where those are said to have taken many iterations, by a factorization."""
     scene = packing(count=300, strain=0.2, hydrodynamics={"drag": "stokes"}, rotation=rotation)
     alone = integrated(scene, iterations=iterations)
-    for one in passes():
+    for one in threaded_loops():
         monkeypatch.setattr(one, "few", 1)
     monkeypatch.setattr(tree_search, "CELL_SEARCH_FROM", 1)
     many = numba.get_num_threads()
@@ -56,7 +56,7 @@ def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation
             assert (together.effort[1] > 0) == (iterations > 0)
             for name, array in alone._asdict().items():
                 assert np.asarray(array).tobytes() == getattr(together, name).tobytes(), name
-        unused = {one.__name__ for one in passes() if not one.together.overloads}
+        unused = {one.__name__ for one in threaded_loops() if not one.together.overloads}
         assert unused <= ({"fill_matrix"} if rotation else set())
     finally:
         numba.set_num_threads(many)
