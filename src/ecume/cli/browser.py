@@ -16,7 +16,7 @@ from ecume.cli.scenes import Overrides, without_compiler_for
 from ecume.errors import BadInput
 
 LOOK_EVERY = 0.5
-"""Seconds between two looks whether a run that is followed still runs."""
+"""Seconds between two checks whether a followed run has ended."""
 
 
 Viewed = Annotated[
@@ -100,7 +100,7 @@ def _nth(number: int) -> str:
 
 
 def _follow(directory: Path) -> None:
-    """Serve a run until it ends, or Ctrl-C."""
+    """Serve a run until it ends or Ctrl-C is pressed."""
     from ecume.run import RunDirectory, lock
     from ecume.run import info as look
     from ecume.show.view.page import Source, serving
@@ -166,7 +166,7 @@ def play(
 
 
 def _wait() -> None:
-    """Until Ctrl-C."""
+    """Wait until Ctrl-C is pressed."""
     with contextlib.suppress(KeyboardInterrupt):
         while True:
             time.sleep(LOOK_EVERY)

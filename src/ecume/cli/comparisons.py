@@ -28,19 +28,19 @@ if TYPE_CHECKING:
 
 
 NOT_MET = 1
-"""The exit code when a number is not as expected."""
+"""The exit code if a number is not as expected."""
 NUMBERS = ("computed", "expected", "tolerance")
 
 
 def _cases() -> dict[str, Case]:
-    """The table of cases. Raises BadInput where the package that contains them is not installed."""
+    """The table of cases. Raises BadInput if its package is not installed."""
     with beside_ecume():
         from ecume_validation import CASES
     return CASES
 
 
 def _reproduced() -> dict[str, Reproduced]:
-    """The table of figures of papers. Raises BadInput where the package that contains them is not installed."""
+    """The table of reproduced figures. Raises BadInput if its package is not installed."""
     _cases()
     from ecume_validation.reproduced import REPRODUCED
 
@@ -93,7 +93,7 @@ def reproduce(
 
 
 def _case_names(incomplete: str) -> list[str]:
-    """Cases that begin so, for the shell's completion."""
+    """Cases whose names begin with the incomplete word, for the shell's completion."""
     return [name for name in _cases() if name.startswith(incomplete)]
 
 
@@ -154,7 +154,7 @@ def _chosen_cases(names: Sequence[str], *, everything: bool) -> list[Case]:
 
 
 def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]:
-    """The result of one case, printed as a table if it is `shown`. A case that fails is not met."""
+    """The result of one case, printed as a table if `shown`. A case that raises an error counts as failed."""
     began, worked = time.monotonic(), time.process_time()
     if sys.stderr.isatty():
         echo(f"{case.name} …", err=True)
@@ -201,11 +201,11 @@ class Bench(NamedTuple):
     needs: tuple[str, ...] = ()
     """modules without which it is skipped"""
     long: bool = False
-    """minutes rather than seconds"""
+    """whether it takes minutes rather than seconds"""
 
 
 PEERS = "PEERS"
-"""Stands in the arguments for the folder where `benchmarks/peers/install.sh` put other packages."""
+"""Placeholder in the arguments for the folder in which `benchmarks/peers/install.sh` installed other packages."""
 BENCHES: dict[str, Bench] = {
     bench.name: bench
     for bench in (
@@ -253,7 +253,7 @@ BENCHES: dict[str, Bench] = {
 
 
 def _benchmark_names(incomplete: str) -> list[str]:
-    """Benchmarks that begin so, for the shell's completion."""
+    """Benchmarks whose names begin with the incomplete word, for the shell's completion."""
     return [name for name in BENCHES if name.startswith(incomplete)]
 
 

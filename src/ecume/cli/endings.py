@@ -18,9 +18,9 @@ from ecume.cli.output import cleaned, echo
 
 INTERRUPTED, MISUSED = 130, 2
 USAGE_ERROR: type[Exception] = typer.BadParameter.__mro__[1]
-"""The base of all faults in options and arguments."""
+"""The base class of all errors in options and arguments."""
 PREFIX = "ecume: "
-"""Begins every line of a message."""
+"""The start of every line of a message."""
 WORDINGS = (
     (r"Invalid value for '?(.+?)'?: ", r"\1: "),
     (r"Input should be a valid integer.*", "expected an integer"),
@@ -39,7 +39,7 @@ WORDINGS = (
 
 
 class Ending(typer.core.TyperGroup):
-    """The group of all commands. Errors of use become messages; a defect of ecume keeps its traceback."""
+    """The group of all commands. Usage errors become messages; a defect of ecume keeps its traceback."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the options before the command."""
@@ -68,7 +68,7 @@ class Ending(typer.core.TyperGroup):
 
 @contextmanager
 def _usage_errors_as_messages() -> Iterator[None]:
-    """Faults of options and arguments in one line each, like all other messages."""
+    """Report faults of options and arguments in one line each, like all other messages."""
     try:
         yield
     except USAGE_ERROR as error:
@@ -93,11 +93,11 @@ def _in_style(message: str) -> str:
 
 
 def say(message: str) -> None:
-    """A message on stderr, each line with the prefix."""
+    """Print a message on stderr, each line with the prefix."""
     for line in cleaned(message).splitlines():
         echo(PREFIX + line, err=True)
 
 
 def warned(message: Warning | str, *_: object, **__: object) -> None:
-    """A warning as a line, in place of Python's two with a path in them."""
+    """Print a warning as one line, instead of Python's two with a path."""
     say(f"warning: {message}")

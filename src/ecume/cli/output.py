@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 AS_WIDE_AS_IT_IS = 1000
-"""Columns; more than any table has."""
+"""Columns of the output to files and pipes: more than any table has."""
 CONTROL: dict[int, str | None] = {
     **dict.fromkeys(code for code in (*range(0x20), *range(0x7F, 0xA0)) if code not in b"\t\n"),
     **dict.fromkeys((0x061C, 0x200E, 0x200F, 0x2028, 0x2029, *range(0x202A, 0x202F), *range(0x2066, 0x206A))),
     **dict.fromkeys(range(0xD800, 0xE000), "\N{REPLACEMENT CHARACTER}"),
 }
-"""Characters that act on a terminal: control characters, marks and overrides of the direction of writing, separators of
-lines; and halves of characters, which no terminal can show.
+"""Characters that act on a terminal: control characters, marks and overrides of the writing direction, line separators;
+and lone surrogates, which no terminal can print.
 """
 
 
@@ -57,7 +57,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
         table.add_column(column, justify="right" if column in numbers else "left")
     for row in rows:
         table.add_row(*(Text(cleaned(cell)) if isinstance(cell, str) else cell for cell in row))
-    # Into a file or a pipe nothing is wrapped or cut off.
+    # In a file or a pipe, lines are neither wrapped nor truncated.
     Console(width=None if sys.stdout.isatty() else AS_WIDE_AS_IT_IS).print(table)
 
 

@@ -24,7 +24,7 @@ NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
 
 
 def _figures(incomplete: str) -> list[str]:
-    """Figures that begin so, for the shell's completion."""
+    """Figures whose names begin with the incomplete word, for the shell's completion."""
     from ecume.show.figures import FIGURES
 
     known = dict.fromkeys(name for figures in FIGURES.values() for name in figures)
@@ -32,7 +32,7 @@ def _figures(incomplete: str) -> list[str]:
 
 
 def seconds(text: str) -> float:
-    """A time from the command line: `2.5`, `2 s`, `3 min`."""
+    """The time in a text from the command line: `2.5`, `2 s`, `3 min`."""
     from ecume.units import parse
 
     try:
@@ -42,7 +42,7 @@ def seconds(text: str) -> float:
 
 
 def pixels(text: str) -> tuple[int, int]:
-    """A size from the command line: `1280x960`."""
+    """The size in a text from the command line: `1280x960`."""
     match = re.fullmatch(r"\s*([0-9]{1,6})\s*[x×]\s*([0-9]{1,6})\s*", text)
     if match is None:
         raise typer.BadParameter(f"got {text!r}; expected WIDTHxHEIGHT in pixels, such as 1280x960")
@@ -50,7 +50,7 @@ def pixels(text: str) -> tuple[int, int]:
 
 
 def length(text: str) -> float:
-    """A length from the command line: `86 mm`."""
+    """The length in a text from the command line: `86 mm`."""
     from ecume.units import parse
 
     try:
@@ -147,7 +147,7 @@ ForceLaw = Annotated[
 
 
 TEXT = ("csv", "numbers", "samples", "xyz")
-"""Formats that can be read on a terminal and piped."""
+"""Text formats, which can be printed and piped."""
 
 
 def to_stdout(directory: Path, kind: str) -> None:
@@ -163,7 +163,7 @@ def to_stdout(directory: Path, kind: str) -> None:
 
 
 def require_folder(file: Path) -> None:
-    """Raise BadInput where a file would be in a folder that does not exist."""
+    """Raise BadInput for a file in a folder that does not exist."""
     if not file.parent.is_dir():
         raise BadInput(f"-o {file}: the folder {file.parent} does not exist")
 
@@ -302,7 +302,7 @@ DataFile = Annotated[
 
 
 MOST_RATE = 60.0
-"""Pictures a second that a movie with a given speed has at most."""
+"""The largest number of pictures per second of a movie with a given speed."""
 
 
 def frame_interval(directory: Path) -> float:
@@ -315,7 +315,8 @@ def frame_interval(directory: Path) -> float:
 
 
 def pace(speed: float, interval: float) -> tuple[int, int]:
-    """The pictures a second and the frames from picture to picture of a movie with a speed over real time.
+    """The pictures per second of a movie with this speed over real time, and the number of frames from picture to
+    picture.
 
     >>> pace(0.5, 0.02), pace(1.0, 0.001), pace(0.01, 0.002)
     ((25, 1), (59, 17), (5, 1))
@@ -371,11 +372,11 @@ def plot(
 
 
 PICTURE_KINDS = ("png", "pdf", "svg", "eps", "ps", "jpg", "jpeg", "tif", "tiff", "webp", "svgz", "pgf", "raw", "rgba")
-"""The endings of figures."""
+"""The file name extensions of figures."""
 
 
 def require_picture(out: Path | None, form: str) -> None:
-    """Raise BadInput for a file or a format that is no figure's, before anything is drawn."""
+    """Raise BadInput for a file or a format that figures cannot have, before anything is drawn."""
     if form not in PICTURE_KINDS:
         raise BadInput(f"--format: got {form!r}; expected one of png, pdf, svg")
     if out is not None and out.suffix and not out.is_dir() and out.suffix[1:].lower() not in PICTURE_KINDS:
@@ -384,7 +385,7 @@ def require_picture(out: Path | None, form: str) -> None:
 
 
 def _folder(out: Path | None, directory: Path) -> Path:
-    """The folder for several figures. Raises BadInput where a file is named for them."""
+    """The folder for several figures. Raises BadInput for the name of a file."""
     if out is None:
         return directory / RESULTS
     if out.suffix and not out.is_dir():
@@ -404,7 +405,7 @@ class Asked(NamedTuple):
 
 
 def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool) -> None:
-    """Raise BadInput if a figure that uses no run is combined with a run, or with another such figure."""
+    """Raise BadInput if a figure without a run is combined with a run, or with another such figure."""
     if force_law is not None and (integrators or of_a_run):
         raise BadInput("--force-law needs no run, no --what and no --integrators; it draws a scene's pairs")
     if integrators and of_a_run:
@@ -412,7 +413,7 @@ def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool)
 
 
 def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
-    """The forces between a scene's floats, or the integrators side by side."""
+    """Draw the forces between a scene's floats, or the comparison of integrators."""
     if force_law is not None:
         from ecume.show.floating.law_figures import force_law as draw
 
@@ -423,7 +424,7 @@ def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
 
 
 def _draw_sweep(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
-    """Figures of a sweep: `curves`, `map`, `scatter` or `fit`, or `curves:duration` for a measure not its first."""
+    """Draw figures of a sweep: `curves`, `map`, `scatter` or `fit`; `curves:duration` uses the measure `duration`."""
     from ecume.show.publishing import Finish
     from ecume.sweep.figures import kinds_of, plot_sweep
 
@@ -448,7 +449,7 @@ def _folder_of(out: Path | None) -> Path | None:
 
 
 def _require_one_table(names: list[str], data: Path | None) -> None:
-    """Raise BadInput where the numbers of several figures are to go into one table."""
+    """Raise BadInput if one table is requested for the numbers of several figures."""
     if data is not None and len(names) > 1:
         raise BadInput(f"--data {data}: holds the numbers of one figure; give --what once")
 
@@ -457,7 +458,7 @@ TABLES = (".csv", ".tsv", ".txt")
 
 
 def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
-    """The requested figures, each of all the runs and experiments together."""
+    """Draw the requested figures, each for all runs and experiments together."""
     from ecume.run.directory import existing, manifest_of
     from ecume.show.figure_names import NUMBER, require_figure
 
@@ -470,7 +471,7 @@ def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
     _require_one_table(asked.names, asked.data)
     for run in runs:
         model = str(manifest_of(existing(run)).get("model", ""))
-        for name in asked.names:  # refused before anything that draws is imported
+        for name in asked.names:  # before the slow imports of what draws
             require_figure(model, name)
     if len(runs) == 1:
         without_compiler_for(runs[0])
@@ -494,13 +495,13 @@ def _draw(asked: Asked, look: dict[str, Any], *, quiet: bool) -> None:
 
 
 def _require_one(names: list[str], out: Path | None) -> None:
-    """Raise BadInput where several figures are to go into one file."""
+    """Raise BadInput if one file is requested for several figures."""
     if out is not None and len(names) > 1:
         raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
 
 
 def _draw_all(directory: Path, folder: Path, form: str, look: dict[str, Any], *, quiet: bool, verbose: bool) -> None:
-    """Every figure that this run has something for, in a folder."""
+    """Draw every figure for which the run has data, into a folder."""
     from ecume.run.directory import existing
 
     existing(directory)
@@ -627,7 +628,7 @@ def _deck(scene: Path, out: Path | None, changes: list[str]) -> Path:
 
 
 def _crate(directory: Path, out: Path | None, authors: list[str], license_name: str) -> Path:
-    """Describe a run in its directory, the only place where the names of its files are right."""
+    """Add RO-Crate metadata to the directory of a run, in which the file names of the metadata are valid."""
     from ecume.run.research_object import Attribution, write_crate
 
     if out is not None:

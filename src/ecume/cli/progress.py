@@ -39,7 +39,7 @@ Reporter = Callable[["Progress"], None]
 
 @contextmanager
 def shown(*, quiet: bool) -> Iterator[Reporter | None]:
-    """The reporter of a run's progress: none, a bar, or lines on stderr."""
+    """The reporter of a run's progress: nothing, a bar, or lines on stderr."""
     if quiet:
         yield None
     elif sys.stderr.isatty():
@@ -56,7 +56,7 @@ class WithExpectation:
         self._report, self._said = report, False
 
     def __call__(self, progress: Progress) -> None:
-        """Report, after the expectation."""
+        """Report the progress, once after the expected duration."""
         if not self._said and progress.remaining:
             self._said = True
             echo(expectation(progress), err=True)
@@ -64,7 +64,7 @@ class WithExpectation:
 
 
 def expectation(progress: Progress) -> str:
-    """`30000 steps, about 4 min`."""
+    """The expected number of steps and duration: `30000 steps, about 4 min`."""
     steps = f"{progress.steps} steps" if progress.steps else "adaptive steps"
     return f"{steps}, about {lasting(progress.remaining or 0.0)}"
 
@@ -77,14 +77,14 @@ def _bar() -> Iterator[Reporter]:
     from rich.text import Text
 
     class Doing(ProgressColumn):
-        """The task's description; what is done before the first step, as long as that lasts."""
+        """The activity before the first step, then the description of the task."""
 
         def render(self, task: Task) -> Text:
             return Text(task.description or waiting())
 
-    # The time that is left is the run's own: Rich would count the wait for the compiler as slow integration.
+    # ecume estimates the remaining time: Rich would count compilation as slow integration.
     columns, console = (BarColumn(), Doing()), Console(stderr=True)
-    # Lines for the same terminal appear above the bar; lines for a file or a pipe go there.
+    # Redirect standard output only if it is the same terminal, so that its lines appear above the bar.
     with Bars(*columns, console=console, transient=True, redirect_stdout=sys.stdout.isatty()) as bars:
         bar = bars.add_task("", total=None)
         yield lambda progress: bars.update(
@@ -115,21 +115,21 @@ def _counting_bar(pace: Pace) -> Iterator[Callable[[int, int], None]]:
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bars
 
-    # ecume estimates the remaining time: Rich only uses the last half minute.
+    # ecume estimates the remaining time: Rich uses only the last half minute.
     with Bars(BarColumn(), TextColumn("{task.description}"), console=Console(stderr=True), transient=True) as bars:
         bar = bars.add_task(pace.what, total=None)
         yield lambda done, of: bars.update(bar, total=of, completed=done, description=pace(done, of))
 
 
 class Pace:
-    """The number of things done, and the time left at the pace since the first report."""
+    """The number of completed items, and the remaining time at the mean rate since the first report."""
 
     def __init__(self, what: str) -> None:
         self.what = what
         self._first: tuple[float, int] | None = None
 
     def __call__(self, done: int, of: int) -> str:
-        """`12 of 300 points, 4 min left`."""
+        """The text of a report: `12 of 300 points, 4 min left`."""
         now = time.monotonic()
         since, before = self._first = self._first or (now, done)
         left = f", {lasting((of - done) * (now - since) / (done - before))} left" if before < done < of else ""
@@ -137,7 +137,7 @@ class Pace:
 
 
 class CountLines:
-    """A reporter that prints a plain line every ten seconds, if items were completed."""
+    """A reporter that prints a plain line every ten seconds if items were completed."""
 
     def __init__(self, pace: Pace) -> None:
         self._pace = pace
@@ -152,7 +152,7 @@ class CountLines:
 
 
 class Lines:
-    """A plain line every ten seconds."""
+    """A reporter that prints a plain line every ten seconds."""
 
     def __init__(self) -> None:
         self._last = time.monotonic()
@@ -171,7 +171,7 @@ def line(progress: Progress) -> str:
 
 
 def waiting() -> str:
-    """The activity of a run before its first step."""
+    """The activity of a run before its first step, as a text."""
     return "compiling" if watch.compiling else "setting up"
 
 
@@ -187,7 +187,7 @@ def ahead(remaining: float | None) -> str:
 
 
 def lasting(seconds: float) -> str:
-    """A wall time for people: `12 s`, `4 min`, `3.5 h`."""
+    """A wall time as a text: `12 s`, `4 min`, `3.5 h`."""
     for unit, size, below in (("s", 1.0, 100.0), ("min", 60.0, 100.0), ("h", 3600.0, 48.0)):
         if seconds < size * below:
             return f"{seconds / size:.3g} {unit}"

@@ -92,7 +92,7 @@ def _print(found: Comparison) -> None:
 
 
 def _sizes(row: QuantityDifference) -> tuple[str, str]:
-    """The largest difference and its ratio to the values; of arrays that cannot be subtracted, why."""
+    """The largest difference and its ratio to the values; for arrays that cannot be subtracted, the reason."""
     if row.shapes:
         return row.shapes, ""
     return f"{row.largest:.2e} {row.unit}".rstrip(), f"{row.relative:.1e}"
@@ -184,7 +184,7 @@ def run(
     directory = out or RUNS / scene.stem
     with integrating(engine, ranks) as led:
         asked = load_scene(scene, changes)
-        # With changes from the command line the file is not the simulated scene; the resolved scene is.
+        # With changes from the command line, the simulated scene is the resolved one and not the file.
         source = None if changes else scene.read_bytes()
         with placed(scene, changes), watched(directory, enabled=view), shown(quiet=quiet) as reporter:
             done = simulate(
@@ -278,7 +278,7 @@ def import_run(
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:
-    """Print the result of a run, and the invariants that it violated."""
+    """Print the result of a run, and the violated invariants."""
     from ecume.run.directory import RunDirectory
     from ecume.run.invariant_monitor import BROKEN, summary_line
 
@@ -358,7 +358,7 @@ def repair(directory: RunFolder = HERE) -> None:
 
 @contextlib.contextmanager
 def watched(directory: Path, *, enabled: bool) -> Iterator[None]:
-    """A block in which a browser follows the run that it computes."""
+    """A context in which the browser follows the run that the block computes."""
     if not enabled:
         yield
         return
@@ -377,7 +377,7 @@ def watched(directory: Path, *, enabled: bool) -> Iterator[None]:
 
 @contextlib.contextmanager
 def offered(address: str, what: str = "follow the run") -> Iterator[None]:
-    """A block in which a server runs; its address is printed with its purpose and opened in the browser."""
+    """A context with a running server, whose address is printed with its purpose and opened in the browser."""
     import webbrowser
 
     from ecume.show.serving import redirect_file
@@ -389,7 +389,7 @@ def offered(address: str, what: str = "follow the run") -> Iterator[None]:
 
 
 def use_at_most(threads: int | None) -> None:
-    """Numba fixes the most threads it will ever use when it is first imported."""
+    """Limit the number of threads. Numba fixes its maximum when it is first imported."""
     if threads is not None and "numba" not in sys.modules:
         os.environ["NUMBA_NUM_THREADS"] = str(max(threads, os.cpu_count() or 1))
 
@@ -445,7 +445,7 @@ def _wall_time(sessions: Sequence[dict[str, Any]]) -> str:
 
 
 def replacements(manifest: dict[str, Any]) -> list[str]:
-    """The frames that were replaced because another processor or other versions computed them with other bits."""
+    """A text on frames that were replaced because another processor or other versions computed them with other bits."""
     found = [session["replaced"] for session in manifest.get("sessions", []) if "replaced" in session]
     return [
         f"from frame {one['frame']} (t = {one['time']:g} s) on, which differed in {one['difference']} "

@@ -1,7 +1,8 @@
-"""The verbs about scenes: new, check and cite; also the choice of the compiler mode.
+"""The verbs about scenes: new, check and cite; also the choice of the engine and of the compiler
+mode.
 
-The options select an engine. Scenes are checked in plain Python unless many particles have to be placed: to load
-compiled code takes longer than the few loops that a check runs.
+Scenes are checked in plain Python unless many particles have to be placed: loading compiled code takes longer than the
+few loops of a check.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ Ranks = Annotated[
 
 @contextlib.contextmanager
 def integrating(engine: str | None, ranks: int | None, directory: Path | None = None) -> Iterator[Engine | None]:
-    """The selected engine, or that of the run in this directory. Raises BadInput where it is missing."""
+    """A context with the selected engine, or with that of the run in this directory. Raises BadInput if it is not
+    installed.
+    """
     from ecume.models.model import LAMMPS, LOCAL
 
     name = _engine_of(directory) if engine is None else engine
@@ -77,27 +80,29 @@ def _engine_of(directory: Path | None) -> str:
 
 
 FEW = 1000
-"""Particles that are placed at random in plain Python as soon as compiled code is loaded."""
+"""The largest number of particles for which random placement in plain Python takes less time than loading compiled
+code.
+"""
 
 own_process: list[bool] = []
 """Not empty if this process runs one command and ends."""
 
 
 def without_compiler(scene: Scene) -> None:
-    """Disable compilation if checking the scene needs little computation and the process ends afterwards."""
+    """Disable compilation if the check of a scene needs little computation and the process ends afterwards."""
     if own_process and "ecume._jit" not in sys.modules and is_small(scene):
         os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 
 def without_compiler_for(directory: Path) -> None:
-    """The same for pictures and figures of a run. Those of tanks sum over all particles, and the surface around
-    multipoles over all terms.
+    """Disable compilation for pictures and figures of a run that need little computation. Pictures of tanks sum over
+    all particles, and the surface around multipoles over all terms.
     """
     if own_process and "ecume._jit" not in sys.modules:
         from ecume.errors import EcumeError
         from ecume.trajectories.reader import open_trajectory
 
-        with contextlib.suppress(EcumeError, OSError):  # reported by what draws
+        with contextlib.suppress(EcumeError, OSError):  # the code that draws reports it
             scene = open_trajectory(directory).scene
             method = getattr(getattr(scene, "interaction", None), "method", "")
             if scene is not None and scene.model != "sph" and method != "multipole":
@@ -105,7 +110,7 @@ def without_compiler_for(directory: Path) -> None:
 
 
 def is_small(scene: Scene) -> bool:
-    """Whether few particles are placed one by one; lattices of liquid are NumPy's."""
+    """Whether only few particles are placed one by one; lattices of liquid are computed by NumPy."""
     from ecume.scenes.sph import SphScene
 
     if isinstance(scene, SphScene):
@@ -145,7 +150,7 @@ Actions = Annotated[
 
 
 def _names(incomplete: str) -> list[str]:
-    """Templates that begin so, for the shell's completion."""
+    """Templates whose names begin with the incomplete word, for the shell's completion."""
     from ecume.scenes.templates import sweep_templates, templates
 
     return [name for name in templates() | sweep_templates() if name.startswith(incomplete)]
@@ -241,7 +246,7 @@ def examine(scene: Scene) -> None:
 
 
 def _require_known(scene: Scene) -> None:
-    """Raise SceneError for quantities that the frames of a scene do not have."""
+    """Raise SceneError for output quantities that the frames of a scene do not have."""
     from ecume.run.selection import names_quantities, require_known
 
     if names_quantities(scene):
@@ -252,7 +257,7 @@ def _require_known(scene: Scene) -> None:
 
 @contextmanager
 def placed(file: Path, changes: Sequence[str]) -> Iterator[None]:
-    """Faults that a model finds in a scene get the lines of its file, as those of the reader have them."""
+    """A context that adds the lines of the scene's file to faults that a model finds."""
     from ecume.errors import SceneError
     from ecume.scenes.load import located
 

@@ -26,7 +26,7 @@ SWEEPS = Path("sweeps")
 
 
 def task_of(text: str) -> tuple[int, int]:
-    """A task of an array: `3/100`."""
+    """The number of a task and of all tasks of an array, from a text: `3/100`."""
     match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
     if match is None or not int(match[1]) < int(match[2]):
         raise typer.BadParameter(f"{text!r}: expected NUMBER/TASKS, such as 3/100")
@@ -98,7 +98,7 @@ def sweep(
 
 
 def absolute(laws: Sequence[str]) -> list[str]:
-    """Files of laws by paths that workers find, wherever they are started."""
+    """The user's law files as absolute paths, which workers find from any folder."""
     return [str(Path(law).absolute()) for law in laws]
 
 
@@ -124,7 +124,7 @@ def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: boo
 
 
 def _end(done: Outcome, *, quiet: bool) -> None:
-    """Report the outcome of a sweep; one with failures ends with 1."""
+    """Report the outcome of a sweep. The exit code is 1 if points failed."""
     if not quiet:
         busy = f", {done.busy} elsewhere at work" if done.busy else ""
         echo(f"{done.directory}: {done.done} points done, {len(done.failed)} failed{busy}; table.csv has them all")
@@ -151,7 +151,7 @@ def _print_status(directory: Path, *, json: bool) -> None:
 
 
 def _work(directory: Path, task: tuple[int, int], laws: Sequence[str]) -> None:
-    """A task of a job array."""
+    """Run a task of a job array."""
     from ecume.sweep.directory import existing_sweep
     from ecume.sweep.executors import work_task
 
@@ -165,7 +165,7 @@ FITS = Path("fits")
 
 
 def in_unit(text: str, unit: str, option: str) -> float:
-    """A positive quantity from the command line. Raises BadInput."""
+    """A positive quantity from the command line, in this unit. Raises BadInput."""
     from ecume.units import Unit
 
     try:
@@ -280,7 +280,7 @@ def track(
 
 
 def _pixels(text: str) -> float:
-    """A number of pixels: `12` or `12 px`. Raises BadInput."""
+    """The number in a text from the command line: `12` or `12 px`. Raises BadInput."""
     word = text.strip().removesuffix("pixels").removesuffix("px").strip()
     try:
         return float(word)
@@ -346,7 +346,7 @@ def _words(text: str) -> list[str]:
 
 
 def _cells(one: Estimate) -> tuple[str, str, str, str]:
-    """A row of the table, with as many digits as its interval shows; angles in degrees."""
+    """A row of the table, rounded as the interval permits; angles in degrees."""
     if one.unit == "rad":
         value, low, high = (math.degrees(number) for number in (one.value, one.low, one.high))
         one = one._replace(value=value, low=low, high=high, unit="deg")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 from ecume.cli.output import echo
 
 LEAST_WIDTH = 12
-"""Characters of a column: six digits with sign, point and exponent."""
+"""The least width of a column in characters: six digits with sign, point and exponent."""
 LEAD = {"step": "", "time": "s"}
 """The first columns, and their units."""
 Thermo = Annotated[bool, typer.Option("--thermo", help="Print a table of numbers with one line per frame.")]
@@ -36,17 +36,17 @@ ThermoEvery = Annotated[
 
 
 class ThermoTable:
-    """Prints the chosen numbers of every N-th frame, with a heading at the first."""
+    """A table that prints the chosen numbers of every N-th frame, with a heading at the first."""
 
     def __init__(self, names: Sequence[str], every: int) -> None:
-        """`names` are the columns; by default those main numbers of the model that its frames have."""
+        """`names` are the columns; default: the main numbers of the model."""
         self.names, self._every = tuple(names), every
         self._widths: list[int] = []
         self._columns: list[str] = []
         self._frames = 0
 
     def __call__(self, model: str, frame: Frame, step: int) -> None:
-        """Print the line of a frame, if it is its turn."""
+        """Print the line of a frame if it is due."""
         due, self._frames = self._frames % self._every == 0, self._frames + 1
         if not self._columns:
             self._columns = list(self.names) or main_numbers(model, frame)
@@ -60,14 +60,14 @@ class ThermoTable:
             self._print([str(step), f"{frame.time:.6g}", *cells])
 
     def _print(self, cells: Sequence[str]) -> None:
-        """Print a line above the progress bar, if it is on the same terminal."""
+        """Print a line, above the progress bar if that is on the same terminal."""
         row = " ".join(f"{cell:>{width}}" for cell, width in zip(cells, self._widths, strict=True))
         echo(row.rstrip())
         sys.stdout.flush()
 
 
 def thermo_table(enabled: bool, columns: str | None, every: int | None) -> ThermoTable | None:
-    """The table of the options; None where no option requests it."""
+    """The table for the given options; None if no option requests it."""
     if not enabled and columns is None and every is None:
         return None
     names = [name.strip() for name in (columns or "").split(",") if name.strip()]

@@ -1,6 +1,6 @@
-"""The fit of a scene's parameters to tracks: from tracks to estimates with intervals and remarks.
+"""The fit of a scene's parameters to tracks: estimates with intervals and remarks.
 
-Least squares over simulations: the residuals of one simulation, the minimum, and the uncertainty of the result.
+Least squares over simulations: residuals, minimum, and uncertainty of the result.
 """
 
 from __future__ import annotations
@@ -46,18 +46,18 @@ from ecume.units import Array, with_prefix
 STARTS = ("positions", "moving", "scene")
 """The fitted part of the initial state: positions, positions and velocities, or none."""
 LEAST_FRAMES = 50
-"""The minimum number of frames of a simulation; positions between frames are cubic in time, with the velocities of the
-frames.
+"""The least number of frames of a simulation. Between frames positions are interpolated by cubics, with the velocities
+of the frames.
 """
 FAR = 1e3
-"""The residual, in units of the reach, where a simulation is impossible: such parameters are never taken."""
+"""The residual, in units of the reach, for parameters without a possible simulation, which the fit therefore avoids."""
 
 
 Law = Callable[..., float]
 
 
 class Problem(NamedTuple):
-    """The problem of a fit: tracks in the order of the scene's particles, and the parts of the scene that vary."""
+    """The problem of a fit: tracks in the order of the scene's particles, and the varied parts of the scene."""
 
     plain: dict[str, Any]
     free: list[Free]
@@ -65,9 +65,9 @@ class Problem(NamedTuple):
     start: str
     """one of STARTS"""
     reach: float
-    """m: how far objects are from one another or go; the natural unit of the start's coordinates"""
+    """m: the scale of distances between objects and of their displacements, the unit of the initial coordinates"""
     first: Array
-    """(N, 2) m: where the start's coordinates are zero"""
+    """(N, 2) m: the positions for which the initial coordinates are zero"""
     speed: Array
     """(N, 2) m/s: the same for velocities"""
     laws: tuple[Law, ...] = ()
@@ -80,15 +80,16 @@ class Problem(NamedTuple):
 
     @property
     def starts(self) -> int:
-        """The number of coordinates of the start."""
+        """The number of initial coordinates."""
         return {"positions": 1, "moving": 2, "scene": 0}[self.start] * self.first.size
 
 
 def timed(plain: dict[str, Any], tracks: Tracks) -> dict[str, Any]:
-    """The scene with the duration of the tracks, at least the frame rate of the camera, and
-    unchanged time steps.
+    """The scene with the duration of the tracks, frames at least at the rate of the camera, and a
+    constant time step.
 
-    A step that followed the parameters would jump where one more fits into a frame, and residuals with it.
+    With a time step that depends on the parameters, the number of steps per frame would jump, and with it the
+    residuals.
     """
     duration = float(tracks.times[-1])
     frames = max(LEAST_FRAMES, round(duration / float(np.median(np.diff(tracks.times)))))
@@ -101,7 +102,7 @@ def timed(plain: dict[str, Any], tracks: Tracks) -> dict[str, Any]:
 
 
 def origin(problem: Problem) -> Array:
-    """The coordinates at which the fit begins."""
+    """The coordinates at the start of the fit."""
     own = [free.coordinate(free.value) for free in problem.free]
     return np.concatenate([own, np.zeros(problem.starts)])
 
@@ -112,7 +113,7 @@ def values_at(problem: Problem, coordinates: Array) -> list[float]:
 
 
 def scene_at(problem: Problem, coordinates: Array) -> Scene:
-    """The scene at these coordinates. Raises BadInput if no scene has them."""
+    """The scene at these coordinates. Raises BadInput for invalid scenes."""
     plain = with_values(copy.deepcopy(problem.plain), problem.free, values_at(problem, coordinates))
     if problem.start != "scene":
         shift = coordinates[len(problem.free) :].reshape(-1, *problem.first.shape) * problem.reach
@@ -123,16 +124,16 @@ def scene_at(problem: Problem, coordinates: Array) -> Scene:
 
 
 def simulated(scene: Scene, times: Array, laws: Sequence[Law] = ()) -> Array:
-    """(T, N, 2) m: the positions at these times."""
+    """The simulated positions at these times (T, N, 2) (m)."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # what is said of the steps of a trial is no news: they were chosen here
+        warnings.simplefilter("ignore")  # warnings on time steps, which were chosen here
         frames = list(simulate(scene, extra_laws=laws))
     return positions_at(frames, times)
 
 
 def positions_at(frames: Sequence[Frame], times: Array) -> Array:
-    """Positions between frames, by cubics if frames have velocities and by straight lines otherwise; without jumps at
-    the borders of a periodic cell.
+    """Positions interpolated between frames, by cubics if frames have velocities and linearly otherwise; continuous
+    across the borders of a periodic cell.
     """
     instants = np.array([frame.time for frame in frames])
     position = np.stack([unwrapped(frame) for frame in frames])
@@ -144,10 +145,10 @@ def positions_at(frames: Sequence[Frame], times: Array) -> Array:
 
 
 def residuals(problem: Problem, coordinates: Array) -> Array:
-    """The differences of simulated and measured positions over the reach, where measurements exist."""
+    """The differences of simulated and measured positions over the reach, for existing measurements."""
     try:
         there = simulated(scene_at(problem, coordinates), problem.tracks.times, problem.laws)
-    except (BadInput, Diverged):  # floats that sink, overlap or fly away: not here
+    except (BadInput, Diverged):  # floats sink, overlap or diverge
         return np.full(2 * int(problem.seen.sum()), FAR)
     return np.asarray((there - problem.tracks.position)[problem.seen].ravel() / problem.reach)
 
@@ -156,12 +157,12 @@ STEP = 1e-5
 """The relative step of coordinates for derivatives; simulations are smooth to about 1e-12."""
 MOST_ROUNDS = 60
 LOOSE = 0.7
-"""The standard error of ln(p) beyond which something is called undetermined: a factor of two either way."""
+"""The standard error of ln(p) above which a parameter counts as undetermined: a factor of two in either direction."""
 CONFIDENCE = 0.95
 
 
 class Solution(NamedTuple):
-    """The minimum of the squares."""
+    """The minimum of the sum of squares."""
 
     coordinates: Array
     residuals: Array
@@ -171,7 +172,7 @@ class Solution(NamedTuple):
 
     @property
     def freedom(self) -> int:
-        """Numbers measured less numbers fitted."""
+        """The degrees of freedom: the number of measured minus that of fitted numbers."""
         return max(len(self.residuals) - len(self.coordinates), 1)
 
     @property
@@ -181,8 +182,8 @@ class Solution(NamedTuple):
 
 
 def solved(residuals: Callable[[Array], Array], start: Array) -> Solution:
-    """The least-squares solution near a start, by a trust-region method; directions without
-    influence remain unchanged.
+    """The least-squares solution near a start, by a trust-region method; coordinates along directions without influence
+    do not change.
     """
 
     def slopes(at: Array) -> Array:
@@ -197,7 +198,7 @@ def solved(residuals: Callable[[Array], Array], start: Array) -> Solution:
 
 
 class Certainty(NamedTuple):
-    """The uncertainty of the first coordinates for any values of the others.
+    """The uncertainty of the first coordinates, with all others fitted as well.
 
     `directions` are orthonormal rows in the space of these coordinates, `errors` the standard error along each.
     """
@@ -205,7 +206,7 @@ class Certainty(NamedTuple):
     directions: Array
     errors: Array
     quantile: float
-    """of Student's distribution: this many standard errors make an interval"""
+    """of Student's distribution: the half width of an interval in standard errors"""
 
     @property
     def determined(self) -> Any:
@@ -222,13 +223,16 @@ class Certainty(NamedTuple):
 
 
 MOST_LOOSE = 0.02
-"""The largest fraction of a quantity's gradient along undetermined directions."""
+"""The largest fraction of a quantity's gradient along undetermined directions for which the quantity counts as
+determined.
+"""
 
 
 def certainty(solution: Solution, first: int) -> Certainty:
     """The errors of the first coordinates from the Jacobian and the noise, with all others fitted as well.
 
-    The singular values of their columns, less what the others' columns can make up for, are noise over error.
+    The columns of the first coordinates are made orthogonal to those of the others. Their singular values are noise
+    over standard error.
     """
     own, others = solution.jacobian[:, :first], solution.jacobian[:, first:]
     if others.shape[1]:
@@ -237,13 +241,13 @@ def certainty(solution: Solution, first: int) -> Certainty:
         own = own - basis @ (basis.T @ own)
     _, sizes, directions = np.linalg.svd(own, full_matrices=False)
     errors = solution.noise / np.maximum(sizes, 1e-300)
-    # What is below the accuracy of the slopes is nothing, however little noise there is.
+    # Singular values below the accuracy of the derivatives count as zero, even without noise.
     errors = np.where(sizes < 1e-6 * sizes[0], np.inf, errors)
     return Certainty(directions, errors, float(student.ppf(0.5 + 0.5 * CONFIDENCE, solution.freedom)))
 
 
 class Estimate(NamedTuple):
-    """A number with its 95 percent interval; without one where the tracks do not determine it."""
+    """A number with its 95 % interval; without an interval if the tracks do not determine it."""
 
     name: str
     value: float
@@ -261,13 +265,13 @@ class Fit(NamedTuple):
     """The result of a fit."""
 
     scene: Scene
-    """with what was fitted"""
+    """with the fitted parameters"""
     estimates: list[Estimate]
-    """of the parameters that were free"""
+    """of the free parameters"""
     derived: list[Estimate]
-    """of what follows from them"""
+    """of derived quantities"""
     noise: float
-    """m: the standard deviation of what is left of each measured number"""
+    """m: the standard deviation of the residuals of single measured numbers"""
     remarks: list[str]
     tracks: Tracks
     """in the order of the scene's particles"""
@@ -286,7 +290,8 @@ def fit(
     camera: Camera = Camera(),  # noqa: B008  # it cannot change
     extra_laws: Sequence[Law] = (),
 ) -> Fit:
-    """The parameters of a scene with which its simulation is nearest to tracks, by least squares.
+    """Fit parameters of a scene to tracks: least squares of the differences of simulated and
+    measured positions.
 
     `free` are keys such as `contact_angle`, or paths such as `particles[0].radius`; the scene has their initial values
     and everything else. `start` selects what is fitted together with them: `positions` of all particles at the first
@@ -305,7 +310,7 @@ def fit(
 
 
 def posed(measured: Tracks, plain: dict[str, Any], names: Sequence[str], start: str) -> Problem:
-    """The problem that a fit solves. Raises BadInput where the tracks do not fit the scene."""
+    """The problem of a fit. Raises BadInput if the tracks do not fit the scene."""
     if start not in STARTS:
         raise BadInput(f"start: got {start!r}; {suggestion(start, STARTS)}")
     free = free_parameters(plain, names)
@@ -348,7 +353,7 @@ def concluded(problem: Problem, solution: Solution) -> Fit:
 
 
 def _estimate(free: Free, at: float, sure: Certainty, number: int) -> Estimate:
-    """A parameter; its interval is computed on the scale on which it varies."""
+    """The estimate of a parameter, with an interval that is symmetric in its coordinate."""
     unit = np.zeros(sure.directions.shape[1])
     unit[number] = 1.0
     off = sure.quantile * sure.error_of(unit)
@@ -380,25 +385,27 @@ def _derived(quantity: Quantity, slope: Array, sure: Certainty) -> Estimate:
 
 
 MEMORY = 0.5
-"""The correlation of neighboring residuals beyond which they are no noise."""
+"""The correlation of successive residuals above which they are not noise."""
 TOUCHING = 0.005
 """The gap, over both radii, below which two particles count as touching."""
 MOST_PAIRED = 1000
-"""Particles whose pairs are looked at one by one."""
+"""The largest number of particles all of whose pairs are tested."""
 SHOWN = 0.1
-"""The least power of a parameter in a combination that is printed."""
+"""The least exponent of a parameter in a combination that is printed."""
 SHORTER = 0.3
-"""The part of their way, in squares, that is left where two objects exchange names: then they had been exchanged."""
+"""The fraction of the sum of squared displacements that remains after an exchange of two names, below which the names
+count as swapped.
+"""
 MOST_ASTRAY = 0.1
-"""The largest fraction of measurements that count as outliers; if more are far off, the model is at fault."""
+"""The largest fraction of measurements that count as outliers; above it, the model is the likely cause."""
 ASTRAY = 6.0
 """The ratio to the median residual above which a measurement is an outlier; Gaussian noise exceeds it once in 1e10."""
 
 
 def swapped(tracks: Tracks) -> list[str]:
-    """A remark where objects seem to exchange names, as when a tracking program mixes them up.
+    """A remark if objects seem to exchange names, as after an error of a tracking program.
 
-    From instant to instant the sum of all displacements is the smallest possible, or a name is wrong.
+    With the right names, the sum of squared displacements between two instants is the smallest possible.
     """
     if len(tracks.names) > MOST_PAIRED:
         return []
@@ -414,7 +421,7 @@ def swapped(tracks: Tracks) -> list[str]:
 
 
 def outlier(problem: Problem, left: Array) -> list[str]:
-    """A remark on single measurements that are far from the positions implied by all others."""
+    """A remark on single measurements far from the positions that follow from all others."""
     off = np.linalg.norm(left, axis=2)
     far = np.flatnonzero(off[problem.seen] > ASTRAY * np.median(off[problem.seen]))
     if len(far) == 0 or len(far) > MOST_ASTRAY * problem.seen.sum():
@@ -428,7 +435,7 @@ def outlier(problem: Problem, left: Array) -> list[str]:
 
 
 def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
-    """The combinations of the parameters that the tracks do not determine, and those that they do."""
+    """Remarks on combinations of parameters that the tracks do not determine, and on those that they determine."""
     loose, count = ~sure.determined, len(sure.errors)
     if not loose.any():
         return []
@@ -445,9 +452,10 @@ def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
 
 
 def _combination(problem: Problem, at: Array, direction: Array) -> str:
-    """A direction as a product of powers: its logarithm changes along it, and not across it.
+    """The product of powers of the parameters whose logarithm changes along a direction, and not
+    perpendicular to it.
 
-    The logarithm of p1^a p2^b has the slopes a and b in ln(p); one coordinate's slope is a part of ln(p)'s.
+    The logarithm of p1^a p2^b has the derivatives a and b by ln(p); `steepness` converts from coordinates to ln(p).
     """
     values = values_at(problem, at)
     powers = [part / free.steepness(value) for part, free, value in zip(direction, problem.free, values, strict=True)]
@@ -458,8 +466,10 @@ def _combination(problem: Problem, at: Array, direction: Array) -> str:
 
 
 def met(scene: Scene, times: Array, there: Array) -> list[str]:
-    """A remark where particles touch: when they do is known to a step, so that the residuals are rough from then on."""
-    if scene.model != "floating":  # soft spheres deform, tracers do not feel one another
+    """A remark if particles touch: the time of contact is resolved to one step only, so that residuals are not smooth
+    afterwards.
+    """
+    if scene.model != "floating":  # soft spheres deform, and tracers do not interact
         return []
     radius = first_frame(scene).arrays["radius"]
     if len(radius) > MOST_PAIRED:
@@ -474,7 +484,7 @@ def met(scene: Scene, times: Array, there: Array) -> list[str]:
 
 
 def no_noise(problem: Problem, left: Array) -> list[str]:
-    """A remark if residuals are correlated in time: then the scene lacks an effect, and intervals are too narrow."""
+    """A remark if residuals are correlated in time: the scene then lacks an effect, and intervals are too narrow."""
     seen = problem.seen
     both = seen[1:] & seen[:-1]
     one, other = left[:-1][both].ravel(), left[1:][both].ravel()

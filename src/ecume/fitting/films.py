@@ -1,7 +1,7 @@
 """Tracks of round objects in a film: read with ffmpeg, located and linked with trackpy.
 
-Objects are located in each picture as maxima of brightness, to a part of a pixel by the center of brightness around
-them, and linked from picture to picture by their displacements, as in [crocker1996].
+Objects are located in each picture as maxima of brightness, refined to a fraction of a pixel by the centroid of the
+brightness around them, and linked from picture to picture by their displacements, as in [crocker1996].
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from ecume.fitting.tracks import LEAST
 from ecume.units import Array
 
 Picture = NDArray[np.uint8]
-"""(rows, columns) brightness."""
+"""Brightness (rows, columns)."""
 SEEN = 0.5
-"""The fraction of the pictures in which an object must be found."""
+"""The least fraction of the pictures in which an object must be found."""
 MASK = 1.25
-"""Diameters: the part of the picture whose center of brightness is taken."""
+"""The diameter of the mask for the centroid of the brightness, in diameters of the object."""
 USUAL = 11
-"""Pixels: larger objects are looked for in a picture that is made smaller until they have this diameter."""
+"""Pictures with objects above this diameter (pixels) are reduced to it for the search."""
 LEAST_AROUND = 12
-"""The minimum number of pixels around an object for a gradient of the brightness."""
+"""The least number of pixels around an object for a gradient of the brightness."""
 ROUNDS, STILL = 20, 1e-3
-"""Centers are taken again until they move less than this (pixels)."""
+"""Centers are refined in up to ROUNDS iterations, until they move by less than STILL (pixels)."""
 MOST_PICTURES = 20_000
 
 
@@ -42,29 +42,29 @@ class Search(NamedTuple):
     diameter: float
     """of an object, pixels"""
     objects: int | None = None
-    """how many: those that are brightest; by default all that are found in half of the pictures"""
+    """the number of objects, the brightest ones; default: all that are found in half of the pictures"""
     dark: bool = False
-    """whether objects are darker than what is around them"""
+    """whether objects are darker than their surroundings"""
     box: tuple[int, int, int, int] | None = None
-    """left, top, width, height of the part of the pictures to look at, pixels"""
+    """left, top, width and height of the searched part of the pictures, pixels"""
     reach: float | None = None
     """the longest displacement from picture to picture, pixels; by default half a diameter"""
 
 
 class FilmTracks(NamedTuple):
-    """Objects of a film over its pictures."""
+    """The positions of objects in the pictures of a film."""
 
     times: Array
     """(T,) s"""
     position: Array
-    """(T, N, 2) pixels from the lower left corner, y upward; not a number where an object was not found"""
+    """(T, N, 2) pixels from the lower left corner, y upward; NaN where an object was not found"""
     size: tuple[int, int]
     """width and height of the pictures"""
 
 
 def film_tracks(path: str | os.PathLike[str], search: Search, rate: float | None = None) -> FilmTracks:
-    """The tracks of objects in a film; `rate` is that of its pictures in real time (1/s), by default that of the film.
-    Raises BadInput where no object is seen in half of the pictures.
+    """The tracks of objects in a film. Raises BadInput if no object is found in half of the pictures. `rate` is the
+    frame rate in real time (1/s), by default that of the film.
     """
     if not 2.0 <= search.diameter <= 1000.0:
         raise BadInput(f"diameter: got {search.diameter:g} pixels; expected 2 to 1000")
@@ -84,16 +84,16 @@ def film_tracks(path: str | os.PathLike[str], search: Search, rate: float | None
         raise BadInput(
             f"{path}: no object of {search.diameter:g} pixels is in half of the pictures; see --dark and --box"
         )
-    # From rows and columns of a part of the picture to x and y of the whole.
+    # From rows and columns in the box to x and y in the picture.
     position = np.stack([left + position[:, :, 0], size[1] - 1 - top - position[:, :, 1]], axis=2)
     return FilmTracks(np.arange(len(found)) / (rate or facts.rate), position, size)
 
 
 def _objects(picture: Picture, search: Search) -> Array:
-    """(n, 3) of a picture: column, row and brightness of each object.
+    """Column, row and brightness of each object in a picture, (n, 3).
 
-    Large objects are looked for in a smaller picture, in which they have no details. The center is then that of the
-    brightness beyond that around the object.
+    Large objects are located in a reduced picture, in which they have no details; `_centered` then refines their
+    centers.
     """
     trackpy = _library("trackpy")
     shrink = max(1, int(search.diameter / USUAL))
@@ -101,7 +101,7 @@ def _objects(picture: Picture, search: Search) -> Array:
     small = _shrunk(light - light.min(), shrink)
     diameter = 2 * max(1, round(0.5 * (search.diameter / shrink - 1.0))) + 1
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # on empty pictures and on versions of libraries
+        warnings.simplefilter("ignore")  # warnings on empty pictures and library versions
         found = trackpy.locate(small, diameter, topn=search.objects)
     places = (np.asarray(found[["x", "y"]], np.float64) + 0.5) * shrink - 0.5
     centers = np.array([_centered(light, place, search.diameter) for place in places]).reshape(-1, 2)
@@ -109,18 +109,18 @@ def _objects(picture: Picture, search: Search) -> Array:
 
 
 def _shrunk(light: Array, shrink: int) -> Array:
-    """Means of squares of pixels."""
+    """The picture reduced by averaging squares of pixels."""
     rows, columns = (side // shrink * shrink for side in light.shape)
     means = light[:rows, :columns].reshape(rows // shrink, shrink, columns // shrink, shrink).mean(axis=(1, 3))
     return np.asarray(means)
 
 
 def _centered(light: Array, place: Array, diameter: float) -> Array:
-    """The center of the brightness above the threshold half-way between the surroundings of an
+    """The centroid of the brightness above a threshold halfway between the surroundings of an
     object and its middle.
 
-    The brightness around an object may have a slope: one threshold for both sides moves the center to the side that is
-    more like the object.
+    The threshold follows the gradient of the surrounding brightness: a constant one would shift the center to the side
+    whose brightness is closer to that of the object.
     """
     reach = MASK * 0.5 * diameter
     for _ in range(ROUNDS):
@@ -147,7 +147,7 @@ def _centered(light: Array, place: Array, diameter: float) -> Array:
 
 
 def _around(part: Array, rim: Any, inside: float, away: tuple[Array, Array]) -> Array:
-    """The brightness around an object, as a plane through the rim; pixels of other objects are omitted."""
+    """The brightness around an object, as a plane fitted to the rim; pixels of other objects are omitted."""
     level = float(np.median(part[rim]))
     free = rim & (np.abs(part - level) < 0.5 * abs(inside - level))
     if np.count_nonzero(free) < LEAST_AROUND:
@@ -158,7 +158,7 @@ def _around(part: Array, rim: Any, inside: float, away: tuple[Array, Array]) -> 
 
 
 def _linked(found: list[Array], search: Search) -> Array:
-    """(T, N, 2) columns and rows of the objects that are found in half of the pictures, the brightest first."""
+    """Columns and rows (T, N, 2) of the objects that are found in half of the pictures, the brightest first."""
     import pandas
 
     trackpy = _library("trackpy")

@@ -1,7 +1,7 @@
 """Fitted parameters, their paths in a scene, and quantities derived from a scene.
 
-A positive or negative parameter changes by ratios, an angle between its two ends, so that a fit never leaves the range
-of what is possible.
+The coordinate of a positive or negative parameter is the logarithm of its magnitude, that of an angle the logit, so
+that a fit never leaves the physical range.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ MOST = 20
 class Free(NamedTuple):
     """One fitted parameter: its name, the paths in the scene that share it, and its initial value.
 
-    Of a vector, such as the `force` of soft spheres, the size is fitted: directions, and ratios between vectors, stay.
+    Of a vector, such as the `force` of soft spheres, the magnitude is fitted; directions and ratios between vectors are
+    fixed.
     """
 
     name: str
@@ -38,7 +39,7 @@ class Free(NamedTuple):
     value: float
     unit: str
     shares: tuple[float, ...] = ()
-    """what stands at each of the paths, over the value; by default the value itself"""
+    """the numbers at the paths over the value; default: 1"""
 
     @property
     def angle(self) -> bool:
@@ -46,7 +47,7 @@ class Free(NamedTuple):
         return self.paths[0][-1] == ANGLE
 
     def coordinate(self, value: float) -> float:
-        """The coordinate of a value: ln |p|, for an angle ln(p/(pi - p)); a sign is kept.
+        """The coordinate of a value: ln |p|, for an angle ln(p/(pi - p)); the sign is fixed.
 
         >>> free = Free("x", (("liquid", "viscosity"),), 2.0, "Pa*s")
         >>> round(free.at(free.coordinate(2.0)), 12)
@@ -65,7 +66,7 @@ class Free(NamedTuple):
 
 
 def free_parameters(plain: Mapping[str, Any], names: Sequence[str]) -> list[Free]:
-    """The parameters of these names, or paths such as `particles[0].radius`. Raises BadInput for unknown ones."""
+    """The parameters with these names, or paths such as `particles[0].radius`. Raises BadInput for unknown ones."""
     count = len(names) if any(names) else 0
     if not 1 <= count <= MOST:
         raise BadInput(f"free: got {count} parameters; expected 1 to {MOST}, such as contact_angle,viscosity")
@@ -96,12 +97,12 @@ def _free(plain: Mapping[str, Any], name: str) -> Free:
 
 
 def _is_vector(value: Any) -> bool:
-    """Whether it is a list of numbers."""
+    """Whether a value is a list of numbers."""
     return isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(part, float) for part in value)
 
 
 def _sized(plain: Mapping[str, Any], name: str, vectors: Sequence[Path]) -> Free:
-    """The size of the largest of some vectors, with which all their components grow."""
+    """The magnitude of the largest of some vectors, with all components in proportion to it."""
     found: Any = [(path, value_at(plain, path, ())) for path in vectors]
     parts = {(*path, place): part for path, vector in found for place, part in enumerate(vector) if part != 0.0}
     if not parts:
@@ -112,7 +113,7 @@ def _sized(plain: Mapping[str, Any], name: str, vectors: Sequence[Path]) -> Free
 
 
 def _places(plain: Mapping[str, Any], name: str) -> list[Path]:
-    """The places of a short name: in the lists of a scene, which are its particles, before its tables."""
+    """The paths of a short name: in the lists of particles, or else in other tables."""
     found = [path for path in _numbered(plain) if path[-1] == name]
     listed = [path for path in found if any(isinstance(key, int) for key in path)]
     return listed or found[:1]
@@ -123,7 +124,7 @@ def _numbers(plain: Mapping[str, Any]) -> set[str]:
 
 
 def _numbered(value: Any, path: Path = ()) -> Iterator[Path]:
-    """The paths of all numbers that have a name, and of all lists of numbers."""
+    """The paths of all named numbers and of all lists of numbers."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from _numbered(item, (*path, key))
@@ -144,7 +145,7 @@ def with_values(plain: dict[str, Any], free: Sequence[Free], values: Sequence[fl
 
 
 class Quantity(NamedTuple):
-    """A positive number that follows from a scene."""
+    """A positive quantity derived from a scene."""
 
     name: str
     value: float
@@ -152,11 +153,11 @@ class Quantity(NamedTuple):
 
 
 def of_floats(scene: FloatingScene) -> list[Quantity]:
-    """Kind by kind: the charge, and all through which it shows in the motion.
+    """The quantities on which the motion depends, for each kind of floats.
 
     Equal floats far apart move by m x'' = -2 pi gamma A^2 / L K1(r/L) - zeta x': angle and density enter through the
-    charge A, the mass m and the friction zeta, and these through 2 pi gamma A^2 / m and zeta / m alone. In a viscous
-    liquid, whose floats have no inertia, there is their ratio only.
+    charge A, the mass m and the friction zeta, and these only through 2 pi gamma A^2 / m and zeta / m. In a viscous
+    liquid, where floats have no inertia, only the ratio of the two matters.
     """
     floats = MODELS["floating"].parameters(scene).floats
     names = [kind.name for kind in scene.kinds]
@@ -175,9 +176,9 @@ def of_floats(scene: FloatingScene) -> list[Quantity]:
 
 
 def of_tracers(scene: TracersScene) -> list[Quantity]:
-    """Kind by kind: the speed at which it settles (or rises), and friction over mass, through which inertia shows.
+    """The terminal speed of each kind, and friction over mass, on which inertia depends.
 
-    Where inertia is over before the first picture, density, radius and viscosity show in the speed alone.
+    If relaxation ends before the first picture, density, radius and viscosity affect the speed alone.
     """
     bodies = MODELS["tracers"].parameters(scene).bodies
     names, found = [kind.name for kind in scene.kinds], []
@@ -196,7 +197,9 @@ QUANTITIES: dict[str, Callable[[Any], list[Quantity]]] = {"floating": of_floats,
 
 
 def quantities_of(scene: Scene) -> list[Quantity]:
-    """The quantities of a scene; empty if its model does not list any. Zeros have no logarithm and are omitted."""
+    """The derived quantities of a scene, without zeros, which have no logarithm; empty if its model does not define
+    any.
+    """
     if scene.model not in QUANTITIES:
         return []
     return [quantity for quantity in QUANTITIES[scene.model](scene) if quantity.value > 0.0]

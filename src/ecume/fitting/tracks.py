@@ -1,10 +1,10 @@
 """Measured tracks: positions of objects over time, and their assignment to the particles of a
 scene.
 
-Columns are known by their heads: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's `POSITION_X,
-POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more lines of heads, and those of `ecume export --to csv`. Other
-columns are left alone. MTrackJ's tables have TID; those of the video program Tracker have x and y of each object in
-columns of their own, or one object in each file.
+Columns are recognized by their headers: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's
+`POSITION_X, POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more header lines, and those of `ecume export --to
+csv`. Other columns are ignored. MTrackJ's tables have TID; those of the video program Tracker have separate columns x
+and y for each object, or one object in each file.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 
 
 LEAST = 3
-"""Instants: motion shows in no fewer."""
+"""The least number of instants for a fit of motion."""
 MOST_NAMED = 20
-"""Objects that an error names."""
+"""The largest number of objects that an error lists."""
 MOST_BYTES = 256 * 2**20
 NAMES = {
     "x": ("x", "position_x"),
@@ -47,7 +47,7 @@ NAMES = {
 """The accepted names of columns, in lower case; the first one in the table is used."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
 UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
-"""Words of TrackMate and ImageJ that are not units of ecume."""
+"""Names of units in TrackMate and ImageJ that differ from those of ecume."""
 PIXELS = ("pixel", "pixels", "px")
 FRAMES = ("frame", "frames")
 DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+(?:[eE][+-]?[0-9]+)?)")
@@ -57,25 +57,25 @@ NO_OBJECT = ("", "none", "nan")
 
 
 class Camera(NamedTuple):
-    """The scale of pixels and frames in meters and seconds; empty where the table has units itself."""
+    """The scale of pixels and frames in meters and seconds; empty if the table has units."""
 
     pixel: float | None = None
     """m"""
     rate: float | None = None
-    """frames a second"""
+    """frames per second"""
     origin: tuple[float, float] = (0.0, 0.0)
-    """where the scene's origin is, in the units of the table"""
+    """the origin of the scene, in the units of the table"""
 
 
 class Tracks(NamedTuple):
     """The positions of objects over time."""
 
     names: tuple[str, ...]
-    """of the objects, as the table has them"""
+    """of the objects, as in the table"""
     times: Array
-    """(T,) s, from the first instant on"""
+    """(T,) s, from the first instant"""
     position: Array
-    """(T, N, 2) m; not a number where an object was not seen"""
+    """(T, N, 2) m; NaN where an object was not found"""
 
 
 class Column(NamedTuple):
@@ -108,7 +108,7 @@ def read_tracks(
 
 
 def _apart(spots: Sequence[Spot], taken: set[str], name: str) -> list[Spot]:
-    """Spots of a further file, whose objects get other names where another file has these."""
+    """The measurements of a further file, with objects renamed if another file has the same names."""
     return [(f"{name}: {who}" if who in taken else who, *rest) for who, *rest in spots]  # type: ignore[misc]
 
 
@@ -119,9 +119,10 @@ OF_OBJECT = re.compile(r"\s*([xy])(?:[_ ]([^\[\](),;]*?))?\s*((?:[\[(][^\[\]()]*
 
 
 def in_rows_of_objects(rows: Rows, name: str) -> Rows:
-    """The table with one object per line. The program Tracker writes t, x, y of one object without a header, or with
-    names of objects above it, or x and y of several objects side by side; other tables are returned unchanged. `name`
-    is the name of an object without one.
+    """The table with one object per line; other tables are returned unchanged.
+
+    The program Tracker writes t, x, y of one object without a header, or with names of objects above it, or x and y of
+    several objects side by side. `name` is the name of an object without one.
     """
     first = [cell.strip() for cell in rows[0][1]]
     if len(first) >= 3 and all(NUMERIC.fullmatch(cell) for cell in first[:3]):
@@ -159,7 +160,7 @@ def _is_head(cells: Sequence[str]) -> bool:
 
 
 def _named_above(cells: Sequence[str], count: int, name: str) -> list[str]:
-    """The name above each column: that of the last cell with one."""
+    """The name above each column: that in the last nonempty cell."""
     found = []
     for place in range(count):
         name = cells[place] if place < len(cells) and cells[place] else name
@@ -168,7 +169,7 @@ def _named_above(cells: Sequence[str], count: int, name: str) -> list[str]:
 
 
 def cut(tracks: Tracks, until: float) -> Tracks:
-    """The tracks up to a time (s). Raises BadInput where too little is left."""
+    """The tracks up to a time (s). Raises BadInput if too few instants remain."""
     early = tracks.times <= until
     if early.sum() < LEAST:
         raise BadInput(f"until: before {until:g} s there are {early.sum()} instants; expected {LEAST} or more")
@@ -176,7 +177,7 @@ def cut(tracks: Tracks, until: float) -> Tracks:
 
 
 def picked(tracks: Tracks, names: Sequence[str]) -> Tracks:
-    """The tracks of these objects only. Raises BadInput for an unknown object."""
+    """The tracks of these objects. Raises BadInput for an unknown object."""
     for name in names:
         if name not in tracks.names:
             raise BadInput(f"no object {name!r}; {suggestion(name, tracks.names[:MOST_NAMED])}")
@@ -190,7 +191,7 @@ def picked(tracks: Tracks, names: Sequence[str]) -> Tracks:
 
 
 def _rows(text: str) -> list[tuple[int, list[str]]]:
-    """The cells of each line that has any, with its number."""
+    """The number and the cells of each nonempty line."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     mark = max(";\t,", key=first.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
@@ -206,7 +207,7 @@ def _rows(text: str) -> list[tuple[int, list[str]]]:
 def _columns(
     rows: list[tuple[int, list[str]]], camera: Camera
 ) -> tuple[dict[str, Column], list[tuple[int, list[str]]]]:
-    """The columns that count, and the lines below the heads."""
+    """The recognized columns, and the lines below the header."""
     heads = [HEAD.fullmatch(cell[:200]) for cell in rows[0][1]]
     words = [match[1].lower() if match else "" for match in heads]
     places = {kind: _place(words, known) for kind, known in NAMES.items()}
@@ -222,14 +223,14 @@ def _columns(
     if "POSITION_X" in rows[0][1]:
         body, units = _trackmate(body, units)
     found = {kind: place for kind, place in places.items() if place is not None}
-    usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate's is anything, and stands in its last head
+    usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate: see the last header line
     if "time" in found and not _unit(units, found["time"]) and camera.rate is not None:
         _require_counted(body, found["time"])
     return _scaled(found, units, camera, usual), body
 
 
 def _require_counted(body: Rows, place: int) -> None:
-    """Raise ValueError for times that are no numbers of frames, where a frame rate is given."""
+    """Raise ValueError if a frame rate is given and the times are not frame numbers."""
     for line, row in body:
         cell = row[place].strip() if place < len(row) else ""
         if NUMERIC.fullmatch(cell) and float(DECIMAL_COMMA.sub(r"\1.\2", cell)) % 1.0:
@@ -244,7 +245,9 @@ def _place(words: Sequence[str], known: Sequence[str]) -> int | None:
 
 
 def _trackmate(body: list[tuple[int, list[str]]], units: list[str]) -> tuple[list[tuple[int, list[str]]], list[str]]:
-    """TrackMate repeats its heads in words, twice, and then writes units; each of the three lines may be missing."""
+    """The lines and units of a table, without the three further header lines of TrackMate: two with names, one with
+    units. Each may be missing.
+    """
     for _ in range(3):
         if body and not any(re.fullmatch(r"[0-9]+", cell) for cell in body[0][1]):
             given = [HEAD.fullmatch(cell[:200]) for cell in body[0][1]]
@@ -255,8 +258,8 @@ def _trackmate(body: list[tuple[int, list[str]]], units: list[str]) -> tuple[lis
 
 
 def _scaled(places: Mapping[str, int], units: Sequence[str], camera: Camera, usual: str) -> dict[str, Column]:
-    """Each column with its scale; lengths without a unit are in the usual one. Raises ValueError where the camera has
-    to say it and does not.
+    """Each column with its factor; lengths without a unit are in the usual one. Raises ValueError if a needed option of
+    the camera is missing.
     """
     counted = "time" not in places
     time = places["frame"] if counted else places["time"]
@@ -312,7 +315,7 @@ def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column])
 
 
 def _named(who: str) -> str:
-    """Pandas writes whole numbers of objects as `3.0`."""
+    """The name of an object; Pandas writes whole numbers as `3.0`."""
     return who[:-2] if re.fullmatch(r"[0-9]+\.0", who) else who
 
 
@@ -328,7 +331,7 @@ def _number(line: int, kind: str, row: Sequence[str], column: Column) -> float:
 
 
 def _gathered(spots: Sequence[Spot], origin: tuple[float, float], scale: float) -> Tracks:
-    """Spots by instant and object."""
+    """The tracks from single measurements."""
     names = sorted({who for who, *_ in spots}, key=lambda name: (len(name), name))
     times, rows = np.unique([when for _, when, _, _ in spots], return_inverse=True)
     position = np.full((len(times), len(names), 2), np.nan)
@@ -343,11 +346,11 @@ def _gathered(spots: Sequence[Spot], origin: tuple[float, float], scale: float) 
 
 
 FIRST = 5
-"""The number of first instants for the estimate of the initial speed."""
+"""The number of instants for the estimate of the initial velocity."""
 
 
 def first_frame(scene: Scene) -> Frame:
-    """The scene's own start."""
+    """The frame of the scene at time 0."""
     frame = next(simulate(scene))
     if frame.arrays["position"].shape[1] != 2:
         raise BadInput("tracks are 2D; the particles of the scene move in 3D")
@@ -355,9 +358,10 @@ def first_frame(scene: Scene) -> Frame:
 
 
 def matched(tracks: Tracks, frame: Frame, *, centered: bool) -> Tracks:
-    """The tracks in the order of the scene's particles: each is the one that starts nearest to it.
+    """The tracks in the order of the scene's particles: each particle gets the track that starts
+    nearest to it.
 
-    `centered`: but for a shift of all of them together. Raises BadInput unless there are as many.
+    With `centered`, a common shift of all tracks is ignored. Raises BadInput if the numbers differ.
     """
     there = frame.arrays["position"]
     if len(there) != len(tracks.names):
@@ -375,13 +379,13 @@ def matched(tracks: Tracks, frame: Frame, *, centered: bool) -> Tracks:
 
 
 def first_seen(tracks: Tracks) -> Array:
-    """(N, 2) m: where each object was seen first."""
+    """The first measured position of each object (N, 2) (m)."""
     seen = np.isfinite(tracks.position[:, :, 0])
     return np.array([tracks.position[np.argmax(seen[:, n]), n] for n in range(len(tracks.names))])
 
 
 def first_speeds(tracks: Tracks) -> Array:
-    """(N, 2) m/s: the slopes of straight lines through the first instants of each object."""
+    """The initial velocity of each object (N, 2) (m/s): the slopes of straight lines through its first positions."""
     return np.array([_slope(tracks.times, tracks.position[:, n]) for n in range(len(tracks.names))])
 
 
@@ -400,7 +404,7 @@ def start_at(plain: dict[str, Any], position: Array, velocity: Array | None) -> 
 
 
 def require_starts(plain: Mapping[str, Any], *, moving: bool) -> None:
-    """Raise BadInput where the start of the scene's model cannot be fitted along."""
+    """Raise BadInput if the initial state of the scene's model cannot be fitted."""
     model = plain["model"]
     if model not in STARTED:
         raise BadInput(f"where particles of the model {model} start is the scene's to say: --start scene")
@@ -444,7 +448,7 @@ def _spheres_start(plain: dict[str, Any], position: Array, velocity: Array | Non
 STARTED = {"floating": _floats_start, "tracers": _tracers_start, "soft": _spheres_start}
 """Functions that set the initial positions, by model."""
 KINDS = ("particles", "rows")
-"""The names of tables of particles in scenes."""
+"""The keys of tables of particles in scenes."""
 
 
 def keeps_kinds(plain: Mapping[str, Any]) -> bool:

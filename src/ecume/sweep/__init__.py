@@ -4,7 +4,7 @@ ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
 
 Start with `runner.sweep`. `spec` is the schema of the file and its points, `executors` runs them, `results` and
-`measures` make the table, `directory` also looks from outside, `figures` draws.
+`measures` make the table, `directory` also reads the status of a running sweep, `figures` draws.
 """
 
 from ecume.sweep.executors import ExecutorOptions

@@ -1,8 +1,8 @@
-"""The directory of a sweep, and its status as seen from outside, from the files alone.
+"""The directory of a sweep, and the status of the sweep as read from its files.
 
-The directory of a sweep: `sweep.toml` as it was asked, `points.json`, and a folder for each point. A point's folder
-is named by the digest of what is simulated in it, so that a sweep whose file has changed finds what it has already,
-and only what is missing is run.
+It contains `sweep.toml`, the file of the sweep; `points.json`; and a folder for each point. The name of this folder is
+the digest of what is simulated in it: after a change of the sweep's file, finished points are found again, and only
+missing points are run.
 """
 
 from __future__ import annotations
@@ -54,43 +54,43 @@ POINTS = listed(table({"settings": named(anything), "repeat": whole, "folder": k
 
 
 class Job(NamedTuple):
-    """A point, and where it is run."""
+    """A point and its folder."""
 
     point: Point
     folder: Path
     values: dict[str, Any]
-    """what varies, as the scene has it: numbers in SI"""
+    """the varied values as in the scene: numbers in SI"""
 
     @property
     def result(self) -> Path:
-        """The numbers that a process returned; there when it is done."""
+        """The file with the numbers that a process returned; it exists when the point is done."""
         return self.folder / "result.json"
 
     @property
     def run(self) -> Path:
-        """The run of a scene."""
+        """The run directory of a scene."""
         return self.folder / "run"
 
     @property
     def failure(self) -> Path:
-        """Why it failed."""
+        """The file with the reason of a failure."""
         return self.folder / "failed.json"
 
     @property
     def asked(self) -> Path:
-        """The file with the task of the point."""
+        """The file with the plan of the point."""
         return self.folder / "point.json"
 
     @property
     def state(self) -> str:
-        """`done`, `failed` or `missing`."""
+        """The state of the point: `done`, `failed` or `missing`."""
         if self.result.exists() or (self.run / "DONE.json").exists():
             return "done"
         return "failed" if self.failure.exists() else "missing"
 
     @property
     def why(self) -> str:
-        """Why it failed, in a line."""
+        """The reason of a failure, in one line."""
         if self.state != "failed":
             return ""
         return str(json_at(self.failure, dict).get("why", ""))
@@ -110,8 +110,10 @@ class Sweeping(NamedTuple):
 
 
 def written(plain: Mapping[str, Any], path: Path) -> str:
-    """The text of a file of a sweep, with a checksum. That of a file of a point covers the name of the file and that of
-    the point, which is a digest of what is simulated: in the folder of another point it does not fit.
+    """The text of a file of a sweep, with a checksum.
+
+    The checksum of a point's file includes the name of the file and that of the point, a digest of what is simulated,
+    so that it is wrong in the folder of another point.
     """
     return sealed(plain, _owner(path))
 
@@ -129,7 +131,7 @@ def _refuse_foreign(directory: Path) -> None:
 
 
 Check = Callable[[Sequence[str], Mapping[str, Any]], None]
-"""Raises BadInput where measures do not fit the plan of a point."""
+"""A function of measures and the plan of a point that raises BadInput if they do not fit."""
 
 
 def unchecked(measures: Sequence[str], plan: Mapping[str, Any]) -> None:
@@ -164,8 +166,11 @@ def laid_out(asked: Asked, directory: Path, check: Check = unchecked) -> Sweepin
 def begun_or_laid_out(
     file: Path, directory: Path, laws: Sequence[dict[str, Any]] = (), check: Check = unchecked
 ) -> Sweeping:
-    """The sweep of a file. One named by its own directory has all its points there, but not its scene's file. `laws`
-    are the entries of user-defined laws. Raises BadInput where the sweep was begun with others.
+    """The existing or new sweep of a file. Raises BadInput if the sweep was begun with other
+    user-defined laws.
+
+    A sweep that is named by its directory has all of its points there, but not the scene's file. `laws` are the entries
+    of user-defined laws.
     """
     asked = load_sweep(file)._replace(laws=tuple(laws))
     if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
@@ -178,7 +183,7 @@ def begun_or_laid_out(
 
 
 def require_laws(sweeping: Sweeping, laws: Sequence[dict[str, Any]]) -> None:
-    """Raise BadInput unless these are the user-defined laws that the sweep was begun with."""
+    """Raise BadInput unless the sweep was begun with these user-defined laws."""
     begun = json_at(sweeping.jobs[0].asked, dict).get("extra_laws", [])
     if begun != list(laws):
         required = " ".join(f"--laws FILE.py:{law['name']}" for law in begun)
@@ -196,7 +201,7 @@ def existing_sweep(directory: Path) -> Sweeping:
     with storing(directory):
         require_plain(directory)
     found = json_at(path, (dict, list))
-    rows: Any = found.get("points") if isinstance(found, dict) else found  # a list before checksums
+    rows: Any = found.get("points") if isinstance(found, dict) else found  # of earlier versions: a list
     try:
         POINTS(rows, "points")
     except ValueError as error:
@@ -218,7 +223,7 @@ def _sha256(text: str) -> str:
 
 
 def json_at(path: Path, kind: type | tuple[type, ...]) -> Any:
-    """The contents of a file of a sweep. Raises StorageError where it is damaged."""
+    """The contents of a file of a sweep. Raises StorageError if it is damaged."""
     with storing(path):
         text = content_of(path, MOST_BYTES, path.parent)
     try:
@@ -233,19 +238,19 @@ def json_at(path: Path, kind: type | tuple[type, ...]) -> Any:
 
 
 def require_own_run(job: Job) -> None:
-    """Raise StorageError where the run of a point is that of another scene."""
+    """Raise StorageError if the run of a point is one of another scene."""
     expected = json_at(job.asked, dict).get("scene_sha256")
     if expected is not None and manifest_at(job.run).get("scene_sha256") != expected:
         raise StorageError(f"{job.run}: is the run of another scene than that of its point; {MADE_AGAIN}")
 
 
 def distinct(jobs: Sequence[Job]) -> list[Job]:
-    """The different points: points with equal plans share a folder."""
+    """The points without repetition: points with equal plans share a folder."""
     return list({job.folder: job for job in jobs}.values())
 
 
 def is_sweep(directory: Path) -> bool:
-    """Whether a sweep is there."""
+    """Whether a directory contains a sweep."""
     return (directory / "points.json").is_file()
 
 
@@ -260,7 +265,7 @@ def _checked_plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 
 def _as_asked(fault: Fault, source: str) -> str:
-    """A fault of a scene as one of the sweep that makes it."""
+    """A fault of a scene as a fault of the sweep that generates it."""
     if fault.line is not None:
         return f"{source}: {fault}"
     words = re.sub(r"^--set '[^']*': ", "", str(fault).removesuffix(OVERRIDDEN))
@@ -285,7 +290,7 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
 
 
 def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
-    """Additional entries of the plan of a run in LAMMPS. Raises BadInput for scenes that LAMMPS cannot simulate."""
+    """The additional entries in the plan of a run in LAMMPS. Raises BadInput for scenes that LAMMPS cannot simulate."""
     with beside_ecume():
         from ecume_lammps.engine import require_runnable
     require_runnable(scene)
@@ -293,7 +298,7 @@ def _in_lammps(scene: Scene, spec: SweepSpec) -> dict[str, Any]:
 
 
 def _source(asked: Asked) -> Path:
-    """The scene's file. Raises BadInput where it is not there."""
+    """The scene's file. Raises BadInput if it does not exist."""
     if asked.spec.template:
         return Path(str(templates_folder() / f"{asked.spec.template}.toml"))
     try:
@@ -305,20 +310,20 @@ def _source(asked: Asked) -> Path:
 
 
 def _plain(job: Job) -> dict[str, Any]:
-    """A point, as `points.json` has it."""
+    """A point as in `points.json`."""
     point = job.point
     return {"settings": point.settings, "repeat": point.repeat, "folder": job.folder.name, "values": job.values}
 
 
 def _values(plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
-    """The values of a point at the keys that vary."""
+    """The values of the varied keys at a point."""
     if "process" in plan:
         return {key: plan["settings"].get(key) for key in keys}
     return {key: value_at(plan["scene"], read_path(key), None) for key in keys}
 
 
 def _toml(value: Any) -> str:
-    """A value as an override has it, in one line.
+    """A value as TOML text for an override, in one line.
 
     >>> _toml([{"count": 5, "radius": "2 mm"}])
     '[{"count" = 5, "radius" = "2 mm"}]'
@@ -333,7 +338,7 @@ def _toml(value: Any) -> str:
 
 
 def _digest(plan: dict[str, Any]) -> str:
-    """The digest of a plan. The number of ranks, which changes last digits only, does not count."""
+    """The digest of a plan. The number of ranks is ignored, since it changes only last digits."""
     further = [plan[key] for key in ("engine", "extra_laws") if key in plan]
     if "hash" in plan and not further:
         return str(plan["hash"])[:KEY_LENGTH]
@@ -347,9 +352,9 @@ def _json(value: Any) -> str:
 
 
 RECENT = 50
-"""The number of last points whose rate is reported."""
+"""The number of last points from which the rate is computed."""
 SILENT = 10.0
-"""Factor over the usual time between two points, and seconds: without a new point for longer, no worker is active."""
+"""Workers count as inactive if no point ends within SILENT (seconds) plus SILENT times the usual interval."""
 
 
 class Standing(NamedTuple):
@@ -357,12 +362,12 @@ class Standing(NamedTuple):
 
     done: int
     failed: list[tuple[Path, str]]
-    """folders, and why"""
+    """folders and reasons"""
     running: int
-    """runs that a process holds; what processes such as `t1` do is not seen from outside"""
+    """runs that a process has locked; processes such as `t1` are not counted, since they lock nothing"""
     missing: int
     remaining: float | None
-    """s, until all are done; None where that is not known"""
+    """s, until all are done; None if unknown"""
 
 
 def standing(directory: Path) -> Standing:
@@ -383,7 +388,8 @@ def _ended(job: Job) -> float:
 
 
 def remaining(ended: Sequence[float], waiting: int, now: float) -> float | None:
-    """The time that so many points take at the pace of those completed last (s).
+    """The time (s) that the waiting points take at the rate of the last ones; None if it is
+    unknown.
 
     >>> remaining([0.0, 10.0, 20.0], waiting=6, now=24.0)
     72.0

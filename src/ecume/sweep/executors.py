@@ -1,7 +1,7 @@
 """The executors of a sweep's points, and the worker that runs one point in any process.
 
-The executors of a sweep's points. This process, Dask workers on this machine or behind a scheduler, SLURM jobs, or
-the tasks of a SLURM job array.
+Points run in this process, in Dask workers on this machine or of a running scheduler, in SLURM jobs, or in the tasks of
+a SLURM job array.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ THREADS = 1
 
 
 def work(folder: str, laws: Sequence[str] = ()) -> str:
-    """Simulate a point from where it stands; `done`, `failed`, or `busy` where another process has it. `laws` are
+    """Simulate or resume a point. Returns `done`, `failed`, or `busy` if another process has locked it. `laws` are
     files of user-defined laws.
     """
     job = Job(Point({}, 0), Path(folder), {})
@@ -53,14 +53,14 @@ def work(folder: str, laws: Sequence[str] = ()) -> str:
         return "busy"
     except Stopped:
         raise
-    except Exception as error:  # whatever it is, the other points go on
+    except Exception as error:  # the other points continue after any error
         _record_failure(job, error)
         return "failed"
     return "done"
 
 
 def _record_failure(job: Job, error: Exception) -> None:
-    """Record the reason of a failed point in a line, with the kind of unexpected errors."""
+    """Record the reason of a failed point in one line, with the type of unexpected errors."""
     kind, why = type(error).__name__, " ".join(str(error).split())
     result = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
     write_whole(job.failure, written(result, job.failure), job.folder)
@@ -91,7 +91,7 @@ def _scene(job: Job, plan: dict[str, object], laws: Sequence[str]) -> None:
 
 @contextlib.contextmanager
 def engine_of(plan: Mapping[str, Any]) -> Iterator[Engine | None]:
-    """The engine of a point. Raises BadInput where it is missing."""
+    """The engine of a point. Raises BadInput if it is not installed."""
     if "engine" not in plan:
         yield None
         return
@@ -104,26 +104,26 @@ def engine_of(plan: Mapping[str, Any]) -> Iterator[Engine | None]:
 ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 """The environment of a worker with one thread; there are as many workers as cores."""
 BEFORE_THE_END = 300
-"""The time in seconds before the end of a cluster's job from which a worker starts no points."""
+"""A worker starts no points in the last BEFORE_THE_END seconds of its job."""
 
 WAIT = "10 s"
-"""The waiting time for the first answer of a scheduler."""
+"""The longest time to the first answer of a scheduler."""
 UNWATCHED = {"distributed.worker.profile.enabled": False}
-"""Turns off the profiler of Dask's threads, whose dashboard is not used here; workers inherit the setting."""
+"""Disables the profiler of Dask's threads, whose dashboard is not used here; workers inherit the setting."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExecutorOptions:
-    """The executor of a sweep and the recipients of its reports."""
+    """The executor of a sweep, and the functions that receive its reports."""
 
     workers: int | None = None
-    """by default as many as the machine has cores; 1 works in this process and needs no Dask"""
+    """default: one per core; 1 works in this process and needs no Dask"""
     scheduler: str | None = None
-    """the address of a Dask scheduler that runs already"""
+    """the address of a running Dask scheduler"""
     slurm: bool = False
     """workers are jobs of SLURM"""
     retries: int = 2
-    """of a point whose worker died"""
+    """of a point after its worker died"""
     progress: Callable[[int, int], None] | None = None
     """receives the number of finished points and their total"""
     failed: Callable[[Path, str], None] | None = None
@@ -138,7 +138,7 @@ Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
 
 @contextlib.contextmanager
 def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
-    """The function that runs jobs with an executor and yields an outcome word for each."""
+    """The function that runs jobs with an executor and yields each job with its outcome."""
     cores = (os.cpu_count() or 1) // sweeping.spec.ranks
     workers = min(options.workers or max(cores, 1), max(missing, 1))
     if not missing:
@@ -151,7 +151,9 @@ def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterato
 
 
 def _spread(client: Any, jobs: Sequence[Job], options: ExecutorOptions) -> Iterator[tuple[Job, str]]:
-    """The jobs on the workers of a Dask client: each receives the name of a folder and returns a short answer."""
+    """Run the jobs on the workers of a Dask client. Each worker receives the name of a folder and
+    returns an outcome.
+    """
     import distributed
 
     library: Any = distributed  # the library has no types
@@ -165,11 +167,11 @@ def _spread(client: Any, jobs: Sequence[Job], options: ExecutorOptions) -> Itera
 
 
 def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
-    """The next job that ended, and the word it ended with; None after the last. Raises Stopped where the scheduler does
-    not answer any more.
+    """The next job that ended, and its outcome; None after the last. Raises Stopped if the
+    scheduler does not answer.
 
-    What breaks in there is Dask's connection to its scheduler, by one of half a dozen exceptions: whatever a job raises
-    is reported as its answer.
+    Errors of jobs are part of their outcome. Any other exception means that the connection to the scheduler is lost;
+    Dask has half a dozen for this.
     """
     try:
         future = next(ended, None)
@@ -177,7 +179,7 @@ def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
             return None
         lost = not future.cancelled() and future.exception() is not None
         return future, "lost" if lost else str(future.result())
-    except Stopped:  # by a signal
+    except Stopped:  # a signal stops the sweep
         raise
     except (Exception, CancelledError) as error:
         raise Stopped("lost the scheduler; finished points are kept; the same command continues the sweep") from error
@@ -202,13 +204,13 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         with slurm_cluster(spec.cluster, sweeping.path, spec.ranks) as found, library.Client(found) as client:
             yield client
     else:
-        # The scheduler always has a dashboard: at any free port, so that sweeps at the same time do not compete.
+        # The scheduler always has a dashboard: with port 0, simultaneous sweeps do not compete for a port.
         page = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
         local = {"threads_per_worker": 1, "scheduler_kwargs": page, "env": ONE_THREAD, "silence_logs": 50}
         with dask.config.set(UNWATCHED):
-            # Ctrl-C reaches all processes of a terminal; those that begin in here ignore it: this one ends them.
+            # Ctrl-C reaches all processes of a terminal. Workers ignore it, since this process ends them.
             with handled(signal.SIG_IGN, (signal.SIGINT,)):
-                # Other users of this machine can connect to its ports: only who has the key of this sweep is answered.
+                # Other users of this machine can connect to its ports, so that connections need the key of this sweep.
                 keys = {"security": library.Security.temporary(), "protocol": "tls://"}
                 cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **keys, **local)
             with cluster as found, library.Client(found) as client:
@@ -216,7 +218,9 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
 
 
 def connected(library: Any, address: str) -> Any:
-    """A client of a running scheduler. Raises BadInput if it does not answer, for which Dask has four exceptions."""
+    """A client of a running scheduler. Raises BadInput if it does not answer, which Dask reports by one of four
+    exceptions.
+    """
     try:
         return library.Client(address, timeout=WAIT)
     except (OSError, TypeError, ValueError, RuntimeError) as error:
@@ -229,8 +233,8 @@ def connected(library: Any, address: str) -> Any:
 
 
 def require_safe(address: str) -> None:
-    """Raise BadInput for a scheduler that is reached without encryption over a network: anyone with access can run code
-    here and there.
+    """Raise BadInput for a scheduler without encryption that is reached over a network: anyone there could run code on
+    this machine and on the workers.
     """
     kind, _, place = address.rpartition("://")
     host = place.rpartition(":")[0].strip("[]")
@@ -243,9 +247,9 @@ def require_safe(address: str) -> None:
 
 @contextlib.contextmanager
 def slurm_cluster(asked: Cluster, folder: Path, cores: int = 1) -> Iterator[Any]:
-    """Workers that SLURM starts, with encrypted connections; each ends before its job.
+    """Workers in SLURM jobs, with encrypted connections; each worker ends before its job.
 
-    Their key lies in the sweep's folder while they work, for its owner's eyes only.
+    Their key is in the sweep's folder while they work, and only its owner can read it.
     """
     try:
         import dask_jobqueue
@@ -275,13 +279,13 @@ def slurm_cluster(asked: Cluster, folder: Path, cores: int = 1) -> Iterator[Any]
 
 
 FAREWELL = 120
-"""The time in seconds before the end of a job at which its run writes a checkpoint."""
+"""A run writes a checkpoint this many seconds before the end of its job."""
 MOST_TASKS = 1000
-"""The largest number of tasks of an array; tasks take points in turn."""
+"""The largest number of tasks of an array; each takes every n-th point."""
 
 
 def write_array(sweeping: Sweeping, laws: Sequence[str] = ()) -> Path:
-    """Write `array.sh`, for `sbatch`; a task that reaches its time limit writes a checkpoint and is queued again."""
+    """Write `array.sh`, for `sbatch`. A task that reaches its time limit writes a checkpoint and is queued again."""
     cluster, path = sweeping.spec.cluster, sweeping.path / "array.sh"
     if not str(sweeping.path.resolve()).isprintable():
         raise BadInput(f"{echo(str(sweeping.path))}: has characters that no line of a job script can have; rename it")
@@ -318,5 +322,5 @@ def write_array(sweeping: Sweeping, laws: Sequence[str] = ()) -> Path:
 
 
 def work_task(sweeping: Sweeping, task: int, of: int, laws: Sequence[str] = ()) -> list[str]:
-    """The points of one task: each so many-th; the words they end with."""
+    """Run the points of one task: every `of`-th one. Returns their outcomes."""
     return [work(str(job.folder), laws) for job in sweeping.jobs[task::of]]

@@ -1,5 +1,5 @@
-"""Figures of a sweep: a measure over one axis, a curve for each value of the others, a power law fitted to each, a
-map of two, or a scatter.
+"""Figures of a sweep: curves of a measure over one key, with one curve for each value of the others; fitted power laws;
+maps over two keys; scatter plots.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from ecume.units import Array
 
 KINDS = ("curves", "map", "scatter", "fit")
 WIDE = 30.0
-"""The ratio of the largest to the smallest positive value from which an axis is logarithmic."""
+"""An axis is logarithmic from this ratio of the largest to the smallest positive value."""
 DASHES = ("-", "--", ":")
 MOST_CURVES = len(DASHES) * len(PALETTE)
 
 
 class Column(NamedTuple):
-    """A column of the table as it is drawn; words are at 0, 1, 2 ..."""
+    """A column of the table as plotted; texts are at 0, 1, 2 ..."""
 
     name: str
     values: Array
@@ -83,7 +83,7 @@ def plot_sweep(
 
 
 def kinds_of(directory: Path) -> list[str]:
-    """The figures that a sweep has something for; fits are drawn by their name only."""
+    """The figures for which a sweep has data, except fits, which are drawn only if named."""
     sweep = open_sweep(directory)
     fits = {"curves": not sweep.drawn, "map": len(sweep.ways) > 1, "scatter": True, "fit": False}
     return [kind for kind in KINDS if fits[kind]]
@@ -139,7 +139,7 @@ def values_of(rows: Sequence[Row], name: str) -> Array:
 
 
 def column_of(rows: Sequence[Row], name: str, units: dict[str, str]) -> Column:
-    """A column as it is drawn."""
+    """A column of the table as plotted."""
     if all(isinstance(row[name], (int, float)) and not isinstance(row[name], bool) for row in rows):
         values, unit = values_of(rows, name), units.get(name, "")
         return Column(name, np.degrees(values), unit="°") if unit == "rad" else Column(name, values, unit=unit)
@@ -148,8 +148,8 @@ def column_of(rows: Sequence[Row], name: str, units: dict[str, str]) -> Column:
 
 
 def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
-    """Over the axis of numbers with most values, a curve for each combination of the others; means and standard errors
-    of what repeats.
+    """Draw the measure over the numeric key with most values, with one curve for each combination of the others; means
+    and standard errors of repeated points.
     """
     x, *others = by_length(axes)
     groups = groups_of(x, others)
@@ -164,12 +164,12 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
 
 
 def by_length(axes: Sequence[Column]) -> list[Column]:
-    """The axis of numbers with most values, and the others."""
+    """The numeric key with most values, and the others."""
     return sorted(axes, key=lambda column: (bool(column.words), -len(np.unique(column.values))))
 
 
 def groups_of(x: Column, others: Sequence[Column]) -> list[tuple[str, NDArray[np.bool_]]]:
-    """The combinations of the values of all axes but that of x: their label, and which rows are theirs."""
+    """The combinations of the values of all other keys: label and rows of each."""
     names = short_names(others)
     groups = sorted(set(zip(*(column.values for column in others), strict=True))) if others else [()]
     if len(groups) > MOST_CURVES:
@@ -198,7 +198,7 @@ def fits(on: Axes, axes: Sequence[Column], measure: Column) -> None:
 
 
 def short_names(columns: Sequence[Column]) -> list[str]:
-    """The last parts of the keys of columns, or the whole keys where two have the same last part.
+    """The last parts of the keys of columns, or the whole keys if two have the same last part.
 
     >>> short_names([Column("liquid.viscosity", np.ones(1)), Column("floats[0].radius", np.ones(1))])
     ['viscosity', 'radius']
@@ -208,13 +208,13 @@ def short_names(columns: Sequence[Column]) -> list[str]:
 
 
 def _mean(values: Array) -> tuple[float, float]:
-    """The mean and its standard error; a single value has none, nor have infinite ones."""
+    """The mean and its standard error, which is NaN for single or infinite values."""
     sure = len(values) > 1 and np.isfinite(values).all()
     return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values))) if sure else 0.0
 
 
 def colored_map(on: Axes, axes: Sequence[Column], measure: Column) -> None:
-    """The measure over two axes, mean over the others; points that were drawn as dots."""
+    """Draw the measure over two keys as a map, averaged over the others; sampled points as dots."""
     if len(axes) < 2:
         raise BadInput("a map needs two axes; --what curves draws one")
     x, y, *others = axes
@@ -251,7 +251,7 @@ def _colorbar(on: Axes, image: Any, label: str) -> None:
 
 
 def edges(values: Array) -> Array:
-    """The edges of a map's fields: halfway from one value to the next, on the axis as it is drawn.
+    """The edges of a map's cells: halfway between neighboring values, on the scale of the axis.
 
     >>> edges(np.array([1.0, 2.0, 4.0]))
     array([0.5, 1.5, 3. , 5. ])
@@ -262,13 +262,13 @@ def edges(values: Array) -> Array:
 
 
 def edges_between(values: Array) -> Array:
-    """Halfway between neighbors, and as far beyond both ends."""
+    """Midpoints between neighbors, continued by equal distances at both ends."""
     middle = (values[1:] + values[:-1]) / 2
     return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middle, [1.5 * values[-1] - 0.5 * values[-2]]])
 
 
 def scatter(on: Axes, axes: Sequence[Column], measure: Column) -> None:
-    """A dot per point; the second axis of numbers is its color, the one after it its marker."""
+    """Draw a dot per point; the second numeric key is its color, the third its marker."""
     x, *others = axes
     color = next((column for column in others if not column.words), None)
     values = np.zeros(len(x.values)) if color is None else color.values
@@ -293,13 +293,13 @@ DRAWN = {"curves": curves, "map": colored_map, "scatter": scatter, "fit": fits}
 
 
 def wide(values: Array) -> bool:
-    """Whether positive values span more than a linear scale shows."""
+    """Whether positive values span more than a linear scale can show."""
     finite = values[np.isfinite(values)]
     return bool(len(finite) and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 
 
 def _scaled(on: Axes, x: Column, y: Column) -> None:
-    """Scale both axes to their values, and label them."""
+    """Set the scales and labels of both axes."""
     on.set(xlabel=x.label, ylabel=y.label)
     for column, axis, scale in ((x, on.xaxis, on.set_xscale), (y, on.yaxis, on.set_yscale)):
         if column.words:

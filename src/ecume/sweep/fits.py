@@ -19,7 +19,7 @@ from ecume.trajectories.tables import write_rows
 from ecume.units import Array
 
 LIKELY = 0.95
-"""The probability of an interval."""
+"""The confidence level of intervals."""
 PARAMETERS = ("offset", "factor", "exponent")
 COLUMNS = ("curve", "quantity", "x", "value", "error", "low", "high", "runs")
 
@@ -33,16 +33,16 @@ class Points(NamedTuple):
     means: tuple[Mean, ...]
     """over the repeats, with standard errors; 0 for single runs"""
     runs: tuple[int, ...]
-    """how many of them"""
+    """the number of runs at each value"""
 
     @property
     def width(self) -> float:
-        """The half width of an interval in standard errors, by the degrees of freedom of a fit: Student's t."""
+        """The half width of an interval in standard errors: Student's t with the degrees of freedom of the fit."""
         return float(t.ppf(0.5 + 0.5 * LIKELY, len(self.at) - len(PARAMETERS)))
 
 
 def points_of(label: str, x: Array, values: Array) -> Points:
-    """The means of finite values at each place."""
+    """The means over finite values at each value of the axis."""
     good = np.isfinite(x) & np.isfinite(values)
     at = np.unique(x[good])
     groups = [values[good & (x == one)] for one in at]
@@ -53,7 +53,7 @@ def points_of(label: str, x: Array, values: Array) -> Points:
 
 
 def fit_of(points: Points) -> CurveFit:
-    """The fit of offset + factor x^exponent: of flow curves, the law of Herschel and Bulkley. Raises BadInput where the
+    """The fit of offset + factor x^exponent; for flow curves, the law of Herschel and Bulkley. Raises BadInput if the
     points do not determine it.
     """
     try:
@@ -63,7 +63,7 @@ def fit_of(points: Points) -> CurveFit:
 
 
 def draw_fits(on: Axes, curves: Sequence[Points]) -> None:
-    """Means with their errors, the fitted curves and their intervals."""
+    """Draw means with their errors, and the fitted curves with their intervals."""
     for points, color in zip(curves, itertools.cycle(PALETTE)):
         fit, values = fit_of(points), [one.value for one in points.means]
         errors = [one.error for one in points.means]

@@ -24,7 +24,7 @@ def final(times: Array, values: Array) -> float:
 
 
 def mean(times: Array, values: Array) -> float:
-    """Over time: the integral of straight lines between frames, over the duration."""
+    """The time average: the integral of linear interpolation between frames, over the duration."""
     span = times[-1] - times[0]
     return float(np.trapezoid(values, times) / span) if span > 0.0 else float(values[-1])
 
@@ -45,7 +45,8 @@ def spread(times: Array, values: Array) -> float:
 
 
 def steady(times: Array, values: Array) -> float:
-    """The mean of the frames after the transient, which is detected; NaN where the number does not become stationary.
+    """The mean of the frames after the transient, which is detected; NaN if the number does not
+    become stationary.
 
     >>> now = np.arange(12.0)
     >>> steady(now, np.array([9.0, 5.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0])), steady(now, now)
@@ -69,7 +70,7 @@ USUAL = re.compile(r"(\w+)\s+(\w+)")
 
 
 class Words(NamedTuple):
-    """A measure as it is written: its kind, and the number that it measures."""
+    """A measure as parsed: its kind, and the number that it measures."""
 
     way: str
     number: str
@@ -78,7 +79,8 @@ class Words(NamedTuple):
 
 
 def first_crossing(times: Array, values: Array, above: bool, bound: float) -> float:
-    """The time at which the values first pass a bound (s), by straight lines between frames; infinite if they never do.
+    """The first time at which the values cross a bound (s), by linear interpolation between frames; infinite if they
+    never do.
 
     >>> first_crossing(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 3.0]), True, 2.0)
     1.5
@@ -110,7 +112,7 @@ def read_measure(text: str) -> Words:
 
 
 def measure_of(text: str) -> Measure:
-    """The measure that a text names. Raises BadInput where it names none."""
+    """The measure that a text describes. Raises BadInput for other texts."""
     try:
         asked = read_measure(text)
     except ValueError as fault:

@@ -1,6 +1,6 @@
-"""The points of a sweep, computed one by one or by many workers, and the table of measures.
+"""The runner of a sweep, and the table of its measures.
 
-The runner of a sweep: all missing points, one after the other or on many workers.
+All missing points are computed, one after the other or by many workers.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ Row = dict[str, Any]
 
 
 def open_sweep(directory: str | os.PathLike[str]) -> Sweep:
-    """A sweep that was begun, whether or not it is done."""
+    """The sweep in a directory, complete or not."""
     return Sweep(existing_sweep(Path(directory)))
 
 
@@ -84,12 +84,12 @@ class Sweep:
 
     @property
     def drawn(self) -> bool:
-        """Whether points were sampled in several parameters, so that few share a value."""
+        """Whether points were sampled in several parameters, so that few of them share a value."""
         sampling = self._sweeping.spec.sampling
         return sampling is not None and len(sampling.axes) > 1
 
     def units(self, columns: Sequence[str]) -> dict[str, str]:
-        """The units of these columns, if they have one."""
+        """The units of these columns, as far as they have one."""
         spec = self._sweeping.spec
         if spec.process:
             known = process_of(spec.process).units
@@ -99,11 +99,11 @@ class Sweep:
 
     @property
     def runs(self) -> list[Path]:
-        """The directory of each point's run, in the order of the table."""
+        """The run directory of each point, in the order of the table."""
         return [job.run for job in self._sweeping.jobs]
 
     def states(self) -> list[str]:
-        """`done`, `failed` or `missing`, of each point."""
+        """The state of each point: `done`, `failed` or `missing`."""
         return [job.state for job in self._sweeping.jobs]
 
     def table(self, measures: Mapping[str, str | Measure] | None = None) -> list[Row]:
@@ -147,7 +147,8 @@ class Sweep:
 
 
 def representing(axis: Axis) -> Sequence[str]:
-    """The key of an axis; of linked keys the first whose values differ in all rows, or all where none does.
+    """The key of an axis. For linked keys, the first one whose values are all different; all of
+    them if there is none.
 
     >>> representing(Axis(keys=("cell.size", "seed"), rows=((1, 1), (1, 2))))
     ('seed',)
@@ -160,7 +161,7 @@ def representing(axis: Axis) -> Sequence[str]:
 
 
 def _with_nulls(rows: Sequence[Row]) -> list[Row]:
-    """Rows with null for missing values, so that columns of words and booleans keep their type."""
+    """Rows with null for missing values, so that columns of texts and booleans keep their type."""
     return [{name: None if _is_nan(value) else value for name, value in row.items()} for row in rows]
 
 
@@ -175,7 +176,7 @@ def units_of_keys(sweeping: Sweeping) -> dict[str, str]:
 
 
 def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, str]:
-    """The units of measures that texts name, from the first run that is done."""
+    """The units of measures in text form, from the first completed run."""
     done = next((job for job in jobs if job.state == "done"), None)
     if done is None:
         return {}
@@ -183,7 +184,7 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
         known = run.units
     found = {}
     for text in columns:
-        with contextlib.suppress(ValueError):  # a column of another kind
+        with contextlib.suppress(ValueError):  # a column that is not such a measure
             words = read_measure(text)
             found[text] = "s" if words.way == "first" else known.get(words.number, "1")
     return found
@@ -192,10 +193,10 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
 def require_numbers(
     measures: Sequence[str], plan: Mapping[str, Any], laws: Sequence[Callable[..., float]] = ()
 ) -> None:
-    """Raise BadInput if a measure uses a number that runs do not have, which the first frame of a run shows, or if the
-    engine is missing.
+    """Raise BadInput if a measure uses a number that runs do not have, or if the engine is not
+    installed.
 
-    A sweep should not end with it.
+    The first frame of a run shows this before the sweep begins.
     """
     from ecume.simulation import moments
 
@@ -211,7 +212,7 @@ def require_numbers(
 
 
 def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
-    """The measures of a completed run, from its cache if possible."""
+    """The measures of a completed run, cached if possible."""
     cache = _cached(job)
     if measures is None:
         with open_trajectory(job.run) as run:
@@ -241,7 +242,7 @@ def _cached(job: Job) -> dict[str, float]:
 
 
 def _digest(measure: str | Measure) -> str:
-    """The digest of a measure: of its text, or of the source of the function and of everything that it uses. Values of
+    """The digest of a measure: of its text, or of the source of a function and of everything that it uses. Values of
     functions that use objects without a digest are not cached.
     """
     if isinstance(measure, str):
@@ -274,18 +275,19 @@ class Outcome(NamedTuple):
     directory: Path
     done: int
     failed: list[tuple[Path, str]]
-    """folders, and why"""
+    """folders and reasons"""
     busy: int
-    """points that another process is working on"""
+    """points that another process has locked"""
     lost: int = 0
-    """points that were begun again and again, and whose worker died each time"""
+    """points whose worker died in each attempt"""
 
 
 USUAL = ExecutorOptions()
 
 
 def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], options: ExecutorOptions = USUAL) -> Outcome:
-    """Run the missing points of a sweep and write its table. After any interruption the same call continues.
+    """Run the missing points of a sweep and write its table. After an interruption the same call
+    continues.
 
     Raises Stopped after a signal: the same call continues.
     """

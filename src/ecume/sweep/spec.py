@@ -31,14 +31,14 @@ from ecume.sweep.measures import read_measure
 
 
 class Process(NamedTuple):
-    """A process."""
+    """A built-in process: a function, its results, and their units."""
 
     run: Callable[..., Any]
-    """from its arguments to what became of it"""
+    """the function from arguments to a result"""
     results: tuple[str, ...]
-    """the numbers of that which a table has"""
+    """the numbers of the result that a table contains"""
     units: Mapping[str, str]
-    """of arguments and of these numbers, where they have one"""
+    """of arguments and results, as far as they have one"""
 
 
 def _t1() -> Process:
@@ -53,14 +53,14 @@ PROCESSES: Mapping[str, Callable[[], Process]] = {"t1": _t1}
 
 
 def process_of(name: str) -> Process:
-    """The process of that name. Raises BadInput for an unknown name."""
+    """The process with this name. Raises BadInput for an unknown name."""
     if name not in PROCESSES:
         raise BadInput(f"process: no such process as {name!r}; {suggestion(name, PROCESSES)}")
     return PROCESSES[name]()
 
 
 def require_arguments(name: str, keys: list[str]) -> None:
-    """Raise BadInput unless all keys are arguments of the process, and none that it needs is missing."""
+    """Raise BadInput unless all keys are arguments of the process and no required one is missing."""
     known = inspect.signature(process_of(name).run).parameters
     for key in keys:
         if key not in known:
@@ -71,7 +71,7 @@ def require_arguments(name: str, keys: list[str]) -> None:
 
 
 def require_settings(name: str, settings: Mapping[str, Any]) -> None:
-    """Raise SceneError with the settings that are of another kind than the process takes."""
+    """Raise SceneError for settings whose type differs from that of the argument."""
     kinds = typing.get_type_hints(process_of(name).run)
     faults = [
         Fault(key, f"got {echo(value)}; expected {_kind(kinds[key])}")
@@ -95,7 +95,7 @@ WORDS = {float: "a number", str: "text", bool: "true or false"}
 
 
 def _kind(annotation: Any) -> str:
-    """An annotation in words."""
+    """An annotation as a phrase."""
     parts = [part for part in typing.get_args(annotation) or (annotation,) if part is not type(None)]
     return " or ".join(WORDS.get(part, "a list of numbers") for part in parts)
 
@@ -110,14 +110,14 @@ def results_of(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
 
 MOST_POINTS = 1_000_000
 OWN_COLUMNS = ("state", "repeat")
-"""Columns that the table always has."""
+"""Columns that every table has."""
 LONGEST = 100
-"""Characters of a quantity."""
+"""The largest length of a quantity in characters."""
 QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s+(\S.*)")
 
 
 def like(pattern: str, words: str) -> Callable[[str], str]:
-    """Accepts text of this form, and raises a message with the expected form otherwise."""
+    """A validator that accepts texts of this form, and otherwise raises a message with the expected form."""
     form = re.compile(pattern)
 
     def fitting(text: str) -> str:
@@ -129,14 +129,14 @@ def like(pattern: str, words: str) -> Callable[[str], str]:
 
 
 def value(got: object) -> object:
-    """A value that a key of a scene may take."""
+    """A value that a key of a scene may have."""
     if not isinstance(got, (bool, int, float, str, list)) or (isinstance(got, float) and not math.isfinite(got)):
         raise ValueError("expected a finite number, text, true or false, or a list")
     return got
 
 
 def measure(text: str) -> str:
-    """The words of a measure."""
+    """Validate the text of a measure."""
     read_measure(text)
     return text
 
@@ -149,22 +149,22 @@ Finite = Annotated[float, Field(ge=-1e300, le=1e300)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Span:
-    """A range of numbers, `start = "1 mm"` and `stop = "9 mm"`, or with the unit apart: `unit = "mm"`."""
+    """A range of numbers: `start = "1 mm"` and `stop = "9 mm"`, or with a separate unit: `unit = "mm"`."""
 
     start: Finite
     stop: Finite
     count: Annotated[int, Field(strict=True, ge=2, le=MOST_POINTS)] = 2
-    """how many, both ends among them"""
+    """the number of values, including both ends"""
     log: Switch = False
-    """whether ratios between neighbors are equal, and not differences"""
+    """whether ratios between neighbors are equal, instead of differences"""
     whole: Switch = False
-    """whether numbers are rounded to whole ones, as of particles"""
+    """whether numbers are rounded to integers, as for numbers of particles"""
     unit: Annotated[str, Field(max_length=40)] = ""
 
     @model_validator(mode="before")
     @classmethod
     def _with_units(cls, raw: Any) -> Any:
-        """Move a unit that both ends carry into `unit`."""
+        """Move the unit of both ends into `unit`."""
         ends = ("start", "stop")
         found = {end: QUANTITY.fullmatch(raw[end][:LONGEST]) for end in ends if isinstance(_of(raw, end), str)}
         if not found:
@@ -190,15 +190,15 @@ class Axis:
     key: Key | None = None
     """such as `liquid.viscosity` or `particles[0].radius`"""
     values: Annotated[tuple[Value, ...], Field(max_length=MOST_POINTS)] = ()
-    """one after the other"""
+    """the values, in order"""
     span: Span | None = None
-    """or evenly from one to another"""
+    """or evenly spaced values"""
     keys: tuple[Key, ...] = ()
-    """several keys, whose values stand in `rows`"""
+    """several linked keys, whose values are in `rows`"""
     rows: Annotated[tuple[tuple[Value, ...], ...], Field(max_length=MOST_POINTS)] = ()
     """a value for each of the keys"""
     name: Text = ""
-    """what the axis is called in tables; by default its key"""
+    """the name of the axis in tables; default: its key"""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -225,7 +225,7 @@ class SampledAxis:
 
     key: Key
     span: Span
-    """`count` means nothing here"""
+    """`count` is ignored"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -233,7 +233,7 @@ class Sampling:
     """Points drawn at random instead of on a grid."""
 
     method: Literal["random", "latin-hypercube"] = "latin-hypercube"
-    """each on its own, or so that each of `count` slices of every axis holds one"""
+    """independent random points, or points of which each of `count` slices of every axis contains one"""
     count: Whole
     seed: Seed = 0
     axes: Annotated[tuple[SampledAxis, ...], Field(min_length=1)]
@@ -245,8 +245,8 @@ REQUESTS = (
     "licenses|mail-type|mail-user|mem-per-cpu|mem-per-gpu|mincpus|nice|nodelist|nodes|ntasks|ntasks-per-node|"
     "oversubscribe|priority|qos|reservation|sockets-per-node|spread-job|switches|threads-per-core|time-min|tmp|wckey"
 )
-"""Options of sbatch that ask for resources. A sweep may come from anyone: options that name files and programs, such as
-`--output` and `--prolog`, are left to the command line of sbatch.
+"""Options of sbatch that request resources. Since a sweep may come from anyone, options that name files and programs,
+such as `--output` and `--prolog`, are accepted only on the command line of sbatch.
 """
 Request = Annotated[
     Text,
@@ -271,7 +271,7 @@ class Cluster:
     memory: Annotated[str, AfterValidator(like(r"[0-9]{1,6}[KMGT]B?", 'a size such as "2GB"'))] = "2GB"
     """of each job"""
     jobs: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 4
-    """at once, at most; one core each"""
+    """the largest number of simultaneous jobs; one core each"""
     lines: tuple[Request, ...] = ()
     """further `#SBATCH` options for resources, such as `--account=me`"""
 
@@ -282,19 +282,19 @@ class SweepSpec:
 
     title: Text = ""
     scene: Text = ""
-    """the scene's file, beside this one"""
+    """the scene's file, relative to this one"""
     template: Text = ""
-    """or one of `ecume new`"""
+    """or a template of `ecume new`"""
     process: Text = ""
-    """or a process that makes its own scenes, such as `t1`; the axes are its arguments"""
+    """or a process that generates its scenes, such as `t1`; the axes are its arguments"""
     fixed: dict[Key, Value] = Field(default_factory=dict)
-    """keys of the scene that differ from its file in all points; those of a table may stand in one"""
+    """keys of the scene that differ from its file in all points; keys of one table may be in a table"""
     axes: tuple[Axis, ...] = ()
     """each combination of their values is a point"""
     sampling: Sampling | None = None
-    """with axes as well, each combination of their values has all points that are drawn"""
+    """random points; combined with axes, each combination of values has all random points"""
     repeats: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
-    """of each point, with consecutive seeds that start from the scene's"""
+    """of each point, with consecutive seeds from that of the scene on"""
     measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
     """columns of the table: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; default: the
     last value of every number"""
@@ -307,7 +307,7 @@ class SweepSpec:
     @model_validator(mode="before")
     @classmethod
     def _flat(cls, raw: Any) -> Any:
-        """`liquid.viscosity = 1` makes tables of TOML: each of their keys differs for itself."""
+        """Flatten nested tables: TOML reads `liquid.viscosity = 1` as a table in a table."""
         fixed = _of(raw, "fixed")
         return raw | {"fixed": dict(_leaves(fixed))} if isinstance(fixed, dict) else raw
 
@@ -333,7 +333,7 @@ class SweepSpec:
             yield ("ranks",), f"expected them with engine = {LAMMPS!r} only"
 
     def _twice(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
-        """The faults of keys or names that are given in two places."""
+        """The faults of keys or names that are given twice."""
         keys = self.keyed
         times = Counter([*keys.values(), *self.fixed])
         yield from ((place, f"{key} is given twice") for place, key in keys.items() if times[key] > 1)
@@ -346,7 +346,7 @@ class SweepSpec:
 
     @property
     def keyed(self) -> dict[tuple[str | int, ...], str]:
-        """The keys that vary, in the order of the table's columns, by their places here."""
+        """The varied keys in the order of the table's columns, by their position in this file."""
         axes = [
             (("axes", place, *end), key)
             for place, axis in enumerate(self.axes)
@@ -367,7 +367,7 @@ def _of(raw: Any, key: str) -> Any:
 
 
 def _leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """The keys of tables in tables, `a.b` each."""
+    """The keys of nested tables, in the form `a.b`."""
     for key, item in table.items():
         if isinstance(item, dict) and item:
             yield from _leaves(item, f"{above}{key}.")
@@ -384,16 +384,16 @@ Settings = dict[str, Any]
 
 
 class Asked(NamedTuple):
-    """A sweep's file."""
+    """The file of a sweep."""
 
     spec: SweepSpec
     text: str
     folder: Path
-    """in which it looks for its scene"""
+    """the folder to which the scene's path is relative"""
     name: str = "sweep"
-    """what messages call it"""
+    """the name of the file in messages"""
     laws: tuple[dict[str, Any], ...] = ()
-    """names and digests of user-defined laws that act in all points"""
+    """names and digests of user-defined laws, which act in all points"""
 
 
 def load_sweep(path: Path) -> Asked:
@@ -417,12 +417,12 @@ class Point(NamedTuple):
     """One combination of values."""
 
     settings: Settings
-    """what differs from the scene's file"""
+    """differences from the scene's file"""
     repeat: int
 
 
 def points_of(spec: SweepSpec) -> list[Point]:
-    """All points in the order of the table: the last axis varies first, repeats before it."""
+    """All points in the order of the table: repeats vary first, then the last axis."""
     grids = [list(settings_of(axis)) for axis in spec.axes]
     if spec.sampling is not None:
         grids.append(list(drawn(spec.sampling)))
@@ -439,12 +439,12 @@ def points_of(spec: SweepSpec) -> list[Point]:
 
 
 def varied(spec: SweepSpec) -> list[str]:
-    """The keys that vary, in the order of the table's columns."""
+    """The varied keys in the order of the table's columns."""
     return list(spec.keyed.values())
 
 
 def settings_of(axis: Axis) -> Iterator[Settings]:
-    """The values of one axis, one after the other."""
+    """The values of one axis, in order."""
     if axis.key is None:
         for row in axis.rows:
             yield dict(zip(axis.keys, row, strict=True))
@@ -454,7 +454,7 @@ def settings_of(axis: Axis) -> Iterator[Settings]:
 
 
 def spread(span: Span | None) -> Sequence[Any]:
-    """Numbers from one end to the other, both exactly."""
+    """Evenly spaced numbers, including both ends exactly."""
     if span is None:
         return []
     values = between(span, np.linspace(0.0, 1.0, span.count))
@@ -462,7 +462,7 @@ def spread(span: Span | None) -> Sequence[Any]:
 
 
 def between(span: Span, parts: Any) -> Any:
-    """Parts of the way from one end to the other."""
+    """The numbers at fractions of a range."""
     if not span.log:
         return span.start + parts * (span.stop - span.start)
     values = span.start * (span.stop / span.start) ** parts
@@ -470,13 +470,13 @@ def between(span: Span, parts: Any) -> Any:
 
 
 def with_unit(value: float, span: Span) -> Any:
-    """A value as the scene's file would have it."""
-    short = round(value) if span.whole else float(f"{value:.15g}")  # 0.0001, and not 9.999999999999999e-05
+    """A value as it would be written in the scene's file."""
+    short = round(value) if span.whole else float(f"{value:.15g}")  # 0.0001 instead of 9.999999999999999e-05
     return f"{short!r} {span.unit}" if span.unit else short
 
 
 def drawn(sampling: Sampling) -> Iterator[Settings]:
-    """Points at random; the same seed gives the same points."""
+    """Random points; the same seed gives the same points."""
     from scipy.stats import qmc
 
     dimension = len(sampling.axes)

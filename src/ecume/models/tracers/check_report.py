@@ -25,15 +25,15 @@ from ecume.units import Array, duration_text, size_text, with_prefix
 SECONDS_PER_STEP = 2e-5
 SECONDS_PER_PARTICLE = 5e-7
 BYTES_PER_PARTICLE = 680
-"""Resident at the most, in 3D while a frame is recorded and the one before is still there: measured with 4e5
-particles. Of these 56 are the state, 72 the bodies, 96 to 220 the workspace and 88 a frame.
+"""Largest resident memory per particle, in 3D while two frames are in memory: measured with 4e5 particles. Of these 56
+are the state, 72 the bodies, 96 to 220 the workspace and 88 a frame.
 """
 NUMBERS = 20
 """The approximate number of numbers in a frame."""
 
 
 def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:
-    """The same in a flow, which may be a function of the user."""
+    """The rows of `ecume check` in a flow, which may be a function of the user."""
     start(scene, parameters)
     fluid = parameters.fluid
     steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
@@ -58,7 +58,7 @@ def summary_in(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) ->
 
 
 def accuracy_of(parameters: Parameters) -> str:
-    """The accuracy of a time step."""
+    """The row on the accuracy of the time step."""
     if parameters.current == ():
         return "exact between walls for linear drag"
     if parameters.around != () and parameters.bodies.overdamped.any():
@@ -68,7 +68,7 @@ def accuracy_of(parameters: Parameters) -> str:
 
 
 def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
-    """The particles that will enter through an opening."""
+    """The number of particles that will enter through an opening."""
     count = int((parameters.arrivals.opening == index).sum())
     hole = scene.openings[index]
     if hole.rate is None and hole.concentration is None:
@@ -111,7 +111,9 @@ SLIPS = 0.01
 
 
 def slip_of(scene: TracersScene, fluid: Fluid, index: int) -> list[tuple[str, str, str]]:
-    """The slip of a gas along one species, estimated at one atmosphere where the scene states no mean free path."""
+    """The row on the slip of one species in a gas, estimated at one atmosphere unless the scene states a mean free
+    path.
+    """
     known, path, species = fluid.mean_free_path > 0.0, fluid.mean_free_path, scene.particles[index]
     if not known and 0.0 < fluid.density < gases.DENSEST:
         path = gases.mean_free_path(fluid.density, fluid.viscosity, gases.ATMOSPHERE)
@@ -136,14 +138,14 @@ def flow_through(flow: LiquidFlow, body: ObstacleSpec) -> float:
 
 
 def surface_points(body: ObstacleSpec) -> tuple[Array, Array]:
-    """Points on an obstacle, and the normals there."""
+    """Points on an obstacle, and the surface normals there."""
     low, high = (np.array(corner, float) for corner in around(body))
     surfaces, middle = body_of(body), 0.5 * (low + high)
     ways = np.random.default_rng(0).normal(size=(POINTS, len(low)))
     ways /= np.sqrt((ways**2).sum(axis=1))[:, None]
     if body.radius is not None:
         return middle + body.radius * ways, ways
-    # Each way from the middle ends at the nearest plane that it meets.
+    # Each ray from the center ends at the nearest plane.
     inward = surfaces.place[:, : len(low)]
     if body.vertices:
         middle = np.mean(np.array(body.vertices, float), axis=0)
@@ -155,18 +157,18 @@ def surface_points(body: ObstacleSpec) -> tuple[Array, Array]:
 
 
 POINTS = 400
-"""On an obstacle, at which the flow is examined."""
+"""The number of points on an obstacle at which the flow is sampled."""
 
 
 def largest_flow(flow: LiquidFlow, low: Array, high: Array) -> float:
-    """The largest speed of the liquid around a box, at time 0 (m/s)."""
+    """The largest speed of the liquid in and around a box, at time 0 (m/s)."""
     wide = 0.5 * (high - low)
     places = np.random.default_rng(0).uniform(low - wide, high + wide, (POINTS, len(low)))
     return float(np.sqrt((flow.velocity(places, 0.0) ** 2).sum(axis=1)).max())
 
 
 def flow_rows(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:
-    """The flow that varies in place or time."""
+    """The rows on a flow that varies in place or time."""
     if parameters.current == ():
         return []
     given = scene.flow
@@ -204,7 +206,7 @@ def flow_rows(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> 
 
 
 def through_solids(scene: TracersScene, parameters: Parameters, flow: LiquidFlow) -> list[tuple[str, str, str]]:
-    """The flow through obstacles, with its size: the liquid does not go around them."""
+    """The row on liquid that flows through obstacles, with its largest normal velocity."""
     rows = []
     for index, body in enumerate(scene.obstacles):
         low, high = (np.array(corner) for corner in around(body))

@@ -10,7 +10,7 @@ from ecume.laws import drag
 
 
 def unit_factor(reynolds: float) -> float:
-    """1: Stokes drag, or no drag."""
+    """A drag factor of 1: Stokes drag, or no drag."""
     return 1.0
 
 
@@ -19,26 +19,28 @@ class DragLaw:
     """A row of the table: a drag law and everything that depends on it."""
 
     factor: Callable[..., float]
-    """factor(reynolds), or factor(reynolds, sphericity): the drag over Stokes's, by the particle's Reynolds number"""
+    """factor(reynolds), or factor(reynolds, sphericity): the drag over Stokes drag, by the
+    particle's Reynolds number
+    """
     settling_reynolds: Callable[[float, float], float]
-    """settling_reynolds(stokes, sphericity): the Reynolds number at the terminal speed, from that with Stokes's drag"""
+    """settling_reynolds(stokes, sphericity): the Reynolds number at the terminal speed, from that with Stokes drag"""
     papers: tuple[Callable[..., Any], ...] = ()
     """functions whose docstrings name the references that `ecume cite` lists"""
     resists: bool = True
     """whether there is any drag"""
     linear: bool = True
-    """whether the drag is in proportion to the speed"""
+    """whether the drag is proportional to the speed"""
     shaped: bool = False
     """whether it depends on the sphericity"""
 
 
 def same_reynolds(reynolds: float, sphericity: float) -> float:
-    """The terminal speed is that with Stokes's drag."""
+    """The Reynolds number at the terminal speed with Stokes drag."""
     return reynolds
 
 
 def settling_reynolds_of_sphere(reynolds: float, sphericity: float) -> float:
-    """That of Schiller and Naumann's drag on a sphere."""
+    """The Reynolds number at the terminal speed of a sphere with Schiller and Naumann's drag."""
     return drag.settling_reynolds(reynolds)
 
 

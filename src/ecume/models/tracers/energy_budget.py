@@ -22,13 +22,13 @@ INACTIVE = 1 << 40
 
 @compiled
 def has_budget(parameters: Parameters) -> bool:
-    """Whether the liquid flows or has thermal noise, or particles may leave."""
+    """Whether the liquid flows, there is thermal noise, or particles may leave."""
     return bool(is_driven(parameters) or len(parameters.bouncing.hole) > 0)
 
 
 @compiled
 def is_driven(parameters: Parameters) -> bool:
-    """Whether the liquid flows or has thermal noise."""
+    """Whether the liquid flows or there is thermal noise."""
     flow, fluid = parameters.fluid.flow, parameters.fluid
     moves = fluid.shear_rate != 0.0 or flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0 or fluid.varies
     return bool(fluid.thermal > 0.0 or moves)
@@ -50,7 +50,7 @@ def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) ->
 
 @compiled
 def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
-    """Energy of a tracer with inertia at the start of the step, per mass (J/kg)."""
+    """The energy per mass of a tracer with inertia at the start of the step (J/kg)."""
     last = scratch.origin.shape[1] - 1
     energy: float = parameters.bodies.apparent_gravity[i] * scratch.origin[i, last]
     for axis in range(last + 1):

@@ -1,7 +1,8 @@
-"""Forces of a liquid whose velocity varies, beside drag: its acceleration, Faxen's correction, and Saffman's lift.
+"""Forces on tracers in a liquid whose velocity varies, beside drag: its acceleration, Faxen's correction, and Saffman's
+lift.
 
-They are those of Maxey and Riley's equation without Basset's history [maxey1983], half a step ahead, and constant
-during a step. `ecume check` states the size of the history.
+They are those of Maxey and Riley's equation without Basset's history [maxey1983], evaluated at the middle of a step and
+constant during it. `ecume check` states the size of the history force.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ def add_forces(
     sphericity); liquid = (velocities, gradients, drag law); numbers = (time step, density, viscosity, added mass over
     displaced mass, and the three of `Forces`); `laws`: accelerations by laws of the user.
 
-    Lift takes the slip in the middle of the step, which drag and the forces at its beginning predict: it is of second
-    order.
+    Lift uses the slip in the middle of the step, predicted from drag and the forces at its start, so that it is of
+    second order.
     """
     (mass, radius, friction, weight, sphericity), (flow, gradients, law) = bodies, liquid
     h, density, viscosity, added, moves, curved, lifted = numbers

@@ -1,6 +1,7 @@
-"""Loops over tracers in a flow that varies, one set for each flow: where the liquid takes them, and what it does.
+"""Loops over tracers in a flow that varies: the velocity of the liquid at each tracer, its path with the liquid, and
+gradients.
 
-They are made for one velocity function and kept on disk, so that a scene compiles only the flow that it has.
+They are compiled for one velocity function and kept on disk, so that a scene compiles only its own flow.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ class Current(NamedTuple):
     uniform: tuple[float, float, float, float]
     """velocity (m/s) and shear rate (1/s)"""
     spacing: float
-    """m: of the differences that give its gradients"""
+    """m: step of the finite differences for gradients"""
     low: tuple[float, ...]
     """m: the lower corner of the tank, in the order of positions"""
     periods: tuple[float, ...]
@@ -51,9 +52,11 @@ class Loops(NamedTuple):
     velocities: Callable[..., None]
     """velocities(position, time, current, found)"""
     velocities_then: Callable[..., None]
-    """velocities_then(position, times, current, found): each at its own time"""
+    """velocities_then(position, times, current, found): each at a separate time"""
     midways: Callable[..., None]
-    """midways(position, velocity, status, (time, step), current, flow): velocities of the liquid, half a step ahead"""
+    """midways(position, velocity, status, (time, step), current, flow): velocities of the liquid in the middle of the
+    step
+    """
     paths: Callable[..., None]
     """paths(position, status, (time, step), current, drift, flow, travel): the mean velocity of the liquid along each
     path, and that of the particle"""
@@ -84,7 +87,7 @@ def loops_of(velocity: Callable[..., Vector], dimensions: int) -> Loops:
 
 
 Instant = tuple[float, float]
-"""A time, and the factor of the velocities at it, which is the same for all particles."""
+"""A time, and the factor of all velocities at it."""
 
 
 @compiled_inside
@@ -96,12 +99,14 @@ def instant_at(current: Current, time: float) -> Instant:
 
 @compiled_inside
 def within_period(value: float, low: float, period: float) -> float:
-    """The coordinate in the tank: paths of a step reach beyond its periodic sides, where fields from files end."""
+    """The coordinate wrapped into the tank: paths of a step may cross its periodic sides, where
+    fields from files end.
+    """
     return value - period * math.floor((value - low) / period) if period > 0.0 else value
 
 
 def _velocity_at(velocity: Callable[..., Vector], dimensions: int) -> Callable[[Current, Vector, Instant], Vector]:
-    """The velocity of the whole flow at a point with its coordinates in the order of positions."""
+    """The velocity of the whole flow at a point, from coordinates in the order of positions."""
 
     @compiled_for_laws
     def in_3d(current: Current, place: Vector, instant: Instant) -> Vector:
@@ -162,7 +167,7 @@ def _midways(at: Callable[..., Vector]) -> Callable[..., None]:
 
 
 def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
-    """Runge and Kutta's method of fourth order: the particle moves with the liquid and with `drift`."""
+    """The loop of the fourth-order Runge-Kutta method: the particle moves with the liquid and with `drift`."""
 
     @compiled_for_laws
     def paths(
@@ -197,7 +202,7 @@ def _paths(at: Callable[..., Vector]) -> Callable[..., None]:
 
 
 def _noisy_paths(at: Callable[..., Vector]) -> Callable[..., None]:
-    """Heun's method for noise that does not depend on place: of weak order two."""
+    """The loop of Heun's method, of weak order two, for noise that is independent of position."""
 
     @compiled_for_laws
     def noisy_paths(
@@ -224,11 +229,13 @@ def _noisy_paths(at: Callable[..., Vector]) -> Callable[..., None]:
 
 
 VORTICITY, CURVATURE, ACCELERATION = 0, 3, 6
-"""First columns of `gradients`: curl u, Laplacian of u, and Du/Dt with dt at a fixed place and along the liquid."""
+"""First columns of `gradients`: curl u, Laplacian of u, and Du/Dt, both the local and the convective part."""
 
 
 def _gradients(at: Callable[..., Vector], dimensions: int) -> Callable[..., None]:
-    """Vorticity, Laplacian and acceleration of the liquid, by central differences, half a step ahead."""
+    """The loop for vorticity, Laplacian and acceleration of the liquid, by central differences, in the middle of the
+    step.
+    """
     axes = dimensions
 
     @compiled_for_laws

@@ -1,8 +1,8 @@
 """Steps of tracers in a flow that varies in place or time.
 
-Particles without inertia and noise follow their path by Runge and Kutta's method of fourth order, those with noise by
-Heun's, of weak order two. Particles with inertia fly through the velocity that the liquid has in the middle of the
-step, of second order. Walls act as in `time_stepping`; between its ends a path is straight.
+Particles without inertia and noise follow their path by the fourth-order Runge-Kutta method, those with noise by Heun's
+method, of weak order two. Particles with inertia use the velocity of the liquid in the middle of the step, of second
+order. Walls act as in `time_stepping`; between its ends a path is straight.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from ecume.units import Array
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int, loops: Loops | None = None) -> int:
-    """Integrate: see `ecume.models.model.Model.advance`. `loops`: those of a flow by a function of the user."""
+    """Integrate: see `ecume.models.model.Model.advance`. `loops` are those of a flow by a function of the user."""
     if parameters.current == ():
         return time_stepping.advance(parameters, state, scratch, steps)
     loops = loops or loops_for(parameters.current, parameters.dimensions)
-    # Compiled steps need not know the flow, and so are compiled once for all flows.
+    # Without the flow in their arguments, compiled steps are the same for all flows.
     plain, overdamped = parameters._replace(current=(), around=()), parameters.bodies.overdamped
     around = parameters.around
     for _ in range(steps):
@@ -70,7 +70,7 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 
 Flowing = tuple[Loops, object, tuple[float, float]]
-"""The loops of a flow, the flow, and time and time step."""
+"""The loops of a flow, the flow, and the time with the time step."""
 
 
 def _forced_flight(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
@@ -120,8 +120,8 @@ def _noisy_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
 
 
 def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing, around: Surroundings) -> bool:
-    """One step of particles without inertia where diffusivity depends on place: half a step with the liquid, settling
-    and diffusion, and the other half.
+    """Perform one step of particles without inertia whose diffusivity depends on place: half a step with the liquid,
+    settling and diffusion, and the other half.
     """
     (_, _, (time, h)), bodies = flowing, plain.bodies
     well = _half_path(plain, state, scratch, flowing, time)
@@ -145,7 +145,7 @@ def _place_step(plain: Parameters, state: State, scratch: Workspace, flowing: Fl
 
 
 def _half_path(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing, time: float) -> bool:
-    """Half a step with the liquid and the laws of the user."""
+    """Move particles for half a step with the liquid and the laws of the user."""
     loops, current, (_, h) = flowing
     fill(scratch.kick, 0.0)
     add_drifts(plain.bodies.mass, plain.bodies.friction, scratch.status, scratch.external, scratch.kick)
@@ -157,7 +157,9 @@ def _half_path(plain: Parameters, state: State, scratch: Workspace, flowing: Flo
 
 
 def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flowing) -> bool:
-    """Set the velocities of particles without inertia: where a frame is due those at its time, else the mean ones."""
+    """Set the velocities of particles without inertia: at the time of a frame if one is due, else the means over the
+    step.
+    """
     (loops, current, when), bodies = flowing, plain.bodies
     select_regime(scratch.status, state.left, bodies.overdamped, 1)
     if (int(state.step[0]) + 1) % plain.steps_per_frame == 0:
@@ -168,7 +170,7 @@ def _finished(plain: Parameters, state: State, scratch: Workspace, flowing: Flow
 
 @compiled
 def plan_own_drifts(settling: Array, status: Integers, drift: Array) -> None:
-    """The velocity relative to the liquid: settling."""
+    """Set the velocity relative to the liquid: settling."""
     fill(drift, 0.0)
     last = drift.shape[1] - 1
     for i in range(len(status)):
@@ -178,7 +180,7 @@ def plan_own_drifts(settling: Array, status: Integers, drift: Array) -> None:
 
 @compiled
 def add_up(status: Integers, first: Array, second: Array, total: Array) -> None:
-    """The sum of two velocities of each particle."""
+    """Sum two velocities of each particle."""
     for i in range(len(status)):
         if status[i] == 0:
             for axis in range(total.shape[1]):

@@ -1,4 +1,4 @@
-"""The flow of the liquid in a scene: which it is, its velocity anywhere, and the scales on which it varies."""
+"""The flow of the liquid in a scene: its choice, its velocity at any place, and its scales of variation."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from ecume.units import Array
 Corners = tuple[tuple[float, ...], tuple[float, ...]]
 
 SAMPLES = 1000
-"""Points at which a flow is examined."""
+"""The number of points at which a flow is sampled."""
 INSTANTS = 8
-"""The number of instants at which the flow is examined."""
+"""The number of instants at which a flow is sampled."""
 ACCURATE = 0.1
 """The longest Runge-Kutta step, over the shortest time in which the velocity along a path changes."""
 NARROW = 0.1
 """The longest random displacement of a step, over the length in which the velocity changes."""
 DIFFERENCE = 1e-4
-"""Step of differences, over the shortest length of the flow: a side of the box, a wavelength or a radius."""
+"""The step of finite differences, over the shortest length of the flow: a side of the box, a wavelength or a radius."""
 MOMENT = 1e-6
-"""Step of differences in time, over the duration."""
+"""The step of finite differences in time, over the duration."""
 
 
 class FlowScales(NamedTuple):
@@ -42,7 +42,7 @@ class FlowScales(NamedTuple):
     rate: float
     """1/s, the largest gradient, or rate of change in time"""
     length: float
-    """m, over which the velocity changes by itself; infinite in a uniform flow"""
+    """m, the length over which the velocity changes by its own magnitude; infinite in a uniform flow"""
 
     def longest_step(self) -> float:
         """The longest time step along curved paths (s)."""
@@ -66,10 +66,10 @@ class LiquidFlow(NamedTuple):
     loops: Loops | None = None
     scales: FlowScales = UNIFORM
     removed: float = 0.0
-    """of the fluxes in a file: divergence that the interpolation omits"""
+    """the divergence that the interpolation removes, over the fluxes in a file"""
 
     def velocity(self, places: Array, time: float | Array) -> Array:
-        """(n, d) m/s at places, at one time or at one for each."""
+        """The velocity (n, d) at places (m/s), at one time or at one for each."""
         found = np.tile(self.uniform[: places.shape[1]], (len(places), 1))
         found[:, 0] += self.shear_rate * places[:, -1]
         if self.loops is not None:
@@ -78,18 +78,18 @@ class LiquidFlow(NamedTuple):
         return found
 
     def unbounded(self) -> LiquidFlow:
-        """The same flow, which does not continue periodically beyond a periodic tank."""
+        """The same flow, not continued periodically beyond a periodic tank."""
         if self.current == ():
             return self
         return self._replace(current=self.current._replace(periods=(0.0,) * len(self.current.periods)))
 
     def instants(self, duration: float) -> list[float]:
-        """The times (s) at which the flow is examined."""
+        """The times (s) at which the flow is sampled."""
         return [0.0] if self.steady else [duration * k / INSTANTS for k in range(INSTANTS)]
 
     @property
     def steady(self) -> bool:
-        """Whether it is the same at all times."""
+        """Whether the flow is the same at all times."""
         if self.current == ():
             return True
         shape = self.current.shape
@@ -181,7 +181,7 @@ def _detour(scene: TracersScene, stream: tuple[float, float, float]) -> tuple[An
 
 
 def _around_in_channel(scene: TracersScene) -> Any:
-    """The solved flow of a channel around obstacles. Raises SceneError where it cannot be."""
+    """The computed flow of a channel around obstacles. Raises SceneError for unsuitable scenes."""
     flow, tank, path = scene.flow, scene.tank, "flow.around_obstacles"
     _require_unused(flow, frozenset({"speed", "pulse"}), "a channel with obstacles")
     if scene.dimensions != 2 or tank is None or tank.high is None or tank.low is None:
@@ -206,7 +206,7 @@ def _around_in_channel(scene: TracersScene) -> Any:
 
 
 def _outline(body: ObstacleSpec) -> tuple[tuple[float, float], ...]:
-    """The corners of an obstacle in 2D; of a disc those of a polygon around it."""
+    """The corners of an obstacle in 2D; a disc is approximated by a polygon around it."""
     if body.center is not None and body.radius is not None:
         return disc_outline(body.center, body.radius)
     if body.low is not None and body.high is not None:
@@ -227,7 +227,9 @@ def _shape_of_field(scene: TracersScene) -> tuple[Any, float]:
 
 
 def _wrapped(scene: TracersScene, grid: gridded_flows.Grid) -> tuple[int, ...]:
-    """The axes along which the tank has the period of a grid whose velocities are the same at both ends."""
+    """The axes along which the flow of a grid continues periodically: the tank has its period, and the velocities at
+    both ends are equal.
+    """
     found, periodic, (low, _) = [], periodic_of(scene).sides, bounds(scene)
     for axis, step in enumerate(grid.step):
         nodes = grid.velocity.shape[1 + axis]
@@ -262,7 +264,7 @@ def _named_shape(scene: TracersScene, box: Corners) -> Any:
 
 
 def _deep(point: Sequence[float]) -> tuple[float, float, float]:
-    """A point with x, y and z; in 2D y is 0."""
+    """A point as x, y and z; in 2D y is 0."""
     return (point[0], 0.0, point[1]) if len(point) == 2 else (point[0], point[1], point[2])
 
 
@@ -270,7 +272,7 @@ SHAPE_KEYS = ("speed", "rate", "wavelength", "period", "swing", "radius", "cente
 
 
 def _require_unused(flow: FlowSpec, used: frozenset[str], what: str) -> None:
-    """Raise SceneError for keys that a flow does not take."""
+    """Raise SceneError for keys that a flow does not use."""
     spare = [key for key in SHAPE_KEYS if key not in used and getattr(flow, key) is not None]
     if spare:
         raise SceneError([Fault(f"flow.{key}", f"is not used by {what}; remove it") for key in spare])
@@ -303,7 +305,7 @@ def _scales(flow: LiquidFlow, box: Corners, duration: float, spacing: float) -> 
 
 
 def _rate_in_time(flow: LiquidFlow) -> float:
-    """1/s, from the periods of a flow and the instants of a file."""
+    """The largest rate of change in time (1/s), from the periods of a flow and the instants of a file."""
     current = flow.current
     rates: list[float] = [getattr(current.shape, "turning", 0.0), current.pulse[1], current.pulse[2]]
     times = getattr(current.shape, "times", np.zeros(1))
@@ -324,7 +326,7 @@ def _even_points(count: int, dimensions: int) -> Array:
 
 
 def own_velocity(law: Callable[..., Any], dimensions: int) -> Callable[..., Any]:
-    """The velocity function of a law of the user, law(position, time, constants), for `flow_loops`."""
+    """The velocity function for `flow_loops` of a user's law, law(position, time, constants)."""
     from ecume.models.user_laws import compiled_for_laws
 
     function = compiled_for_laws(law)

@@ -1,4 +1,4 @@
-"""Flows by name for `flow.name`: each a row with its shape, its velocity, the keys that it takes, and its papers.
+"""Named flows for `flow.name`: each a row with its shape, its velocity, its keys, and its papers.
 
 A shape is a NamedTuple of numbers. Its velocity is a function of the shape, the coordinates x (along), y (across) and z
 (upward) and the time, for compiled code. In 2D the coordinates are x and z, and y is 0.
@@ -59,7 +59,9 @@ class Duct(NamedTuple):
 
 
 class Stagnation(NamedTuple):
-    """Flow against a wall or a point; in 3D toward it from above and away on all sides."""
+    """Flow against a wall or toward a stagnation point; in 3D inward along the vertical and outward in all horizontal
+    directions.
+    """
 
     center: Point
     along: float
@@ -68,7 +70,7 @@ class Stagnation(NamedTuple):
 
 
 class Rotation(NamedTuple):
-    """Rotation as a solid: in 2D counterclockwise, in 3D about the vertical."""
+    """Rigid rotation: in 2D counterclockwise, in 3D about the vertical."""
 
     center: Point
     flat: float
@@ -76,7 +78,7 @@ class Rotation(NamedTuple):
 
 
 class Cellular(NamedTuple):
-    """Square cells that turn alternately, in the vertical plane along x."""
+    """Square cells with alternating rotation, in the vertical plane along x."""
 
     x: float
     z: float
@@ -85,7 +87,7 @@ class Cellular(NamedTuple):
 
 
 class DoubleGyre(NamedTuple):
-    """Two gyres side by side, whose border swings."""
+    """Two gyres side by side, with an oscillating border."""
 
     x: float
     z: float
@@ -97,7 +99,7 @@ class DoubleGyre(NamedTuple):
 
 
 class Wave(NamedTuple):
-    """A small wave that travels along x."""
+    """A wave of small amplitude that travels along x."""
 
     bottom: float
     depth: float
@@ -121,7 +123,7 @@ class Still(NamedTuple):
 
 
 class PastObstacle(NamedTuple):
-    """A stream past a round obstacle, less the stream."""
+    """The disturbance of a uniform stream by a round obstacle."""
 
     center: Point
     radius: float
@@ -141,7 +143,7 @@ DETOURS: dict[tuple[str, int], Callable[..., Point]] = {
     ("ideal", 3): carrier_flows.ideal_flow_past_sphere,
     ("ideal", 2): carrier_flows.ideal_flow_past_cylinder,
 }
-"""Exact solutions for `flow.around_obstacles`, by its value and the dimensions of the scene."""
+"""Exact solutions for `flow.around_obstacles`, by its value and the number of dimensions."""
 detour = selection(
     "detour", dict(enumerate(DETOURS.values())), __name__, __file__, ("place", "radius", "stream")
 )  # fmt: skip
@@ -149,7 +151,7 @@ detour = selection(
 
 @compiled_inside
 def past_obstacle_velocity(shape: PastObstacle, x: float, y: float, z: float, time: float) -> Point:
-    """What the obstacle changes of the stream."""
+    """The velocity of the disturbance: the flow past the obstacle minus the uniform stream."""
     center, stream = shape.center, shape.stream
     found = detour((x - center[0], y - center[1], z - center[2]), shape.radius, stream, shape.law)
     return found[0] - stream[0], found[1] - stream[1], found[2] - stream[2]
@@ -160,7 +162,7 @@ OTHER_VELOCITIES = {Still: still_velocity, PastObstacle: past_obstacle_velocity}
 
 @compiled_inside
 def channel_velocity(shape: Channel, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity; beyond a wall that of the mirror image."""
+    """The velocity of a Poiseuille flow between plates; beyond a wall that of the mirror image."""
     height = abs(z - shape.bottom)
     height = height if height < shape.width else 2.0 * shape.width - height
     return flows.channel_speed(height, shape.width, shape.speed), 0.0, 0.0
@@ -174,14 +176,14 @@ def couette_velocity(shape: Couette, x: float, y: float, z: float, time: float) 
 
 @compiled_inside
 def tube_velocity(shape: Tube, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity; beyond the wall that of the mirror image."""
+    """The velocity of a Poiseuille flow in a tube; beyond the wall that of the mirror image."""
     across, up = y - shape.y, z - shape.z
     return carrier_flows.tube_speed(math.sqrt(across * across + up * up), shape.radius, shape.speed), 0.0, 0.0
 
 
 @compiled_inside
 def duct_velocity(shape: Duct, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity; beyond a wall that of the mirror image."""
+    """The velocity of a flow in a rectangular duct; beyond a wall that of the mirror image."""
     across, up = abs(y - shape.y), abs(z - shape.z)
     across = across if across < 0.5 * shape.width else shape.width - across
     up = up if up < 0.5 * shape.depth else shape.depth - up
@@ -249,7 +251,7 @@ class Request(NamedTuple):
         return high[0] - low[0], high[1] - low[1], high[2] - low[2]
 
     def value(self, key: str) -> float:
-        """The value of a key that the flow needs. Raises BadInput where it is missing."""
+        """The value of a required key. Raises BadInput if it is missing."""
         value = getattr(self.flow, key)
         if value is None:
             raise BadInput(f"is missing; the flow {self.flow.name} needs it", key)
@@ -325,7 +327,7 @@ class NamedFlow:
     """velocity(shape, x, y, z, time), compiled"""
     papers: tuple[Callable[..., Any], ...]
     keys: frozenset[str]
-    """keys of `[flow]` that it takes, beside those of all flows"""
+    """keys of `[flow]` that it uses, beside those of all flows"""
     dimensions: tuple[int, ...] = (2, 3)
     needs_box: bool = False
     """whether it needs the sides of a box: `low` and `high`, by default those of the tank"""

@@ -1,9 +1,10 @@
-"""Creeping flow in a channel or a periodic array around obstacles, solved once by finite elements (scikit-fem), in 2D.
+"""Creeping flow in a channel or a periodic array around obstacles, computed once by finite elements (scikit-fem), in
+2D.
 
 Velocities are polynomials of fourth order on triangles (Scott and Vogelius), made free of divergence by iterated
-penalty [scott1985]: the divergence vanishes everywhere and not only on the average, so that particles do not cluster,
-and the velocity is zero at walls and obstacles. Discs are polygons around them. The mesh is Delaunay's, finer near
-obstacles.
+penalty [scott1985]: the divergence vanishes everywhere and not only on average, so that particles do not cluster, and
+the velocity is zero at walls and obstacles. Discs are approximated by polygons around them. The mesh is a Delaunay
+triangulation, finer near obstacles.
 """
 
 from __future__ import annotations
@@ -24,21 +25,21 @@ admit(flows)
 
 EXTRA = "flows"
 ROUND = 48
-"""Sides of the polygon around a disc."""
+"""The number of sides of the polygon around a disc."""
 COARSEST = 0.1
-"""Of the width of the channel: the longest edge."""
+"""The longest edge, over the width of the channel."""
 GROWTH = 0.3
-"""How fast edges grow with the distance from obstacles."""
+"""The growth of edge lengths per distance from obstacles."""
 CLOSEST = 0.02
-"""Of the width of the channel: the narrowest gap that is resolved."""
+"""The narrowest gap that is resolved, over the width of the channel."""
 SMOOTHING = 12
-"""Rounds in which inner nodes move to the middle of their neighbors."""
+"""The number of rounds in which inner nodes move to the mean of their neighbors."""
 PENALTY = 1e7
-"""Of the divergence, over the viscosity."""
+"""The penalty of the divergence, over the viscosity."""
 DIVERGENCE = 1e-9
-"""Of the mean speed over the width: the largest divergence."""
+"""The largest permitted divergence, over the mean speed per width."""
 TERMS = 15
-"""Of a polynomial of fourth order in two variables."""
+"""The number of terms of a polynomial of fourth order in two variables."""
 EXPONENTS = tuple((i, j) for total in range(5) for i in range(total, -1, -1) for j in (total - i,))
 
 Flags = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
@@ -52,7 +53,7 @@ class ChannelFlow(NamedTuple):
     low: tuple[float, float]
     high: tuple[float, float]
     speed: float
-    """m/s, the mean one"""
+    """m/s, the mean speed"""
     step: tuple[float, float]
     """m: of the bins of triangles"""
     first: Integers
@@ -62,13 +63,13 @@ class ChannelFlow(NamedTuple):
     inverse: Array
     """(T, 6) the corner of each triangle, and the inverse of its edges"""
     along: Array
-    """(T, TERMS) coefficients of the velocity along x over the mean one"""
+    """(T, TERMS) coefficients of the velocity along x, over the mean speed"""
     upward: Array
 
 
 @compiled_inside
 def obstacle_velocity(shape: ChannelFlow, x: float, y: float, z: float, time: float) -> Point:
-    """The velocity; zero in obstacles, and that at the sides beyond them."""
+    """The velocity; zero in obstacles, and beyond the sides that at the sides."""
     x = min(max(x, shape.low[0]), shape.high[0])
     z = min(max(z, shape.low[1]), shape.high[1])
     column = min(int((x - shape.low[0]) / shape.step[0]), shape.first.shape[0] - 1)
@@ -99,9 +100,9 @@ def channel_flow(
     *,
     periodic: bool = False,
 ) -> Any:
-    """The flow between plates at z = low and high around obstacles, with a mean speed; `periodic`: it repeats along x,
-    driven by a pressure gradient, otherwise it enters and leaves as between plates alone. Raises BadInput where
-    obstacles are too close to one another or to a side, and without scikit-fem. [scott1985].
+    """The flow between plates at z = low and high around obstacles, with a given mean speed. With `periodic` a pressure
+    gradient drives it, otherwise it enters and leaves as a Poiseuille flow. Raises BadInput for obstacles that are too
+    close to one another or to a side, and without scikit-fem. [scott1985].
     """
     return _solved(low, high, outlines, periodic)._replace(speed=speed)
 
@@ -134,8 +135,8 @@ def disc_outline(center: tuple[float, ...], radius: float) -> Outline:
 def mesh_of(
     low: tuple[float, float], high: tuple[float, float], outlines: list[Array], *, periodic: bool = False
 ) -> tuple[Array, Integers]:
-    """Nodes and triangles of a box around convex obstacles; `periodic`: with the same nodes on the left and on the
-    right. Raises BadInput for obstacles that are too close.
+    """Nodes and triangles of a box around convex obstacles; with `periodic`, nodes on the left and on the right have
+    the same heights. Raises BadInput for obstacles that are too close.
     """
     from scipy.spatial import Delaunay
 
@@ -187,7 +188,7 @@ def _distance(places: Array, segments: Array) -> Array:
 
 
 def _within(places: Array, outline: Array) -> Flags:
-    """Whether places are in a convex outline, which turns counterclockwise."""
+    """Whether places are in a convex outline with counterclockwise corners."""
     way = np.roll(outline, -1, axis=0) - outline
     apart = places[:, None] - outline[None]
     return np.asarray(((way[:, 0] * apart[:, :, 1] - way[:, 1] * apart[:, :, 0]) > 0.0).all(axis=1))
@@ -208,7 +209,7 @@ def _require_gaps(frame: Array, outlines: list[Array], least: float) -> None:
 
 
 def _divided(outline: Array, longest: float, own: Array, outlines: list[Array]) -> Array:
-    """The outline with further nodes on long edges: at least 24 in all, and short ones near other outlines."""
+    """The outline with further nodes on long edges: at least 24 in all, and closer ones near other outlines."""
     rest = _segments([each for each in outlines if each is not own])
     around = float(np.sqrt(((np.roll(outline, -1, axis=0) - outline) ** 2).sum(axis=1)).sum())
     found = []
@@ -221,7 +222,7 @@ def _divided(outline: Array, longest: float, own: Array, outlines: list[Array]) 
 
 
 def _size(places: Array, segments: Array, width: float) -> Array:
-    """The length of edges at places."""
+    """The length of mesh edges at places."""
     if not len(segments):
         return np.full(len(places), COARSEST * width)
     own = np.sqrt(((segments[:, 1] - segments[:, 0]) ** 2).sum(axis=1))
@@ -235,8 +236,8 @@ def _size(places: Array, segments: Array, width: float) -> Array:
 
 
 def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
-    """Nodes along the sides of the box (below, right, above, left), as far apart as the sizes say; `periodic`: those on
-    the left are as high as those on the right.
+    """Nodes along the sides of the box (below, right, above, left), at distances given by `size`; with `periodic`,
+    those on the left have the heights of those on the right.
     """
     found = []
     for a, b in zip(frame, np.roll(frame, -1, axis=0), strict=True):
@@ -255,7 +256,7 @@ def _border(frame: Array, size: Any, *, periodic: bool) -> Array:
 def _inner(
     low: tuple[float, float], high: tuple[float, float], size: Any, walls: Array, outlines: list[Array]
 ) -> Array:
-    """Nodes of hexagonal lattices, each where edges have about its spacing."""
+    """Inner nodes, from hexagonal lattices of several spacings, each where edges have about that length."""
     corners = np.array([low, high], float)
     finest = float(np.sqrt(((walls[:, 1] - walls[:, 0]) ** 2).sum(axis=1)).min())
     found = np.zeros((0, 2))
@@ -297,7 +298,7 @@ def _spaced(places: Array, size: Any) -> Array:
 
 
 def _outside(nodes: Array, triangles: Integers, outlines: list[Array]) -> Integers:
-    """The triangles with an area that are not in obstacles."""
+    """The triangles outside of obstacles with a nonzero area."""
     corners = nodes[triangles]
     one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
@@ -305,12 +306,12 @@ def _outside(nodes: Array, triangles: Integers, outlines: list[Array]) -> Intege
     middle = corners.mean(axis=1)
     for outline in outlines:
         good &= ~_within(middle, outline)
-    # In the order in which scikit-fem has the corners of its elements.
+    # scikit-fem needs the corners of an element in ascending order.
     return np.sort(triangles[good], axis=1).astype(np.int64)
 
 
 def _smoothed(nodes: Array, triangles: Integers, fixed: int) -> Array:
-    """The nodes, each inner one in the middle of its neighbors."""
+    """The nodes, with each inner one at the mean of its neighbors."""
     total, count = np.zeros_like(nodes), np.zeros(len(nodes))
     for a, b in ((0, 1), (1, 2), (2, 0)):
         for one, other in ((a, b), (b, a)):
@@ -322,7 +323,7 @@ def _smoothed(nodes: Array, triangles: Integers, fixed: int) -> Array:
 
 
 def _require_conforming(nodes: Array, triangles: Integers, outlines: list[Array]) -> None:
-    """Raise BadInput where an edge of an outline is no edge of the mesh."""
+    """Raise BadInput unless each edge of an outline is an edge of the mesh."""
     pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     there = set(map(tuple, pairs.tolist()))
     first = 0
@@ -341,7 +342,7 @@ def _require_conforming(nodes: Array, triangles: Integers, outlines: list[Array]
 def _velocities(
     nodes: Array, triangles: Integers, box: tuple[tuple[float, float], tuple[float, float]], *, periodic: bool
 ) -> tuple[Array, Array]:
-    """The coefficients of both velocities on each triangle, at a mean speed of 1."""
+    """The coefficients of both velocity components on each triangle, at a mean speed of 1."""
     low, high = box
     try:
         import skfem
@@ -372,7 +373,7 @@ def _velocities(
         given = given[~((left | right) & inner)]
     else:
         fixed[given] = np.where(along & (left | right), 6.0 * share * (1.0 - share), 0.0)
-    # Values on the right are those on the left: each unknown is spread to all values that are it.
+    # Values on the right equal those on the left: an unknown stands for both.
     unknown = np.setdiff1d(np.unique(source), given)
     copies = np.flatnonzero(np.isin(source, unknown))
     spread = csr_array(
@@ -384,7 +385,7 @@ def _velocities(
     for _ in range(20):
         velocity = fixed + spread @ factors.solve(spread.T @ (known - squares @ pressure))
         pressure += PENALTY * velocity
-        # Through each section flows the integral of the velocity over the length.
+        # The flux through each cross-section is the integral of the velocity over the area, divided by the length.
         speed = float(push @ velocity) / (width * (high[0] - low[0])) if periodic else 1.0
         slopes = np.asarray(basis.interpolate(velocity).grad)
         if np.abs(slopes[0, 0] + slopes[1, 1]).max() < DIVERGENCE / width * speed:
@@ -403,7 +404,7 @@ def _velocities(
 def _bins(
     corners: Array, low: tuple[float, float], high: tuple[float, float]
 ) -> tuple[tuple[float, float], Integers, Integers, Integers]:
-    """A grid of bins, and the triangles whose boxes overlap each."""
+    """A grid of bins, and for each bin the triangles whose bounding boxes overlap it."""
     sides = np.array(high) - np.array(low)
     many = max(4, round(math.sqrt(len(corners))))
     shape = np.maximum(1, np.ceil(sides / sides.max() * many)).astype(int)

@@ -1,8 +1,9 @@
-"""Particles that enter through openings: their number, times, positions and velocities, known
+"""Particles that enter through openings: their number, times, positions and velocities, computed
 before the run begins.
 
-Each place and instant is a function of the scene's seed, the opening and the number of who comes (Philox), so that
-neither pauses nor threads matter. Newcomers of an opening come one in each span of 1/rate, at any instant of it.
+Each position and time is a function of the scene's seed, the opening and the number of the particle (Philox), so that
+neither pauses nor threads change them. One particle enters an opening in each interval of 1/rate, at a random time in
+it.
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ from ecume.scenes.tracers import OpeningSpec, TracersScene
 from ecume.units import Array
 
 TRIES = 1000
-"""Rounds of dice after which an opening has no room."""
+"""The number of rounds of random positions after which an opening has no room."""
 PURPOSE = 16
-"""Purposes of random numbers, see `counter_of`: the first that no motion uses, four for each opening."""
+"""The first purpose of random numbers of openings, see `counter_of`: four for each opening. The
+motion uses lower ones.
+"""
 
 
 class Stream(NamedTuple):
@@ -42,22 +45,22 @@ class Arrivals(NamedTuple):
     """All particles that enter during the run, in order."""
 
     step: Integers
-    """(A,) at the end of which step each is there"""
+    """(A,) the step at whose end the particle is in the tank"""
     position: Array
     """(A, d) m"""
     velocity: Array
     """(A, d) m/s"""
     opening: Integers
-    """(A,) through which"""
+    """(A,) the opening through which it enters"""
 
 
 class Inflow(NamedTuple):
     """The entering particles of a run, before the assignment to steps."""
 
     time: Array
-    """(A,) s, one after the other"""
+    """(A,) s, ascending"""
     position: Array
-    """(A, d) m, as they come through the wall"""
+    """(A, d) m, where they cross the wall"""
     velocity: Array
     """(A, d) m/s"""
     species: Integers
@@ -65,7 +68,7 @@ class Inflow(NamedTuple):
 
 
 def inflow_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Inflow:
-    """All particles that will enter. Raises SceneError for an opening through which none can."""
+    """All particles that will enter. Raises SceneError for an opening through which none can enter."""
     faults, found, d = list[Fault](), [], scene.dimensions
     for index, hole in enumerate(scene.openings):
         try:
@@ -121,17 +124,17 @@ def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int, 
 
 
 def inward_speed(door: Entrance, velocity: Array) -> Array:
-    """(n,) m/s."""
+    """The speed of particles through an opening into the tank (n,) (m/s)."""
     speed: Array = product(velocity, door.normal)
     return speed
 
 
 ROWS = 64
-"""Points along an opening at which the inflow is examined."""
+"""The number of points along an opening at which the inflow is sampled."""
 
 
 def _inner(door: Entrance) -> Array:
-    """Points in an opening, in the middles of equal pieces, over which the mean of a flow is good to 1/ROWS^2."""
+    """Midpoints of equal parts of an opening, over which the mean of a flow is accurate to order 1/ROWS^2."""
     middles = (np.arange(ROWS) + 0.5) / ROWS
     return door.at(_combinations(middles, len(door.half)))
 
@@ -145,7 +148,9 @@ def _combinations(values: Array, count: int) -> Array:
 
 
 def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int, count: int) -> Array:
-    """(count, d) positions, a radius inside the wall; with a given concentration, distributed as the flux."""
+    """The positions of entering particles (count, d), a radius inside the wall; with a given concentration, distributed
+    as the flux.
+    """
     hole, door = scene.openings[index], entrance(surfaces, index)
     species, d = species_of(scene, hole), scene.dimensions
     radius = largest_radius(scene.particles[species])
@@ -168,7 +173,7 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
 
 
 def _draws(who: Integers, when: int, key: tuple[int, int]) -> Array:
-    """(n, 4) numbers in (0, 1); chance = (seed, purpose), which takes two purposes."""
+    """Random numbers (n, 4) in (0, 1); key = (seed, purpose), which uses two purposes."""
     drawn = np.empty((len(who), 4))
     draw(who, when, key, drawn)
     return drawn
@@ -184,7 +189,9 @@ def draw(who: Integers, when: int, key: tuple[int, int], drawn: Array) -> None:
 
 
 def arrivals_of(inflow: Inflow, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
-    """Cut into steps: each is where it flew to by the end of its step, or in the opening where that is blocked."""
+    """Assign entering particles to steps. At the end of its step a particle is where its velocity has taken it, or in
+    the opening if that place is blocked.
+    """
     step = np.maximum(np.ceil(inflow.time / time_step).astype(np.int64), 1)
     advanced = inflow.position + (step * time_step - inflow.time)[:, None] * inflow.velocity
     blocked = clearance(advanced, surfaces)[0] < radius if len(step) else np.zeros(0, bool)

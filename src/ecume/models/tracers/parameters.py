@@ -30,9 +30,9 @@ REGIMES = ("auto", "inertial", "overdamped")
 ADDED_MASS = 0.5
 """The added mass of a sphere in an ideal liquid, over the displaced mass."""
 SHORTEST = 4.0
-"""Steps in a relaxation time, when the model chooses."""
+"""Steps per relaxation time, with an automatic time step."""
 LONGEST = 0.5
-"""A step of the inertial regime, in relaxation times."""
+"""The longest step of the inertial regime, in relaxation times."""
 MOST_STEPS = 50_000
 """The largest number of steps of a run with an automatic time step; particles that relax faster are overdamped."""
 FINENESS = 0.05
@@ -40,7 +40,7 @@ FINENESS = 0.05
 
 
 class Fluid(NamedTuple):
-    """The liquid: its properties, and its velocity, flow + shear_rate z along x at the height z."""
+    """The liquid: its properties, and its velocity flow + shear_rate z, the shear along x at the height z."""
 
     density: float
     viscosity: float
@@ -52,7 +52,7 @@ class Fluid(NamedTuple):
     mean_free_path: float
     """m, of a gas; 0 of a liquid"""
     varies: bool = False
-    """whether there is another flow, the `current` of the parameters"""
+    """whether there is another flow, `Parameters.current`"""
 
 
 class Bodies(NamedTuple):
@@ -60,11 +60,11 @@ class Bodies(NamedTuple):
 
     radius: Array
     mass: Array
-    """kg, with the liquid that goes along"""
+    """kg, with the added mass"""
     apparent_gravity: Array
     """m/s^2, downwards: weight less buoyancy, over that mass"""
     friction: Array
-    """N s/m, Stokes's with the slip of gases"""
+    """N s/m, Stokes friction with the slip of gases"""
     settling: Array
     """m/s, downwards: the terminal speed"""
     overdamped: Integers
@@ -76,7 +76,7 @@ class Bodies(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """Which forces of a liquid whose velocity varies there are; 1 or 0 each."""
+    """Flags, 1 or 0, of the forces of a liquid whose velocity varies."""
 
     acceleration: float = 0.0
     faxen: float = 0.0
@@ -84,7 +84,7 @@ class Forces(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Whether any force acts."""
         return max(self) > 0.0
 
 
@@ -103,9 +103,9 @@ class Parameters(NamedTuple):
     bouncing: Sheet
     """the walls and obstacles with their coefficients"""
     stopping: Sheet
-    """the same without restitution: an overdamped particle that is pulled against a wall stays there"""
+    """the same without restitution: an overdamped particle that is driven against a wall stays there"""
     mirroring: Sheet
-    """the same with all of it: what diffuses is turned back whole"""
+    """the same with full restitution: diffusion is reflected"""
     around: Any = ()
     """`place_diffusion.Surroundings` where the diffusivity depends on place; otherwise an empty tuple"""
     current: Any = ()
@@ -115,12 +115,12 @@ class Parameters(NamedTuple):
     """of a liquid whose velocity varies"""
     added_mass: bool = True
     deposits: int = 0
-    """how many of the last openings are walls and obstacles that hold what touches them"""
+    """the number of sticking walls and obstacles, which are the last openings"""
 
 
 def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters:
-    """The parameters of a scene, with a flow by a function of the user or without. Raises SceneError with what is
-    wrong.
+    """The parameters of a scene, with an optional flow by a function of the user. Raises SceneError
+    for invalid scenes.
     """
     _require_names(scene)
     surfaces, fluid = surfaces_of(scene), fluid_of(scene)
@@ -172,7 +172,9 @@ def parameters_of(scene: TracersScene, own: OwnFlow | None = None) -> Parameters
 
 
 def around_of(scene: TracersScene, surfaces: Surfaces) -> Any:
-    """What makes the diffusivity depend on place, or an empty tuple. Raises SceneError where walls do not allow it."""
+    """The walls and mixing on which the diffusivity depends; empty if it is uniform. Raises SceneError for unsuitable
+    walls.
+    """
     mixing, near = scene.flow.turbulence, scene.hydrodynamics.wall_drag
     if mixing is None and not near:
         return ()
@@ -207,7 +209,7 @@ def around_of(scene: TracersScene, surfaces: Surfaces) -> Any:
 
 
 ACCEPTING = 8
-"""The purpose of random numbers that accept moves, see `counter_of`: three of them."""
+"""The first purpose of the random numbers that accept moves, see `counter_of`: three of them."""
 
 
 def forces_of(scene: TracersScene) -> Forces:
@@ -241,7 +243,7 @@ def _require_periodic(
 
 
 def fluid_of(scene: TracersScene) -> Fluid:
-    """The liquid's numbers: given, or those of the liquid named at its temperature."""
+    """The properties of the liquid: given, or those of the named liquid at its temperature."""
     given = scene.liquid
     density, viscosity, path = medium_of(given)
     flow = (*(scene.flow.velocity or ()), 0.0, 0.0, 0.0)
@@ -257,7 +259,7 @@ def fluid_of(scene: TracersScene) -> Fluid:
 
 
 def medium_of(given: FluidSpec) -> tuple[float, float, float]:
-    """Density, viscosity and mean free path of the liquid or gas that a scene names; without a name about water."""
+    """Density, viscosity and mean free path of the named liquid or gas; by default about those of water."""
     if given.name == AIR:
         density, viscosity = gases.air_density(given.temperature), gases.air_viscosity(given.temperature)
         return density, viscosity, gases.mean_free_path(density, viscosity, gases.ATMOSPHERE)
@@ -269,10 +271,10 @@ AIR = "air"
 
 
 def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
-    """Masses, weights, frictions and terminal speeds: species by species, then those of the newcomers' species."""
+    """Masses, weights, frictions and terminal speeds: species by species, then those of the entering particles."""
     counts = [species.count for species in scene.particles]
     kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), inflow])
-    # By species first: there may be millions of particles, mostly equal.
+    # Once per species if its particles are equal: there may be millions.
     equal = not any(one.radii or one.sizes for one in scene.particles)
     radius, of = _radii(scene, kind, equal)
     density = np.array([one.density for one in scene.particles])[of]
@@ -298,7 +300,9 @@ def bodies_of(scene: TracersScene, fluid: Fluid, inflow: Integers) -> Bodies:
 
 
 def _radii(scene: TracersScene, kind: Integers, equal: bool) -> tuple[Array, Integers]:
-    """The radius of each species where its particles are equal, otherwise of each particle; and the species of each."""
+    """The radius of each species if its particles are equal, otherwise that of each particle; and
+    the species of each.
+    """
     if equal:
         return np.array([species.radius for species in scene.particles]), np.arange(len(scene.particles))
     radius = np.zeros(len(kind))
@@ -349,7 +353,7 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
     shortest = 0.0 if scene.integration.integrator == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
     for mass, friction, speed, gravity, radius in kinds_of(bodies):
         if friction > 0.0:
-            # With more drag than Stokes drag, particles relax faster.
+            # Particles with more than Stokes drag relax faster.
             inertial = min(mass / friction, abs(speed / gravity) if gravity and speed else math.inf) / SHORTEST
             late = scene.integration.integrator == "overdamped" or inertial < shortest
             body = (friction, speed, mass * gravity, radius)
@@ -381,18 +385,18 @@ def crossing_time(scene: TracersScene, fluid: Fluid, bodies: Bodies, scales: Flo
 
 
 def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
-    """Mass, friction, terminal speed, apparent gravity and radius of each kind of particles."""
+    """Mass, friction, terminal speed, apparent gravity and radius of representative particles of each species."""
     columns = (bodies.mass, bodies.friction, bodies.settling, bodies.apparent_gravity, bodies.radius)
-    first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # of each run of one species
-    for species in np.unique(bodies.species):  # and its extremes
+    first = np.flatnonzero(np.diff(bodies.species, prepend=-1))  # the first particle of each block of one species
+    for species in np.unique(bodies.species):  # and the smallest and largest of each species
         own = np.flatnonzero(bodies.species == species)
         first = np.append(first, [own[np.argmin(bodies.radius[own])], own[np.argmax(bodies.radius[own])]])
     return set(zip(*(column[first].tolist() for column in columns), strict=True))
 
 
 def place_limit(scene: TracersScene, body: tuple[float, float, float, float], fluid: Fluid) -> float:
-    """The longest step where the diffusivity depends on place: particles cross a part of the length over which it does,
-    a radius near walls, by settling and by diffusion.
+    """The longest step where the diffusivity depends on place: settling and diffusion cross a fraction of the length
+    over which it changes, near walls the radius.
     """
     friction, speed, _, radius = body
     mixing, limit = scene.flow.turbulence, math.inf
@@ -413,19 +417,19 @@ def place_limit(scene: TracersScene, body: tuple[float, float, float, float], fl
 
 
 NEAR = 0.2
-"""Of the length over which the diffusivity changes: the longest displacement of a step."""
+"""The longest displacement of a step, over the length in which the diffusivity changes."""
 
 
 def overdamped_step(
     scene: TracersScene, body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid
 ) -> float:
-    """The longest step of tracers without inertia: they cross a small part of the tank or of their layer."""
+    """The longest step of tracers without inertia: they cross a small part of the tank or of the sediment layer."""
     friction, speed, weight, radius = body
     sizes = surfaces.size
     room = float(np.ptp(sizes) if len(sizes) > 1 else np.abs(sizes).sum() or math.inf)
     layer = room
     if fluid.thermal > 0.0 and weight != 0.0:
-        # A layer thinner than its grains is a floor with grains on it.
+        # A sedimentation length below the radius means particles at rest on the floor.
         layer = min(room, max(radius, brownian_motion.sedimentation_length(fluid.thermal, abs(weight))))
     limit = FINENESS * room / abs(speed) if speed else math.inf
     limit = min(limit, place_limit(scene, body, fluid))
@@ -456,11 +460,11 @@ def _require_names(scene: TracersScene) -> None:
 
 
 CAPPED = 0
-"""The place in `State.tally` of flights cut short."""
+"""The index in `State.tally` of flights with too many bounces."""
 
 
 class State(NamedTuple):
-    """Everything that can change a later bit: randomness follows from the seed, the particle and the step."""
+    """All arrays that can change a later result; random numbers follow from the seed, the particle and the step."""
 
     position: Array
     """(N, d) m"""
@@ -471,30 +475,30 @@ class State(NamedTuple):
     left: Integers
     """(N,) the opening through which a particle left, or -1"""
     hits: Integers
-    """(K,) how often each wall was hit"""
+    """(K,) number of collisions with each wall"""
     tally: Integers
     """(1,) flights with more bounces than a step may have"""
     work: Array = np.zeros(1)
     """(1,) J of work from outside: see `energy_budget`"""
     image: Integers = np.zeros((0, 2), np.int64)
-    """(N, d) how many periods each particle is away along each axis; (0, 2) without periodic axes"""
+    """(N, d) the periods by which each particle has been wrapped along each axis; (0, 2) without periodic axes"""
 
 
 class Workspace(NamedTuple):
-    """Scratch of one step."""
+    """Scratch arrays of a step."""
 
     origin: Array
     """(N, d) previous positions"""
     travel: Array
-    """(N, d) the velocity with which the step begins"""
+    """(N, d) the initial velocity of the step"""
     acceleration: Array
-    """(N, d) the acceleration of the parabola that ends where the exact motion does"""
+    """(N, d) the acceleration of the parabola that has the exact final position"""
     kick: Array
-    """(N, d) what the exact velocity has more than the parabola's, as long as no wall is met"""
+    """(N, d) the exact final velocity minus that of the parabola, without collisions"""
     noise: Array
-    """(N, d) the part of that which is chance, and stays"""
+    """(N, d) the thermal part of `kick`"""
     shift: Array
-    """(N, d) the part of the way that is chance"""
+    """(N, d) the thermal part of the displacement"""
     external: Array
     """(N, d) m/s^2: the acceleration by laws of the user"""
     flow: Array
@@ -530,7 +534,7 @@ def entered_count(parameters: Parameters, state: State) -> int:
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """The workspace, which cannot overflow."""
+    """Scratch arrays for the present particles; `room` is not used, since they cannot overflow."""
     count, shape = len(state.position), state.position.shape
     a, b, c, d, e, f, g, k = (np.zeros(shape) for _ in range(8))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])
@@ -544,7 +548,7 @@ TOUCHING = 1e-6
 
 
 def faults(scene: TracersScene, parameters: Parameters, state: State) -> list[str]:
-    """The tracers that are neither inside nor have left."""
+    """Messages on tracers that are outside of the tank without having left through an opening."""
     surfaces, radius = surfaces_of(scene), parameters.bodies.radius[: len(state.position)]
     if not len(surfaces.kind):
         return []

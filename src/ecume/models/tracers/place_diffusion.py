@@ -1,10 +1,9 @@
 """Diffusion and settling where the diffusivity depends on place: drag near walls, and turbulent mixing over height.
 
-Along each axis between two walls a step is a Metropolis-adjusted one in a coordinate in which the noise has the same
-strength everywhere [bourabee2014]: a suspension that is in equilibrium (well mixed, or with the profile of settling)
-stays so for any step, since a move is accepted with the ratio of the equilibrium densities, and the drift of the
-gradient of the diffusivity is included. The path may pass the walls of a mirrored, periodic continuation and is folded
-back, which is reflection.
+Along each axis between two walls a step is a Metropolis-adjusted one in a transformed coordinate with uniform noise
+[bourabee2014]. A suspension in equilibrium (well mixed, or with the profile of settling) stays so for any step, since a
+move is accepted with the ratio of the equilibrium densities, and the drift by the gradient of the diffusivity is
+included. Walls reflect: the coordinate continues beyond them, and is folded back.
 """
 
 from __future__ import annotations
@@ -24,12 +23,13 @@ admit(brownian_motion, wall_drag)
 
 Point = tuple[float, float, float]
 IRREVERSIBLE = 0.01
-"""Of a move: how far the move back may miss the start. Moves across jumps of the diffusivity miss it by more; they are
-not made, since they would fill the side with the lower one."""
+"""The largest difference of the reversed move from the start, over the move. Moves across jumps of the diffusivity
+exceed it; they are rejected, since they would accumulate particles on the side with the lower diffusivity.
+"""
 
 
 class Surroundings(NamedTuple):
-    """What makes the diffusivity depend on place, in a box."""
+    """The walls and the mixing on which the diffusivity depends, in a box."""
 
     low: Point
     high: Point
@@ -40,18 +40,18 @@ class Surroundings(NamedTuple):
     table: Array
     """of `wall_drag.wall_mobilities`"""
     heights: Array
-    """m, of a profile of turbulent diffusivities; empty without one"""
+    """m, of the profile of turbulent diffusivities; empty without one"""
     mixing: Array
     """m^2/s, at these heights"""
     horizontal: float
     """m^2/s, along the other axes"""
     purpose: int
-    """of the random numbers that accept moves"""
+    """of the random numbers that accept moves: see `counter_of`"""
 
 
 @compiled
 def mobility(place: Point, radius: float, axis: int, around: Surroundings, d: int) -> float:
-    """The mobility along an axis over that far from walls: what each wall adds to the friction is added."""
+    """The mobility along an axis, over that far from walls; the additional frictions of the walls are summed."""
     if around.near_walls == 0:
         return 1.0
     friction = 1.0
@@ -66,7 +66,7 @@ def mobility(place: Point, radius: float, axis: int, around: Surroundings, d: in
 
 @compiled
 def turbulence(height: float, around: Surroundings) -> float:
-    """The vertical turbulent diffusivity at a height (m^2/s): linear between the given ones."""
+    """The vertical turbulent diffusivity at a height (m^2/s), by linear interpolation."""
     last = len(around.heights) - 1
     if last < 0:
         return 0.0
@@ -81,7 +81,7 @@ def turbulence(height: float, around: Surroundings) -> float:
 
 @compiled_inside
 def moved(place: Point, axis: int, value: float) -> Point:
-    """The place with another coordinate."""
+    """The place with one coordinate replaced."""
     return (value if axis == 0 else place[0], value if axis == 1 else place[1], value if axis == 2 else place[2])
 
 
@@ -100,7 +100,7 @@ def diffusivity_at(
 
 @compiled_inside
 def folded(u: float, ends: tuple[float, float], angular: bool) -> tuple[float, float]:
-    """The place of a coordinate that continues beyond both ends, and its derivative: u is a place, or with `angular`
+    """The place of a coordinate u that continues beyond both walls, and its derivative. u is a place, or with `angular`
     the angle of low + (high - low) sin^2(u/2).
     """
     low, width = ends[0], ends[1] - ends[0]
@@ -117,7 +117,7 @@ def pace(
     u: float, place: Point, axis: int, own: tuple[float, float, float], ends: tuple[float, float],
     around: Surroundings, d: int,
 ) -> float:  # fmt: skip
-    """How fast the coordinate changes with the one in which noise has the same strength everywhere."""
+    """The derivative of u by the transformed coordinate with uniform noise."""
     z, scale = folded(u, ends, around.near_walls == 1)
     return math.sqrt(max(diffusivity_at(moved(place, axis, z), axis, own, around, d)[0], 1e-300)) / scale
 
@@ -127,7 +127,9 @@ def carried(
     u: float, way: float, place: Point, axis: int, own: tuple[float, float, float], ends: tuple[float, float],
     around: Surroundings, d: int,
 ) -> float:  # fmt: skip
-    """The coordinate after a way in the other one: a step of Runge and Kutta's method of fourth order."""
+    """The coordinate u after a displacement of the transformed coordinate, by a step of the fourth-order Runge-Kutta
+    method.
+    """
     a = pace(u, place, axis, own, ends, around, d)
     b = pace(u + 0.5 * way * a, place, axis, own, ends, around, d)
     c = pace(u + 0.5 * way * b, place, axis, own, ends, around, d)
@@ -140,7 +142,7 @@ def drift(
     u: float, place: Point, axis: int, own: tuple[float, float, float], ends: tuple[float, float],
     around: Surroundings, d: int, most: float,
 ) -> float:  # fmt: skip
-    """The drift of the coordinate in which noise has the same strength: half of d ln(density sqrt(D))^2/dy."""
+    """The drift of the transformed coordinate y with uniform noise: half of d ln(density sqrt(D))^2/dy."""
     step = 1e-4 * (1.0 if around.near_walls == 1 else ends[1] - ends[0])
     z, scale = folded(u, ends, around.near_walls == 1)
     spread, share = diffusivity_at(moved(place, axis, z), axis, own, around, d)
@@ -149,7 +151,7 @@ def drift(
         side = folded(u + (step if k == 0 else -step), ends, around.near_walls == 1)[0]
         near = math.log(max(diffusivity_at(moved(place, axis, side), axis, own, around, d)[0], 1e-300))
         logs += 0.5 * (near if k == 0 else -near)
-    # Along u; of settling the change of ln(density) with z is -speed/D.
+    # In equilibrium, settling gives d ln(density)/dz = -speed/D; `upward` is the sign of dz/du.
     upward = 1.0
     if around.near_walls == 1:
         upward = 1.0 if math.sin(u) >= 0.0 else -1.0
@@ -164,7 +166,9 @@ def drift(
 def log_ratio(
     z: float, other: float, place: Point, axis: int, own: tuple[float, float, float], around: Surroundings, d: int
 ) -> float:
-    """Ln of the density of equilibrium at another place over that here, times the root of the diffusivities."""
+    """The logarithm of the ratio of equilibrium density times the root of the diffusivity, at another place over the
+    present one.
+    """
     total, slope = 0.0, 0.0
     for k in range(3):
         at = moved(place, axis, z + 0.5 * k * (other - z))
@@ -181,7 +185,7 @@ def moved_along(
     place: Point, axis: int, own: tuple[float, float, float], around: Surroundings, d: int, h: float,
     draws: tuple[float, float],
 ) -> float:  # fmt: skip
-    """Where a particle is along an axis after a time; draws = (a normal number, a uniform one)."""
+    """The coordinate of a particle along an axis after a time; draws = (a normal number, a uniform one)."""
     z = place[axis]
     if around.walled[axis] == 0:
         spread, share = diffusivity_at(place, axis, own, around, d)
@@ -211,9 +215,9 @@ def diffuse(
     position: Array, status: Integers, bodies: tuple[Array, Array, Array], around: Surroundings,
     key: tuple[int, int, float], h: float, travel: Array,
 ) -> None:  # fmt: skip
-    """Set the velocities with which particles without inertia reach their places after a time.
+    """Set the mean velocities of particles without inertia over a time, from their random displacements and settling.
 
-    bodies = (radius, Stokes's friction, settling speed); key = (seed, step, kT).
+    bodies = (radius, Stokes friction, settling speed); key = (seed, step, kT).
     """
     (radius, friction, settling), (seed, step, thermal), d = bodies, key, position.shape[1]
     for i in range(len(status)):
@@ -237,7 +241,7 @@ def diffuse(
 def sink(
     position: Array, status: Integers, bodies: tuple[Array, Array], around: Surroundings, h: float, travel: Array
 ) -> None:
-    """Set the velocities of particles that settle without noise; bodies = (radius, settling speed)."""
+    """Set the mean velocities of particles that settle without noise over a time; bodies = (radius, settling speed)."""
     (radius, settling), d = bodies, position.shape[1]
     for i in range(len(status)):
         if status[i] == 0:
@@ -252,7 +256,7 @@ def sink(
 def set_settling(
     position: Array, status: Integers, bodies: tuple[Array, Array], around: Surroundings, drift: Array
 ) -> None:
-    """Set the velocities with which particles settle where they are; bodies = (radius, settling speed)."""
+    """Set the settling velocities of particles at their present places; bodies = (radius, settling speed)."""
     (radius, settling), d = bodies, position.shape[1]
     for i in range(len(status)):
         if status[i] == 0:
@@ -264,7 +268,7 @@ def set_settling(
 def set_hindrances(
     position: Array, velocity: Array, status: Integers, radius: Array, around: Surroundings, h: float, found: Array
 ) -> None:
-    """Set the friction along each axis over that far from walls, half a step ahead."""
+    """Set the friction along each axis, over that far from walls, in the middle of the step."""
     d = position.shape[1]
     for i in range(len(status)):
         if status[i] == 0:
@@ -273,7 +277,7 @@ def set_hindrances(
                 low, high = around.low[axis] + radius[i], around.high[axis] - radius[i]
                 ahead = position[i, axis] + 0.5 * h * velocity[i, axis]
                 if around.walled[axis] == 1:
-                    # Not beyond half of the gap, which drag does not let it cross in the step.
+                    # At most half of the gap: drag near the wall prevents a larger displacement.
                     ahead = max(min(ahead, 0.5 * (position[i, axis] + high)), 0.5 * (position[i, axis] + low))
                 place = moved(place, axis, ahead)
             for axis in range(d):
@@ -281,4 +285,4 @@ def set_hindrances(
 
 
 NOTHING = np.zeros((2, 2))
-"""In place of the table, without drag near walls."""
+"""Replaces the table without drag near walls."""

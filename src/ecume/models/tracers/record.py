@@ -1,4 +1,4 @@
-"""The tracers, as the driver sees them: observing, diagnosis, summary."""
+"""The tracers, as the driver uses them: frames, diagnosis and summary."""
 
 from __future__ import annotations
 
@@ -69,14 +69,14 @@ def checked_parameters(scene: TracersScene) -> Parameters:
 
 
 def flow_of(parameters: Parameters) -> LiquidFlow:
-    """The flow that parameters contain, without the scales on which it varies; without a function of the user."""
+    """The flow in parameters, without its scales of variation, and without a function of the user."""
     fluid, current, d = parameters.fluid, parameters.current, parameters.dimensions
     loops = None if current == () or isinstance(current.shape, OwnShape) else loops_for(current, d)
     return LiquidFlow(np.array(fluid.flow), fluid.shear_rate, current, loops)
 
 
 class FlowWarning(UserWarning):
-    """The flow of a scene is not one that a liquid can have."""
+    """The flow of a scene is not one of an incompressible liquid."""
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
@@ -137,12 +137,12 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 def _somewhere(numbers: Array) -> Array:
-    """The positions, with NaN for values too large to be one."""
+    """The positions, with NaN in place of values that are too large."""
     return np.where(np.abs(numbers) < UNBOUNDED, numbers, np.nan)
 
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
-    """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
+    """Derived numbers: name, value with unit, remark. Raises SceneError for anything that would prevent a run."""
     return summary_in(scene, checked_parameters(scene), varying_flow(scene, bounds(scene)))
 
 
@@ -154,7 +154,7 @@ RISE = 1e-6
 
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene. The work of liquid and openings is in the energy budget, see `energy_budget`."""
+    """The invariants of a scene. The work of liquid and openings is in the energy budget, see `energy_budget`."""
     every = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
     return [every, energy_never_rises(RISE)]
 
@@ -179,7 +179,7 @@ def _deposited(numbers: Numbers) -> float:
 
 
 def laws_of(scene: Any) -> list[Source]:
-    """Drag and heat."""
+    """The laws of drag and diffusion."""
     heat: list[Source] = (
         [brownian_motion.diffusivity, brownian_motion.displacement_variance] if scene.hydrodynamics.brownian else []
     )
@@ -211,7 +211,7 @@ def laws_of(scene: Any) -> list[Source]:
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:
-    """The tracers with external laws of the user."""
+    """The tracers with laws of the user."""
     from ecume.models.tracers import user_laws
 
     return user_laws.extended(TRACERS, laws)

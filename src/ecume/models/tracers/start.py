@@ -16,11 +16,11 @@ from ecume.units import Array, with_prefix
 TRIES = 2000
 """The number of rounds of random positions before a placement fails."""
 TOGETHER = 1 << 16
-"""The number of random positions that are compared with the surfaces at once."""
+"""The number of random positions whose distances from the surfaces are computed at once."""
 
 
 def start(scene: TracersScene, parameters: Parameters) -> State:
-    """The state at time 0. Raises SceneError where a particle starts outside, or finds no room."""
+    """The state at time 0. Raises SceneError for a particle that starts outside of the tank or has no room."""
     surfaces = surfaces_of(scene)
     rng = np.random.default_rng(scene.seed)
     faults: list[Fault] = []
@@ -45,7 +45,7 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
 
 
 def layout(scene: TracersScene, parameters: Parameters, state: State) -> Layout:
-    """The layout of a state with the same number of particles, since particles enter through openings."""
+    """The layout of a state with its number of particles, which enter through openings during a run."""
     count = min(max(state.left.size, _at_first(scene)), len(parameters.bodies.radius))
     zeros = np.zeros((count, scene.dimensions))
     surfaces = surfaces_of(scene)
@@ -65,7 +65,7 @@ def velocities(species: ParticleSpec, dimensions: int) -> Array:
 
 
 def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, at: tuple[int, int]) -> list[Fault]:
-    """A fault for each position that is not in the tank, its radius included, at a seed and place of the species."""
+    """A fault for each position that is not in the tank with its radius; `at` is the seed and index of the species."""
     seed, index = at
     (clear, which), radius = clearance(placed, surfaces), radii_of(species, species.count, (seed, index))
     return [
@@ -90,7 +90,7 @@ def scattered(
     low, high = (np.array(corner) for corner in corners(species, scene))
     found, room = np.zeros((species.count, scene.dimensions)), largest_radius(species)
     placed, drawn = 0, 0
-    # Whole rounds of twice the number, in parts, since distances from all surfaces take far more memory than positions.
+    # In parts, since distances from all surfaces take far more memory than positions.
     while drawn < TRIES * 2 * species.count:
         many = min(TOGETHER, 2 * species.count - drawn % (2 * species.count))
         candidates = rng.uniform(low, np.maximum(low, high), (many, scene.dimensions))

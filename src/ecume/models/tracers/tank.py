@@ -39,7 +39,7 @@ def surfaces_of(scene: TracersScene) -> Surfaces:
 
 
 def with_sticking(surfaces: Surfaces, sticking: Array) -> Surfaces:
-    """The surfaces with an opening all over each that is sticking, after the others."""
+    """The surfaces, followed by an opening over the whole of each sticking one."""
     held = np.flatnonzero(sticking)
     everywhere = np.full((len(held), surfaces.low.shape[1]), math.inf)
     return surfaces._replace(
@@ -74,7 +74,7 @@ class Periodic(NamedTuple):
 
     @property
     def any(self) -> bool:
-        """Whether one is."""
+        """Whether any axis is periodic."""
         return max(self.sides) > 0.0
 
 
@@ -96,7 +96,7 @@ def copies_of(scene: TracersScene) -> list[Array]:
 
 
 def shifted(surfaces: Surfaces, way: Array) -> Surfaces:
-    """The surfaces at another place."""
+    """The surfaces after a displacement."""
     return walls.moved(walls.moving(surfaces, way.tolist()), 1.0)._replace(velocity=surfaces.velocity)
 
 
@@ -125,14 +125,14 @@ def coefficients_of(scene: TracersScene) -> Coefficients:
 
 
 def own_or(given: WallSpec | ObstacleSpec, usual: tuple[float, float]) -> tuple[float, float]:
-    """The coefficients of a wall or an obstacle; by default the usual ones."""
+    """The coefficients of a wall or an obstacle; default: the usual ones."""
     own = given.restitution, given.tangential_restitution
     normal, tangential = (other if one is None else one for one, other in zip(own, usual, strict=True))
     return normal, tangential
 
 
 def inside_of(tank: TankSpec) -> Surfaces:
-    """The walls of a tank."""
+    """The walls of a tank, seen from inside."""
     if tank.high is not None:
         return across(walls.box(tank.low or (0.0,) * len(tank.high), tank.high), tank)
     if tank.radius is not None:
@@ -149,7 +149,7 @@ def across(sides: Surfaces, tank: TankSpec) -> Surfaces:
 
 
 def body_of(body: ObstacleSpec) -> Surfaces:
-    """An obstacle, seen from inside."""
+    """The surfaces of an obstacle, seen from the liquid."""
     if body.low is not None and body.high is not None:
         return walls.box(body.low, body.high)
     if body.center is not None and body.radius is not None:

@@ -1,9 +1,9 @@
 """Time integration of tracers.
 
-With inertia, the flight of a step is exact without walls, and a parabola between collisions. Without inertia and noise,
-a step is two halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls
-by Lepingle's scheme, which is exact for flat walls and a constant drift, however long the step: the layer of settling
-particles is right from contact on [lepingle1995].
+With inertia, a step is exact without walls, and a parabola between collisions. Without inertia and noise, a step is two
+halves of a drift that stops at walls. With noise it is drift and diffusion together, reflected at walls by Lepingle's
+scheme. This is exact for flat walls and a constant drift at any time step, so that the layer of settling particles is
+right down to contact [lepingle1995].
 """
 
 from __future__ import annotations
@@ -59,7 +59,9 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 @compiled
 def wrap(parameters: Parameters, state: State) -> float:
-    """Return particles to the periodic box and count the sides that they crossed; the work of the lifts (J)."""
+    """Wrap particles into the periodic box and count the periods. Returns the work of displacements along the vertical
+    (J).
+    """
     low, sides, work, last = parameters.periodic.low, parameters.periodic.sides, 0.0, state.position.shape[1] - 1
     for i in range(state.position.shape[0]):
         if state.left[i] >= 0:
@@ -89,8 +91,8 @@ def select_regime(status: Integers, left: Integers, overdamped: Integers, regime
 
 @compiled
 def all_finite(position: Array, velocity: Array) -> bool:
-    """Whether all positions and velocities are finite and below UNBOUNDED: reflection would return any position to the
-    tank.
+    """Whether all positions and velocities are finite and below UNBOUNDED. Positions alone do not show it, since
+    reflection returns any position to the tank.
     """
     for i in range(position.shape[0]):
         for axis in range(position.shape[1]):
@@ -155,7 +157,7 @@ def inertial_step(parameters: Parameters, state: State, scratch: Workspace) -> b
 
 @compiled
 def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """Perform one step of particles with inertia, in a liquid with the velocities `flow` of the workspace."""
+    """Perform one step of particles with inertia in a liquid with the velocities `flow` of the workspace."""
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     numbers = (h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal)
     plan_flights(
@@ -220,7 +222,7 @@ def diffusive_step(
     plan_steps(bodies.friction, scratch.status, key, h, scratch.noise)
     for i in range(len(scratch.status)):
         if scratch.status[i] == 0:
-            # The shear flow at the mean height of the step, noise included.
+            # The shear flow at the mean height of the step, including noise.
             scratch.travel[i, 0] += flow[3] * 0.5 * h * scratch.noise[i, last]
             for axis in range(last + 1):
                 scratch.travel[i, axis] += scratch.noise[i, axis]
@@ -238,9 +240,9 @@ def diffusive_step(
 def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> None:
     """Add the reflection of the noise at walls and obstacles to the velocities (`brownian_motion.reflected_gain`).
 
-    Each wall takes its number from the same two random vectors, by their parts along its normal: walls that meet at a
-    right angle get independent numbers, as is exact, and walls that are nearly parallel, such as the facets of a round
-    basin, nearly the same, since the same noise leads to both.
+    The random number of a wall is the component along its normal of two random vectors. Perpendicular walls then have
+    independent numbers, which is exact, and nearly parallel walls, such as the facets of a round basin, nearly equal
+    ones, since the same noise leads to both.
     """
     sheet, h, thermal = parameters.mirroring, parameters.time_step, parameters.fluid.thermal
     kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
@@ -258,14 +260,14 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
             after = piece_gap(kind, number, k, axpy(x, 1.0, way), 0.0)[0] - radius
             unhindered = piece_gap(kind, number, k, axpy(x, 1.0, free), 0.0)[0] - radius if pushed else after
             gap, k, piece = max(before - radius, 0.0), following, piece + 1
-            # Farther away, paths reach the wall with a probability below exp(-40).
+            # Paths from farther away reach the wall with a probability below exp(-40).
             if after > 0.0 and gap * min(after, unhindered) > 20.0 * variance:
                 continue
             normal = inward_normal(kind, number, nearest, x, 0.0)
             share = min(gap / (gap - after), 1.0) if after < 0.0 else 0.5
             foot = axpy(axpy(x, share, way), -radius if after < 0.0 else -0.5 * (gap + after) - radius, normal)
             if hole_at(hole, part, number, nearest, (foot, 0.0)) >= 0:
-                # The path may have touched the opening between its ends, which the particle then does not leave.
+                # The path may touch the opening between the ends of the step; the particle then stays in it.
                 touched = uniforms(counter_of_pair(i, piece + 2, int(state.step[0]), 0), parameters.seed)[0]
                 if after > 0.0 and touched < math.exp(-2.0 * gap * after / variance):
                     way, pushed = axpy(way, -after - 1e-6 * radius, normal), True
@@ -283,7 +285,7 @@ def reflect_noise(parameters: Parameters, state: State, scratch: Workspace) -> N
 
 @compiled_inside
 def random_vectors(i: int, step: int, seed: int) -> tuple[Vector, Vector]:
-    """Two vectors of normal numbers, of a particle and a step, for its reflections."""
+    """Two vectors of normal numbers for the reflections of a particle in a step."""
     first, second = normals(counter_of_pair(i, 0, step, 0), seed)
     third, fourth = normals(counter_of_pair(i, 1, step, 0), seed)
     fifth, sixth = normals(counter_of_pair(i, 2, step, 0), seed)
@@ -317,8 +319,8 @@ def friction_at(speed: float, own: tuple[float, float, float], liquid: tuple[Dra
 
 @compiled_inside
 def relative_speed(velocity: Array, i: int, flow: tuple[float, float, float], change: tuple[float, float]) -> float:
-    """The speed relative to the liquid, after v - u has decayed to a fraction and settling has added a speed; change =
-    (fraction, added speed).
+    """The speed relative to the liquid after a time; change = (fraction to which v - u has decayed, added settling
+    speed).
     """
     square, last = 0.0, velocity.shape[1] - 1
     for axis in range(last + 1):
@@ -337,9 +339,10 @@ def midway_friction(
     body: tuple[tuple[float, float, float], float, float],
     liquid: tuple[DragChoice, float, float],
 ) -> float:
-    """The friction at the speed in the middle of the step, so that nonlinear drag is of second order.
+    """The friction at the speed in the middle of the step, so that nonlinear drag is of second
+    order.
 
-    body = ((radius, Stokes's friction, sphericity), mass over half a step, apparent gravity times half a step).
+    body = ((radius, Stokes friction, sphericity), mass over half a step, apparent gravity times half a step).
     """
     own, inertia, fall = body
     friction = friction_at(relative_speed(velocity, i, flow, (1.0, 0.0)), own, liquid)
@@ -352,8 +355,9 @@ def midway_friction(
 
 @compiled_inside
 def gains_of(ratio: float, mass: float, thermal: float) -> tuple[float, float, float, float, float]:
-    """Of a step over the relaxation time: gains of velocity and displacement by an acceleration, and the amplitudes of
-    thermal noise, of the velocity (m/s), of the displacement that goes with it, and of the rest of it (m/s, in steps).
+    """The gains of velocity and displacement by an acceleration, and the amplitudes of thermal noise: of the velocity
+    (m/s), and of the displacement over the time step (m/s), its part correlated with the velocity and the rest. `ratio`
+    is the time step over the relaxation time.
     """
     gain, way = brownian_motion.velocity_gain(ratio), brownian_motion.displacement_gain(ratio)
     if thermal == 0.0 or ratio == 0.0:
@@ -379,9 +383,9 @@ def plan_flights(
     hindrance: Array,
     numbers: tuple[float, int, int, DragChoice, float, float, float],
 ) -> None:
-    """The parabola of each particle with inertia: it ends where the exact motion ends.
+    """Set the parabola of each particle with inertia, which has the exact final position.
 
-    bodies = (mass, apparent gravity, Stokes's friction, radius, sphericity); liquid: its velocities (m/s); hindrance:
+    bodies = (mass, apparent gravity, Stokes friction, radius, sphericity); liquid: its velocities (m/s); hindrance:
     the friction along each axis over that without walls, or no rows; numbers = (time step, step, seed, drag law,
     density, viscosity, kT).
     """
@@ -425,8 +429,8 @@ def finish_step(
     status: Integers,
     time: float,
 ) -> None:
-    """After the flights: a particle without collisions gets the exact velocity; one with collisions keeps its velocity,
-    without thermal noise.
+    """Set the velocities after the flights: the exact velocity for particles without collisions; the others keep
+    theirs, without thermal noise.
     """
     for i in range(position.shape[0]):
         if status[i] != 0:
@@ -478,7 +482,9 @@ def add_drifts(mass: Array, friction: Array, status: Integers, external: Array, 
 
 @compiled
 def plan_steps(friction: Array, status: Integers, key: tuple[int, int, float], time: float, velocity: Array) -> None:
-    """Diffusion as a velocity: a normal displacement of variance 2 D t along each axis; chance = (seed, step, kT)."""
+    """Set velocities for the diffusion in a time: a normal displacement of variance 2 D t along each axis; key = (seed,
+    step, kT).
+    """
     seed, step, thermal = key
     for i in range(velocity.shape[0]):
         if status[i] == 0:

@@ -1,7 +1,7 @@
 """External laws of the user for tracers: accelerations that depend on position, velocity and time.
 
 They are evaluated at the midpoint of each step and constant during it, as gravity is; drag is integrated exactly. The
-work of an acceleration a is m a.dx, without the part of the way that is thermal noise; it is injected work.
+work of an acceleration a is m a.dx, without thermal displacements; it is injected work.
 """
 
 from __future__ import annotations
@@ -55,12 +55,12 @@ class Tracer(NamedTuple):
     mass: float
     """kg, with the added mass of the liquid"""
     friction: float
-    """N s/m, Stokes's"""
+    """N s/m, Stokes friction"""
     constants: tuple[float, ...]
 
 
 class Own(NamedTuple):
-    """The same without the constants of a law."""
+    """The properties of a particle without the constants of a law."""
 
     radius: float
     density: float
@@ -70,13 +70,13 @@ class Own(NamedTuple):
 
 @compiled_for_laws
 def joined(own: Own, constants: Any) -> Tracer:
-    """The parameters of a law."""
+    """The properties of a particle together with the constants of a law."""
     return Tracer(own.radius, own.density, own.mass, own.friction, constants)
 
 
 def extended(model: Model, laws: Sequence[BoundLaw]) -> Model:
-    """The tracers with laws of the user: external ones, and the flow of the liquid. Raises BadInput for what is no such
-    law.
+    """The tracers with laws of the user: external accelerations, and the flow of the liquid. Raises BadInput for
+    unsuitable functions.
     """
     require_kinds("tracers", laws, [EXTERNAL, FLOW])
     currents = [law for law in laws if law.arguments == FLOW]
@@ -161,8 +161,8 @@ def with_external_laws(model: Model, laws: Sequence[BoundLaw]) -> Model:
 
 
 def _midpoint_loop(total: Callable[..., None], dimensions: int) -> Callable[..., None]:
-    """Return the loop over particles: the acceleration where each is in half a step, at the velocity that it then
-    has.
+    """The loop over particles that evaluates the acceleration at the predicted position and velocity in the middle of
+    the step.
     """
     row = row_as_tuple(dimensions)
 
@@ -190,7 +190,7 @@ def _midpoint_loop(total: Callable[..., None], dimensions: int) -> Callable[...,
 
 
 def work_of_laws(parameters: Parameters, state: State, scratch: Workspace, before: Array) -> float:
-    """The work of the laws in the last step on those inside (J)."""
+    """The work of the laws in the last step on particles in the tank (J)."""
     inside, count = state.left < 0, len(state.left)
     mass, overdamped = parameters.bodies.mass[:count], parameters.bodies.overdamped[:count] == 1
     by_noise = np.where((scratch.hits == 0)[:, None], scratch.shift, 0.0)
@@ -200,7 +200,7 @@ def work_of_laws(parameters: Parameters, state: State, scratch: Workspace, befor
 
 
 def _require_step(parameters: Parameters, state: State, accelerate: Callable[..., None]) -> None:
-    """Raise SceneError where the time step is too long for the stiffness of the laws at the initial positions."""
+    """Raise SceneError if the time step is too long for the stiffness of the laws at the initial positions."""
     stiffest = 0.0
     step = FINE * float(parameters.bodies.radius.min())
     for axis in range(parameters.dimensions):
