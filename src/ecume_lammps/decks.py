@@ -1,4 +1,4 @@
-"""A deck: a folder with which any LAMMPS simulates a scene, and its README."""
+"""The deck of a scene: a folder with input for any LAMMPS, and a README."""
 
 from __future__ import annotations
 
@@ -230,7 +230,9 @@ DECKS: Mapping[str, Callable[[Any], dict[str, str]]] = {"floating": floating_dec
 
 
 def _require_own(folder: Path, files: Mapping[str, str]) -> None:
-    """Raise BadInput where files of a deck would replace files of another kind: a folder with a script is a deck."""
+    """Raise BadInput if files of a deck would replace files of another kind: only a folder with a script counts as a
+    deck.
+    """
     there = [name for name in files if (folder / name).exists()]
     script = folder / SCRIPT
     if there and not (script.is_file() and b"written by ecume" in content_of(script, MOST_BYTES)[:MOST_TITLE]):
@@ -238,7 +240,7 @@ def _require_own(folder: Path, files: Mapping[str, str]) -> None:
 
 
 MOST_BYTES, MOST_TITLE = 2**26, 2000
-"""Bytes of a script, and of its first lines."""
+"""The largest size of a script in bytes, and of its first lines in characters."""
 
 
 def write_deck(scene: Scene, folder: Path) -> Path:

@@ -2,7 +2,7 @@
 
 The commands are generated from the validated scene and from the state of the checkpoint at every start. Frames,
 checkpoints, invariants and numbers are those of the scene's model, computed from positions and velocities that LAMMPS
-hands back. `SYSTEMS` has a row for each model: its parameters, its commands, and the columns of its particles.
+returns. `SYSTEMS` has a row for each model: its parameters, its commands, and the columns of its particles.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ecume_lammps.expressible import require_simulable
 from ecume_lammps.process import Lammps, Program, program
 
 BALANCING = "fix balance all balance 1000 1.1 shift xy 10 1.05"
-"""Domains of ranks follow the particles."""
+"""The command that adapts the domains of ranks to the particles."""
 
 
 class System(NamedTuple):
@@ -38,13 +38,13 @@ class System(NamedTuple):
     columns: tuple[str, ...]
     """of the dump"""
     take: Callable[[Any, Any, Any, Array], None]
-    """take(scene, parameters, state, columns): the particles of the dump become the state"""
+    """take(scene, parameters, state, columns) copies the particles of the dump to the state"""
     observe: Callable[[Model, Any, Any], Frame]
     """observe(model, parameters, state)"""
     invariants: Callable[[Model, Any, Any], list[Any]]
-    """invariants(model, scene, parameters): those that do not need sums over the steps of ecume"""
+    """invariants(model, scene, parameters): those that need no sums over the steps of ecume"""
     group: str = "all"
-    """the particles of the state"""
+    """the group of LAMMPS with the particles of the state"""
 
 
 SYSTEMS: Mapping[str, System] = {
@@ -72,7 +72,7 @@ SYSTEMS: Mapping[str, System] = {
 
 
 class _Open:
-    """The LAMMPS of one run."""
+    """A running LAMMPS with the state of one run."""
 
     def __init__(self, system: System, model: Model, started: Program, ranks: int) -> None:
         self._system, self._model, self._program, self._ranks = system, model, started, ranks
@@ -85,7 +85,7 @@ class _Open:
         return self._system.parameters(scene)
 
     def workspace(self, parameters: Any, state: Any, room: float) -> Lammps:
-        """A LAMMPS that has this state, with all forces computed."""
+        """A LAMMPS with this state, after the computation of all forces."""
         self.close()
         files, setup = self._system.commands(self._scene, parameters, state)
         self.lammps = Lammps(self._program, self._ranks, files)
@@ -111,7 +111,7 @@ class _Open:
         return DONE if np.isfinite(particles).all() else DIVERGED
 
     def close(self) -> None:
-        """End it."""
+        """End LAMMPS."""
         if self.lammps is not None:
             self.lammps.close()
             self.lammps = None
@@ -135,7 +135,9 @@ def require_runnable(scene: Any) -> None:
 
 @contextmanager
 def lammps_engine(ranks: int = 1) -> Iterator[Engine]:
-    """LAMMPS on so many ranks, for `RunOptions.engine`, while the block lasts. Raises BadInput where it is missing."""
+    """A context with LAMMPS on this number of ranks, for `RunOptions.engine`. Raises BadInput if LAMMPS is not
+    installed.
+    """
     started = program()
     started.words(ranks)
     opened: list[_Open] = []

@@ -1,6 +1,6 @@
 """Features that a deck for LAMMPS can contain: one record for each choice of a floating scene.
 
-A scene is refused if a record does not hold for it; all reasons are in one error.
+A scene is refused if one of its choices is not accepted; one error contains all reasons.
 """
 
 from __future__ import annotations
@@ -18,13 +18,15 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
 MOST_KINDS = 32
-"""Kinds of floats in a deck: each pair of them has its own table."""
+"""The largest number of kinds of floats in a deck: each pair of them has a table."""
 
 MOST_GROUPS = 31
 """The largest number of groups of LAMMPS beside `all`."""
 
 LEAST_RESTITUTION = math.ceil(1e3 * math.exp(-2.0)) * 1e-3
-"""The contacts of LAMMPS state a damping below the critical one; at critical damping the restitution is exp(-2)."""
+"""The least restitution of contacts in LAMMPS, which are damped below the critical damping; at critical damping the
+restitution is exp(-2).
+"""
 
 UNEQUAL = tuple(name for name, law in PAIR_LAWS.items() if not law.reciprocal)
 
@@ -46,7 +48,7 @@ class Expressible(NamedTuple):
     expected: str
     reason: str
     external: bool = False
-    """whether runs can call our forces instead, through `fix external`"""
+    """whether LAMMPS can call ecume's forces instead, through `fix external`"""
 
 
 def _names(*names: str) -> Callable[[Any], bool]:
@@ -61,12 +63,12 @@ NONE = _names("none")
 
 
 def _whether(there: bool, name: str) -> str:
-    """The name of a choice that a scene can lack."""
+    """The name of an optional choice."""
     return name if there else "none"
 
 
 def _of_dish(key: str, default: Any) -> Callable[[FloatingScene], Any]:
-    """The value of this key of the dish; the default without a dish."""
+    """The value of a key of the dish; the default without a dish."""
     return lambda scene: default if scene.dish is None else getattr(scene.dish, key)
 
 
@@ -97,18 +99,18 @@ def _motion(scene: FloatingScene) -> str:
 
 
 def _rotation(scene: FloatingScene) -> str:
-    """The reason why rotation cannot be expressed: inertia other than that of a sphere."""
+    """The reason why rotation cannot be expressed: a moment of inertia other than that of a sphere."""
     other = bool(scene.hydrodynamics.added_mass) or any(one.disc is not None for one in scene.given)
     return _whether(scene.rubs and other, "friction of discs or with added mass")
 
 
 def _overdamped_kinds(scene: FloatingScene) -> int:
-    """The number of kinds of floats without inertia; each has another friction."""
+    """The number of kinds of floats without inertia, each of which has another friction."""
     return len(distinct_kinds(scene)[0]) if scene.integration.integrator == "overdamped" else 0
 
 
 def _bounces(scene: FloatingScene) -> float:
-    """The restitution of contacts between floats; that of an elastic collision without contacts."""
+    """The restitution of contacts between floats; 1 without contacts."""
     return 1.0 if scene.contacts.law == "none" else scene.contacts.restitution
 
 
@@ -159,7 +161,7 @@ FLOATS = (
     Expressible("contacts.friction", _rotation, NONE, "friction of spheres without added mass",
                 "rotation in LAMMPS has the moment of inertia of a homogeneous sphere"),
 )  # fmt: skip
-"""Everything that can be missing in LAMMPS."""
+"""All choices of a scene that LAMMPS may lack."""
 
 
 def faults_of(scene: Any, rows: Sequence[Expressible] = FLOATS) -> list[Fault]:
@@ -179,7 +181,7 @@ def require_expressible(scene: Any, rows: Sequence[Expressible] = FLOATS) -> Non
 
 
 def calls_us(scene: FloatingScene) -> bool:
-    """Whether LAMMPS has to call our forces, and can: floats with inertia and without friction of contacts."""
+    """Whether LAMMPS has to call ecume's forces, and can: for floats with inertia and without contact friction."""
     missing = {fault.path for fault in faults_of(scene)}
     lifted = {row.path for row in FLOATS if row.external}
     inertia = scene.integration.integrator != "overdamped"

@@ -1,7 +1,8 @@
-"""Floats that LAMMPS integrates: commands, the state that it hands back, and our forces on the particles of a rank.
+"""Floats that LAMMPS integrates: commands, the state that it returns, and ecume's forces on the
+particles of a rank.
 
-A rank has its own particles, and ghosts of those of other ranks and of the box. Ghosts are particles with known
-positions, so that sums over pairs need no periodic images. Their own forces are incomplete, and are not used.
+A rank has its own particles, and ghosts of particles of other ranks and of the periodic box. Ghosts are particles with
+known positions, so that sums over pairs need no periodic images. The forces on ghosts are incomplete and are not used.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ def parameters(scene: FloatingScene) -> Parameters:
 
 
 def commands(scene: FloatingScene, parameters: Parameters, state: State) -> tuple[dict[str, str], str]:
-    """The files and commands with which LAMMPS continues from a state."""
+    """The files and commands from which LAMMPS continues a state."""
     deck = numbers_of(scene, parameters, state)
     if calls_us(scene):
         alike = deck._replace(kinds=deck.kinds[:1], kind=np.zeros_like(deck.kind))
@@ -54,7 +55,7 @@ def commands(scene: FloatingScene, parameters: Parameters, state: State) -> tupl
 
 
 def take(scene: FloatingScene, parameters: Parameters, state: State, found: Array) -> None:
-    """Particles of LAMMPS become the state."""
+    """Copy the particles of LAMMPS to the state."""
     state.position[:], state.velocity[:] = found[:, :2], found[:, 2:4]
     state.reference[:] = state.position
     if state.turning.shape[1]:
@@ -98,7 +99,7 @@ class ExternalForces:
         self._kept: Kept | None = None
 
     def __call__(self, which: Integers, position: Array, velocity: Array) -> Array:
-        """The forces (N) on the first floats, one per velocity; `which` are the numbers of all floats."""
+        """The forces (N) on the first floats, one per velocity; `which` are the indices of all floats."""
         own = len(velocity)
         kept = self._kept
         if kept is None or not _holds(kept, which, position):
@@ -110,7 +111,7 @@ class ExternalForces:
 
 
 def part_of(parameters: Parameters, which: Integers) -> Parameters:
-    """The parameters of these floats, which may be repeated, without a periodic cell."""
+    """The parameters of these floats, which may be repeated, without the periodic cell."""
     count, kick = len(parameters.floats.radius), parameters.kick
     rows = np.concatenate([which, np.arange(count, len(kick.mobility))])
     return parameters._replace(

@@ -36,9 +36,9 @@ class Contacts(NamedTuple):
     stiffness: float
     """N/m"""
     among: float
-    """the number e* of `damping coeff_restitution` between floats"""
+    """the parameter e* of `damping coeff_restitution` between floats"""
     at_walls: float
-    """the same at walls"""
+    """the parameter e* at walls"""
     friction: tuple[float, float]
     """Coulomb's coefficients between floats and at walls"""
 
@@ -47,7 +47,7 @@ class Turning(NamedTuple):
     """Rotation of floats by friction."""
 
     friction: list[float]
-    """N m s, of each kind"""
+    """N m s, rotational friction of each kind"""
     shortest_time: float
     """s: the shortest time in which the liquid slows a spin"""
 
@@ -57,13 +57,13 @@ class DeckNumbers(NamedTuple):
 
     scene: FloatingScene
     parameters: Parameters
-    """with springs and dashpots, and the time step that they need"""
+    """with springs and dashpots, and with the time step for these"""
     state: State
     kinds: list[FloatKind]
     kind: Integers
     """(N,) the kind of each float, from 0"""
     first: Integers
-    """the first float of each kind: its properties are those of the kind"""
+    """the first float of each kind, whose properties are those of the kind"""
     contacts: Contacts | None
     turning: Turning | None
     time_step: float
@@ -72,7 +72,7 @@ class DeckNumbers(NamedTuple):
 
 
 class TurningSprings(NamedTuple):
-    """`Springs` with friction, which LAMMPS computes."""
+    """`Springs` with contact friction, which LAMMPS computes."""
 
     stiffness: float
     damping: float
@@ -100,7 +100,7 @@ def parameters_for(scene: FloatingScene) -> Parameters:
 
 
 def numbers_of(scene: FloatingScene, parameters: Parameters | None = None, state: State | None = None) -> DeckNumbers:
-    """The numbers of a deck that begins with a state; default: that of the scene. Raises SceneError."""
+    """The numbers of a deck that starts from a state; default: that of the scene. Raises SceneError."""
     parameters = parameters_for(scene) if parameters is None else parameters
     kinds, kind = distinct_kinds(scene)
     return DeckNumbers(
@@ -143,10 +143,11 @@ def _contacts(scene: FloatingScene, parameters: Parameters) -> Contacts | None:
 
 
 def nominal(damping: float) -> float:
-    """The number e* = exp(-pi zeta/sqrt(1 - zeta^2)) with which LAMMPS gets the damping zeta over the critical one.
+    """The parameter e* = exp(-pi zeta/sqrt(1 - zeta^2)) from which LAMMPS computes the damping
+    ratio zeta.
 
-    It is the restitution of a contact that ends when the overlap does. Contacts of the deck end when their force does
-    (`limit_damping`), with a larger restitution: `ecume.laws.friction.dashpot_restitution`.
+    It is the restitution of a contact that ends when the overlap vanishes. Contacts of the deck end when their force
+    vanishes (`limit_damping`), with a larger restitution: `ecume.laws.friction.dashpot_restitution`.
 
     >>> nominal(0.0), round(nominal(0.5), 6)
     (1.0, 0.163034)
@@ -155,7 +156,7 @@ def nominal(damping: float) -> float:
 
 
 def _turning(scene: FloatingScene, kinds: list[FloatKind]) -> Turning | None:
-    """The drag on spins; None if no float turns."""
+    """The drag on rotation; None if no float rotates."""
     if not scene.rubs:
         return None
     friction = [turning_friction_of(kind, scene) for kind in kinds]
@@ -164,7 +165,7 @@ def _turning(scene: FloatingScene, kinds: list[FloatKind]) -> Turning | None:
 
 
 def _steps_per_frame(scene: FloatingScene, parameters: Parameters, turning: Turning | None) -> int:
-    """Steps from frame to frame, short enough for springs and for explicit drag."""
+    """The number of steps per frame, for time steps that suit springs and explicit drag."""
     if not parameters.scheme.inertia:
         return parameters.steps_per_frame
     shortest_time = min(float(parameters.floats.relaxation_time.min()), turning.shortest_time if turning else math.inf)
@@ -174,6 +175,6 @@ def _steps_per_frame(scene: FloatingScene, parameters: Parameters, turning: Turn
 
 
 FEWEST, MOST = 250, 64_000
-"""Rows of a table."""
+"""The least and the largest number of rows of a table."""
 SHORTEST, LONGEST = 4, 20
-"""Degree of the fit."""
+"""The least and the largest degree of the fit."""

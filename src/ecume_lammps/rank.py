@@ -1,9 +1,9 @@
-"""A rank of LAMMPS inside Python: it reads commands as the executable does, and calls our forces.
+"""A rank of LAMMPS inside Python: it reads commands as the executable does, and calls ecume's forces.
 
     python -m ecume_lammps.rank
 
 The standard input of the first rank is broadcast to all. A command `fix ... external` is followed by the registration
-of our forces, of the scene in the file `scene.json` of the current folder.
+of ecume's forces, for the scene in the file `scene.json` of the current folder.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ecume_lammps.floats_in_engine import ExternalForces, parameters
 from ecume_lammps.process import OPTIONS, SCENE
 
 CHARACTERS, ALL_RANKS = 0x4C000101, 0x44000000
-"""MPI_CHAR and MPI_COMM_WORLD in the binary interface of MPICH."""
+"""The values of MPI_CHAR and MPI_COMM_WORLD in the binary interface of MPICH."""
 LONGEST = 65536
 """The largest length of a command in bytes."""
 
@@ -69,7 +69,7 @@ def register(lammps: Any, name: str) -> None:
 
 
 def fail(error: BaseException) -> None:
-    """Print an error as LAMMPS does."""
+    """Print an error in the format of LAMMPS."""
     print(f"ERROR: {error}", flush=True)  # noqa: T201  # the output of LAMMPS
 
 

@@ -17,8 +17,9 @@ FAR = "zero"
 """The pair style of floats without any force."""
 
 SEEDS, STRIDE = 899_999_813, 40_503
-"""Number of seeds, and their distance from step to step: LAMMPS accepts at most 900,000,000. It is a prime, so that no
-seed occurs again before as many steps."""
+"""The number of seeds, and the increment from step to step. LAMMPS accepts seeds up to 900,000,000. The number is
+prime, so that a seed recurs only after as many steps.
+"""
 
 
 def script_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
@@ -32,7 +33,9 @@ def setup_text(deck: DeckNumbers, tables: list[PairTable]) -> str:
 
 
 def external_text(deck: DeckNumbers) -> str:
-    """The commands before the first time step of floats of one type; ecume computes all forces but contacts."""
+    """The commands before the first time step if ecume computes all forces except contacts; all
+    floats have one type.
+    """
     parts = _style(deck), _atoms(deck, {}), _pairs(deck, [], FAR), _walls(deck), _external()
     return _joined(*parts, iter([f"timestep        {deck.time_step!r}"]))
 
@@ -62,7 +65,7 @@ def _head(deck: DeckNumbers) -> Iterator[str]:
 
 
 def in_a_comment(title: str) -> str:
-    """A title as LAMMPS can have it in a comment, where it still takes quotes, `$` and `&` for its own signs.
+    """A title for a comment, in which LAMMPS would interpret quotes, `$` and `&`.
 
     >>> in_a_comment('bowl of "milk" & ${x}')
     "bowl of 'milk' + {x}"
@@ -98,7 +101,7 @@ def _atoms(deck: DeckNumbers, formulas: dict[str, Formula]) -> Iterator[str]:
 
 
 def _named(formulas: dict[str, Formula]) -> Iterator[tuple[str, list[float]]]:
-    """The names of all numbers of atoms, each with its value for each kind."""
+    """The names of all properties of atoms, each with its value for each kind."""
     for formula in formulas.values():
         yield from zip(formula.properties, formula.values, strict=True)
 
@@ -117,7 +120,9 @@ def contact_model(deck: DeckNumbers, restitution: float, friction: float) -> str
 
 
 def _pairs(deck: DeckNumbers, tables: list[PairTable], far: str = "") -> Iterator[str]:
-    """`far` is the pair style of forces that another fix computes; it sets the range of ghosts."""
+    """The commands for pair forces. `far` is the pair style for forces that another fix computes; it sets the range of
+    ghosts.
+    """
     cutoff = deck.parameters.cutoff
     styles = [f"table {lookup_of(deck.parameters)}"] if tables else []
     styles += [f"{far} {cutoff!r}"] if far else []
@@ -160,7 +165,7 @@ def _motion(deck: DeckNumbers) -> Iterator[str]:
 
 
 def _inertial(deck: DeckNumbers) -> Iterator[str]:
-    """Velocity Verlet with drag as a force."""
+    """The commands for velocity Verlet with drag as a force."""
     friction = _friction(deck)
     if any(friction):
         yield f"fix             drag all viscous {_scaled(friction)}"
@@ -171,7 +176,7 @@ def _inertial(deck: DeckNumbers) -> Iterator[str]:
 
 
 def _overdamped(deck: DeckNumbers) -> Iterator[str]:
-    """Velocities from forces and drag alone, with noise if the scene has it."""
+    """The commands for overdamped motion: velocities from forces and drag, with noise if the scene has it."""
     noise, seed = "gaussian" if deck.parameters.drift.thermal > 0.0 else "none", _seed(deck)
     for kind, friction in enumerate(_friction(deck), 1):
         group = "all"
@@ -183,19 +188,19 @@ def _overdamped(deck: DeckNumbers) -> Iterator[str]:
 
 
 def _seed(deck: DeckNumbers) -> int:
-    """The seed of the random numbers from this state on: each step of a run has another one."""
+    """The seed of the random numbers for this state; each step of a run has another one."""
     return (deck.scene.seed + STRIDE * int(deck.state.step[0])) % SEEDS + 1
 
 
 def _friction(deck: DeckNumbers) -> list[float]:
-    """N s/m, of each kind; zero without drag."""
+    """The friction of each kind (N s/m); zero without drag."""
     floats = deck.parameters.floats
     found: list[float] = (floats.mass / floats.relaxation_time)[deck.first].tolist()
     return found
 
 
 def _scaled(values: list[float]) -> str:
-    """The arguments of a viscous fix: the first value, and the others over it."""
+    """The arguments of a viscous fix: the first value, and the ratios of the others to it."""
     scales = [f"scale {kind} {value / values[0]!r}" for kind, value in enumerate(values[1:], 2)]
     return " ".join([repr(values[0]), *scales])
 
@@ -218,7 +223,7 @@ def density_of(deck: DeckNumbers) -> list[float]:
 
 
 def thickness_of(deck: DeckNumbers) -> float:
-    """Half of the thickness of the box (m), which has no meaning in 2D; LAMMPS refuses one far below the cutoff."""
+    """Half of the thickness of the box (m). It has no effect in 2D, but LAMMPS refuses values far below the cutoff."""
     return max(float(deck.parameters.floats.radius.max()), 0.1 * deck.parameters.cutoff)
 
 

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 SHORTER = 2
-"""Steps per step of ecume: LAMMPS does not divide steps when forces are large."""
+"""Steps per step of ecume: LAMMPS does not subdivide steps when forces are large."""
 
 QUINTIC = "quintic-spline"
 """The kernel of the deck."""
@@ -53,7 +53,7 @@ WALL, OPEN, PERIODIC = "wall", "open", "periodic"
 
 
 def _kinds(scene: SphScene) -> str:
-    """The kinds of sides that a deck cannot express."""
+    """The kinds of sides of the scene that a deck cannot express."""
     return ", ".join(sorted({side.kind for side in sides_of(scene)} - {WALL, OPEN, PERIODIC})) or "none"
 
 
@@ -118,7 +118,7 @@ TANKS = (
     Expressible("user_laws", lambda scene: len(scene.user_laws), _none, "none",
                 "its function is not part of the scene"),
 )  # fmt: skip
-"""Everything that can be missing in LAMMPS."""
+"""All choices of a scene that LAMMPS may lack."""
 
 
 class Axis(NamedTuple):
@@ -127,9 +127,9 @@ class Axis(NamedTuple):
     plane: float
     """m: the plane of symmetry, or the origin"""
     side: int
-    """of the plane on which the liquid is: 1 or -1; 0 without a plane"""
+    """side of the plane on which the liquid is: 1 or -1; 0 without a plane"""
     period: float
-    """m: of the box; zero without a period"""
+    """m: of the box; zero if not periodic"""
 
 
 class Tank(NamedTuple):
@@ -140,14 +140,14 @@ class Tank(NamedTuple):
     """with the time step of the deck (s)"""
     axes: tuple[Axis, ...]
     position: Array
-    """(N copies, d), the liquid first"""
+    """(N copies, d), first those of the liquid"""
     velocity: Array
     density: Array
     mass: float
     length: float
     """m: one spacing"""
     time: float
-    """s: in which sound moves by one spacing"""
+    """s: the time in which sound travels one spacing"""
     reach: float
     """of the kernel of the deck"""
     artificial_viscosity: float
@@ -170,7 +170,7 @@ def parameters_for(scene: SphScene) -> Parameters:
 
 
 def tank_of(scene: SphScene, parameters: Parameters | None = None, state: State | None = None) -> Tank:
-    """The numbers of a deck that begins with a state; default: that of the scene. Raises SceneError."""
+    """The numbers of a deck that starts from a state; default: that of the scene. Raises SceneError."""
     parameters = parameters_for(scene) if parameters is None else parameters
     state = start(scene, parameters) if state is None else state
     material, length = parameters.material, scene.spacing
@@ -201,7 +201,10 @@ def tank_of(scene: SphScene, parameters: Parameters | None = None, state: State 
 
 
 def reach_of(scene: SphScene) -> float:
-    """The support (m) of the quintic spline that has the standard deviation of the scene's kernel.
+    """The support radius (m) of the quintic spline with the standard deviation of the scene's
+    kernel.
+
+    With the same support it would be narrower by an eighth, and the front of a dam break faster.
 
     With the same support it would be narrower by an eighth, and the front of a dam break faster.
     """
@@ -231,7 +234,7 @@ def mirrored(axes: tuple[Axis, ...], vectors: Array) -> Array:
 
 
 def folded(axes: tuple[Axis, ...], position: Array, velocity: Array) -> tuple[Array, Array]:
-    """Positions (N, d) inside the tank, and velocities: a particle beyond a wall changes places with its image."""
+    """Positions (N, d) inside the tank, and velocities: a particle beyond a wall is replaced by its mirror image."""
     position, velocity = position.copy(), velocity.copy()
     for k, axis in enumerate(axes):
         if axis.side:
@@ -247,7 +250,7 @@ def folded(axes: tuple[Axis, ...], position: Array, velocity: Array) -> tuple[Ar
 
 
 BEYOND = 2.0
-"""Reaches between the liquid and the ends of a box that is not periodic."""
+"""The distance from the liquid to the ends of a box that is not periodic, in support radii."""
 
 
 def box_of(tank: Tank) -> list[tuple[float, float]]:
@@ -339,7 +342,7 @@ def _liquid(tank: Tank) -> Iterator[str]:
 
 
 def _forces(tank: Tank) -> Iterator[str]:
-    """Gravity, mirrored for mirror images, and the repulsion of walls at short distances."""
+    """The commands for gravity, mirrored for mirror images, and for the repulsion of walls at short distances."""
     names = []
     for value, axis, name in zip(tank.gravity.tolist(), tank.axes, "xyz", strict=False):
         terms = [repr(value)] if value else []
@@ -359,7 +362,7 @@ def _forces(tank: Tank) -> Iterator[str]:
 
 
 def _repulsion(tank: Tank, gap: str) -> str:
-    """The acceleration at this distance from a wall: see `ecume.laws.wall_forces`."""
+    """The formula of the repulsive acceleration at a distance from a wall: see `ecume.laws.wall_forces`."""
     return f"{tank.repulsion!r}*({tank.standoff!r}-{gap})*({gap}<{tank.standoff!r})"
 
 
@@ -375,7 +378,7 @@ def _output(tank: Tank) -> Iterator[str]:
 
 
 def readme_text(tank: Tank) -> str:
-    """The README: units, and what is exact or approximated."""
+    """The README: units, and which parts are exact or approximate."""
     copies = 2 ** sum(axis.side != 0 for axis in tank.axes)
     planes = ", ".join(f"{name} = {axis.plane:g} m" for axis, name in zip(tank.axes, "xyz", strict=False) if axis.side)
     return f"""# {tank.scene.title or "Tank"}: a deck for LAMMPS

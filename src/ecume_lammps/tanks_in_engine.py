@@ -1,4 +1,4 @@
-"""Tanks that LAMMPS integrates: commands, and the state that it hands back."""
+"""Tanks that LAMMPS integrates: commands, and the state that it returns."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def require(scene: SphScene) -> None:
 
 
 def commands(scene: SphScene, parameters: Parameters, state: State) -> tuple[dict[str, str], str]:
-    """The files and commands with which LAMMPS continues from a state."""
+    """The files and commands from which LAMMPS continues a state."""
     tank = tank_of(scene, parameters, state)
     return {DATA: data_text(tank)}, setup_text(tank)
 
 
 def take(scene: SphScene, parameters: Parameters, state: State, found: Array) -> None:
-    """Particles of LAMMPS become the state."""
+    """Copy the particles of LAMMPS to the state."""
     tank_axes, dimension, speed = axes_of(scene), parameters.dimension, parameters.material.sound_speed
     place, velocity = scene.spacing * found[:, :dimension], speed * found[:, 3 : 3 + dimension]
     position, velocity = folded(tank_axes, place, velocity)
@@ -63,6 +63,8 @@ def observe(model: Model, parameters: Parameters, state: State) -> Frame:
 
 
 def invariants(model: Model, scene: Any, parameters: Parameters) -> list[Invariant]:
-    """The invariants of a tank without those of walls, which have no guard here, and of unknown work."""
+    """The invariants of a tank, without those of walls, which have no guard here, and without the energy budget, since
+    the work is unknown.
+    """
     dropped = {"guard", *([ENERGY] if has_external_work(parameters) else [])}
     return [row for row in model.invariants(scene, parameters) if row.name not in dropped]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 from ecume_lammps.numbers import LONGEST, SHORTEST, DeckNumbers
 
 ROUNDED = 5.0
-"""b of s^2 = r^2 + (b L)^2, in which the fit of the meniscus has few terms."""
+"""The constant b in s^2 = r^2 + (b L)^2, for which the fit of the meniscus has few terms."""
 ERROR = 5e-10
 """Largest relative error of the fitted meniscus of a dish."""
 
@@ -29,15 +29,15 @@ class Formula(NamedTuple):
     """A force on atoms as formulas."""
 
     properties: tuple[str, ...]
-    """names of numbers of each atom"""
+    """names of the properties of atoms that the formulas use"""
     values: tuple[list[float], ...]
-    """these numbers, of each kind"""
+    """these properties, for each kind"""
     lines: tuple[str, ...]
     """commands that define the variables `name_x` and `name_y`, in N"""
 
 
 def region_of(deck: DeckNumbers) -> str:
-    """The inside of the dish as a command."""
+    """The command for the region inside the dish."""
     return REGIONS[shape_of(deck.scene)](deck)
 
 
@@ -80,7 +80,9 @@ def _tail(z: float) -> float:
 
 
 def dish_fit(radius: float, length: float) -> DishFit:
-    """The shortest fit within `ERROR`, at Chebyshev's nodes in 1/s between the wall and the center."""
+    """The fit with the fewest terms that is within `ERROR`, at Chebyshev nodes in 1/s between the
+    wall and the center.
+    """
     end, rounded = math.hypot(radius, ROUNDED * length), ROUNDED * length
     lowest = rounded / end
     between = np.linspace(-1.0, 1.0, 1000)
@@ -97,14 +99,14 @@ def dish_fit(radius: float, length: float) -> DishFit:
 
 
 def _tails(k: Array, lowest: float) -> Array:
-    """`_tail` between the wall, k = -1, and the center, k = 1."""
+    """The values of `_tail` between the wall, k = -1, and the center, k = 1."""
     s = ROUNDED / (lowest + 0.5 * (1.0 - lowest) * (k + 1.0))
     z = np.sqrt(np.maximum(s * s - ROUNDED * ROUNDED, 0.0))
     return np.array([_tail(each) for each in z.tolist()])
 
 
 def _round_meniscus(deck: DeckNumbers) -> Formula:
-    """F = S/L I1(r/L)/I1(a/L) toward the center: see `ecume.laws.capillarity.dish_force`."""
+    """The force F = S/L I1(r/L)/I1(a/L) toward the center: see `ecume.laws.capillarity.dish_force`."""
     radius, length = float(deck.parameters.walls.disc_radius), float(deck.parameters.pair[CAPILLARY_LENGTH])
     fit, rounded = dish_fit(radius, length), ROUNDED * length
     end = math.hypot(radius, rounded)
@@ -121,7 +123,7 @@ def _round_meniscus(deck: DeckNumbers) -> Formula:
 
 
 def _horner(terms: list[float]) -> str:
-    """c_0 + k (c_1 + k (...))."""
+    """The formula of a polynomial in Horner's form, c_0 + k (c_1 + k (...))."""
     text = repr(terms[-1])
     for term in reversed(terms[:-1]):
         text = f"{term!r}+v_meniscus_k*({text})"
@@ -129,7 +131,7 @@ def _horner(terms: list[float]) -> str:
 
 
 def _facing_meniscus(deck: DeckNumbers) -> Formula:
-    """F = S/L exp(-d/L) away from each wall: see `ecume.laws.capillarity.plane_wall_force`."""
+    """The force F = S/L exp(-d/L) away from each wall: see `ecume.laws.capillarity.plane_wall_force`."""
     length, strength = float(deck.parameters.pair[CAPILLARY_LENGTH]), deck.parameters.wall_strength
     lines = []
     for axis, half in zip("xy", half_sides(deck), strict=True):
@@ -148,13 +150,13 @@ MENISCI: Mapping[int, Callable[[DeckNumbers], Formula] | None] = {
 
 
 def meniscus_of(deck: DeckNumbers) -> Formula | None:
-    """The force of the walls from afar; None if they have no meniscus."""
+    """The force by the menisci of the walls; None without them."""
     made = MENISCI[deck.parameters.wall_law]
     return None if made is None else made(deck)
 
 
 def flow_of(deck: DeckNumbers) -> Formula | None:
-    """The drag zeta u of a flowing surface; None if it rests."""
+    """The drag zeta u by a flowing surface; None if it is at rest."""
     if not deck.parameters.drift.flows:
         return None
     floats = deck.parameters.floats
@@ -168,7 +170,7 @@ def flow_of(deck: DeckNumbers) -> Formula | None:
 
 
 def box_of(deck: DeckNumbers) -> tuple[float, float, float, float]:
-    """The box: lowest and highest x, then y (m). It is the periodic cell, or surrounds the dish or all floats."""
+    """The box: lowest and highest x, then y (m). It is the periodic cell, or contains the dish or all floats."""
     if deck.scene.cell is not None:
         width, height = deck.parameters.periods[0].tolist()
         return 0.0, width, 0.0, height

@@ -1,8 +1,8 @@
-"""Comparisons of ecume with what others computed or measured: `ecume validate`.
+"""Comparisons of ecume with published numbers: `ecume validate`.
 
-`CASES` is the table; start there. Each case is a function that runs it and returns `runner.Row`s: `rows` in the module
-of its name, or a function of a module with the cases of one subject. Its scene, its tables and a README with their
-sources are in `data/CASE`. `runner` reads and runs them, and judges rows.
+`CASES` is the table of cases; start there. Each case is a function that runs it and returns `runner.Row`s: `rows` in
+the module with its name, or a function in a module for several cases of one subject. Its scene, its tables and a README
+with their sources are in `data/CASE`. `runner` reads and runs them, and judges rows.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from ecume_validation.runner import Row
 
 
 class Case(NamedTuple):
-    """A subject to compare."""
+    """A subject of comparison."""
 
     name: str
     summary: str
     long: bool
-    """minutes rather than seconds"""
+    """whether it takes minutes rather than seconds"""
     rows: Callable[[], list[Row]]
     module: str
-    """where they are computed"""
+    """the module with its function"""
 
 
 def _case(name: str, summary: str, *, long: bool = False, place: str = "") -> Case:
@@ -31,7 +31,7 @@ def _case(name: str, summary: str, *, long: bool = False, place: str = "") -> Ca
     module, function = f"ecume_validation.{place or name.replace('-', '_') + ':rows'}".split(":")
 
     def rows() -> list[Row]:
-        # Imported on use: the table is read by `ecume --help`, which must not wait for a compiler.
+        # Imported on use, so that `ecume --help` reads the table without loading the compiler.
         found: list[Row] = getattr(importlib.import_module(module), function)()
         return found
 

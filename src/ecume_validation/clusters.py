@@ -24,18 +24,19 @@ from ecume_validation.runner import Row, above, within
 
 RADIUS, TEMPERATURE = 1e-6, 300.0
 STEEPNESS, FARTHEST, SPRING = 10.0, 2.9, 400.0
-"""Of the short-ranged attraction: inverse range (1/diameter), largest distance (diameters), and the spring beyond it
-(kT per diameter squared), which keeps six spheres together and does not act inside a rigid cluster of six.
+"""Parameters of the short-ranged attraction: inverse range (1/diameter), largest distance (diameters), and the spring
+beyond it (kT per diameter squared). The spring keeps six spheres together and does not act inside a rigid cluster of
+six.
 """
 
 
 class Spheres(NamedTuple):
-    """What attracts the spheres, and the clusters that they start from."""
+    """The attraction of the spheres, and the initial clusters."""
 
     depth: float
     """of the short-ranged attraction (kT)"""
     starts: tuple[int, int, int]
-    """parts of the groups that start as each of the ground states: nearly their shares in equilibrium"""
+    """relative numbers of groups that start as each of the ground states: nearly the shares in equilibrium"""
     density: float = 1000.0
     surface_tension: float = 1e-7
     interaction: dict[str, Any] = {"law": "none", "accuracy": 0.1}  # noqa: RUF012  (read only)
@@ -45,13 +46,13 @@ SHORT_RANGED = Spheres(4.0, (1, 3, 3))
 CAPILLARY = Spheres(3.0, (1, 2, 4), 6900.0, 1e-6, {"accuracy": 1e-3})
 """Heavy spheres, whose menisci attract with 2.6 kT K0(r/L); the capillary length L is five diameters."""
 BOND = 1.25
-"""Distance, in diameters, up to which two spheres are bound."""
+"""The largest distance of bonded spheres, in diameters."""
 GROUPS, SPREAD = 49, 1.2e-4
-"""Independent groups of six in a run, and their distance (m)."""
+"""The number of independent groups of six in a run, and their distance (m)."""
 STEP, STEPS, FRAMES = 5e-4, 150, 2500
-"""Time step (s), steps in a frame, frames in equilibrium; with persistence twice as many."""
+"""Time step (s), steps per frame, and frames in equilibrium; with persistence there are twice as many frames."""
 FORCE, PERSISTENCE = 3.6e-14, 0.6
-"""Of the active force (N, s): as large as the attraction, with a correlation time of many vibrations."""
+"""The active force (N), as large as the attraction, and its correlation time (s), many vibrations long."""
 LATTICE = np.array([[1.0, 0.0], [0.5, math.sqrt(0.75)]])
 GROUND_STATES = {
     "triangle": [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (0, 2)],
@@ -62,12 +63,12 @@ GROUND_STATES = {
 
 
 def rows() -> list[Row]:
-    """In equilibrium, with and without menisci, then with a persistent force."""
+    """Compare equilibrium with and without menisci, then a persistent force."""
     return [*equilibrium(), *menisci(), *persistence()]
 
 
 def attraction(distance: Any, parameters: Any) -> Any:
-    """Morse's potential between spheres in contact, and a spring at large distances (N)."""
+    """The force of Morse's potential between spheres in contact, and of a spring at large distances (N)."""
     depth, steepness, farthest, spring = parameters.constants
     diameter = parameters.radius_i + parameters.radius_j
     x = distance / diameter
@@ -79,7 +80,9 @@ def attraction(distance: Any, parameters: Any) -> Any:
 
 
 def equilibrium() -> Iterator[Row]:
-    """Shares of the rigid clusters, beside their weights, and entropy production, for Brownian spheres."""
+    """Compare the shares of rigid clusters of Brownian spheres with their weights, and the entropy production with
+    zero.
+    """
     found = sequences({"hydrodynamics": {"brownian": True}}, FRAMES)
     yield from shares(found, weights_of_ground_states(), "in equilibrium")
     rate = entropy_production(found, STEP * STEPS, blocks=1)
@@ -88,8 +91,8 @@ def equilibrium() -> Iterator[Row]:
 
 
 def menisci() -> Iterator[Row]:
-    """Shares of the rigid clusters of Brownian spheres that attract one another by menisci too: their weights times
-    exp(-U/kT), with the capillary energy U of the rigid cluster.
+    """Compare the shares of rigid clusters of Brownian spheres with menisci to their weights times exp(-U/kT), with the
+    capillary energy U of the rigid cluster.
     """
     driving = {"hydrodynamics": {"brownian": True}}
     scene = scene_of(np.zeros((1, 2)), driving, 1, CAPILLARY)
@@ -102,7 +105,7 @@ def menisci() -> Iterator[Row]:
 
 
 def shares(found: list[list[str]], weights: dict[str, float], name: str) -> Iterator[Row]:
-    """The share of each rigid cluster, beside that of its weight."""
+    """Rows that compare the share of each rigid cluster with that of its weight."""
     for (label, weight), cluster in zip(weights.items(), GROUND_STATES, strict=True):
         share = share_of(label, list(weights), found)
         row = f"{name}: share of the {cluster} among rigid clusters (tolerance: 3 standard errors)"
@@ -110,7 +113,7 @@ def shares(found: list[list[str]], weights: dict[str, float], name: str) -> Iter
 
 
 def capillary_energies(scene: Any) -> list[float]:
-    """Energy (J) of the menisci of each rigid cluster: a sum over its pairs."""
+    """The energy of the menisci of each rigid cluster (J): a sum over its pairs."""
     charge, length = float(MODELS["floating"].parameters(scene).floats.charge[0]), liquid_of(scene).capillary_length
     strength = pair_strength(CAPILLARY.surface_tension, charge, charge)
     one, other = np.triu_indices(6, 1)
@@ -123,15 +126,15 @@ def capillary_energies(scene: Any) -> list[float]:
 
 
 def persistence() -> Iterator[Row]:
-    """Entropy production of spheres with a persistent random force instead of noise."""
+    """Compute the entropy production of spheres with a persistent random force instead of noise."""
     found = sequences({"activity": {"force": FORCE, "persistence": PERSISTENCE}}, 2 * FRAMES)
     rate = entropy_production(found, STEP * STEPS, blocks=1)
     yield above("with persistence: entropy production, over its standard error", rate.value / rate.error, 2.0)
 
 
 def sequences(driving: dict[str, Any], frames: int, spheres: Spheres = SHORT_RANGED) -> list[list[str]]:
-    """The labels of each group over the frames, without the first fifth. Groups start as rigid clusters in the shares
-    of equilibrium, so that relaxation makes no currents.
+    """The labels of each group over the frames, without the first fifth. The initial clusters have the shares of
+    equilibrium, so that relaxation causes no probability currents.
     """
     starts = [name for name, part in zip(GROUND_STATES, spheres.starts, strict=True) for _ in range(part)]
     side = math.ceil(math.sqrt(GROUPS))
@@ -143,7 +146,7 @@ def sequences(driving: dict[str, Any], frames: int, spheres: Spheres = SHORT_RAN
     scene = scene_of(np.concatenate(places), driving, frames, spheres)
     found: list[list[str]] = [[] for _ in range(GROUPS)]
     with warnings.catch_warnings():
-        # The step that is advised is for six neighbors at the steepest place of the law.
+        # The step recommended by the warning is for six neighbors at the steepest point of the law.
         warnings.simplefilter("ignore", StepWarning)
         for frame in simulate(scene, extra_laws=[attraction]):
             for group, place in enumerate(frame.arrays["position"].reshape(GROUPS, 6, 2)):
@@ -167,7 +170,7 @@ def scene_of(places: Array, driving: dict[str, Any], frames: int, spheres: Spher
 
 
 def label_of(place: Array) -> str:
-    """The label of the bonds of six spheres, which may be in several pieces."""
+    """The label of the bonds of six spheres, which may form several pieces."""
     one, other = np.triu_indices(6, 1)
     bound = np.linalg.norm(place[one] - place[other], axis=1) < BOND * 2.0 * RADIUS
     return label_of_bonds(tuple(bound.tolist()))
@@ -175,7 +178,7 @@ def label_of(place: Array) -> str:
 
 @cache
 def label_of_bonds(bound: tuple[bool, ...]) -> str:
-    """The label of these bonds among all pairs of six spheres."""
+    """The label of these bonds, flags for all pairs of six spheres."""
     pairs = [(int(i), int(j)) for i, j, there in zip(*np.triu_indices(6, 1), bound, strict=True) if there]
     return topology_of(pairs, 6).label
 

@@ -18,41 +18,41 @@ from ecume_validation.runner import Row, above, below, read_table, sph_scene, wi
 
 FAR_WALL = impact.FAR_WALL
 SENSORS = {"P1": 0.01, "P2": 0.05, "P3": 0.1, "P4": 0.267}
-"""Heights on the far wall."""
+"""Heights of sensors on the far wall."""
 GAUGES = {"H1": 1.0, "H2": 2.8833, "H3": 3.7133, "H4": 4.5417}
-"""Places along the floor."""
+"""Positions of gauges along the floor."""
 PRESSURES = (3.0, 5.0)
-"""Between these times pressures are averaged."""
+"""The interval over which pressures are averaged."""
 MOST_FRONT = {40: 0.1, 80: 0.05}
-"""Distance from the front of the finest run of another code, by particles in the column's height."""
+"""The tolerated distance from the front in the finest run of another code, by particles per height of the column."""
 COARSE = 20
-"""Particles in the column's height, of the coarsest impact."""
+"""Particles per height of the column, in the coarsest run of the impact."""
 MOST_PRESSURE = {40: 0.1, 80: 0.05}
-"""Relative. The other code itself is 8 % off with 40 particles, and 4 % with 80."""
+"""Relative tolerances of the pressure. The other code itself is 8 % off with 40 particles, and 4 % with 80."""
 MOST_LEVEL, MOST_VOLUME = 0.05, 0.01
 MOST_AHEAD = 0.6
-"""Of the column's width: how far codes without friction and gate run ahead of experiments."""
+"""The tolerated lead of the front over experiments, which have friction and a gate, over the width of the column."""
 TALL = ("fluid[0].high=[1.0, 2.0]", "tank.high=[4.5, 5.0]", "liquid.sound_speed=28.0", "duration=2.2")
 TALL_SPACING = 0.04
 
 
 class Broken(NamedTuple):
-    """A run: one entry an instant."""
+    """The quantities of a dam break, one entry per instant."""
 
     times: Array
     fronts: Array
     volumes: Array
-    """by the densities, over the start's"""
+    """from the densities, over the initial volume"""
     pressures: Array
     """(times, sensors), over rho g H"""
     levels: Array
     """(times, gauges), over H"""
     tops: Array
-    """level at the back wall, over the start's"""
+    """level at the back wall, over the initial one"""
 
 
 def rows() -> list[Row]:
-    """The wide column at two resolutions and its impact at three, then the tall one."""
+    """Compare the wide column at two resolutions and its impact at three, then the tall column."""
     both = {deep: struck(deep) for deep in MOST_FRONT}
     runs = {deep: run for deep, (run, _) in both.items()}
     impacts = {COARSE: impact.struck([f"spacing={1.0 / COARSE!r}"])} | {deep: run for deep, (_, run) in both.items()}
@@ -64,26 +64,28 @@ def rows() -> list[Row]:
 
 
 def struck(deep: int) -> tuple[Broken, impact.Impact]:
-    """Run the wide column; its impact is sampled in each time step."""
+    """Run the wide column, with its impact sampled in each time step."""
     samples: list[Frame] = []
     frames = impact.frames_and_samples([f"spacing={1.0 / deep!r}"], samples)
     return gauged(frames, FAR_WALL, 4.0 / deep), impact.read(samples)
 
 
 def hit(run: impact.Impact, deep: int) -> list[Row]:
-    """The impact beside the experiment, and beside the peak of another code: at H/40 where it has no coarser run."""
+    """Compare the impact with the experiment, and with the peak of another code, whose coarsest run
+    has spacing H/40.
+    """
     other = impact.published("impact_peak", f"wcsph-{max(deep, min(MOST_FRONT))}")
     return impact.rows_of(f"H/{deep}", run, other)
 
 
 def broken(changes: Sequence[str], reach: float) -> Broken:
-    """Run the changed scene, and read its gauges in each frame."""
+    """Run the changed scene and read the gauges in each frame."""
     scene = sph_scene("dam_break", changes)
     return gauged(simulate(scene), scene.tank.high[0], reach)
 
 
 def gauged(frames: Iterable[Frame], wide: float, reach: float) -> Broken:
-    """Read the gauges in each frame of a tank as wide as that."""
+    """Read the gauges in each frame of a tank of this width."""
     read = [_read(frame, wide, reach) for frame in frames]
     times, front_, volume_, pressure_, level_, top = (np.array(column) for column in zip(*read, strict=True))
     return Broken(times, front_, volume_ / volume_[0], pressure_, level_, top / top[0])
@@ -98,7 +100,7 @@ def _read(frame: Frame, wide: float, reach: float) -> tuple[float, float, float,
 
 
 def _height(frame: Frame, reach: float) -> float:
-    """The height of the liquid a little off the back wall: the highest place that is half full."""
+    """The height of the liquid near the back wall: the highest point at which half of the volume is filled."""
     line = points_along((reach, 0.0), (reach, 2.5), 501)
     return float(line[np.flatnonzero(filled(frame, line, reach) >= 0.49)].max(initial=0.0))
 
@@ -113,7 +115,7 @@ def published(table: str, name: str) -> tuple[Array, Array]:
 
 
 def front(run: Broken, deep: int) -> list[Row]:
-    """Compare the front with another code's at ten times the resolution."""
+    """Compare the front with that of another code at ten times the resolution."""
     times, places = published("front", "wcsph-400")
     ours = np.interp(times, run.times, run.fronts)
     return [
@@ -123,7 +125,7 @@ def front(run: Broken, deep: int) -> list[Row]:
 
 
 def order(coarse: Broken, fine: Broken) -> Row:
-    """The order of convergence of the front: log2 of the errors' ratio, each the mean over the published times."""
+    """The order of convergence of the front: log2 of the ratio of mean errors at the published times."""
     times, places = published("front", "wcsph-400")
     errors = [np.abs(np.interp(times, run.times, run.fronts) - places).mean() for run in (coarse, fine)]
     return above("order of convergence of the front", float(np.log2(errors[0] / errors[1])), 0.7)
@@ -141,7 +143,7 @@ def pressure(run: Broken, deep: int) -> list[Row]:
 
 
 def level(run: Broken, deep: int) -> list[Row]:
-    """The largest distance of each gauge from the experiment, up to T = 5."""
+    """Compare the level at each gauge with the experiment, up to T = 5."""
     found = []
     for number, gauge in enumerate(GAUGES):
         times, depths = published(f"level_{gauge}", "run-A")
@@ -152,14 +154,16 @@ def level(run: Broken, deep: int) -> list[Row]:
 
 
 def volume(run: Broken, deep: int) -> Row:
-    """The largest change of the volume."""
+    """Compare the volume with its initial value."""
     return below(f"H/{deep}: change of volume", float(np.abs(run.volumes - 1.0).max()), MOST_VOLUME)
 
 
 def tall() -> list[Row]:
-    """The tall column: ahead of both experiments, as codes without friction and gate are, and beside such a code."""
+    """Compare the tall column with two experiments, which codes without friction and gate precede, and with such a
+    code.
+    """
     run = broken([*TALL, f"spacing={TALL_SPACING}"], 4.0 * TALL_SPACING)
-    # Half a spacing is water, too: experiments see the front, not the last particle's center.
+    # The front of the liquid is half a spacing beyond the center of the last particle.
     times, fronts = run.times * math.sqrt(2.0), run.fronts + 0.5 * TALL_SPACING
     found = []
     for who, name in (("Martin and Moyce", "n2-2"), ("Koshizuka and Oka", "2D")):
@@ -171,7 +175,8 @@ def tall() -> list[Row]:
             below(f"tall column: largest lead on {who}, over its width", float(ahead.max()), MOST_AHEAD),
         ]
     when, where = published("tall_front", "wcsph-33")
-    # Later their front has reached the wall of a narrower tank. These are places of particles: no half spacing.
+    # Later their front has reached the wall of a narrower tank. Their data are positions of particles, without half a
+    # spacing.
     free = when <= 2.5
     apart = np.interp(when, times, run.fronts)[free] - where[free]
     found.append(below("tall column: distance from another code's front", float(np.abs(apart).max()), 0.1))

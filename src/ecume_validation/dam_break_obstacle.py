@@ -14,28 +14,28 @@ from ecume_validation.runner import Row, above, below, read_table, sph_scene, wi
 
 CASE = "dam_break_obstacle"
 FRONT, TOP = ("P1", "P2", "P3", "P4"), ("P5", "P7")
-"""Sensors on the front of the box, from below, and on its top."""
+"""Sensors on the front of the box, from the lowest one on, and on its top."""
 LEVELS = ("H1", "H2", "H3", "H4")
 DEPTH = 0.55
-"""Of the water at the start (m)."""
+"""The initial depth of the water (m)."""
 REACHED = 0.25
-"""Of the measured peak: the pressure from which on a sensor has been reached."""
+"""The pressure at which water has reached a sensor, over the measured peak."""
 IMPACT, LATER = (0.3, 1.2), (1.3, 2.0)
-"""Times (s) of the impulse, and of the mean pressure under the returning water."""
+"""Intervals (s) of the impulse, and of the mean pressure under the returning water."""
 MOST_PEAK, LEAST_PEAK = 1.5, 0.5
-"""Over the measured peak."""
+"""Tolerated peaks over the measured peak."""
 ARRIVAL, IMPULSE, MEAN = 0.08, 0.25, 0.25
 """Relative tolerances."""
 LEVEL = 0.05
-"""Mean distance of a level from the experiment, over `DEPTH`."""
+"""The tolerated mean distance of a level from the experiment, over `DEPTH`."""
 
 
 class Struck(NamedTuple):
-    """A run."""
+    """The quantities of a run."""
 
     times: Array
     pressures: dict[str, Array]
-    """by sensor, each millisecond as in the experiment (Pa)"""
+    """by sensor, every millisecond as in the experiment (Pa)"""
     frame_times: Array
     levels: dict[str, Array]
     """by gauge (m)"""
@@ -44,7 +44,7 @@ class Struck(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """The impact on the box, the water that returns over it, and the levels."""
+    """Compare the impact on the box, the water that returns over it, and the levels."""
     run = struck()
     return [*impact(run), *returning(run), *levels(run), within("particles left", run.left, 1.0, 0.0)]
 
@@ -76,7 +76,7 @@ def published(table: str, name: str) -> Array:
 
 
 def impact(run: Struck) -> list[Row]:
-    """Peak, arrival and impulse on the front of the box."""
+    """Compare peak, arrival time and impulse on the front of the box."""
     during, found = (run.times > IMPACT[0]) & (run.times < IMPACT[1]), []
     for name in FRONT:
         peak, arrival, impulse = (float(published(table, name)[0, 1]) for table in ("peak", "arrival", "impulse"))
@@ -94,7 +94,7 @@ def impact(run: Struck) -> list[Row]:
 
 
 def returning(run: Struck) -> list[Row]:
-    """Mean pressures while the water returns over the box."""
+    """Compare mean pressures while the water returns over the box."""
     during, found = (run.times > LATER[0]) & (run.times < LATER[1]), []
     for name in (*FRONT, *TOP):
         mean = float(published("mean", name)[0, 1])
@@ -105,7 +105,7 @@ def returning(run: Struck) -> list[Row]:
 
 
 def levels(run: Struck) -> list[Row]:
-    """Mean distances of the levels from the measured ones."""
+    """Compare the levels with the measured ones."""
     found = []
     for name in LEVELS:
         times, depths = published("level", name).T

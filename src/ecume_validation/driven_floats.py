@@ -1,4 +1,4 @@
-"""Floats that drive themselves or are driven: the cases `activity`, `swimmers` and `waves`."""
+"""Active floats and floats driven by fields or waves: the cases `activity`, `swimmers` and `waves`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MEMORY, EVERY, FRAMES = 0.5, 0.1, 600
 """The correlation time (s), the time between frames, and their number."""
 LAGS = (1, 2, 5, 10)
 TORQUE = 6e-17
-"""N m: turns the heading by more than a radian in one correlation time."""
+"""The torque (N m) rotates the heading by more than a radian in one correlation time."""
 ACTIVITY_TOLERANCE = 0.01
 KINDS = {
     "random force": {"force": FORCE, "persistence": MEMORY},
@@ -39,12 +39,12 @@ KINDS = {
 
 
 def activity_rows() -> list[Row]:
-    """Each kind of activity at several times."""
+    """Compare each kind of activity at several times."""
     return [row for name in KINDS for row in displacements(name)]
 
 
 def activity_scene_of(name: str) -> FloatingScene:
-    """Free floats on a lattice."""
+    """The scene of free floats on a lattice with this kind of activity."""
     bead = {
         "radius": RADIUS, "density": 1500.0, "contact_angle": 1.2, "count": COUNT, "placement": "lattice",
         "spacing": 5e-2,
@@ -59,7 +59,7 @@ def activity_scene_of(name: str) -> FloatingScene:
 
 
 def displacements(name: str) -> Iterator[Row]:
-    """The mean squared displacement over that in closed form."""
+    """The mean squared displacement over its closed form."""
     scene = activity_scene_of(name)
     speed = FORCE * float(MODELS["floating"].parameters(scene).kick.gain[0])
     turning = KINDS[name].get("torque", 0.0) / float(turning_frictions(scene)[0])
@@ -84,15 +84,15 @@ def persistent_displacement(speed: float, rate: float, turning: float, time: flo
 RADII = (2.0e-4, 2.5e-4, 3.0e-4)
 PLACES = ((-1.2e-3, 0.0), (0.0, 0.0), (1.3e-3, 0.0))
 SIDE = 1.4e-3
-"""Of the triangle at the start (m)."""
+"""The initial side of the triangle (m)."""
 FREQUENCY, PERIODS, PER_PERIOD = 0.2, 6, 200
-"""Of the field (Hz); the swimmer is followed for so many periods, with so many frames each."""
+"""The frequency of the field (Hz), the number of periods, and frames per period."""
 SWIMMER_STEP = 2.5e-5
 SWIMMER_TOLERANCE = 0.2
 
 
 def swimmer_rows() -> list[Row]:
-    """Rows of spheres, then triangles."""
+    """Compare spheres in a row, then triangles."""
     return [*in_a_row(), *triangles()]
 
 
@@ -113,27 +113,27 @@ def swimmer_scene_of(radii: tuple[float, ...], places: Any, *, interaction: str 
 
 
 def motion(scene: dict[str, Any]) -> Array:
-    """The positions (frames, 3, 2) of a run."""
+    """Simulate a scene. Returns the positions (frames, 3, 2)."""
     return np.array([frame.arrays["position"] for frame in simulate(from_plain(scene))])
 
 
 def friction_of(scene: dict[str, Any]) -> Array:
-    """The drag of each sphere, over that of the first."""
+    """The friction of each sphere, over that of the first."""
     floats = MODELS["floating"].parameters(from_plain(scene)).floats
     friction = floats.mass / floats.relaxation_time
     return np.asarray(friction / friction[0])
 
 
 def stroke(track: Array, friction: Array) -> Array:
-    """The displacement (m) in the last period, of the center weighted by drag."""
+    """The displacement in the last period (m), of the center weighted by friction."""
     center = (friction[:, None] * track).sum(axis=1) / friction.sum()
     return np.asarray(center[-1] - center[-1 - PER_PERIOD])
 
 
 def closed_form(track: Array, size: Array) -> Length:
-    """The displacement of three spheres in a row in one period, by the area of the loop of their distances:
-    K times half the integral of L_1 dL_2 - L_2 dL_1, with
-    K = 3 a_1 a_2 a_3/(a_1 + a_2 + a_3)^2 [1/L_1^2 + 1/L_2^2 - 1/(L_1 + L_2)^2]. [golestanian2008].
+    """The displacement of three spheres in a row in one period, from the area of the loop of their distances: K times
+    half the integral of L_1 dL_2 - L_2 dL_1, with K = 3 a_1 a_2 a_3/(a_1 + a_2 + a_3)^2 [1/L_1^2 + 1/L_2^2 - 1/(L_1 +
+    L_2)^2]. [golestanian2008].
     """
     one, two = np.diff(track[-1 - PER_PERIOD :, :, 0], axis=1).T
     area = 0.5 * float(np.sum(one[:-1] * np.diff(two) - two[:-1] * np.diff(one)))
@@ -143,7 +143,7 @@ def closed_form(track: Array, size: Array) -> Length:
 
 
 def in_a_row() -> Iterator[Row]:
-    """The displacement in a period, its sign, and what has none."""
+    """Compare the displacement in a period, its sign, and swimmers without net motion."""
     scene = swimmer_scene_of(RADII, PLACES)
     friction = friction_of(scene)
     track = motion(scene)
@@ -162,7 +162,7 @@ def in_a_row() -> Iterator[Row]:
 
 
 def triangles() -> Iterator[Row]:
-    """Three equal spheres with one side along the field, and upside down."""
+    """Compare three equal spheres with one side along the field, and turned by 180 degrees."""
     low, high = 0.5 * SIDE / math.sqrt(3.0), SIDE / math.sqrt(3.0)
     found = {}
     for up in (1.0, -1.0):
@@ -183,32 +183,36 @@ BATH = {"density": 1149.5, "viscosity": 0.01, "surface_tension": 0.067}
 FREQUENCIES = (40.0, 90.0, 250.0)
 
 ARM, POINTS, SPEED, RELAXATION, INERTIA = 5.7e-3, 8, 0.19, 0.53, 0.64e-9
-"""Of a spinner: length of an arm (m), points on it, free rotation (rad/s), relaxation time (s), inertia (kg m^2)."""
+"""Properties of a spinner: length of an arm (m), points on it, free rotation (rad/s), relaxation time (s), moment of
+inertia (kg m^2).
+"""
 SPINNING, SHAKEN, SHARE = 90.0, 1.6 * GRAVITY, 0.15
 """Frequency (Hz), acceleration of the bath (m/s^2), and the relative amplitude of a spinner."""
 THIRD = math.pi / 3.0
-"""Phase differences are the same up to sign and to 2 pi/3."""
+"""The period of phase differences, by the threefold symmetry of a spinner; they are also equal up to sign."""
 LOCKED, STARTS = (27.0, 28.0, 29.0, 30.0), (0.15, 0.9)
-"""Distances of spinners (mm), and their phase differences at the start (rad)."""
+"""Distances of spinners (mm), and their initial phase differences (rad)."""
 TURNS, WAVE_STEP = 6, 0.01
-"""Turns of a spinner, and the time step (s)."""
+"""The number of turns of a spinner, and the time step (s)."""
 
 SURFER = {"radius": 2e-3, "density": 1100.0, "disc": {"thickness": 0.5e-3}}
 SURFING, PRESS, PROPULSION = 100.0, 1.2e-4, 2e-6
-"""Hz; N of each source; N."""
+"""Frequency (Hz), force of each source (N), and propulsion (N) of surfers."""
 SPACINGS = np.arange(5e-3, 15e-3, 0.8e-3)
-"""m: of two surfers side by side, at the start."""
+"""The initial distances of two surfers side by side (m)."""
 APART, SURFED = 0.3, 60.0
-"""Distance of pairs from one another (m), and the duration (s)."""
+"""The distance of pairs from one another (m), and the duration (s)."""
 
 
 def wave_rows() -> list[Row]:
-    """Dispersion, surfers, spinners."""
+    """Compare dispersion, surfers and spinners."""
     return [*dispersion(), *surfers(), *spinners()]
 
 
 def dispersion() -> Iterator[Row]:
-    """The frequency of a wave of the kernel's wavelength, over the frequency of the source, without viscosity."""
+    """Compute the frequency of a wave with the kernel's wavelength, over the frequency of the source, without
+    viscosity.
+    """
     for frequency in FREQUENCIES:
         found = ripples(frequency, 1000.0, 0.07, 1e-9, GRAVITY)
         omega = wave_frequency(2.0 * math.pi / found.wavelength, 1.0, GRAVITY, 0.07 / 1000.0)
@@ -216,7 +220,7 @@ def dispersion() -> Iterator[Row]:
 
 
 def surfers() -> Iterator[Row]:
-    """Two surfers side by side from many spacings: how many spacings they keep, and how far these are apart."""
+    """Compare the number of stable spacings of two surfers side by side, and their distances."""
     found = np.sort(final_spacings())
     bound = np.split(found, np.flatnonzero(np.diff(found) > 5e-4) + 1)
     spread = max(float(np.ptp(each)) for each in bound)
@@ -230,8 +234,8 @@ def surfers() -> Iterator[Row]:
 
 
 def final_spacings() -> Array:
-    """The distances of pairs of surfers that swim along y, in the end (m), from `SPACINGS`. Pairs are too far from one
-    another to feel their waves.
+    """The final distances of pairs of surfers that swim along y (m), for all `SPACINGS`. Pairs are too far from one
+    another to interact by waves.
     """
     starts = enumerate(SPACINGS.tolist())
     places = [[APART * pair + 0.5 * side * start, 0.0] for pair, start in starts for side in (-1, 1)]
@@ -247,7 +251,7 @@ def final_spacings() -> Array:
 
 
 def spinner_points() -> Array:
-    """(points, 2) m: three curved arms of a spinner, from the public program."""
+    """The points of the three curved arms of a spinner (points, 2) (m), from the public program."""
     along = np.linspace(0.0, ARM * math.cos(math.radians(20.0)), POINTS)
     arm = turned(np.column_stack([along, math.tan(math.radians(20.0)) * along]), -math.radians(2.5))
     arm = (arm + np.array([-1.622e-3, 0.876e-3])) * np.array([-1.0, 1.0])
@@ -255,13 +259,13 @@ def spinner_points() -> Array:
 
 
 def turned(places: Array, angle: float) -> Array:
-    """Places turned about the origin."""
+    """Places rotated about the origin."""
     c, s = math.cos(angle), math.sin(angle)
     return np.asarray(places @ np.array([[c, s], [-s, c]]))
 
 
 def spinners() -> Iterator[Row]:
-    """Phase differences at which two spinners held at a distance lock, beside measured ones."""
+    """Compare the phase differences at which two spinners at a fixed distance lock with measured ones."""
     with (DATA / "published-phases.csv").open(encoding="utf-8") as file:
         measured = [
             (float(row["distance"]), float(row["phase"])) for row in csv.DictReader(file) if row["compared"] == "yes"
@@ -276,7 +280,7 @@ def spinners() -> Iterator[Row]:
 
 
 def folded(phase: float) -> float:
-    """A phase difference between 0 and pi/3.
+    """A phase difference mapped to the range from 0 to pi/3.
 
     >>> round(folded(2.0 * math.pi / 3.0 - 0.1), 9)
     0.1

@@ -29,7 +29,7 @@ from ecume_validation.runner import Row, above, below, frames_of, read_table, sp
 
 
 class Swing(NamedTuple):
-    """One that dies as exp(-rate t)."""
+    """An oscillation that decays as exp(-rate t)."""
 
     frequency: float
     """rad/s"""
@@ -42,13 +42,13 @@ class Swing(NamedTuple):
 
 
 def axes_of_liquid(frame: Frame) -> float:
-    """The logarithm of the ratio of the first axis to the (mean) other."""
+    """The logarithm of the ratio of the first axis to the (mean) other one."""
     first, *others = frame.arrays["position"].std(axis=0)
     return float(np.log(first) - np.mean(np.log(others)))
 
 
 def swing_of(frames: Sequence[Frame]) -> Swing:
-    """The swing of the ratio of the axes; a drop of uneven particles rests at a ratio that is not quite one."""
+    """The oscillation of the ratio of the axes. A drop of unequal particles has a ratio of not quite one at rest."""
     time, ratio = np.array([f.time for f in frames]), np.array([axes_of_liquid(f) for f in frames])
 
     def damped(t: Array, a: float, b: float, w: float, rate: float, rest: float) -> Array:
@@ -77,11 +77,11 @@ SWINGING = (
     "central_force={angular_frequency=1.0, center=[0.0, 0.0]}",
 )
 LATE = 0.0076
-"""s, when PySPH was read."""
+"""The time (s) at which the result of PySPH was read."""
 
 
 def drop_rows() -> list[Row]:
-    """Stretched, then swinging."""
+    """Compare a stretched drop, then oscillating ones."""
     return [*stretched(), *swinging(), *damped()]
 
 
@@ -103,7 +103,7 @@ def stretched() -> list[Row]:
 
 
 def swinging() -> list[Row]:
-    """Without viscosity."""
+    """Compare an oscillating drop without viscosity."""
     frames = list(frames_of("drops", [*SWINGING, "method.artificial_viscosity=0.0"]))
     found = [
         row
@@ -121,7 +121,7 @@ def damped() -> list[Row]:
 
 
 def table(drop: str) -> list[tuple[float, tuple[float, float]]]:
-    """Times, and half the width and height there."""
+    """Times, and half the width and height at these times."""
     cases = [case for case in read_table("drops", "independent") if case["drop"] == drop]
     return [(float(case["time"]), (float(case["width"]), float(case["height"]))) for case in cases]
 
@@ -129,7 +129,7 @@ def table(drop: str) -> list[tuple[float, tuple[float, float]]]:
 def axes_at(
     name: str, frames: Sequence[Frame], time: float, expected: tuple[tuple[float, float], tuple[float, float]]
 ) -> list[Row]:
-    """A row for each axis: its value and its tolerance, relative."""
+    """A row for each axis, from values and relative tolerances."""
     found = axes(at(frames, time)) / axes(frames[0])
     return [
         within(f"{name}: {axis}", float(value), exact, tolerance * exact)
@@ -138,12 +138,12 @@ def axes_at(
 
 
 def at(frames: Sequence[Frame], time: float) -> Frame:
-    """The frame of that time."""
+    """The frame at this time."""
     return min(frames, key=lambda frame: abs(frame.time - time))
 
 
 def axes(frame: Frame) -> Array:
-    """(2,) half the width and height of the ellipse with the drop's second moments."""
+    """Half the width and height (2,) of the ellipse with the drop's second moments."""
     mass, position = frame.arrays["mass"], frame.arrays["position"]
     half: Array = 2.0 * np.sqrt(mass @ position**2 / mass.sum())
     return half
@@ -154,11 +154,11 @@ SMALL = "fluid[0].velocity_gradient=[[0.1, 0.0], [0.0, -0.1]]"
 COHESION = "method.surface_tension_model=cohesion"
 TENSION_VISCOSITY = 0.02
 ROUND = np.sqrt(4.0 / np.pi)
-"""Radius of a disc as large as a square of half the side 1."""
+"""The radius of a disc with the area of a square of half the side 1."""
 
 
 def tension_rows() -> list[Row]:
-    """Compare all subjects."""
+    """Compare a square, oscillations and the pressure inside."""
     return [*square(), *small(), *fading(), *resting(), *wide()]
 
 
@@ -168,7 +168,7 @@ def drop_frames(*changes: str) -> list[Frame]:
 
 
 def square() -> list[Row]:
-    """The corners are drawn in."""
+    """Compare a square drop, whose corners are rounded by surface tension."""
     template = Path(str(files("ecume") / "templates" / "rounding-drop.toml"))
     frames = list(simulate(load_scene(template, [])))
     place = frames[-1].arrays["position"]
@@ -185,7 +185,7 @@ def square() -> list[Row]:
 
 
 def small() -> list[Row]:
-    """A small swing, at two resolutions."""
+    """Compare an oscillation of small amplitude at two resolutions."""
     found, exact = [], drop_period(1.0, 1.0, 2, 2)
     for count in (10, 14):
         frames = drop_frames(SMALL, f"spacing={1.0 / count}", "duration=3 s")
@@ -196,7 +196,7 @@ def small() -> list[Row]:
 
 
 def fading() -> list[Row]:
-    """A small swing in a viscous liquid."""
+    """Compare a small oscillation in a viscous liquid."""
     exact = drop_decay(1.0, TENSION_VISCOSITY, 1.0, 2, 2)
     swing = swing_of(drop_frames(SMALL, f"liquid.viscosity={TENSION_VISCOSITY}"))
     return [
@@ -206,7 +206,7 @@ def fading() -> list[Row]:
 
 
 def resting() -> list[Row]:
-    """The pressure inside, and what still moves."""
+    """Compare the pressure inside, and the residual motion."""
     frames = drop_frames("duration=6 s", "frame_every=0.1 s")
     late = frames[len(frames) // 2 :]
     pressure = float(np.mean([tension_pressure_inside(frame) for frame in late]))
@@ -220,13 +220,13 @@ def resting() -> list[Row]:
 
 
 def tension_pressure_inside(frame: Frame) -> float:
-    """The mean of the inner half."""
+    """The mean pressure in the inner half."""
     inner = np.linalg.norm(frame.arrays["position"], axis=1) < 0.5
     return float(frame.arrays["pressure"][inner].mean())
 
 
 def wide() -> list[Row]:
-    """Wide swings, in which particles change places, by both models."""
+    """Compare large oscillations, in which particles change their neighbors, by both models."""
     found, exact = [], drop_period(1.0, 1.0, 2, 2)
     for name, changes in (("csf", [WIDE]), ("cohesion", [WIDE, COHESION])):
         frames = drop_frames(*changes)
@@ -238,9 +238,11 @@ def wide() -> list[Row]:
 
 BALL_VISCOSITY = 0.03
 COUNTS = (4, 6, 8)
-"""Spacings in a radius."""
+"""The numbers of spacings per radius."""
 MOST_RATE = 0.25
-"""Of the exact decay: the rows of the friction alone are sharper, see the README."""
+"""The tolerance of the decay rate, relative to the exact one; rows on the friction alone are
+sharper, see the README.
+"""
 
 
 def ball_rows() -> list[Row]:
@@ -261,7 +263,7 @@ def ball_rows() -> list[Row]:
 
 
 def scene_of(count: int) -> SphScene:
-    """The scene with so many spacings in the radius."""
+    """The scene with this number of spacings per radius."""
     return sph_scene("drops_in_space", [f"spacing={1.0 / count}"])
 
 
@@ -271,7 +273,7 @@ def order(errors: list[float]) -> float:
 
 
 def friction() -> list[Row]:
-    """The power of friction in the stretch at the start, over that of as many particles in full surroundings."""
+    """The power of friction in the initial flow, over that of as many particles in a complete lattice."""
     found, errors = [], []
     for count in COUNTS:
         scene = scene_of(count)
@@ -284,7 +286,7 @@ def friction() -> list[Row]:
 
 
 def friction_share(scene: SphScene, stretch: Array) -> float:
-    """Minus the power of the model's viscous force over 2 eta E:E V."""
+    """The dissipation by the model's viscous force, over 2 eta E:E V."""
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
@@ -297,7 +299,9 @@ def friction_share(scene: SphScene, stretch: Array) -> float:
 
 
 def full_share(smoothing: float, stretch: Array) -> float:
-    """The same of a particle in an endless lattice of unit spacing: one, but for the lattice."""
+    """The dissipation of a particle in an infinite lattice of unit spacing, over the exact one: one, except for the
+    lattice.
+    """
     shape = kernel("wendland-c2", dim=3)
     line = np.arange(-math.ceil(2.0 * smoothing), math.ceil(2.0 * smoothing) + 1.0)
     apart = np.stack(np.meshgrid(line, line, line), axis=-1).reshape(-1, 3)
@@ -309,7 +313,7 @@ def full_share(smoothing: float, stretch: Array) -> float:
 
 
 def ball_pressure_inside(frames: list[Frame]) -> float:
-    """The mean of the inner half, once the start's breathing is over."""
+    """The mean pressure in the inner half, after the initial pressure oscillations."""
     found = []
     for frame in frames[len(frames) // 2 :]:
         inner = np.linalg.norm(frame.arrays["position"], axis=1) < 0.5

@@ -1,4 +1,4 @@
-"""A hundred fits to tracks whose truth is known: how often an interval holds it."""
+"""A hundred fits to synthetic tracks: how often an interval contains the true value."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from ecume_validation.runner import Row, within
 
 COUNT = 100
 NOISE = 5e-6
-"""m, of each coordinate."""
+"""The standard deviation of each coordinate (m)."""
 VISCOSITY, ANGLE = 5e-3, math.radians(100.0)
 TIMES = np.arange(37) / 60.0
 ENOUGH, TOO_MANY = 90, 99
 STUDENT = 2.0
-"""About what Student's distribution makes 95 percent of, with a hundred degrees of freedom."""
+"""The half width of a 95 % interval in standard errors: about Student's t for a hundred degrees of freedom."""
 CHANCE = 2.5
-"""Standard errors that a mean or a variance of a hundred may be off."""
+"""The tolerated deviation of a mean or a variance of a hundred values, in standard errors."""
 
 
 def beads(viscosity: float, angle: float) -> FloatingScene:
@@ -40,14 +40,14 @@ def beads(viscosity: float, angle: float) -> FloatingScene:
 
 
 class Trial(NamedTuple):
-    """What one fit says of the charge and of the viscosity."""
+    """The estimates of charge and viscosity by one fit."""
 
     charge: Estimate
     viscosity: Estimate
 
 
 def rows() -> list[Row]:
-    """Coverage and errors of both."""
+    """Compare coverage and errors of both estimates."""
     truth = beads(VISCOSITY, ANGLE)
     (charge,) = (one.value for one in quantities_of(truth) if one.name == "charge")
     trials = fits(truth, COUNT)
@@ -72,7 +72,7 @@ def _fitted(clean: Array, rng: np.random.Generator) -> Trial:
 
 
 def judged(name: str, estimates: list[Estimate], truth: float) -> Iterator[Row]:
-    """How many intervals hold the truth, and whether errors are as large as they are said to be."""
+    """Rows on how many intervals contain the true value, and on whether the errors are as large as estimated."""
     count = len(estimates)
     held = sum(one.low <= truth <= one.high for one in estimates)
     middle = 0.5 * (ENOUGH + TOO_MANY)

@@ -20,7 +20,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 from ecume_validation.runner import Row, above, below, floating_scene, read_table, within
 
-# A liquid whose capillary length is one meter, so that heights come out in capillary lengths.
+# With a capillary length of one meter, heights are in capillary lengths.
 SPHERE_LIQUID = flotation.Liquid(density=1000.0, surface_tension=1000.0, viscosity=1e-3, gravity=1.0)
 WATER = flotation.Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
 
@@ -28,7 +28,7 @@ Case = dict[str, str]
 
 
 def equilibrium(case: Case) -> float:
-    """A sphere's slope, filling, heights or charge."""
+    """Compute the slope, filling angle, heights or charge of a sphere."""
     bond, ratio, angle = _numbers(case)
     if case["quantity"] == "charge_over_R":
         return flotation.CHARGES[case["theory"]](bond, ratio, angle)
@@ -44,7 +44,7 @@ def equilibrium(case: Case) -> float:
 
 
 def sinking(case: Case) -> float:
-    """The largest density ratio that floats, or the slope at which it does."""
+    """Compute the largest density ratio of a floating sphere, or its slope there."""
     bond, angle = float(case["bond_number"]), math.radians(float(case["contact_angle_deg"]))
     if case["quantity"] == "slope_angle_deg":
         load = partial(flotation.balance.load, bond, angle)
@@ -53,13 +53,13 @@ def sinking(case: Case) -> float:
 
 
 def wall(case: Case) -> float:
-    """A plane wall's height or far amplitude."""
+    """Compute the height of the meniscus at a plane wall, or its far amplitude."""
     law = {"height_over_L": meniscus.wall_height, "amplitude_over_L": meniscus.wall_amplitude}[case["quantity"]]
     return law(math.radians(float(case["contact_angle_deg"])), SPHERE_LIQUID)
 
 
 def dish(case: Case) -> float:
-    """The height in the middle of a round dish, or at its wall."""
+    """Compute the height of the surface in the middle of a round dish, or at its wall."""
     radius = float(case["dish_radius_over_L"])
     r = {"middle_over_L": 0.0, "wall_over_L": radius}[case["quantity"]]
     angle = math.radians(float(case["contact_angle_deg"]))
@@ -70,7 +70,7 @@ SPHERES = {"equilibrium": equilibrium, "sinking": sinking, "wall": wall, "dish":
 
 
 def spheres(case: Case) -> Row:
-    """Spheres, walls and dishes."""
+    """Compare spheres, walls and dishes."""
     given = {"B": "bond_number", "D": "density_ratio", "theta": "contact_angle_deg", "a/L": "dish_radius_over_L"}
     where = " ".join(f"{letter}={case[key]}" for letter, key in given.items() if case[key])
     name = f"{case['table']} {case['quantity']} {case['theory']} {where}"
@@ -78,7 +78,7 @@ def spheres(case: Case) -> Row:
 
 
 def discs(case: Case) -> Row:
-    """A pinned disc with a steep meniscus."""
+    """Compare a pinned disc with a steep meniscus."""
     disc = flotation.Disc(float(case["radius_over_L"]), 1000.0 * float(case["load_over_gamma_L"]))
     found = flotation.equilibrium(disc, SPHERE_LIQUID)
     computed = {
@@ -90,7 +90,7 @@ def discs(case: Case) -> Row:
 
 
 def closures(case: Case) -> Row:
-    """The contact angle of the original project's closure."""
+    """Compare the contact angle of the original project's closure."""
     found = flotation.closure_contact_angle(float(case["bond_number"]), float(case["density_ratio"]))
     return within(
         f"original closure's contact angle (deg) B={case['bond_number']} D={case['density_ratio']}",
@@ -101,7 +101,7 @@ def closures(case: Case) -> Row:
 
 
 def image_forces(case: Case) -> Row:
-    """Force of a wall's image, over gamma A^2/L; without a radius the wall is plane."""
+    """The force by a wall's image, over gamma A^2/L; without a radius the wall is plane."""
     distance, word = float(case["distance_over_L"]), case["wall"]
     if case["dish_radius_over_L"]:
         radius = float(case["dish_radius_over_L"])
@@ -120,21 +120,21 @@ def lubrication(case: Case) -> Row:
 
 
 def approach(case: Case) -> Row:
-    """How long two equal spheres creep from 2 L to 2.02 R, drag against pull, or how they pull at contact."""
+    """Compute the time in which two equal spheres approach from 2 L to 2.02 R, or their attraction at contact."""
     sphere = flotation.Sphere(1e-3 * float(case["radius_mm"]), 1050.0, math.radians(75.0))
     name = f"two spheres of R={case['radius_mm']} mm, {case['quantity']}"
     return _row(name, APPROACHES[case["quantity"]](sphere), case)
 
 
 def pull_of(sphere: flotation.Sphere, distance: float) -> float:
-    """The attraction of two bodies (N), by linear charges."""
+    """The attraction of two bodies (N), from linear charges."""
     charge = flotation.capillary_charge(sphere, WATER, "linear")
     strength = capillarity.pair_strength(WATER.surface_tension, charge, charge)
     return -capillarity.pair_force(distance, strength, WATER.capillary_length)
 
 
 def approach_time(sphere: flotation.Sphere, film: Callable[[float], float]) -> float:
-    """The time that the slow approach takes (s): the integral of friction over twice the pull."""
+    """The time of the overdamped approach (s): the integral of friction over twice the attraction."""
     from scipy.integrate import quad
 
     friction = drag.stokes_friction(sphere.radius, WATER.viscosity, 0.565)
@@ -155,7 +155,7 @@ APPROACHES: dict[str, Callable[[flotation.Sphere], float]] = {
 
 
 def bessel(case: Case) -> Iterator[Row]:
-    """K0 and K1, of which all sums are made."""
+    """Compare K0 and K1, the functions in all pair laws."""
     x = float(case["x"])
     for name, law in (("k0", bessel_k0), ("k1", bessel_k1)):
         value = float(case[name])
@@ -163,14 +163,14 @@ def bessel(case: Case) -> Iterator[Row]:
 
 
 def truncation(case: Case) -> Row:
-    """The part of the pull at a raft's straight edge that a cutoff omits."""
+    """The fraction of the force at a raft's straight edge that a cutoff omits."""
     computed = capillarity.neglected_fraction(float(case["cutoff_over_L"]))
     name = f"share of a raft's pull beyond {case['cutoff_over_L']} L"
     return within(name, computed, float(case["neglected"]), float(case["tolerance"]))
 
 
 def lines_of_charges() -> list[Row]:
-    """Charges that stand for contact lines that rise and fall, on the law of quadrupoles."""
+    """Compare charges that represent undulated contact lines with the law of quadrupoles."""
     return [row._replace(name=f"lines of charges: {row.name}") for row in law_rows()]
 
 
@@ -198,7 +198,7 @@ def signs() -> list[Row]:
 
 
 def sphere_rows() -> list[Row]:
-    """Every published number, those of many bodies beyond superposition as well."""
+    """Compare every published number, including those of many bodies beyond superposition."""
     found = [spheres(case) for case in read_table("floating", "published")]
     found += [discs(case) for case in read_table("floating", "published_discs")]
     found += [closures(case) for case in read_table("floating", "published_closure")]
@@ -219,16 +219,16 @@ def _numbers(case: Case) -> tuple[float, float, float]:
     return float(case["bond_number"]), float(case["density_ratio"]), angle
 
 
-# A liquid whose capillary length is one meter and whose surface tension is one: all comes out in gamma and L.
+# With a capillary length of one meter and a surface tension of one, results are in units of gamma and L.
 MULTIPOLE_LIQUID = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
 LIGHT = 400.0
-"""Density (kg/m^3) of spheres that float at any size, for ratios of forces, which do not depend on it."""
+"""Density (kg/m^3) of spheres that float at any size; ratios of forces do not depend on it."""
 FINE = 1e-3
-"""Step of the finite differences, in L."""
+"""The step of finite differences, in L."""
 
 
 def multipole_rows() -> list[Row]:
-    """Every published number, and what must hold without one."""
+    """Compare every published number, and exact relations."""
     found = [
         within(_name(case), computed(case), float(case["value"]), float(case["tolerance"]))
         for case in read_table("multipole")
@@ -237,7 +237,7 @@ def multipole_rows() -> list[Row]:
 
 
 def computed(case: dict[str, str]) -> float:
-    """One number of the table."""
+    """Compute one number of the table."""
     body, size, order = _body(case), float(case["size"]), int(case["order"])
     apart = 2.0 * size * (1.0 + float(case["gap"]))
     table = case["table"]
@@ -268,13 +268,13 @@ def hexagon(rings: int, apart: float) -> Array:
 
 
 def triangle(apart: float) -> Array:
-    """Three places, all equally far apart."""
+    """Three places with equal distances."""
     angles = 0.3 + 2.0 * math.pi / 3.0 * np.arange(3)
     return apart / math.sqrt(3.0) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def superposed(places: Array, charge: float, i: int) -> Array:
-    """The superposed pair forces on body i, over gamma L."""
+    """The sum of pair forces on body i, over gamma L."""
     total = np.zeros(2)
     for j, place in enumerate(places):
         if j != i:
@@ -298,7 +298,7 @@ def _body(case: dict[str, str]) -> Any:
 
 
 def _charge(body: Any) -> float:
-    """The linear charge, heave and filling kept."""
+    """The charge from linear slopes at the body's heave and filling."""
     if isinstance(body, flotation.Sphere):
         return body.radius * flotation.closed_form_charge(
             body.radius**2, body.density / MULTIPOLE_LIQUID.density, body.contact_angle
@@ -314,7 +314,7 @@ def _name(case: dict[str, str]) -> str:
 
 
 def _derivatives() -> list[Row]:
-    """Forces are what the energy falls by."""
+    """Compare forces with differences of the energy."""
     found = []
     for name, body, apart in (
         ("disc", flotation.Disc(0.5, 0.1), 1.25),
@@ -329,7 +329,7 @@ def _derivatives() -> list[Row]:
 
 
 def _balance() -> list[Row]:
-    """Internal forces and torques cancel, for bodies of all kinds at once."""
+    """Compare the sums of internal forces and torques with zero, for bodies of all kinds."""
     places = np.array([[0.0, 0.0], [1.2, 0.3], [0.4, 1.3], [-1.0, 0.9]])
     bodies = [
         flotation.Disc(0.5, 0.1),
@@ -347,7 +347,7 @@ def _balance() -> list[Row]:
 
 
 def _quadrupoles() -> list[Row]:
-    """Small pinned quadrupoles, 32 radii apart, on their law."""
+    """Compare small pinned quadrupoles, 32 radii apart, with their law."""
     a, height, apart, angle_a, angle_b = 1e-3, 1e-5, 0.032, 0.3, 0.8
 
     def rim(angle: float) -> multipole.Undulated:
@@ -380,19 +380,21 @@ def _quadrupoles() -> list[Row]:
 
 
 FAR = 32.0
-"""Radii between the quadrupoles that are held against their law."""
+"""The distance in radii at which quadrupoles are compared with their law."""
 APPROACHED = 3e-3
-"""Of a time of approach: what gravity does at a twentieth of the capillary length, and the steps."""
+"""The relative tolerance of a time of approach: the effect of gravity at a twentieth of the capillary length, and of
+time steps.
+"""
 Charges = tuple[Array, Array]
 
 
 def shape_rows() -> list[Row]:
-    """Make all comparisons."""
+    """Compare laws, energy, stress, approach, docking and collisions."""
     return [*law_rows(), _stress(), *_approach(), *_docking(), *_billiard()]
 
 
 def law_rows() -> list[Row]:
-    """Small quadrupoles far apart, on their law; gamma and L are one."""
+    """Compare small quadrupoles far apart with their law, in units of gamma and L."""
     a, rise, angles = 1e-3, 1e-5, (0.3, 0.8)
     line, apart = Line(a, a, 0.0, 2, rise), FAR * a
     strength = contact_lines.quadrupole_strength(1.0, rise * a * a, rise * a * a)
@@ -407,7 +409,7 @@ def law_rows() -> list[Row]:
 
 
 def placed(line: Line, angle: float, x: float) -> Charges:
-    """A contact line's charges, turned and moved along the first axis."""
+    """The charges of a contact line after rotation and a displacement along x."""
     places, charges = spread_charges(line)
     c, s = math.cos(angle), math.sin(angle)
     return places @ np.array([[c, s], [-s, c]]) + [x, 0.0], charges
@@ -420,7 +422,7 @@ def energy(one: Charges, other: Charges) -> float:
 
 
 def pulled(one: Charges, other: Charges) -> tuple[Array, float]:
-    """The force on the first of two lines, and the torque about the origin, its center."""
+    """The force on the first of two lines, and the torque about the origin, which is its center."""
     apart = other[0] - one[0][:, None]
     distance = np.linalg.norm(apart, axis=2)
     pull = 2.0 * math.pi * one[1][:, None] * other[1] * k1(distance) / distance
@@ -429,7 +431,9 @@ def pulled(one: Charges, other: Charges) -> tuple[Array, float]:
 
 
 def _stress() -> Row:
-    """The stress gamma [(|grad h|^2 + h^2)/2 n - grad h dh/dn] of both surfaces, around one of two ellipses."""
+    """Compare the force with the integral of the stress gamma [(|grad h|^2 + h^2)/2 n - grad h dh/dn] around one of two
+    ellipses.
+    """
     line = Line(0.2, 0.08, 0.01, 2, -0.02)
     pair = placed(line, 1.3, 0.0), placed(line, 1.7, 0.45)
     turn = 2.0 * math.pi * np.arange(4000) / 4000
@@ -449,7 +453,7 @@ def _stress() -> Row:
 
 
 def _approach() -> list[Row]:
-    """When two quadrupoles have come nearer, from two and a half diameters."""
+    """Compare the approach of two quadrupoles over time, from two and a half diameters."""
     scene = floating_scene("shapes", [])
     kind = float_kinds(scene)[0]
     line, friction = kind.figure.line, kind.figure.friction[0]
@@ -472,7 +476,7 @@ def _apart(frame: Frame) -> float:
 
 
 def _docking() -> list[Row]:
-    """Where two slender ellipsoids end that are turned by these angles at the start."""
+    """Compare the final orientations of two slender ellipsoids for these initial angles."""
     found = []
     for name, angles, apart, lean in (("parallel", (30, 30), 60e-6, 0.0), ("mirrored", (30, -20), 24e-6, 90.0)):
         last = _docked(angles)
@@ -500,7 +504,7 @@ def _docked(angles: Sequence[float]) -> Frame:
 
 
 def _billiard() -> list[Row]:
-    """Bodies of all shapes that collide."""
+    """Compare momentum and energy of colliding bodies of all shapes."""
     found = []
     for restitution in (1.0, 0.5):
         frames = list(simulate(floating_scene("shapes", [f"contacts.restitution={restitution}"], "billiard")))

@@ -1,8 +1,9 @@
-"""Floats whose motion SciPy integrates as well, and a raft: the cases `meeting`, `walls`, `integrators` and `raft`.
+"""Floats whose motion SciPy integrates too, and a raft: the cases `meeting`, `walls`, `integrators`
+and `raft`.
 
-The reference is the first part: the same force laws as in the runs, everything else by other means. Charge and
-friction of a float are from ecume's own laws (the case `floating` and the tests judge those). Bessel functions, the
-amplitude at the wall and the integration of the motion are SciPy's, or written down here.
+The reference is the first part: the force laws of the runs with independent integration. Charge and friction of a float
+are from ecume's laws, which the case `floating` and the tests verify. Bessel functions and the integration of the
+motion are SciPy's, and the amplitude at the wall is computed here.
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ from ecume.units import Array
 from ecume_validation.runner import Row, above, below, case_scene, floating_scene, frames_of, within
 
 ACCURACY = 1e-12
-"""Relative, of the reference."""
+"""The relative accuracy of the reference."""
 LONGEST = 1e4
-"""s; whatever is waited for comes before."""
+"""The longest integration (s); all events come earlier."""
 
 
 class Body(NamedTuple):
-    """A float as a point that is pulled and slowed."""
+    """A float as a point with a capillary charge, a mass and a friction."""
 
     radius: float
     mass: float
@@ -45,7 +46,7 @@ class Body(NamedTuple):
 
 
 def bodies_of(scene: FloatingScene) -> list[Body]:
-    """The scene's floats, a body for each of its tables, on which drag acts if the scene says so."""
+    """A body for each table of floats of the scene, with drag if the scene has it."""
     liquid, bodies = liquid_of(scene), []
     for given in scene.particles:
         assert isinstance(given.contact_angle, float)  # noqa: S101  # the cases' scenes have numbers
@@ -59,7 +60,7 @@ def bodies_of(scene: FloatingScene) -> list[Body]:
 
 
 def meeting_time(bodies: Sequence[Body], distance: float, liquid: flotation.Liquid) -> float:
-    """The time at which two bodies touch that are released at rest with their centers a distance apart (s)."""
+    """The time at which two bodies touch that are released at rest, with their centers a distance apart (s)."""
     one, other = bodies
     length, tension = liquid.capillary_length, liquid.surface_tension
     strength = 2.0 * math.pi * tension * one.charge * other.charge / length
@@ -86,7 +87,7 @@ class Bowl(NamedTuple):
 
 
 def place_in_bowl(body: Body, start: float, time: float, bowl: Bowl) -> float:
-    """The distance from the axis of a body that was released at rest at the distance `start` from it (m)."""
+    """The distance from the axis of a body that was released at rest at the distance `start` (m)."""
     return float(_way_in_bowl(body, start, time, bowl).y[0, -1])
 
 
@@ -101,7 +102,7 @@ def time_in_bowl(body: Body, start: float, way: float, bowl: Bowl) -> float:
 
 
 def _way_in_bowl(body: Body, start: float, time: float, bowl: Bowl, event: Any = None) -> Any:
-    """The meniscus is A_w I0(r/L) / I1(a/L), with the amplitude of the exact plane meniscus."""
+    """Integrate the motion in the meniscus A_w I0(r/L) / I1(a/L), with the amplitude of the exact plane meniscus."""
     length, tension = bowl.liquid.capillary_length, bowl.liquid.surface_tension
     amplitude = length * _amplitude_over_length(bowl.contact_angle)
     strength = 2.0 * math.pi * tension * body.charge * amplitude / length / float(i1(bowl.radius / length))
@@ -124,22 +125,22 @@ def _amplitude_over_length(contact_angle: float) -> float:
 
 
 SIZES = ((1.0, 1.0), (0.6, 0.6), (1.0, 0.6))
-"""Radii of both, mm."""
+"""Radii of both floats, mm."""
 DISTANCES = (4.0, 6.0, 9.0)
-"""Of the centers at the start, mm."""
+"""Initial distances of the centers, mm."""
 MEETING_TOLERANCE = 1e-3
-"""Over the expected time."""
+"""The tolerance over the expected time."""
 MEETING_FRAMES = 400
-"""Until they should meet; they get a tenth more."""
+"""Frames until the expected contact; a run is a tenth longer."""
 
 
 def meeting_rows() -> list[Row]:
-    """The time of meeting for each pair, distance and with or without drag."""
+    """Compare the time of contact for each pair and distance, with and without drag."""
     return [meeting(sizes, distance, drag=drag) for drag in (False, True) for sizes in SIZES for distance in DISTANCES]
 
 
 def meeting(sizes: tuple[float, float], distance: float, *, drag: bool) -> Row:
-    """One pair's time of meeting, in seconds."""
+    """Compare the time of contact of one pair (s)."""
     scene = _meeting_scene(sizes, distance, drag, 1.0)
     expected = meeting_time(bodies_of(scene), 1e-3 * distance, liquid_of(scene))
     computed = _met_after(_meeting_scene(sizes, distance, drag, expected / MEETING_FRAMES))
@@ -161,7 +162,7 @@ def _meeting_scene(sizes: tuple[float, float], distance: float, drag: bool, fram
 
 
 def _met_after(scene: FloatingScene) -> float:
-    """The moment of touching, from the last frame in which a gap is open; infinite when they do not meet."""
+    """The time of contact, extrapolated from the last frame with an open gap; infinite without contact."""
     reach = sum(given.radius for given in scene.particles)
     touching = math.inf
     for frame in simulate(scene):
@@ -180,20 +181,22 @@ GLASSES = {"wetting": 45.0, "non-wetting": 120.0}
 DISHES = (10.0, 25.0)
 """Radii, mm."""
 FROM_WALL = 4.0
-"""Of the center at the start, mm."""
+"""Initial distance of the center from the wall, mm."""
 WAY = 2.0
-"""How far it may go, mm: a float that climbs has not touched the wall by then."""
+"""The displacement that is timed, mm; a float that climbs has not yet touched the wall."""
 WALL_TOLERANCE = 1e-3
-"""Over the way."""
+"""The tolerance over the displacement."""
 
 
 def wall_rows() -> list[Row]:
-    """The drift of each float at each wall of each dish, with and without drag."""
+    """Compare the displacement of each float at each wall of each dish, with and without drag."""
     return [drift(*choice) for choice in product(FLOATS, GLASSES, DISHES, (False, True))]
 
 
 def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
-    """Compare the displacement of a float that should have moved 2 mm (mm); towards the wall is positive."""
+    """Compare a displacement with 2 mm, at the time at which the reference has moved so far (mm); towards the wall is
+    positive.
+    """
     start = 1e-3 * (dish - FROM_WALL)
     changes = [
         f"particles[0].density={FLOATS[kind]}",
@@ -215,26 +218,28 @@ def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
 
 ORDERS = {"velocity-verlet": 2, "explicit-euler": 1, "stormer-verlet": 2, "semi-implicit-euler": 1, "rk4": 4}
 INTEGRATOR_STEPS = (128, 256)
-"""In the scene's own time, about a third of a swing."""
+"""Numbers of steps in about a third of an oscillation."""
 INTEGRATOR_TOLERANCE = 0.05
 LONG_STEP = 4e-3
-"""s: forty to a swing"""
+"""A time step (s) of a fortieth of an oscillation."""
 MANY, LOOK_EVERY = 1_000_000, 1000
-"""Steps, and steps between two looks at the energy."""
+"""Steps, and steps between two evaluations of the energy."""
 MOST_CHANGE, MOST_GROWTH, EULER_CHANGE = 1e-3, 1.05, 0.5
-"""Of Verlet's energy, over the energy of the swing; its second half over its first; what Euler's has passed."""
+"""Limits of the energy change of Verlet's scheme over the energy of the oscillation, of that in the second half over
+the first, and the change that Euler's scheme exceeds.
+"""
 
 
 def integrator_rows() -> list[Row]:
-    """Five orders, and three numbers about energies."""
+    """Compare five orders of convergence, and three numbers on energies."""
     with warnings.catch_warnings():
-        # Long steps are what this is about.
+        # The long steps are intended.
         warnings.simplefilter("ignore", StepWarning)
         return [*(order(name) for name in ORDERS), *energies()]
 
 
 def order(integrator: str) -> Row:
-    """The order of an integrator: how its error falls when the step is halved."""
+    """The order of convergence of an integrator, from the errors at two time steps."""
     scene = _integrator_scene(integrator, 0.32 / INTEGRATOR_STEPS[0], 0.32)
     assert scene.dish is not None  # noqa: S101  # the scene has one
     assert scene.dish.radius is not None  # noqa: S101  # and it is round
@@ -250,7 +255,9 @@ def order(integrator: str) -> Row:
 
 
 def energies(steps: int = MANY) -> list[Row]:
-    """Verlet's energy changes a little and no more later than at first; Euler's grows until the float is thrown out."""
+    """Compare energies: that of Verlet's scheme oscillates without growth, that of Euler's grows until the float is
+    ejected.
+    """
     kept = energy_changes(simulate(_long_scene("velocity-verlet", steps, LOOK_EVERY)))
     lost = energy_changes(_until_thrown_out(simulate(_long_scene("explicit-euler", steps, LOOK_EVERY // 100))))
     first, second = max(kept[: len(kept) // 2]), max(kept[len(kept) // 2 :])
@@ -270,7 +277,7 @@ def energy_changes(frames: Iterable[Frame]) -> list[float]:
 
 
 def _until_thrown_out(frames: Iterable[Frame]) -> Iterator[Frame]:
-    """The frames up to where the float leaves the range of the physics, which is what this one is expected to do."""
+    """The frames up to the failure of the run, which is expected here."""
     try:
         yield from frames
     except Diverged:
@@ -309,24 +316,27 @@ def _integrator_scene(integrator: str, step: float, frame_every: float, frames: 
 
 
 UNITS, RAFT_FRAMES = 60.0, 120
-"""Units of time, and frames in them."""
+"""Duration in units of time, and the number of frames."""
 PULL = 0.02
-"""The force 2 pi gamma A^2/L, in units of mass, capillary length and time: that defines the unit of time."""
+"""The force 2 pi gamma A^2/L, in units of mass, capillary length and time, which defines the unit of time."""
 RAFT_STEPS = (0.01, 0.04)
-"""Of the trial that the case comes from, in units of time; ecume's own choice is 0.05."""
+"""Time steps of the trial from which the case comes, in units of time; ecume chooses 0.05."""
 COARSEST = 0.2
-"""Four times ecume's choice."""
+"""Four times the step that ecume chooses."""
 DEEPEST, RISES, DRIFT = 1e-3, 1e-5, 1e-12
-"""What is allowed: overlaps over a radius, rises of the energy over its whole change, momentum over all floats' own."""
+"""Limits: of overlaps over a radius, of rises of the energy over its whole change, and of the total momentum over the
+sum of magnitudes.
+"""
 SEEDS = range(1, 26)
-"""Starts: how pairs roll over each other while a raft folds is chaos; the last bits of a force change rises tenfold.
-The median of 25 starts drawn from 40 stayed below three quarters of its limit 400 times, that of five did not."""
+"""Random starts. The folding of a raft is chaotic: the last bits of a force change rises of the energy tenfold. The
+median of 25 starts drawn from 40 stayed below three quarters of its limit 400 times, that of five did not.
+"""
 COARSE_RISES = RISES * (COARSEST / 0.05) ** 2
-"""The scheme's own swings of the energy grow as the square of the step."""
+"""The energy oscillates with an amplitude proportional to the square of the step."""
 
 
 def unit_of_time() -> float:
-    """sqrt(0.02 m L/(2 pi gamma A^2/L)), s."""
+    """The unit of time sqrt(0.02 m L/(2 pi gamma A^2/L)) (s)."""
     scene = case_scene("raft")
     floats, liquid = MODELS["floating"].parameters(scene).floats, liquid_of(scene)
     pull = pair_strength(liquid.surface_tension, float(floats.charge[0]), float(floats.charge[0]))
@@ -334,7 +344,7 @@ def unit_of_time() -> float:
 
 
 def raft_rows() -> list[Row]:
-    """The raft at the trial's two steps and at four times the default step, without friction and with it."""
+    """Compare the raft at the trial's two steps and at four times the default step, without and with friction."""
     return [
         row
         for friction in (0.0, 0.3)
@@ -360,7 +370,7 @@ def rises_of(frames: list[Frame]) -> float:
 
 
 def raft(step: float, friction: float, rises_allowed: float = RISES, seeds: Sequence[int] = SEEDS) -> list[Row]:
-    """Rafts from these starts: energies of all, and whatever else of the first."""
+    """Compare rafts from these starts: the energies of all, and other quantities of the first."""
     frames, *others = [gathered(step, friction, seed) for seed in seeds]
     rises = float(np.median([rises_of(each) for each in (frames, *others)]))
     arrays, last = frames[-1].arrays, frames[-1].numbers
@@ -373,6 +383,6 @@ def raft(step: float, friction: float, rises_allowed: float = RISES, seeds: Sequ
         below(f"{name}: momentum over that of all floats", momentum / float(largest), DRIFT),
         below(f"{name}: rafts", last["clusters"], 1.5),
     ]
-    # Where surfaces rub a braced raft may have no solution that sweeps find: see the page.
+    # With friction, sweeps may not converge for a braced raft: see the page.
     smooth = [below(f"{name}: steps that did not converge", last["unconverged_steps"], 0.5)]
     return found if friction else found + smooth

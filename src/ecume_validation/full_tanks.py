@@ -22,18 +22,18 @@ RATE = taylor_green_decay(2.0 * math.pi, 2.0 * math.pi, VORTEX_VISCOSITY)
 
 
 class Course(NamedTuple):
-    """The time series by which a run is judged, relative to the exact flow."""
+    """The time series of a run, relative to the exact flow."""
 
     time: Array
     error: Array
-    """mean of the speeds' errors"""
+    """mean error of speeds"""
     fastest: Array
     energy: Array
     volume: Array
 
 
 def vortex_rows() -> list[Row]:
-    """Compare both resolutions, then the finer one with the published one."""
+    """Compare runs of both resolutions, and the finer one with the published run."""
     courses = {side: vortex_course(side) for side in VORTEX_SIDES}
     errors = [float(courses[side].error[1:].max()) for side in VORTEX_SIDES]
     coarse = [below(f"{VORTEX_SIDES[0]} a side: largest error", errors[0], 0.06)]
@@ -54,7 +54,7 @@ def of_the_finer(found: Course) -> list[Row]:
 
 
 def beside_published(found: Course) -> list[Row]:
-    """Compare our error at the nearest frame with the published one."""
+    """Compare the error at the nearest frame with the published one."""
     return [
         below(
             f"below PySPH's {case['scheme']}: error at t = {case['time']}",
@@ -66,13 +66,13 @@ def beside_published(found: Course) -> list[Row]:
 
 
 def vortex_course(side: int) -> Course:
-    """One run."""
+    """Run the vortices at one resolution."""
     scene = case_scene("taylor_green", [f"spacing={1.0 / side!r}"])
     return Course(*np.array([judged(frame) for frame in simulate(scene)]).T)
 
 
 def judged(frame: Frame) -> tuple[float, ...]:
-    """One instant."""
+    """The quantities of one frame."""
     faded = math.exp(-RATE * frame.time)
     x, y = 2.0 * math.pi * frame.arrays["position"].T
     exact = faded * np.hypot(taylor_green_velocity(x, y, 1.0), taylor_green_velocity(y, x, -1.0))
@@ -96,13 +96,13 @@ def order(errors: list[float]) -> float:
 ACROSS = (15, 30)
 CHANNEL_VISCOSITY = 0.1
 EARLIEST = 0.225
-"""s, tau = 0.0225: before that the layer at the wall is thinner than a smoothing length."""
+"""The time (s), tau = 0.0225, before which the layer at the wall is thinner than a smoothing length."""
 DRIVEN = {"poiseuille": "gravity=[0.8, 0.0]", "couette": "tank.top={velocity=[1.0, 0.0]}"}
 CHANNEL_WALLS = ("mirror", "dummy")
 
 
 def channel_rows() -> list[Row]:
-    """The series first."""
+    """Compare the series, then the runs."""
     return [*series(), *(row for flow in DRIVEN for walls in CHANNEL_WALLS for row in channel(flow, walls))]
 
 
@@ -116,7 +116,7 @@ def series() -> list[Row]:
 
 
 def channel(flow: str, walls: str) -> list[Row]:
-    """One flow, one kind of walls, both resolutions."""
+    """Compare one flow with one kind of walls at both resolutions."""
     bound = float(read_table("poiseuille")[0]["largest_error"])
     errors = [largest_error(flow, [DRIVEN[flow], f"tank.walls={walls}", f"spacing={1.0 / n!r}"]) for n in ACROSS]
     name = f"{flow}, {walls}"
@@ -134,13 +134,13 @@ def largest_error(flow: str, changes: Sequence[str]) -> float:
 
 
 def error(flow: str, frame: Frame) -> float:
-    """The largest in a frame."""
+    """The largest error in a frame."""
     speed, height = frame.arrays["velocity"][:, 0], np.clip(frame.arrays["position"][:, 1], 0.0, 1.0)
     return float(np.abs(speed - [exact(flow, y, frame.time) for y in height]).max())
 
 
 def exact(flow: str, height: float, time: float) -> float:
-    """The exact speed, with a largest speed of one in the end."""
+    """The exact speed, in units of the largest final speed."""
     if flow == "couette":
         return couette_start(height, time, 1.0, CHANNEL_VISCOSITY, 1.0)
     return poiseuille_start(height, time, 1.0, CHANNEL_VISCOSITY, 8.0 * CHANNEL_VISCOSITY)
@@ -180,7 +180,7 @@ def cavity_rows() -> list[Row]:
 
 
 def found(side: int) -> Found:
-    """One run: velocities on the lines, in the mean of the last frames."""
+    """Run one resolution: errors of the velocities on the lines, in the mean of the last frames."""
     frames = [frame for frame in frames_of("cavity", [f"spacing={1.0 / side!r}"]) if frame.time >= STEADY]
     errors = {}
     for line, component in LINES.items():
@@ -191,7 +191,7 @@ def found(side: int) -> Found:
 
 
 def table(line: str) -> tuple[Array, Array]:
-    """(n, 2) places, and what the velocity there is."""
+    """The places and velocities of a published table (n, 2)."""
     cases = [case for case in read_table("cavity", "independent") if case["line"] == line]
     along = np.array([float(case["place"]) for case in cases])
     middle = np.full(len(along), 0.5)
@@ -200,7 +200,7 @@ def table(line: str) -> tuple[Array, Array]:
 
 
 def velocity_at(frame: Frame, places: Array, smoothing: float) -> Array:
-    """(n, 2) of a line fitted to the particles around each place, each weighed by the kernel."""
+    """The velocities at places (n, 2), from a linear fit to the surrounding particles with the kernel as weight."""
     position, velocity = completed(frame, 2.0 * smoothing)
     shape, fitted = kernel("wendland-c2", dim=2), []
     for place in places:
@@ -214,7 +214,7 @@ def velocity_at(frame: Frame, places: Array, smoothing: float) -> Array:
 
 
 def completed(frame: Frame, reach: float) -> tuple[Array, Array]:
-    """Positions and velocities of the particles, and of their images in walls that hold the liquid."""
+    """Positions and velocities of the particles, and of their mirror images at walls."""
     position, velocity = frame.arrays["position"], frame.arrays["velocity"]
     for axis, wall, twice in CAVITY_WALLS:
         near = np.abs(position[:, axis] - wall) < reach
@@ -226,11 +226,11 @@ def completed(frame: Frame, reach: float) -> tuple[Array, Array]:
 
 
 MIDDLE = -147.34
-"""Pa, at the start."""
+"""The initial pressure in the middle (Pa)."""
 
 
 def patch_rows() -> list[Row]:
-    """The series, then runs of two resolutions, then without shifting."""
+    """Compare the series, then runs of two resolutions, then a run without shifting."""
     coarse, fine, bare = patch_course(0.05), patch_course(0.025), patch_course(0.025, "method.shifting=none")
     return [
         below("series off the table by", off_the_table(), 1e-6),
@@ -257,7 +257,7 @@ def off_the_table() -> float:
 
 
 def early(frames: list[Frame]) -> float:
-    """The mean pressure in the middle (Pa) while sound passes a few times."""
+    """The mean pressure in the middle (Pa), while sound crosses the patch a few times."""
     first = [frame for frame in frames if 0.0 < frame.time < 0.35]
     return float(np.mean([frame.arrays["pressure"][inner(frame, 0.1)].mean() for frame in first]))
 
@@ -275,7 +275,7 @@ def spin(frame: Frame) -> float:
 
 
 def nearest(frame: Frame) -> float:
-    """The mean distance to the nearest neighbor in the middle, over the lattice's at this density of particles."""
+    """The mean distance of nearest neighbors in the middle, over that of a lattice with the same number density."""
     place = frame.arrays["position"][inner(frame, 0.25)]
     apart = np.linalg.norm(place[:, None] - place[None], axis=2) + 10.0 * np.eye(len(place))
     lattice = np.sqrt(np.pi * 0.25**2 / len(place))

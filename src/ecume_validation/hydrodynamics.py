@@ -1,4 +1,4 @@
-"""Floats that move one another by the flow of the liquid: rafts, pairs, diffusion and Boltzmann's weights."""
+"""Floats with hydrodynamic interaction: rafts, pairs, diffusion and Boltzmann's weights."""
 
 from __future__ import annotations
 
@@ -27,18 +27,20 @@ SYRUP = {"density": 1000.0, "viscosity": 0.02, "surface_tension": 0.0728}
 RAFTS = (7, 19, 37, 91)
 GAPS = (0.01, 0.02, 0.05, 0.1, 0.5, 1.0, 2.0, 3.0, 4.0, 8.0, 18.0)
 TOGETHER = {2.0: 0.05, 3.0: 0.025, 4.0: 0.01, 6.0: 0.01, 10.0: 0.01}
-"""Distances of centers of two spheres that move together, in R, and tolerances."""
+"""Distances of the centers of two spheres that move together, in R, and the tolerances."""
 PACKINGS = 1000
 STEPS = 40_000
 """Independent steps from one configuration."""
 SMALL, TEMPERATURE = 1e-6, 300.0
 """Radius (m) of floats with thermal noise, and their temperature (K)."""
 WELL, FRAMES, PER_FRAME = 5e-4, 15_000, 20
-"""Radius of the dish that is a well (m), frames, steps for each. The well is gentle, but its rim is steep."""
+"""Radius of the dish that confines the float (m), frames, and steps per frame. The confinement is weak in the middle,
+and steep at the rim.
+"""
 
 
 class Run:
-    """A run of the floating model that is held at each step."""
+    """A run of the floating model that can be advanced step by step."""
 
     def __init__(self, scene: dict[str, Any], **constants: float) -> None:
         self.model, given = MODELS["floating"], from_plain({"model": "floating", **scene})
@@ -49,7 +51,7 @@ class Run:
         self.workspace = self.model.workspace(self.parameters, self.state, 1.0)
 
     def advance(self, steps: int) -> None:
-        """Do that many steps."""
+        """Advance by this number of steps."""
         end, status = int(self.state.step[0]) + steps, CROWDED
         while status == CROWDED:
             status = self.model.advance(self.parameters, self.state, self.workspace, end - int(self.state.step[0]))
@@ -60,7 +62,7 @@ class Run:
 
 
 def rows() -> list[Row]:
-    """Rafts, pairs, packings, diffusion, and weights in a well."""
+    """Compare rafts, pairs, packings, diffusion, and the distribution in a well."""
     return [*rafts(), *approaches(), *common_motions(), *packings(), *diffusion(), *weights()]
 
 
@@ -81,7 +83,7 @@ def forces_of(run: Run, places: Array) -> Array:
 
 
 def rafts() -> Iterator[Row]:
-    """The speeds of rafts that a distant wall pulls."""
+    """Compare the speeds of rafts that a distant wall attracts."""
     wall = {"size": [0.03, 0.08], "contact_angle": math.radians(90.2)}
     for count in RAFTS:
         places = RADIUS * compact_raft(count) + [0.006, 0.0]
@@ -94,7 +96,7 @@ def rafts() -> Iterator[Row]:
 
 
 def approaches() -> Iterator[Row]:
-    """The slowness of two spheres that approach, with films."""
+    """Compare the slowness of two approaching spheres, with lubrication films."""
     for gap in GAPS:
         places = RADIUS * np.array([[-1.0 - 0.5 * gap, 0.0], [1.0 + 0.5 * gap, 0.0]])
         run = Run(scene_of(places, lubrication={"roughness": 1e-8}))
@@ -117,7 +119,7 @@ def common_factor(distance: float) -> float:
     total = 0.0
     for n in range(1, math.ceil(30.0 / alpha) + 3):
         odd = 2.0 * n + 1.0
-        # Over exp((2n+1) a), which would overflow.
+        # Divided by exp((2n+1) a), which would overflow.
         shrunk = math.exp(-odd * alpha)
         top = (1.0 - shrunk) ** 2 - (odd * math.sinh(alpha)) ** 2 * shrunk
         bottom = -math.expm1(-2.0 * odd * alpha) + odd * math.sinh(2.0 * alpha) * shrunk
@@ -126,7 +128,7 @@ def common_factor(distance: float) -> float:
 
 
 def common_motions() -> Iterator[Row]:
-    """The drag of two spheres that move together, by the sum of their velocities over the sum of their forces."""
+    """Compare the drag of two spheres that move together, from the sums of their velocities and forces."""
     wall = {"size": [0.03, 0.08], "contact_angle": math.radians(90.2)}
     for distance, tolerance in TOGETHER.items():
         places = RADIUS * np.array([[-0.5 * distance, 0.0], [0.5 * distance, 0.0]]) + [0.006, 0.0]
@@ -140,7 +142,7 @@ def common_motions() -> Iterator[Row]:
 
 
 def packings() -> Iterator[Row]:
-    """Matrices that are not positive definite among those of random packings."""
+    """Count matrices that are not positive definite among those of random packings."""
     rng, failed = np.random.default_rng(7), 0
     for _ in range(PACKINGS):
         count = int(rng.integers(2, 25))
@@ -151,7 +153,7 @@ def packings() -> Iterator[Row]:
 
 
 def brownian_scene(places: Array, **rest: Any) -> dict[str, Any]:
-    """Small spheres with thermal noise that have no other force on one another."""
+    """Small spheres with thermal noise and without other forces."""
     bead = {"radius": SMALL, "density": 4000.0, "contact_angle": math.pi / 2, "positions": places.tolist()}
     return {
         "duration": 10.0, "frame_every": 10.0, "particles": [bead], "seed": 3,
@@ -162,7 +164,7 @@ def brownian_scene(places: Array, **rest: Any) -> dict[str, Any]:
 
 
 def diffusion() -> Iterator[Row]:
-    """Displacements of a dimer and a trimer in single steps from one configuration, over 2 kT dt and the mobility."""
+    """Compare the displacements of a dimer and a trimer in single steps with 2 kT dt times the mobility."""
     corners = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3.0)]])
     for count, name in ((2, "dimer"), (3, "trimer")):
         places = SMALL * corners[:count]
@@ -183,7 +185,7 @@ def diffusion() -> Iterator[Row]:
 
 
 def weights() -> Iterator[Row]:
-    """The mean square distance from the center of a well, with the drift kT div M and without."""
+    """Compare the mean square distance from the center of a well, with and without the drift kT div M."""
     name = "mean square distance of eight spheres in a well, over kT/k"
     yield within(name, spread_in_a_well(), 1.0, 0.06)
     yield below(f"{name}, without the drift kT div M", spread_in_a_well(thermal=0.0), 0.85)
@@ -195,7 +197,7 @@ def spread_in_a_well(**constants: float) -> float:
     step = {"integrator": "overdamped", "time_step": 0.02}
     dish = {"radius": WELL, "contact_angle": math.radians(10.0)}
     with warnings.catch_warnings():
-        # The step that is advised is for floats at the rim.
+        # The step recommended by the warning is for floats at the rim.
         warnings.simplefilter("ignore", StepWarning)
         run = Run(brownian_scene(places, dish=dish, integration=step), **constants)
     length = float(run.parameters.pair[1])

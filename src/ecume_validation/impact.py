@@ -20,26 +20,27 @@ FAR_WALL = 5.366
 SENSORS = {"S1": 0.01, "S2": 0.05, "S3": 0.1, "S4": 80.0 / 300.0}
 """Heights on the far wall: 3, 15, 30 and 80 mm with H = 300 mm."""
 DIAMETER, INTERVAL = 4.2 / 300.0, 2.859e-4
-"""Of a sensor, 4.2 mm; between two of its samples, 50 microseconds. Steps are longer: each is sampled."""
+"""The diameter of a sensor, 4.2 mm, and its sampling interval, 50 microseconds, shorter than a time step."""
 CHORDS = np.sqrt(1.0 - np.linspace(-0.8, 0.8, 5) ** 2)
 """Weights of five points over the height of a disc."""
 LASTING = 3.5
-"""Time of the end: the uppermost sensor is reached at 2.75."""
+"""The end time; the uppermost sensor is reached at 2.75."""
 WET = 0.1
-"""Pressure from which on a sensor has been reached."""
+"""The pressure at which a sensor has been reached."""
 IMPACT = 0.5
-"""The impulse is that of this time after the arrival: the experiment's time of impact, twice the times from half the
-peak to the peak and back to half of it."""
+"""The time after the arrival over which the impulse is integrated: twice the times from half of the peak to the peak
+and back, the experiment's time of impact.
+"""
 WINDOW = 0.1
-"""Time of an average of the pressure: 17 ms in the experiment."""
+"""The time over which pressures are averaged: 17 ms in the experiment."""
 MOST_PEAK, LEAST = 1.5, -0.5
-"""Of the experiment's peak; over rho g H."""
+"""The largest peak over that of the experiment, and the lowest pressure over rho g H."""
 ARRIVAL, RISE, IMPULSE = 0.08, 0.5, 0.25
 """Relative tolerances."""
 
 
 class Impact(NamedTuple):
-    """Pressures of the sensors, one entry a time step."""
+    """Pressures of the sensors, one entry per time step."""
 
     times: Array
     pressures: Array
@@ -49,7 +50,7 @@ class Impact(NamedTuple):
 
 
 def sensors() -> str:
-    """The change of a scene that adds the sensors, as rows of five points over each one's height."""
+    """The change of a scene that adds each sensor, as a row of five points over its height."""
     reach = 0.4 * DIAMETER
     rows = [
         f'{{name="{name}",position=[{FAR_WALL},{height - reach!r}],end=[{FAR_WALL},{height + reach!r}],count=5}}'
@@ -59,7 +60,7 @@ def sensors() -> str:
 
 
 def frames_and_samples(changes: list[str], samples: list[Frame]) -> Iterator[Frame]:
-    """The frames of a dam break; appends what the sensors read in each time step."""
+    """The frames of a dam break; appends the samples of each time step to `samples`."""
     scene = sph_scene("dam_break", [*changes, sensors(), f"output.samples={{every={INTERVAL}}}"])
     for moment in moments(scene, sampled=BEFORE):
         if moment.sample is not None:
@@ -102,7 +103,7 @@ def impulse(times: Array, pressure: Array) -> float:
 
 
 def averaged(times: Array, pressure: Array) -> Array:
-    """Moving averages over `WINDOW`."""
+    """Moving averages over the time `WINDOW`."""
     even = np.arange(times[0], times[-1], INTERVAL)
     count = round(WINDOW / INTERVAL)
     found: Array = np.convolve(np.interp(even, times, pressure), np.full(count, 1.0 / count), "valid")
@@ -116,7 +117,7 @@ def published(table: str, name: str) -> float:
 
 
 def rows_of(name: str, run: Impact, other: float) -> list[Row]:
-    """All numbers of an impact, beside the experiment; `other` is the peak of another code."""
+    """Rows on an impact beside the experiment; `other` is the peak of another code."""
     times, lowest = run.times, run.pressures[:, 0]
     peak, rise, push = (published(f"impact_{what}", "S1") for what in ("peak", "rise", "impulse"))
     beside = f"(experiment: {peak:.3g}, other code: {other:.3g})"

@@ -20,31 +20,31 @@ LONGER = 5.0
 """Steps of the weakly compressible run, over those of the incompressible one."""
 MOST_DENSITY, MOST_PRESSURE = 1e-3, 5e-3
 SETTLED = 4.0
-"""Time from which the tank at rest is averaged."""
+"""The time after which the tank at rest is averaged."""
 SURFACE = 0.8
-"""Height below which pressures are compared, over H: the uppermost four rows are above."""
+"""The height over H below which pressures are compared; only the four uppermost rows are above."""
 DEEP = 40
-"""Particles in the height of the dam's column."""
+"""Particles per height of the column."""
 PEAK, PEAK_TOLERANCE = 3.04, 0.5
-"""Of the lowest sensor over rho g H, in the experiment's event [lobovsky2014]; the tolerance is relative."""
+"""The peak at the lowest sensor over rho g H in the experiment [lobovsky2014], and its relative tolerance."""
 WINDOW = 10
 """Frames of 0.01 over which the sensor is averaged: 0.1 sqrt(H/g), 17 ms in the experiment."""
 
 
 class Dam(NamedTuple):
-    """A dam break, one entry a frame."""
+    """The quantities of a dam break, one entry per frame."""
 
     time: Array
     front: Array
     sensor: Array
     """Pa, over rho g H"""
     excess: Array
-    """mean of what the density is too large by; NaN in weakly compressible runs"""
+    """mean positive error of the density; NaN in weakly compressible runs"""
     steps: float
 
 
 def rows() -> list[Row]:
-    """The tank at rest, the vortices, the dam."""
+    """Compare the tank at rest, the vortices and the dam break."""
     return [*at_rest(), *vortices(), *dam()]
 
 
@@ -54,7 +54,7 @@ def frames_of(name: str, changes: Sequence[str] = ()) -> list[Frame]:
 
 
 def at_rest() -> list[Row]:
-    """The mean pressure of each particle, on the floor and in the liquid below the uppermost rows."""
+    """Compare the mean pressures on the floor, and in the liquid below the uppermost rows."""
     frames = [frame for frame in frames_of("rest") if frame.time >= SETTLED]
     error = np.array([frame.arrays["pressure"] - (1.0 - frame.arrays["position"][:, 1]) for frame in frames])
     deep = np.mean([frame.arrays["position"][:, 1] for frame in frames], axis=0) < SURFACE
@@ -70,7 +70,9 @@ def at_rest() -> list[Row]:
 
 
 def vortices() -> list[Row]:
-    """The decay with the bounds of the case taylor-green, and the steps beside those at c0 = 10 maximum speeds."""
+    """Compare the decay within the limits of the case taylor-green, and the number of steps with that at c0 = 10
+    maximum speeds.
+    """
     frames, others = frames_of("vortices"), frames_of("vortices", [TAIT])
     found, other = (full_tanks.Course(*np.array([full_tanks.judged(f) for f in run]).T) for run in (frames, others))
     momentum = np.array([[f.numbers["momentum_x"], f.numbers["momentum_y"]] for f in frames])
@@ -85,7 +87,7 @@ def vortices() -> list[Row]:
 
 
 def dam() -> list[Row]:
-    """Front, sensor, density and steps."""
+    """Compare front, sensor, density and number of steps."""
     run, other = (broken(changes) for changes in ((), [TAIT]))
     averaged = np.convolve(run.sensor, np.full(WINDOW, 1.0 / WINDOW), "valid")
     when, where = dam_break.published("front", "wcsph-400")

@@ -1,4 +1,4 @@
-"""Smoothing kernels beside what a kernel has to be, an independent computation, and published numbers."""
+"""Smoothing kernels beside their defining properties, an independent computation, and published numbers."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ STEP = 1e-3
 
 
 def rows() -> list[Row]:
-    """Every property of every kernel, then every number of the tables."""
+    """Compare every property of every kernel, then every number of the tables."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # liu-quartic warns that it becomes negative: here that is known
+        warnings.simplefilter("ignore")  # the warning that liu-quartic has negative values
         every = [kernel(name, dim) for name in KERNELS for dim in (1, 2, 3)]
         properties = [row for one in every for row in (_integral(one), _moment(one), _slope(one))]
         return [*properties, *_reference(), *_published()]
@@ -32,7 +32,7 @@ def _integral(one: Kernel) -> Row:
 
 
 def _moment(one: Kernel) -> Row:
-    """The integral of x dW/dx; where a kernel is cut, its last step is missing."""
+    """The integral of x dW/dx; the jump at the end of a truncated kernel is not included."""
     found = _integrated(one, lambda q: q * float(one.slope(q, 1.0)) / one.dim)
     edge = SPHERE[one.dim] / one.dim * one.support**one.dim * float(one.value(np.nextafter(one.support, 0.0), 1.0))
     integral = 1.0 - (gaussian_deficit(one.dim) if one.name == "gaussian-raw" else 0.0)
@@ -40,7 +40,10 @@ def _moment(one: Kernel) -> Row:
 
 
 def _slope(one: Kernel) -> Row:
-    """The largest difference between the slope and central differences of the value, over the value at zero.
+    """The largest difference between the slope and central differences of the value, over the value
+    at zero.
+
+    Only between the knots of splines, where differences of sixth order are accurate.
 
     Between the knots of the splines, where the differences of sixth order are exact enough.
     """

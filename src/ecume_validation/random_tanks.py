@@ -1,6 +1,7 @@
-"""Still water in random tanks beside discs, balls, boxes and slanted surfaces: it has to stay at rest.
+"""Still water in random tanks with discs, balls, boxes and slanted surfaces, which has to stay at
+rest.
 
-Each tank is a piece that is kept: see `pieces`.
+The result of each tank is stored as a piece: see `runner`.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from ecume_validation.runner import Row, below, kept_values, within
 
 COUNT = {2: 176, 3: 24}
 LAYERS = {2: (8, 18), 3: (7, 9)}
-"""Particles across the smallest extent."""
+"""The range of particles across the smallest extent, by dimension."""
 TIME, FRAMES = 2.0, 8
-"""Seconds, and frames in them."""
+"""The duration (s) and the number of frames."""
 GRAVITY = 9.81
 MOST_SPEED, MOST_ERROR, MOST_SCATTER, MOST_RISE, MOST_CHANGE = 0.02, 0.1, 0.02, 1e-4, 1e-3
-"""In units of sqrt(g H), of rho g H (twice), of rho g H times the volume, and of the volume."""
+"""Limits in units of sqrt(g H), of rho g H (twice), of rho g H times the volume, and of the volume."""
 USUAL_SPEED, USUAL_ERROR = 0.01, 0.02
-"""Of half of the tanks."""
+"""Limits for half of the tanks."""
 FOLDER = Path("random-tank-pieces")
 
 Obstacles = list[dict[str, Any]]
@@ -35,7 +36,7 @@ Dice = np.random.Generator
 
 
 def _turned(size: Array, rng: Dice, corners: int) -> Obstacles:
-    """A regular polygon at some angle."""
+    """A regular polygon with a random orientation."""
     angle = rng.uniform(0.0, 1.5) + 2.0 * np.pi * np.arange(corners) / corners
     reach = rng.uniform(0.18, 0.28) * size.min()
     center = size * rng.uniform(0.4, 0.6, 2)
@@ -100,21 +101,22 @@ KINDS: Mapping[int, tuple[Callable[[Array, Dice], Obstacles], ...]] = {
     ),
     3: (_ball, _mound, _block),
 }  # fmt: skip
-"""By dimension."""
+"""Kinds of obstacles by dimension."""
 
 
 class Rest(NamedTuple):
-    """What is left of rest at the end."""
+    """The deviations from rest at the end."""
 
     full: bool
     """whether the tank has a lid on the liquid"""
     speed: float
     """largest, over sqrt(g H)"""
     error: float
-    """root mean square of the pressure less rho g (H - y), over rho g H, with the level H that is drawn"""
+    """root mean square of the pressure minus rho g (H - y), over rho g H, with the drawn level H"""
     scatter: float
-    """the same with the level that fits best: where rows of particles do not fit between walls, the liquid stands up to
-    half a row higher or lower"""
+    """the same with the fitted level: if rows of particles do not fit between walls, the level differs by up to half a
+    row
+    """
     change: float
     """of the volume, relative"""
     rise: float
@@ -124,7 +126,7 @@ class Rest(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """Tanks in 2D, then in 3D with a free surface and with a lid on the liquid."""
+    """Compare tanks in 2D, then in 3D with a free surface and with a lid on the liquid."""
     plane, space = ([kept(random_tank(dimension, seed)) for seed in range(COUNT[dimension])] for dimension in (2, 3))
     groups = {
         "2D": plane,
@@ -135,7 +137,7 @@ def rows() -> list[Row]:
 
 
 def random_tank(dimension: int, seed: int) -> SphScene:
-    """A tank of any proportions, with a kind of obstacle, of walls and of top."""
+    """A tank with random proportions, obstacle, walls and top."""
     rng = np.random.default_rng([dimension, seed])
     size = rng.uniform(0.2, 1.0) * np.array([1.0, rng.uniform(0.5, 1.3), rng.uniform(0.6, 1.2)])[:dimension]
     high = size.copy()
@@ -155,7 +157,7 @@ def random_tank(dimension: int, seed: int) -> SphScene:
 
 
 def kept(scene: SphScene, folder: Path = FOLDER) -> Rest:
-    """A tank that was computed before, or one that is computed now."""
+    """The stored result of a tank, or the one computed now."""
     return Rest(*kept_values(scene, folder, lambda: rest(scene)))
 
 
@@ -178,7 +180,7 @@ def rest(scene: SphScene) -> Rest:
 
 
 def rows_of(name: str, found: list[Rest]) -> list[Row]:
-    """The worst of a group of tanks."""
+    """Rows on the worst tank of a group."""
     speed, error = [each.speed for each in found], [each.error for each in found]
     return [
         below(f"{name}: largest speed, over sqrt(g H)", max(speed), MOST_SPEED),

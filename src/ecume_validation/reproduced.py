@@ -1,7 +1,7 @@
 """Figures of papers, computed again: `ecume reproduce`.
 
 `REPRODUCED` is the table; start there. Each record names the paper and its figure, what is compared, and the function
-that draws it: with `quick`, with few points or particles.
+that draws it; `quick` uses few points or particles.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DOTS: dict[str, Any] = {"color": INK, "markersize": 4, "fillstyle": "none"}
 
 
 def t1_phases(*, quick: bool = False) -> Figure:
-    """What becomes of four spheres under every pair of forces."""
+    """Draw the outcomes for four spheres over both forces."""
     drawn = figure(5.6, 4.4)
     axes = drawn.add_subplot(xlabel="F_h (E R²/1000), inward", ylabel="F_v (E R²/1000), inward")
     found: dict[str, list[tuple[float, float]]] = {name: [] for name in LOOKS}
@@ -46,7 +46,7 @@ def t1_phases(*, quick: bool = False) -> Figure:
 
 
 def t1_course(*, quick: bool = False) -> Figure:
-    """Angle, gaps and forces of one swap."""
+    """Draw angle, gaps and forces of one T1 process."""
     found = t1_process(gap=1e-3, reduced_force=1e-3, rtol=1e-4 if quick else 1e-6, threshold=0.99)
     drawn = figure(7.2, 5.6)
     angle, gap, force = drawn.subplots(3, 1, sharex=True)
@@ -63,7 +63,7 @@ def t1_course(*, quick: bool = False) -> Figure:
 
 
 def t1_durations(*, quick: bool = False) -> Figure:
-    """How long swaps take over the gap and over the force, with both asymptotes."""
+    """Draw the durations of T1 processes over the gap and over the force, with both asymptotes."""
     drawn = figure(9.0, 3.8)
     left, right = drawn.subplots(1, 2)
     rtol = 1e-4 if quick else 1e-6
@@ -88,7 +88,7 @@ def t1_durations(*, quick: bool = False) -> Figure:
 
 
 def draw_front(axis: Axes, run: dam.Broken, name: str = "ecume") -> None:
-    """The front of a dam break beside that of another code."""
+    """Draw the front of a dam break beside that of another code."""
     early = run.times <= 2.4
     axis.plot(run.times[early], run.fronts[early], color=PALETTE[0], label=name)
     axis.plot(*dam.published("front", "wcsph-400"), "o", color=INK, markersize=4, label="SPH, H/400 (published)")
@@ -97,7 +97,7 @@ def draw_front(axis: Axes, run: dam.Broken, name: str = "ecume") -> None:
 
 
 def draw_levels(axis: Axes, run: dam.Broken) -> None:
-    """The levels of a dam break at four gauges beside an experiment."""
+    """Draw the levels of a dam break at four gauges beside an experiment."""
     for number, (gauge, color) in enumerate(zip(dam.GAUGES, PALETTE, strict=False)):
         axis.plot(run.times, run.levels[:, number], color=color, label=gauge)
         times, depths = dam.published(f"level_{gauge}", "run-A")
@@ -108,7 +108,7 @@ def draw_levels(axis: Axes, run: dam.Broken) -> None:
 
 
 def draw_midlines(axes: Axes, spacing: float = 0.04) -> None:
-    """Velocities on the midlines of the driven cavity, beside the corrected table."""
+    """Draw velocities on the midlines of the driven cavity beside the corrected table."""
     *_, last = simulate(case_scene("cavity", [f"spacing={spacing!r}"]))
     along = np.linspace(0.01, 0.99, 99)
     half = np.full(99, 0.5)
@@ -132,7 +132,7 @@ def draw_midlines(axes: Axes, spacing: float = 0.04) -> None:
 
 
 def cavity(*, quick: bool = False) -> Figure:
-    """The midlines of a lid-driven cavity."""
+    """Draw the velocities on the midlines of a lid-driven cavity."""
     drawn = figure(5.6, 4.4)
     draw_midlines(drawn.add_subplot(), 0.1 if quick else 0.04)
     return drawn
@@ -147,12 +147,12 @@ def _dam(draw: Callable[..., None], *, quick: bool) -> Figure:
 
 
 def dam_front(*, quick: bool = False) -> Figure:
-    """The front of a dam break."""
+    """Draw the front of a dam break."""
     return _dam(draw_front, quick=quick)
 
 
 def dam_levels(*, quick: bool = False) -> Figure:
-    """The levels of a dam break."""
+    """Draw the levels of a dam break."""
     return _dam(draw_levels, quick=quick)
 
 
@@ -163,9 +163,9 @@ class Reproduced(NamedTuple):
     paper: str
     """its key in the bibliography"""
     shown: str
-    """the figure or the table, and what it shows"""
+    """the figure or table, and its content"""
     data: str
-    """the source of the numbers of others"""
+    """the source of the published numbers"""
     draw: Callable[..., Figure]
     long: bool = False
     """minutes rather than seconds"""
@@ -214,7 +214,7 @@ REPRODUCED: dict[str, Reproduced] = {
 
 
 def described(record: Reproduced, command: str, version: str) -> str:
-    """The text beside a figure: what it is, the paper, its data, and the command that draws it again."""
+    """The text beside a figure: its content, the paper, the data, and the command that draws it."""
     from ecume.citing import bibliography, in_words
 
     where = in_words(record.paper)

@@ -1,4 +1,4 @@
-"""Ten minutes of a bowl of cereal: no overlaps, no gain of energy, and rest in the end."""
+"""Ten minutes of a bowl of cereal: no overlaps, no energy gain, and rest at the end."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ BOWLS: dict[str, tuple[str, ...]] = {
     "syrup": ("liquid.viscosity=0.2 Pa*s", "dish.radius=2.2 cm", "seed=5"),
 }
 MOST_OVERLAP = 1e-3
-"""Over a radius."""
+"""The limit of overlaps over a radius."""
 MOST_RISE = 1e-6
-"""Of the energy, summed over all rises, over its size at the end."""
+"""The limit of the sum of all energy rises, over the final energy."""
 MOST_SPEED = 1e-6
-"""m/s, in the end."""
+"""The limit of the final speed (m/s)."""
 
 
 def rows() -> list[Row]:

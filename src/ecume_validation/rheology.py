@@ -1,6 +1,6 @@
-"""Flow curve of a packing above jamming, over three decades of the shear rate, in pieces that are kept.
+"""The flow curve of a packing above jamming, over three decades of the shear rate.
 
-A piece is one rate with one seed.
+The result of each rate and seed is stored as a piece.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from ecume_validation.runner import Row, above, below, kept_values, read_table, 
 
 
 class Piece(NamedTuple):
-    """One rate with one seed."""
+    """The result for one rate and seed."""
 
     rate: float
     """1/s"""
@@ -62,7 +62,7 @@ class Instant(NamedTuple):
 
 
 def instant(frame: Frame) -> Instant:
-    """The numbers of a frame."""
+    """The quantities of a frame."""
     tensor, numbers = stress_tensor(frame), frame.numbers
     difference = float(tensor[0, 0] - tensor[1, 1])
     return Instant(
@@ -83,7 +83,7 @@ def piece_of(rate: float, seed: int, instants: Sequence[Instant]) -> Piece:
 
 
 def kept(scene: Scene, rate: float, folder: Path) -> Piece:
-    """The piece of a scene that is kept, or that is computed now."""
+    """The stored piece of a scene, or the one computed now."""
     return _read(
         kept_values(scene, folder, lambda: piece_of(rate, scene.seed, [instant(frame) for frame in simulate(scene)]))
     )
@@ -95,7 +95,7 @@ def _read(stored: list[Any]) -> Piece:
 
 
 def template() -> Path:
-    """The scene of which all pieces are variations."""
+    """The base scene of all pieces."""
     return Path(str(files("ecume") / "templates" / "sheared-packing.toml"))
 
 
@@ -108,7 +108,7 @@ def sheared(spheres: int, seed: int, protocol: list[dict[str, float]], duration:
 
 
 def fitted(pieces: Sequence[Piece]) -> CurveFit:
-    """Herschel and Bulkley's law of the means over seeds."""
+    """The fit of Herschel and Bulkley's law to the means over seeds."""
     rates, means = means_over_seeds(pieces, lambda one: one.shear)
     return herschel_bulkley(np.array(rates), means)
 
@@ -120,13 +120,13 @@ def friction(shear: Mean, pressure: Mean) -> Mean:
 
 
 def means_over_seeds(pieces: Sequence[Piece], value: Callable[[Piece], Mean]) -> tuple[list[float], list[Mean]]:
-    """The rates, and the mean over seeds at each."""
+    """The rates, and the mean over seeds at each rate."""
     rates = sorted({one.rate for one in pieces})
     return rates, [over_seeds([value(one) for one in pieces if one.rate == rate]) for rate in rates]
 
 
 def pieces_of(case: str, name: str = "computed") -> list[tuple[dict[str, str], Piece]]:
-    """The pieces of a table of a case, which were computed with its scenes, each with all columns of its row."""
+    """The pieces in a table of a case, which were computed with its scenes and contain all columns of a row."""
     return [
         (
             row,
@@ -142,31 +142,33 @@ def pieces_of(case: str, name: str = "computed") -> list[tuple[dict[str, str], P
 
 
 RATES, SEEDS = (0.025, 0.08, 0.25, 0.8, 2.5, 8.0, 25.0), (1, 2, 3)
-"""1/s; of the random start."""
+"""Shear rates (1/s), and seeds of the random start."""
 DOUBLED, LIKE = (0.25, 0.8, 2.5), 0.1
-"""Rates that are repeated with twice as many spheres; by how much their stress may differ, relatively."""
+"""Rates that are repeated with twice as many spheres, and the tolerated relative difference of their stress."""
 SPHERES, FRACTION, STRAIN = 60, 0.87, 10.0
-"""In 2D, of two sizes; after a pre-shear to a strain of 1, during which they are compressed from 0.80."""
+"""Number of spheres (in 2D, of two sizes), volume fraction, and strain after a pre-shear to a strain of 1, which
+compresses them from 0.80.
+"""
 START, FRAMES = 0.80, 550
 LIQUID, DIAMETER = 1.0, 2.4e-3
 """Viscosity (Pa s) and mean diameter (m)."""
 PIECES = Path("rheology-pieces")
 SETH, TOLERANCE = 0.5, 0.05
-"""The exponent of Seth et al. with elastohydrodynamic films, and the tolerance."""
+"""The exponent of Seth et al. for elastohydrodynamic films, and its tolerance."""
 MODULUS, LENGTH, VISCOSITY = 3.0, 2.0, 7.0
-"""Factors of a second run in other units."""
+"""Factors of a run in other units."""
 SHORT = ("particles[0].count=12", "particles[1].count=12", "cell.volume_fraction=0.80")
 
 
 def rows() -> list[Row]:
-    """All pieces, the fit, the effect of the size, and a run in other units."""
+    """Compare all pieces, the fit, the effect of the size, and a run in other units."""
     found = [piece(rate, seed) for rate, seed in itertools.product(RATES, SEEDS)]
     larger = [piece(rate, SEEDS[0], spheres=2 * SPHERES) for rate in DOUBLED]
     return [*rows_of_pieces(found), *rows_of_sizes(found, larger), units()]
 
 
 def rows_of_pieces(pieces: Sequence[Piece]) -> Iterator[Row]:
-    """What holds in each steady flow, and the fitted flow curve."""
+    """Rows on each steady flow, and on the fitted flow curve."""
     yield above("smallest pressure of all runs (N/m)", min(one.least_pressure for one in pieces), 0.0)
     yield below("largest force left on a sphere", max(one.largest_imbalance for one in pieces), 1e-8)
     yield within("runs whose shear stress is stationary", sum(one.settled for one in pieces), len(pieces), 0.0)
@@ -178,7 +180,7 @@ def rows_of_pieces(pieces: Sequence[Piece]) -> Iterator[Row]:
 
 
 def rows_of_sizes(pieces: Sequence[Piece], larger: Sequence[Piece]) -> Iterator[Row]:
-    """The stress of twice as many spheres over the mean of the others over seeds."""
+    """Rows on the stress with twice as many spheres, over the mean of the others over seeds."""
     means = dict(zip(*means_over_seeds(pieces, lambda one: one.shear), strict=True))
     for one in larger:
         ratio = friction(one.shear, means[one.rate])
@@ -187,7 +189,7 @@ def rows_of_sizes(pieces: Sequence[Piece], larger: Sequence[Piece]) -> Iterator[
 
 
 def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
-    """The friction as a power of the viscous number J = eta rate d/P above that of the slowest flows."""
+    """The fit of a power law of the viscous number J = eta rate d/P to the friction above that of the slowest flows."""
     rates, shears = means_over_seeds(pieces, lambda one: one.shear)
     _, pressures = means_over_seeds(pieces, lambda one: one.pressure)
     numbers = [viscous_number(LIQUID, rate, one.value / DIAMETER) for rate, one in zip(rates, pressures, strict=True)]
@@ -195,14 +197,14 @@ def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
 
 
 def computed(name: str = "computed") -> list[Piece]:
-    """The pieces of the table `computed.csv`, which were computed with the scenes of this case. Those of twice as many
-    spheres are in `doubled.csv`.
+    """The pieces in the table `computed.csv`, which were computed with the scenes of this case. Those with twice as
+    many spheres are in `doubled.csv`.
     """
     return [one for _, one in pieces_of("rheology", name)]
 
 
 def piece(rate: float, seed: int, folder: Path = PIECES, spheres: int = SPHERES) -> Piece:
-    """A piece that is kept, or one that is computed now."""
+    """A stored piece, or one that is computed now."""
     return kept(scene_of(rate, seed, spheres), rate, folder)
 
 
@@ -214,7 +216,7 @@ def scene_of(rate: float, seed: int, spheres: int = SPHERES) -> Scene:
 
 
 def units(strain: float = 0.5) -> Row:
-    """The stress at the end of a short run whose modulus, lengths and viscosity are multiplied, over its unit."""
+    """A row on the final stress of a short run, in its unit, after multiplication of modulus, lengths and viscosity."""
     first, second = (final_stress(strain, factors) for factors in ((1.0, 1.0, 1.0), (MODULUS, LENGTH, VISCOSITY)))
     return within("stress in other units of E, R and η", second / (MODULUS * LENGTH) / first, 1.0, 1e-6)
 

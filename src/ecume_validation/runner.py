@@ -1,8 +1,8 @@
 """The scenes, tables and runs of validation cases; scenes and tables are in `data/CASE`.
 
-Long cases keep the numbers of each finished run, a piece, in a folder of the working directory. A piece is named by
-the digests of its scene and of what its numbers are made from: an interrupted case continues with the pieces that are
-missing, and an edit of the model computes them again.
+Long cases store the result of each finished run, a piece, in a folder of the working directory. The name of a piece
+contains the digests of its scene and of the code behind its numbers: an interrupted case continues with missing pieces,
+and after a change of the model all are computed again.
 
 The rows of a comparison: one for each number, and the ways to judge it.
 """
@@ -59,13 +59,13 @@ def frames_of(case: str, changes: Sequence[str] = ()) -> Iterator[Frame]:
 
 
 def kept_values(scene: Scene, folder: Path, compute: Callable[[], Sequence[Any]]) -> list[Any]:
-    """What was computed from a scene and is kept, as JSON contains it; else it is computed now."""
+    """The stored values for a scene, in JSON, or those computed now."""
     made_from = digest_of(compute.__module__)
     path = folder / f"{digest(scene)}-{made_from[:16]}.json"
     if not path.is_file():
         text = json.dumps(compute())
         folder.mkdir(parents=True, exist_ok=True)
-        # Complete or absent: the file takes its name when all of it is written.
+        # The file is renamed after it is complete, so that an interruption leaves no partial file.
         partial = path.with_suffix(".part")
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
@@ -79,7 +79,7 @@ def digest(scene: Scene) -> str:
 
 
 class Row(NamedTuple):
-    """One number beside what it should be."""
+    """A computed number beside the expected one."""
 
     name: str
     computed: float
@@ -92,7 +92,7 @@ class Row(NamedTuple):
 
     @property
     def met(self) -> bool:
-        """Whether the computed number is as expected; what is no number never is."""
+        """Whether the computed number is as expected; NaN never is."""
         return bool(KINDS[self.kind](self))
 
 
@@ -104,22 +104,22 @@ KINDS: dict[str, Callable[[Row], bool]] = {
 
 
 def within(name: str, computed: float, expected: float, tolerance: float) -> Row:
-    """A row that wants a number, give or take an absolute tolerance."""
+    """A row with an expected number and an absolute tolerance."""
     return Row(name, computed, expected, tolerance, "within")
 
 
 def below(name: str, computed: float, bound: float) -> Row:
-    """A row that wants less than a bound."""
+    """A row with an upper bound."""
     return Row(name, computed, bound, 0.0, "below")
 
 
 def above(name: str, computed: float, bound: float) -> Row:
-    """A row that wants more than a bound."""
+    """A row with a lower bound."""
     return Row(name, computed, bound, 0.0, "above")
 
 
 def as_text(row: Row) -> tuple[str, str, str, str]:
-    """Name, computed, expected, tolerance, with as many digits as the tolerance needs to be seen."""
+    """Name, computed number, expected number and tolerance, with as many digits as the tolerance requires."""
     if row.kind == "within":
         digits = _digits(row)
         return row.name, f"{row.computed:.{digits}g}", f"{row.expected:.{digits}g}", f"{row.tolerance:.2g}"

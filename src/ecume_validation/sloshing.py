@@ -1,4 +1,4 @@
-"""A tank that is shaken a little: how the surface rises at its walls, beside the series of potential flow."""
+"""A tank with a small oscillation: the rise of the surface at its walls, beside the series of potential flow."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from ecume.units import Array
 from ecume_validation.runner import Row, above, below, sph_scene, within
 
 DEEP = (16, 32)
-"""Particles in the depth."""
+"""Particles per depth."""
 MOST_ERROR = {16: 0.08, 32: 0.04}
-"""Root mean square of the difference, over that of the series."""
+"""Limits of the root mean square difference, over that of the series."""
 SETTLED = 5.0
-"""From this time on the disorder of the start no longer shows in the gauges."""
+"""The time after which the initial disorder no longer affects the gauges."""
 REACH = 4.0
-"""How far a gauge looks, in spacings."""
+"""The range of a gauge, in spacings."""
 
 
 class Rise(NamedTuple):
-    """Half of what the surface is higher at the left wall than at the right one, at some instants."""
+    """Half of the difference of the surface heights at the left and the right wall over time."""
 
     times: Array
     computed: Array
     series: Array
     hits: float
-    """of the guard"""
+    """collisions with the wall guard"""
 
 
 def rows() -> list[Row]:
@@ -47,7 +47,7 @@ def rows() -> list[Row]:
 
 
 def rows_of(run: Rise, deep: int) -> list[Row]:
-    """The demands on one run."""
+    """Rows on one run."""
     ours, theirs = (float(np.abs(rise[run.times >= SETTLED]).max()) for rise in (run.computed, run.series))
     return [
         below(f"{deep} deep: rise at the wall, error over the series", error(run), MOST_ERROR[deep]),
@@ -57,13 +57,13 @@ def rows_of(run: Rise, deep: int) -> list[Row]:
 
 
 def error(run: Rise) -> float:
-    """The root mean square of the difference over that of the series, once the start has settled."""
+    """The root mean square difference over that of the series, after the initial relaxation."""
     late = run.times >= SETTLED
     return float(np.sqrt(np.mean((run.computed - run.series)[late] ** 2) / np.mean(run.series[late] ** 2)))
 
 
 def rise(deep: int, changes: Sequence[str] = ()) -> Rise:
-    """Run the scene with so many particles in the depth."""
+    """Run the scene with this number of particles per depth."""
     scene = sph_scene("sloshing", [f"spacing={1.0 / deep!r}", *changes])
     frames = [(frame.time, _difference(frame, scene), frame.numbers["guard_hits"]) for frame in simulate(scene)]
     times, computed, hits = (np.array(column) for column in zip(*frames, strict=True))
@@ -71,7 +71,9 @@ def rise(deep: int, changes: Sequence[str] = ()) -> Rise:
 
 
 def _difference(frame: Frame, scene: SphScene) -> float:
-    """A gauge in a wall sees half of its surroundings: twice what it sees is the level, and half of that counts."""
+    """Half of the level difference. A gauge in a wall sees half of its surroundings, so that the level is twice its
+    value.
+    """
     left, right = water_level(frame, np.array([scene.tank.low[0], scene.tank.high[0]]), REACH * scene.spacing)
     return float(left - right)
 

@@ -1,5 +1,7 @@
-"""Flow curve of a packing with elastohydrodynamic films, as in soft particle glasses, over three decades of the shear
-rate, in pieces that are kept: see `rheology`.
+"""The flow curve of a packing with elastohydrodynamic films, as in soft particle glasses, over three decades of the
+shear rate.
+
+Results are stored as pieces: see `rheology`.
 """
 
 from __future__ import annotations
@@ -17,38 +19,42 @@ from ecume_validation.rheology import Piece, fitted, friction, kept, sheared
 from ecume_validation.runner import Row, above, below, within
 
 RATES = {0.87: (0.025, 0.14, 0.8, 4.5, 25.0), 0.90: (0.14, 0.8, 4.5, 25.0), 1.00: (0.8, 4.5, 25.0)}
-"""1/s, at each volume fraction. Soft glasses of the paper are 1.1 to 1.4 times as dense as at jamming; 1.00 is 1.19."""
+"""Shear rates (1/s) at each volume fraction. Soft glasses of the paper are 1.1 to 1.4 times as dense as at jamming;
+1.00 is 1.19.
+"""
 FITTED = tuple(fraction for fraction, rates in RATES.items() if len(rates) >= FEWEST_POINTS)
-"""With as many rates as a fit takes."""
+"""Volume fractions with enough rates for a fit."""
 SEED = 1
-"""Of the random start."""
+"""The seed of the random start."""
 SPHERES, START, STRAIN = 60, 0.80, 6.0
-"""In 2D, of two sizes; compressed during a pre-shear to a strain of 1."""
+"""Number of spheres (in 2D, of two sizes), initial volume fraction, and strain; they are compressed during a pre-shear
+to a strain of 1.
+"""
 FRAMES_PER_STRAIN = 50
 FLOWS = tuple((fraction, rate) for fraction, rates in RATES.items() for rate in rates)
 DOUBLED = ((0.87, 4.5), (0.87, 25.0))
 """The flows that are repeated with twice as many spheres."""
 LIKE = 0.1
-"""By how much their stress may differ, relatively."""
+"""The tolerated relative difference of their stress."""
 FOLDER = Path("soft-glass-pieces")
 EXPONENT, TOLERANCE = 0.5, 0.05
-"""Of the published stress law of soft particle glasses."""
+"""The exponent of the published stress law of soft particle glasses, and its tolerance."""
 MODULUS, VISCOSITY, RADIUS = 5e4, 1.0, 1.2e-3
 """Pa; Pa s; the mean radius (m)"""
 LAWS = ("rotation=false", 'films.interface="elastohydrodynamic"', 'films.prefactors="physical"')
-"""Those of the published model: spheres do not rotate, contacts are Hertz's."""
+"""The laws of the published model: spheres do not rotate, contacts are Hertzian."""
 NUMERICS = ("integration.tolerance=0.01",)
 
 
 def rows() -> list[Row]:
-    """All pieces, and the fits."""
+    """Compare all pieces and the fits."""
     pieces = {flow: piece(*flow) for flow in FLOWS}
     larger = {flow: piece(*flow, spheres=2 * SPHERES) for flow in DOUBLED}
     return [*rows_of_pieces(pieces), *rows_of_sizes(pieces, larger)]
 
 
 def rows_of_pieces(pieces: Mapping[tuple[float, float], Piece]) -> Iterator[Row]:
-    """What holds in each steady flow, and the fitted flow curves."""
+    """Rows on each steady flow, and on the fitted flow curves."""
     every = list(pieces.values())
     yield above("smallest pressure of all runs (N/m)", min(one.least_pressure for one in every), 0.0)
     yield below("largest force left on a sphere", max(one.largest_imbalance for one in every), 1e-8)
@@ -68,7 +74,7 @@ def rows_of_pieces(pieces: Mapping[tuple[float, float], Piece]) -> Iterator[Row]
 def rows_of_sizes(
     pieces: Mapping[tuple[float, float], Piece], larger: Mapping[tuple[float, float], Piece]
 ) -> Iterator[Row]:
-    """The stress of twice as many spheres over that of the others."""
+    """Rows on the stress with twice as many spheres, over that of the others."""
     for flow, one in larger.items():
         few = pieces[flow].shear
         ratio = one.shear.value / few.value
@@ -77,12 +83,13 @@ def rows_of_sizes(
 
 
 def curve(pieces: Mapping[tuple[float, float], Piece], fraction: float) -> CurveFit:
-    """Herschel and Bulkley's law at a volume fraction."""
+    """The fit of Herschel and Bulkley's law at a volume fraction."""
     return fitted([pieces[fraction, rate] for rate in RATES[fraction]])
 
 
 def film_number(piece: Piece) -> float:
-    """K = (eta rate/E) (P/(E R))^(-2/3), which the ratio of the tangential to the normal force in a film depends on.
+    """The number K = (eta rate/E) (P/(E R))^(-2/3), which determines the ratio of tangential to normal forces in a
+    film.
 
     Sliding with u transmits T ~ sqrt(eta u N a). In a Hertzian contact a ~ R (N/(E R^2))^(1/3); with u ~ rate R and
     N ~ P R in 2D, T/N ~ sqrt(eta u a/N) ~ sqrt(K). At constant area the pressure, and with it N, grows with the rate.
@@ -92,7 +99,9 @@ def film_number(piece: Piece) -> float:
 
 
 def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
-    """Friction as a power of the film number above that of the slowest flows, at all volume fractions together."""
+    """The fit of a power law of the film number to the friction above that of the slowest flows, at all volume
+    fractions together.
+    """
     ordered = sorted(pieces, key=film_number)
     return power_fit(
         np.array([film_number(one) for one in ordered]), [friction(one.shear, one.pressure) for one in ordered]
@@ -100,14 +109,14 @@ def friction_curve(pieces: Sequence[Piece]) -> CurveFit:
 
 
 def computed(name: str = "computed") -> dict[tuple[float, float], Piece]:
-    """The pieces of the table `computed.csv`, which were computed with the scenes of this case, by volume fraction and
-    rate. Those of twice as many spheres are in `doubled.csv`.
+    """The pieces in the table `computed.csv`, which were computed with the scenes of this case, by volume fraction and
+    rate. Those with twice as many spheres are in `doubled.csv`.
     """
     return {(float(row["volume_fraction"]), one.rate): one for row, one in rheology.pieces_of("soft_glasses", name)}
 
 
 def piece(fraction: float, rate: float, folder: Path = FOLDER, spheres: int = SPHERES) -> Piece:
-    """A piece that is kept, or one that is computed now."""
+    """A stored piece, or one that is computed now."""
     return kept(scene_of(fraction, rate, spheres), rate, folder)
 
 

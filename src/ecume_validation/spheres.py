@@ -1,4 +1,4 @@
-"""Soft spheres, in pairs, in fours and in sheared packings: the cases `two-spheres`, `t1` and `packing`."""
+"""Soft spheres in pairs, in clusters of four and in sheared packings: the cases `two-spheres`, `t1` and `packing`."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from ecume.units import Array
 from ecume_validation.runner import Row, above, below, kept_values, read_table, within
 
 FORCES = (1e-6, 1e-4, 1e-3, 1e-2)
-"""In E R^2."""
+"""Forces in E R^2."""
 PASSAGES = ((1e-2, 1e-1), (1e-3, 1.0), (1e-2, 1e-3))
-"""Gaps in R, opening and closing."""
+"""Initial and final gaps in R, opening and closing."""
 TOLERANCE = 1e-6
 
 
 def pair_rows() -> list[Row]:
-    """The gap at the time that the closed form says."""
+    """Compare the gap at the time of the closed form."""
     return [*passages("paper"), *passages("physical")]
 
 
 def passages(prefactors: str) -> Iterator[Row]:
-    """Rigid to soft, opening and closing."""
+    """Compare opening and closing films, from rigid to soft spheres."""
     for force in FORCES:
         for begin, end in PASSAGES:
             name = f"{prefactors}, F = {force:g} E R^2, from {begin:g} R: gap (R)"
@@ -47,7 +47,7 @@ def passages(prefactors: str) -> Iterator[Row]:
 
 
 def _end(begin: float, end: float, force: float, prefactors: str) -> float:
-    """The simulated gap when it should be `end`."""
+    """The simulated gap at the time at which it should be `end`."""
     films = FilmSpec(prefactors=prefactors)
     pull = math.copysign(force, end - begin)
     time = passage_time(SoftPair(1.0, 1.0, force, prefactors_of(films)), pull, begin, end)
@@ -68,7 +68,7 @@ def _end(begin: float, end: float, force: float, prefactors: str) -> float:
 
 THRESHOLDS = (0.5, 0.9, 0.99)
 DURATIONS = 1e-4
-"""Relative."""
+"""The relative tolerance of durations."""
 HORIZONTAL = (-2.0, -1.5, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 1.5, 2.0)
 PHASES = {
     2.0: "TTTTTTTTTNN",
@@ -81,7 +81,7 @@ PHASES = {
     -0.5: "BBBBBBBBBBB",
     -1.0: "BBBBBBBBBBB",
 }
-"""Outcome by vertical, then horizontal force, in E R^2/1000, at a gap of R/100: swapped, not swapped, broken."""
+"""Outcomes by vertical, then horizontal force, in E R^2/1000, at a gap of R/100: swapped, not swapped, broken."""
 LETTERS = {"t1": "T", "blocked": "N", "dissociated": "B"}
 COURSE = {
     1.024: (59.76, 0.001002, 1.440, 0.000998, 0.716, 0.0114, 0.924, 0.124),
@@ -96,12 +96,12 @@ NAMES = ("angle", "h_h", "h_v", "h_d", "N_h", "N_v", "N_d", "T_d")
 
 
 def t1_rows() -> list[Row]:
-    """Durations, outcomes, the course of one process, and what the paper's own integration makes of it."""
+    """Compare durations, outcomes, the time series of one process, and the paper's scheme."""
     return [*durations(), *phases(), *course(), *limits(), *methods()]
 
 
 def durations() -> Iterator[Row]:
-    """Three thresholds over five decades of gaps and four of forces."""
+    """Compare three thresholds over five decades of gaps and four of forces."""
     for row in read_table("t1", "independent"):
         found = t1_process(gap=float(row["gap"]), reduced_force=float(row["kappa"]), threshold=THRESHOLDS)
         for threshold, key in zip(THRESHOLDS, ("half", "most", "nearly_all"), strict=True):
@@ -111,7 +111,7 @@ def durations() -> Iterator[Row]:
 
 
 def phases() -> Iterator[Row]:
-    """The number of clusters of each line of the phase diagram that end differently."""
+    """Compare each line of the phase diagram: the number of clusters with a different outcome."""
     for vertical, line in PHASES.items():
         pulls = [(1e-3 * horizontal, 1e-3 * vertical) for horizontal in HORIZONTAL]
         asked = [(pull, letter) for pull, letter in zip(pulls, line, strict=True) if letter != "-"]
@@ -121,11 +121,11 @@ def phases() -> Iterator[Row]:
 
 
 def course() -> Iterator[Row]:
-    """Angles, gaps and forces at five times of one process."""
+    """Compare angles, gaps and forces at five times of one process."""
     found = t1_process(gap=1e-3, reduced_force=1e-3, rtol=1e-7)
     for time, expected in COURSE.items():
         for name, value, other in zip(NAMES, _course_at(found, time), expected, strict=True):
-            # The times were rounded to what a picture shows, and gaps grow by a per cent in that.
+            # The published times are rounded; gaps grow by 1 % within the rounding.
             yield within(
                 f"t = {time:g}: {name}",
                 value,
@@ -145,7 +145,9 @@ def _course_at(found: T1, time: float) -> list[float]:
 
 
 def limits() -> Iterator[Row]:
-    """The rigid limit of the duration, and the deep Hertz regime, where parting two spheres takes nearly all of it."""
+    """Compare the rigid limit of the duration, and the deep Hertz regime, where it is nearly the time to separate two
+    spheres.
+    """
     rigid = t1_process(gap=0.1, reduced_force=1e-6).duration
     yield within("h0/R = 0.1, rigid: T/t_P - ln(R/h0)", (rigid - 0.005) / (1.5 * math.pi) + math.log(0.1), 2.5, 2e-3)
     parting = passage_time(SoftPair(1.0, 1.0, 1e-2), 1e-2, 1e-5, 1.0)
@@ -154,7 +156,7 @@ def limits() -> Iterator[Row]:
 
 
 def methods() -> Iterator[Row]:
-    """Steps and errors of the paper's way, beside the implicit one."""
+    """Compare steps and errors of the paper's scheme with the implicit one."""
     exact, ours = (t1_process(gap=1e-2, reduced_force=1e-3, rtol=rtol) for rtol in (1e-10, 1e-8))
     yield below("implicit, rtol 1e-8: relative error", abs(ours.duration / exact.duration - 1.0), 1e-6)
     yield below("implicit, rtol 1e-8: steps", ours.steps, 1000.0)
@@ -168,27 +170,27 @@ def methods() -> Iterator[Row]:
 
 
 RATES, SEEDS, STRAIN = (0.1, 1.0, 10.0), (1, 2, 3), 10.0
-"""Over the rate of the template; of the random start; of each run."""
+"""Rates over that of the template, seeds of the random start, and the strain of each run."""
 RATE = 0.25
 """1/s, of both templates."""
 CONTROLS = {
     "sheared-packing": ("protocol[1].time={duration}", "protocol[1].strain={strain}"),
     "pressed-packing": ("protocol[0].shear_rate={rate}",),
 }
-"""What the rate and the strain change in each template."""
+"""The keys of each template that set rate and strain."""
 FRAMES, SPHERES = 200, 30
-"""Of a run; of each size."""
+"""Frames of a run, and spheres of each size."""
 BALANCE, SYMMETRY, CHANGE = 1e-8, 1e-10, 0.05
-"""Limits of the force left on a sphere, of the asymmetry of the stress, and of the change of the mean stress."""
+"""Limits of the residual force on a sphere, of the asymmetry of the stress, and of the change of the mean stress."""
 TOLERANCES, SHORT, FEW, ORDER = (1e-4, 1e-6), 0.1, 8, 2.0
-"""Two tolerances of the steps, the strain, and the spheres of each size, with which the energy budget is computed; the
-order of the scheme.
+"""Two tolerances of steps, the strain, and the spheres of each size, for the energy budget; and the order of the
+scheme.
 """
 FOLDER = Path("packing-pieces")
 
 
 class Run(NamedTuple):
-    """What is sheared."""
+    """A template with a rate and a seed."""
 
     template: str
     """a key of `CONTROLS`"""
@@ -204,7 +206,7 @@ class Piece(NamedTuple):
     """The numbers of one run."""
 
     strain: float
-    """that was reached"""
+    """the strain at the end"""
     least_pressure: float
     """N/m; this and the two next after a twentieth of the strain"""
     largest_imbalance: float
@@ -221,7 +223,7 @@ RUNS = tuple(Run(*one) for one in itertools.product(CONTROLS, RATES, SEEDS))
 
 
 def packing_rows() -> list[Row]:
-    """All runs, what their means have in common, and the energy budget."""
+    """Compare all runs, their common means, and the energy budget."""
     pieces = {run: piece(run) for run in RUNS}
     each = [row for run, one in pieces.items() for row in rows_of(str(run), one)]
     flows = itertools.product(CONTROLS, RATES)
@@ -230,7 +232,7 @@ def packing_rows() -> list[Row]:
 
 
 def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
-    """The rows of one run. If it ends too early, its numbers are NaN, and their rows are not met."""
+    """Rows on one run. If it ended too early, its numbers are NaN, and the rows fail."""
     yield within(f"{name}: strain", piece.strain, strain, 1e-9 * strain)
     yield above(f"{name}: smallest pressure (N/m)", piece.least_pressure, 0.0)
     yield below(f"{name}: force left on a sphere", piece.largest_imbalance, BALANCE)
@@ -238,9 +240,10 @@ def rows_of(name: str, piece: Piece, strain: float = STRAIN) -> Iterator[Row]:
 
 
 def stationary(template: str, factor: float, pieces: Sequence[Piece]) -> Row:
-    """The mean shear stress over the second half of the strain over that over the quarter before, mean over seeds.
+    """A row on the mean shear stress over the second half of the strain, over that over the quarter before, averaged
+    over seeds.
 
-    Blocks of a quarter are shorter than the memory of a small packing, so that the scatter over seeds counts as well.
+    Blocks of a quarter are shorter than the correlation of a small packing, so that the scatter over seeds is included.
     """
     mean = over_seeds([change(one) for one in pieces])
     name = f"{template}, {factor:g} x rate: stress of the second half / quarter before, ± {mean.error:.3f}"
@@ -254,14 +257,14 @@ def change(piece: Piece) -> Mean:
 
 
 def budget(template: str) -> Row:
-    """The order with which the error of the energy budget falls when the steps become shorter."""
+    """A row on the order of convergence of the error of the energy budget."""
     (many, small), (few, large) = (_left_over(template, tolerance) for tolerance in reversed(TOLERANCES))
     order = math.log(large / small) / math.log(many / few)
     return above(f"{template}: order of the error of the energy budget", order, 0.9 * ORDER)
 
 
 def _left_over(template: str, tolerance: float) -> tuple[float, float]:
-    """The number of steps, and what the energy budget lacks at the end of a short run (J/m)."""
+    """The number of steps, and the residual of the energy budget at the end of a short run (J/m)."""
     run = Run(template, 1.0, 1)
     scene = scene_of(run, SHORT, FEW, frames=1, changes=[f"integration.tolerance={tolerance}"])
     first, last = (frame.numbers for frame in simulate(scene))
@@ -270,7 +273,7 @@ def _left_over(template: str, tolerance: float) -> tuple[float, float]:
 
 
 def piece(run: Run, folder: Path = FOLDER) -> Piece:
-    """A piece that is kept, or one that is computed now."""
+    """A stored piece, or one that is computed now."""
     scene = scene_of(run)
     reached, least, imbalance, asymmetry, early, late = kept_values(
         scene, folder, lambda: piece_of(_frames(scene), STRAIN)
@@ -279,7 +282,7 @@ def piece(run: Run, folder: Path = FOLDER) -> Piece:
 
 
 def piece_of(frames: Sequence[Frame], strain: float) -> Piece:
-    """The numbers of a run that should have reached this strain."""
+    """The results of a run that should have reached this strain."""
     flowing = [frame for frame in frames if frame.numbers["strain"] > 0.05 * strain]
     early, late = (_mean_stress(frames, (low * strain, 2.0 * low * strain)) for low in (0.25, 0.5))
     reached = frames[-1].numbers["strain"]
@@ -304,7 +307,7 @@ def scene_of(
 
 
 def _frames(scene: Scene) -> list[Frame]:
-    """The frames until the end, or until there is no further step."""
+    """The frames until the end, or until no further step is possible."""
     frames: list[Frame] = []
     try:
         for frame in simulate(scene):
@@ -320,7 +323,7 @@ def _asymmetry(frames: Sequence[Frame]) -> float:
 
 
 def _mean_stress(frames: Sequence[Frame], strains: tuple[float, float]) -> Mean:
-    """The mean shear stress between two strains (N/m); not a number where there are no frames."""
+    """The mean shear stress between two strains (N/m); NaN without frames."""
     strain, stress = series(frames, number("strain"), number("shear_stress"))
     chosen: Array = stress[(strain > strains[0]) & (strain <= strains[1] * (1.0 + 1e-9))]
     return steady_mean(chosen) if len(chosen) else Mean(math.nan, math.nan)

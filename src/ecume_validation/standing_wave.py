@@ -1,5 +1,5 @@
-"""A standing wave in a viscous liquid: how fast it swings, and how fast it dies, beside the exact roots; by default,
-and with gradients that are completed at the free surface.
+"""A standing wave in a viscous liquid: frequency and decay beside the exact roots, by default and with gradients that
+are completed at the free surface.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from ecume_validation.runner import Row, above, sph_scene, within
 
 REYNOLDS = (50.0, 100.0)
 DEEP = (16, 32)
-"""Particles in the depth."""
+"""Particles per depth."""
 MOST_FREQUENCY = {16: 0.02, 32: 0.01}
 MOST_RATE = {16: 0.05, 32: 0.03}
-"""Relative."""
+"""Relative tolerances of the decay rate."""
 CORRECTED = ("method.pressure_force=corrected",)
 CORRECTED_WAVES = ((50.0, 16), (100.0, 16), (250.0, 16), (500.0, 16), (500.0, 32))
-"""Reynolds numbers, and particles in the depth."""
+"""Reynolds numbers, and particles per depth."""
 MOST_CORRECTED = Decay(rate=0.05, frequency=0.01)
-"""Relative, at all of these."""
+"""Relative tolerances in all of these."""
 
 
 def rows() -> list[Row]:
-    """Both forms of the gradients."""
+    """Compare both forms of the gradients."""
     return [*by_default(), *corrected()]
 
 
 def by_default() -> list[Row]:
-    """Frequency and decay at two viscosities and two resolutions, and how the decay converges."""
+    """Compare frequency and decay at two viscosities and two resolutions, and the convergence of the decay."""
     found = []
     for reynolds in REYNOLDS:
         exact = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds)
@@ -48,7 +48,7 @@ def by_default() -> list[Row]:
 
 
 def corrected() -> list[Row]:
-    """Frequency and decay with completed gradients, also in thinner liquids."""
+    """Compare frequency and decay with completed gradients, also at lower viscosities."""
     found = []
     for reynolds, deep in CORRECTED_WAVES:
         exact = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds)
@@ -69,12 +69,12 @@ def _rows(name: str, computed: Decay, exact: Decay, deep: int) -> list[Row]:
 
 
 def wave(reynolds: float, deep: int) -> Decay:
-    """The wave that fits a run best."""
+    """The decay and frequency that fit a run best."""
     return fitted(*heights(reynolds, deep))
 
 
 def heights(reynolds: float, deep: int, changes: Sequence[str] = ()) -> tuple[Array, Array]:
-    """Times, and how high the wave stands at each."""
+    """Times, and the height of the wave at each."""
     scene = sph_scene("standing_wave", [f"liquid.viscosity={1.0 / reynolds!r}", f"spacing={1.0 / deep!r}", *changes])
     frames = [(frame.time, wave_amplitude(frame, math.pi, 1.0)) for frame in simulate(scene)]
     times, found = (np.array(column) for column in zip(*frames, strict=True))

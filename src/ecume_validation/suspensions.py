@@ -1,5 +1,7 @@
-"""Suspensions of nearly rigid spheres: friction over the viscous number without friction between spheres, where the
-viscosity diverges with and without it, and thickening by a critical load; in pieces that are kept (`rheology`).
+"""Suspensions of nearly rigid spheres: friction over the viscous number without contact friction, the divergence of the
+viscosity with and without it, and shear thickening by a critical load.
+
+Results are stored as pieces: see `rheology`.
 """
 
 from __future__ import annotations
@@ -19,8 +21,9 @@ from ecume_validation.rheology import Piece, kept, sheared
 from ecume_validation.runner import Row, above, below, within
 
 SPHERES, SEED, STRAIN, FRAMES_PER_STRAIN = 50, 1, 3.0, 50
-"""In 2D, of two sizes; after a pre-shear to a strain of 1, during which dense packings are compressed. Flows that are
-not stationary are computed again to twice the strain."""
+"""Number of spheres (in 2D, of two sizes), seed, strain, and frames per strain; a pre-shear to a strain of 1 compresses
+dense packings. Flows that are not stationary are computed again to twice the strain.
+"""
 LOOSE = 0.76
 """The volume fraction at which random starts of denser packings begin."""
 RATE, VISCOSITY, DIAMETER = 0.1, 1.0, 2.4e-3
@@ -33,12 +36,14 @@ LAWS = {
     "critical-load": ('films.friction="critical-load"', 'films.critical_load="40 uN"', *ROUGH),
 }
 JAMMED, NEAR, THICKER = 0.8415, 0.2, 3.0
-"""Where frictionless discs jam [olsson2007]; how near the published friction; the least rise of the viscosity."""
+"""The volume fraction at which frictionless discs jam [olsson2007], the tolerance of the published friction, and the
+least increase of the viscosity.
+"""
 NUMERICS = ("integration.tolerance=0.01",)
 
 
 class Flow(NamedTuple):
-    """What is sheared."""
+    """The parameters of a sheared suspension."""
 
     law: str
     """a row of `LAWS`"""
@@ -52,15 +57,15 @@ DIVERGING = {
     "frictional": tuple(Flow("frictional", fraction) for fraction in (0.62, 0.68, 0.72, 0.76)),
 }
 DENSE = 0.80
-"""Between the volume fractions at which friction and packing alone jam."""
+"""A volume fraction between those of jamming with and without friction."""
 THICKENING = tuple(Flow("critical-load", DENSE, rate) for rate in (0.01, 0.04, 0.16))
 THIN, THICK = 0, 2
-"""Of these rates: forces are well below the critical load, and above it."""
+"""Indices of rates at which forces are well below the critical load, and above it."""
 FLOWS = (*DIVERGING["frictionless"], *DIVERGING["frictional"], *THICKENING)
 
 
 def piece(flow: Flow, folder: Path = FOLDER) -> Piece:
-    """A piece that is kept, or one that is computed now; for twice the strain if it is not stationary."""
+    """A stored piece, or one that is computed now; to twice the strain if it is not stationary."""
     found = kept(scene_of(flow), flow.rate, folder)
     return found if found.settled else kept(scene_of(flow, 2.0 * STRAIN), flow.rate, folder)
 
@@ -77,18 +82,18 @@ def scene_of(flow: Flow, strain: float = STRAIN) -> Scene:
 
 
 def rows() -> list[Row]:
-    """All pieces, and what follows from them."""
+    """Compare all pieces and derived quantities."""
     return list(rows_of_pieces({flow: piece(flow) for flow in FLOWS}))
 
 
 def computed() -> dict[Flow, Piece]:
-    """The pieces of the table `computed.csv`, which were computed with the scenes of this case."""
+    """The pieces in the table `computed.csv`, which were computed with the scenes of this case."""
     found = rheology.pieces_of("suspensions")
     return {Flow(row["law"], float(row["volume_fraction"]), one.rate): one for row, one in found}
 
 
 def rows_of_pieces(pieces: Mapping[Flow, Piece]) -> Iterator[Row]:
-    """Friction over the viscous number, where the viscosity diverges, and by how much friction thickens."""
+    """Rows on friction over the viscous number, on the divergence of the viscosity, and on thickening by friction."""
     yield below("largest force left on a sphere", max(one.largest_imbalance for one in pieces.values()), 1e-8)
     yield within("runs whose shear stress is stationary", sum(one.settled for one in pieces.values()), len(pieces), 0.0)
     for flow in DIVERGING["frictionless"]:
@@ -131,7 +136,9 @@ def published_friction(number: float) -> float:
 
 
 def friction_point(piece: Piece) -> tuple[Mean, Mean]:
-    """J and mu of a piece: shear stress with that of the liquid, over the compression across the planes of shear."""
+    """J and mu of a piece: the shear stress including that of the liquid, over the normal stress across the shear
+    planes.
+    """
     pressure = piece.pressure.value + 0.5 * piece.first_difference.value
     error = math.hypot(piece.pressure.error, 0.5 * piece.first_difference.error) / pressure
     liquid = VISCOSITY * piece.rate * DIAMETER
@@ -147,13 +154,13 @@ def viscosity(piece: Piece) -> Mean:
 
 
 def pressure_viscosity(piece: Piece) -> Mean:
-    """The pressure over the shear stress of the liquid alone, which diverges where the viscosity does."""
+    """The pressure over the shear stress of the liquid alone, which diverges where the viscosity diverges."""
     unit = VISCOSITY * piece.rate * DIAMETER
     return Mean(piece.pressure.value / unit, piece.pressure.error / unit)
 
 
 def jamming(pieces: Mapping[Flow, Piece], law: str, diverging: Callable[[Piece], Mean] = viscosity) -> Divergence:
-    """Where a viscosity diverges, with the exponent as a parameter of the fit."""
+    """The volume fraction at which a viscosity diverges; the exponent is fitted, too."""
     flows = DIVERGING[law]
     fractions = np.array([flow.fraction for flow in flows])
     return viscosity_divergence(fractions, [diverging(pieces[flow]) for flow in flows])

@@ -1,4 +1,4 @@
-"""A tank whose liquid starts out of order and has to come to rest: pressure, level, speed, and what creeps on."""
+"""A tank whose liquid starts disordered and has to come to rest: pressure, level, speed, and slow settling."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ecume.units import Array
 from ecume_validation.runner import Row, below, sph_scene, within
 
 MOST_ERROR, LARGEST_ERROR, MOST_SHIFT, MOST_SPEED = 0.01, 0.015, 0.003, 2e-4
-"""In units of rho g H, of H and of sqrt(g H)."""
+"""Limits in units of rho g H, of H and of sqrt(g H)."""
 MOST_CREEP = 1e-4
-"""Of H, in the last quarter of the time."""
+"""The limit of the settling in the last quarter of the time, over H."""
 MOST_LASTING = 0.85
-"""Of the creep in a quarter, what may be left in the next one: it must die away."""
+"""The limit of the settling in a quarter over that in the quarter before: it has to decay."""
 SOUND_SPEED = 10.0
 
 
@@ -26,22 +26,22 @@ class Rest(NamedTuple):
     """The measurements of a frame, in units of rho g H, of H and of sqrt(g H)."""
 
     error: float
-    """root mean square of the pressure less rho_0 g (H - y)"""
+    """root mean square of the pressure minus rho_0 g (H - y)"""
     largest: float
     from_column: float
-    """root mean square of the pressure less that of Tait's column of the same mass"""
+    """root mean square of the pressure minus that of Tait's column of the same mass"""
     speed: float
     """root mean square"""
     center: float
     """height of the center of mass"""
     hits: float
-    """of the guard behind the walls, so far"""
+    """collisions with the guard behind the walls, until then"""
     there: int
     """particles inside the tank"""
 
 
 def rows() -> list[Row]:
-    """1e5 steps with 16 and with 32 particles above one another, and twice as long."""
+    """Compare 1e5 steps with 16 and with 32 particles per depth, and a run of twice the duration."""
     coarse, fine = run(["duration=568.0"]), run(["spacing=0.03125", "duration=284.0"])
     half, middle = len(coarse) // 2 + 1, len(fine) // 2 + 1
     return [
@@ -77,13 +77,13 @@ def rest(frame: Frame) -> Rest:
 
 
 def column(height: Array, load: float) -> Array:
-    """The pressure at heights in a column of Tait's liquid of this mass on each unit of floor."""
+    """The pressure at heights in a column of Tait's liquid with this mass per floor area."""
     top = column_height(load, 1.0, 1.0, SOUND_SPEED)
     return np.array([column_pressure(top - y, 1.0, 1.0, SOUND_SPEED) for y in height])
 
 
 def rows_of(name: str, frames: Sequence[Rest]) -> list[Row]:
-    """The demands on a run; all but the counts are means over its last quarter."""
+    """Rows on a run; all but the counts are means over its last quarter."""
     late, last = last_quarter(frames), frames[-1]
     shift = abs(_mean(frame.center for frame in late) - frames[0].center)
     return [

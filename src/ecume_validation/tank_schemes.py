@@ -1,4 +1,6 @@
-"""The tank at rest with other walls, diffusions and kernels: which of them hold it, and which do not."""
+"""The tank at rest with other walls, diffusions and kernels: which of them keep the liquid at rest,
+and which do not.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,9 @@ from ecume_validation.runner import Row, above, below, within
 from ecume_validation.tank import last_quarter, run
 
 LASTING = ("spacing=0.05", "duration=35.0", "frame_every=0.25")
-"""Twenty deep, 1e4 steps."""
+"""Twenty particles per depth, 1e4 steps."""
 MOST_ERROR = 0.02
-"""Of rho g H, for whatever holds the liquid."""
+"""The limit of the pressure error of schemes that keep the liquid at rest, over rho g H."""
 COLLAPSED = 0.1
 HOLDING: dict[str, Sequence[str]] = {
     "mirrors": (),
@@ -28,7 +30,9 @@ HOLDING: dict[str, Sequence[str]] = {
     "cubic spline": ("method.kernel=cubic-spline",),
 }
 PAIRING = ("quintic spline", "quartic spline", "cubic spline")
-"""Particles at a wall pair with their own images behind it, and sit on it: the guard has to turn them back."""
+"""Kernels with which particles at a wall pair with their images behind it and sit on it: the guard
+has to reflect them.
+"""
 FAILING: dict[str, Sequence[str]] = {
     "reflection alone, C_R = 1": ("tank.walls=reflect", "tank.restitution=1.0"),
     "reflection alone, C_R = 0.5": ("tank.walls=reflect",),
@@ -37,15 +41,15 @@ FAILING: dict[str, Sequence[str]] = {
 
 
 def rows() -> list[Row]:
-    """Compare each scheme that holds the liquid, and each that does not."""
+    """Compare each scheme that keeps the liquid at rest, and each that does not."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # liu-quartic warns that it becomes negative: here that is known
+        warnings.simplefilter("ignore")  # the warning that liu-quartic has negative values
         held = [row for name, changes in HOLDING.items() for row in holding(name, changes)]
         return [*held, *(failing(name, changes) for name, changes in FAILING.items())]
 
 
 def holding(name: str, changes: Sequence[str]) -> list[Row]:
-    """The pressure's error in the last quarter, and whether anybody ran into a wall."""
+    """Rows on the pressure error in the last quarter, and on particles that were reflected at a wall."""
     frames = run([*LASTING, *changes])
     late = last_quarter(frames)
     error = below(f"{name}: pressure's error, over rho g H", sum(frame.error for frame in late) / len(late), MOST_ERROR)
@@ -53,6 +57,6 @@ def holding(name: str, changes: Sequence[str]) -> list[Row]:
 
 
 def failing(name: str, changes: Sequence[str]) -> Row:
-    """Such a scheme does not hold the liquid, and the row says by how much."""
+    """A row on a scheme that does not keep the liquid at rest, with its error."""
     late = last_quarter(run([*LASTING, *changes]))
     return above(f"{name}: pressure's error, over rho g H", sum(f.error for f in late) / len(late), COLLAPSED)

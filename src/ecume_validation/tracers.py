@@ -26,17 +26,17 @@ WEDGES = (90, 60, 45, 30, 10, 7)
 RESTITUTIONS = (0.5, 0.8, 0.9)
 KEEPS_SCENE_ORDER = 100_000
 ROUNDS = 17
-"""Steps of each system; with six systems some ten million particle-steps."""
+"""Steps of each system; with six systems about ten million particle steps."""
 FALL = (0.0, -9.81)
 
 
 def reflection_rows() -> list[Row]:
-    """Compare all subjects."""
+    """Compare billiards, a bouncing ball, wedges, a circle, reversibility and containment."""
     return [*billiards(), *bouncing(), *wedges(), *circle(), *reversal(), *nobody_outside()]
 
 
 def folded(way: Array, width: Array) -> Array:
-    """A straight way, folded into [0, width]."""
+    """A straight path, folded into [0, width]."""
     inside = np.mod(way, 2.0 * width)
     return np.where(inside > width, 2.0 * width - inside, inside)
 
@@ -62,7 +62,7 @@ def billiards() -> list[Row]:
 
 
 def bouncing() -> list[Row]:
-    """The times of a ball dropped from 1 m."""
+    """Compare the times of a ball dropped from 1 m."""
     floor, found = walls.planes([(0.0, 0.0)], [(0.0, 1.0)]), []
     first = math.sqrt(2.0 / 9.81)
     for e in RESTITUTIONS:
@@ -76,7 +76,7 @@ def bouncing() -> list[Row]:
 
 
 def wedges() -> list[Row]:
-    """The most bounces of 3000 random paths."""
+    """Compare the largest number of bounces of 3000 random paths."""
     found = []
     for degrees in WEDGES:
         rng, angle = np.random.default_rng(degrees), math.radians(degrees)
@@ -90,7 +90,7 @@ def wedges() -> list[Row]:
 
 
 def circle() -> list[Row]:
-    """A thousand chords, and chords that shorten."""
+    """Compare a thousand chords of a circle, and chords that shorten."""
     traced = walls.trace([(0.3, 0.1)], [(0.7, 0.6)], 3000.0, walls.disc((0.0, 0.0), 1.0))
     spin = 0.3 * 0.6 - 0.1 * 0.7
     angle = np.arctan2(traced.place[:, 1], traced.place[:, 0])
@@ -113,7 +113,7 @@ def circle() -> list[Row]:
 
 
 def reversal() -> list[Row]:
-    """There and back in a heptagon under gravity."""
+    """Compare a path forth and back in a heptagon under gravity."""
     rng = np.random.default_rng(5)
     heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
     start, speed = rng.uniform(-0.5, 0.5, (1000, 2)), rng.normal(size=(1000, 2))
@@ -158,16 +158,16 @@ SPEEDS = {
     100: (8.175e-3, 7.294103e-3),
     200: (3.27e-2, 2.291683e-2),
 }
-"""Diameter (um): terminal speed by Stokes, and by Schiller and Naumann, m/s."""
+"""Diameter (um): terminal speeds by Stokes, and by Schiller and Naumann, m/s."""
 GRAINS = 4000
 GRAIN = 0.5e-6
-"""Radius of what diffuses, m."""
+"""The radius of diffusing particles, m."""
 FRICTION = drag.stokes_friction(GRAIN, 1e-3, 1.0)
 THERMAL = brownian_motion.thermal_energy(293.15)
 
 
 def settling_rows() -> list[Row]:
-    """Compare all subjects."""
+    """Compare terminal speeds, relaxation, diffusion and equilibrium."""
     return [*terminal_speeds(), *from_rest(), *spreading(), *equilibrium()]
 
 
@@ -177,7 +177,7 @@ def _last(scene: Scene) -> Frame:
 
 
 def terminal_speeds() -> list[Row]:
-    """Compare the terminal speeds of four grains under two laws."""
+    """Compare the terminal speeds of four particles under two drag laws."""
     found = []
     for diameter, expected in SPEEDS.items():
         for law, speed in zip(("stokes", "schiller-naumann"), expected, strict=True):
@@ -188,7 +188,7 @@ def terminal_speeds() -> list[Row]:
 
 
 def from_rest() -> list[Row]:
-    """The height after one, two and three relaxation times."""
+    """Compare the height after one, two and three relaxation times."""
     scene = case_scene("settling", ["hydrodynamics.drag=stokes"])
     speed = drag.stokes_settling_speed(1e-4, 1500.0, 1e-3, 9.81)
     tau = 4.0 / 3.0 * math.pi * 1e-12 * 3000.0 / drag.stokes_friction(1e-4, 1e-3, 1.0)
@@ -203,7 +203,7 @@ def from_rest() -> list[Row]:
 
 
 def spreading() -> list[Row]:
-    """The mean square displacement along an axis, over 2 D t."""
+    """Compare the mean square displacement along an axis with 2 D t."""
     tau = 4.0 / 3.0 * math.pi * GRAIN**3 * 2500.0 / FRICTION
     found = []
     for regime, steps in (("inertial", 4.0), ("overdamped", 0.1)):
@@ -228,7 +228,7 @@ def spreading() -> list[Row]:
 
 
 def equilibrium() -> list[Row]:
-    """Grains that sink and diffuse in a tank three layers high."""
+    """Compare the profile of particles that settle and diffuse in a tank of three sedimentation lengths."""
     weight = 4.0 / 3.0 * math.pi * GRAIN**3 * 100.0 * 9.81
     layer = brownian_motion.sedimentation_length(THERMAL, weight)
     tall = 3.0 * layer

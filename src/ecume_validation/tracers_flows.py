@@ -17,17 +17,17 @@ from ecume.units import Array
 from ecume_validation.runner import Row, above, below, within
 
 RADIUS = 0.5e-6
-"""Of what diffuses, m."""
+"""The radius of diffusing particles, m."""
 THERMAL = brownian_motion.thermal_energy(293.15)
 SPREAD = brownian_motion.diffusivity(THERMAL, drag.stokes_friction(RADIUS, 1e-3, 1.0))
 """Its diffusion coefficient, m^2/s."""
 MANY = 100_000
-"""Particles of a pulse."""
+"""The number of particles of a pulse."""
 OVERDAMPED = {"integrator": "overdamped"}
 
 
 def rows() -> list[Row]:
-    """Compare all subjects."""
+    """Compare dispersion, diffusion near walls, layers, cells, impaction, deposition, gyres and lift."""
     return [
         *slit(),
         *tube(),
@@ -58,13 +58,13 @@ def variance(time: Array, peclet: float, modes: tuple[Array, Array]) -> Array:
 
 
 def slit_modes() -> tuple[Array, Array]:
-    """Those of flow between plates: 18/(pi k)^4 and (2 pi k)^2."""
+    """The modes of flow between plates: 18/(pi k)^4 and (2 pi k)^2."""
     k = np.arange(1.0, 60.0)
     return 18.0 / (math.pi * k) ** 4, (2.0 * math.pi * k) ** 2
 
 
 def tube_modes() -> tuple[Array, Array]:
-    """Those of a tube, over its radius: 64/b^4 and b^2, with the zeros b of J1."""
+    """The modes of flow in a tube, over its radius: 64/b^4 and b^2, with the zeros b of J1."""
     from scipy.special import jn_zeros
 
     b = jn_zeros(1, 60)
@@ -72,11 +72,11 @@ def tube_modes() -> tuple[Array, Array]:
 
 
 INSTANTS = np.array([0.05, 0.2, 1.0])
-"""Over the width squared over D."""
+"""Times over the width squared over D."""
 
 
 def pulse_rows(name: str, frames: list[Frame], peclet: float, modes: tuple[Array, Array], unit: float) -> list[Row]:
-    """The variance of a pulse at the instants beside the exact one; within 1 % at the end."""
+    """Rows on the variance of a pulse at the instants; within 1 % of the exact one at the end."""
     exact, found = variance(INSTANTS, peclet, modes), []
     for time, expected in zip(INSTANTS, exact, strict=True):
         frame = min(frames, key=lambda each: abs(each.time - time * unit))
@@ -90,7 +90,7 @@ def pulse_rows(name: str, frames: list[Frame], peclet: float, modes: tuple[Array
 
 
 def slit() -> list[Row]:
-    """A pulse between plates, at three Peclet numbers; at the end 1 + Pe^2/210 less the transient."""
+    """Compare a pulse between plates at three Peclet numbers; at the end 1 + Pe^2/210 minus the transient."""
     width, found = 1e-5, []
     unit = width**2 / SPREAD
     for peclet in (10.0, 100.0, 500.0):
@@ -110,14 +110,14 @@ def slit() -> list[Row]:
 
 
 SIDES = 32
-"""Of the prism that stands for a tube."""
+"""Sides of the prism that approximates a tube."""
 
 
 def tube() -> list[Row]:
-    """A pulse in a tube: a prism of 32 sides and the same cross section."""
+    """Compare a pulse in a tube: a prism of 32 sides with the same cross-sectional area."""
     radius, peclet = 1e-5, 100.0
     unit, angle = radius**2 / SPREAD, 2.0 * math.pi * np.arange(SIDES) / SIDES
-    # The surface on which centers are reflected has the cross section of the tube.
+    # The surface at which centers are reflected has the cross-sectional area of the tube.
     reach = radius * math.sqrt(math.pi / (SIDES * math.tan(math.pi / SIDES))) + RADIUS
     outer = reach / math.cos(math.pi / SIDES)
     ring = [(x, outer * math.cos(a), outer * math.sin(a)) for x in (-1.0, 1.0) for a in angle]
@@ -138,7 +138,7 @@ def tube() -> list[Row]:
 
 
 def near_a_wall() -> list[Row]:
-    """Diffusion coefficients at three gaps, over those far away, in a time in which the gap changes little."""
+    """Compare diffusion coefficients at three gaps with those far away, over a time in which gaps change little."""
     found, count = [], 20_000
     for ratio in (0.2, 1.0, 5.0):
         gap = ratio * RADIUS
@@ -165,7 +165,9 @@ LAYERS = 10
 
 
 def layers() -> list[Row]:
-    """Particles that settle and diffuse, in layers that hold equal numbers; within 3 % from contact on."""
+    """Compare the numbers of settling and diffusing particles in layers of equal expected number; within 3 % down to
+    contact.
+    """
     count = 50_000
     weight = 4.0 / 3.0 * math.pi * RADIUS**3 * 100.0 * 9.81
     length = brownian_motion.sedimentation_length(THERMAL, weight)
@@ -199,7 +201,9 @@ def integrated(
 
 
 def cells() -> list[Row]:
-    """Heavy grains that settle through cells, with the acceleration of the liquid: paths, and the mean speed."""
+    """Compare heavy particles that settle through cells, with the acceleration of the liquid: paths, and the mean
+    speed.
+    """
     speed, wavelength, radius, density = 0.02, 0.1, 2e-4, 1300.0
     k, time = 2.0 * math.pi / wavelength, 4.0
     displaced = 4.0 / 3.0 * math.pi * radius**3 * 1000.0
@@ -239,7 +243,7 @@ STOKES_NUMBERS = (0.2, 0.5, 1.0, 4.0)
 
 
 def grazing(stokes: float, start: float) -> float:
-    """The height (radii) of the highest path from x = `start` radii that touches a cylinder, by bisection."""
+    """The height (radii) at x = `start` radii of the highest path that touches a cylinder, by bisection."""
 
     def rates(_: float, x: Array) -> list[float]:
         u, _, w = carrier_flows.ideal_flow_past_cylinder((x[0], 0.0, x[1]), 1.0, (1.0, 0.0, 0.0))
@@ -259,12 +263,12 @@ def grazing(stokes: float, start: float) -> float:
 
 
 def impaction() -> list[Row]:
-    """The efficiency of a cylinder in ideal flow over the Stokes number, m U/(friction R)."""
+    """Compare the efficiency of a cylinder in ideal flow over the Stokes number, m U/(friction R)."""
     found, size, count, start, viscosity = [], 1e-3, 200, -6.0, 1e-3
     radius = 1e-5 * size
     for stokes in (0.12, *STOKES_NUMBERS):
         speed = 1.0
-        # Point-like particles: their density gives the Stokes number.
+        # For particles of negligible size, the density determines the Stokes number.
         density = (
             stokes * size / speed * drag.stokes_friction(radius, viscosity, 1.0) / (4.0 / 3.0 * math.pi * radius**3)
         )
@@ -296,7 +300,7 @@ def impaction() -> list[Row]:
 
 
 def plates() -> list[Row]:
-    """Deposition from plug flow between two plates that hold what touches them, over the distance."""
+    """Compare the deposition from plug flow between two sticking plates, over the distance."""
     count, width = 50_000, 1e-5
     unit = width**2 / SPREAD
     speed = 100.0 * width / unit
@@ -321,7 +325,7 @@ def plates() -> list[Row]:
 
 
 def gyres() -> list[Row]:
-    """Paths in two gyres whose border swings, over a period and a half."""
+    """Compare paths in two gyres with an oscillating border, over one and a half periods."""
     amplitude, swing, time = 0.1, 0.25, 15.0
     starts = np.random.default_rng(9).uniform((0.05, 0.05), (1.95, 0.95), (20, 2))
 
@@ -341,7 +345,7 @@ def gyres() -> list[Row]:
 
 
 def lift() -> list[Row]:
-    """A grain that settles through sheared liquid is pushed across the shear."""
+    """Compare the lateral motion of a particle that settles through sheared liquid."""
     shear, radius, time = 0.5, 2e-4, 0.4
     displaced = 4.0 / 3.0 * math.pi * radius**3 * 1000.0
     inertia, friction = displaced * 1.52, drag.stokes_friction(radius, 1e-3, 1.0)

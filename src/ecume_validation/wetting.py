@@ -14,15 +14,15 @@ from ecume.trajectories.frame import Frame
 from ecume_validation.runner import Row, case_scene, frames_of, within
 
 AREA, VOLUME = 2e-6, 0.5e-9
-"""m^2 and m^3, of the liquid."""
+"""Area (m^2) and volume (m^3) of the liquid."""
 TENSION, DENSITY, WEIGHT = 0.0728, 1000.0, 200.0
-"""N/m; kg/m^3; m/s^2, for a capillary length of 0.6 mm."""
+"""Surface tension (N/m), density (kg/m^3) and gravity (m/s^2) for a capillary length of 0.6 mm."""
 RISE = 0.02 * 0.5 / (1000.0 * 9.81) * (2.0 / 1e-3 - 2.0 / 3e-3)
-"""m, Jurin's difference of levels in `rise.toml`."""
+"""Jurin's difference of levels in `rise.toml` (m)."""
 
 
 def rows() -> list[Row]:
-    """Compare all subjects."""
+    """Compare drops on a plate with and without gravity, capillary rise, and a drop in 3D."""
     return [*drops_on_a_plate(), *heavy_drops(), *rise(), *drop_in_space()]
 
 
@@ -33,7 +33,7 @@ def height(frames: Sequence[Frame]) -> float:
 
 
 def drops_on_a_plate() -> list[Row]:
-    """Without weight: the angle of the segment whose center is as high."""
+    """Compare drops without gravity: the angle of the circular segment whose centroid has the same height."""
     found = []
     for walls, angles in (("mirror", (30, 60, 90, 120, 150)), ("dummy", (60, 120))):
         for angle in angles:
@@ -44,7 +44,7 @@ def drops_on_a_plate() -> list[Row]:
 
 
 def angle_of(center: float, height_at: Callable[[float], float]) -> float:
-    """The contact angle (degrees) at which the center of a drop is so high."""
+    """The contact angle (degrees) for which the centroid of a drop has this height."""
     found: float = brentq(lambda angle: height_at(math.radians(angle)) - center, 20.0, 160.0)
     return found
 
@@ -63,7 +63,7 @@ def cap_height(angle: float) -> float:
 
 
 def heavy_drops() -> list[Row]:
-    """With weight: the angle of the Young-Laplace profile whose center is as high."""
+    """Compare drops under gravity: the angle of the Young-Laplace profile whose centroid has the same height."""
     found = []
     for angle in (60, 120):
         changes = [f"liquid.contact_angle={angle} deg", f"gravity=[0.0, -{WEIGHT}]"]
@@ -104,7 +104,7 @@ def young_laplace_height(angle: float) -> float:
 
 
 def rise() -> list[Row]:
-    """The levels in two gaps: volumes above the lower edge of the plate, over their widths."""
+    """Compare the levels in two gaps: volumes above the lower edge of the plate, over the widths."""
     frames = list(simulate(case_scene("wetting", name="rise")))
     late = [difference(frame) for frame in frames[2 * len(frames) // 3 :]]
     return [within("rise between plates: difference of levels", float(np.mean(late)), RISE, 0.08 * RISE)]
@@ -118,7 +118,7 @@ def difference(frame: Frame) -> float:
 
 
 def drop_in_space() -> list[Row]:
-    """Half a cube that spreads."""
+    """Compare a spreading drop in 3D that starts as half a cube."""
     changes = [
         "tank.low=[-1.5e-3, 0.0, -1.5e-3]", "tank.high=[1.5e-3, 1.5e-3, 1.5e-3]", "gravity=[0.0, 0.0, 0.0]",
         "tank.front={kind='open'}", "tank.back={kind='open'}", "duration=40 ms", "frame_every=4 ms",

@@ -147,8 +147,7 @@ class Sweep:
 
 
 def representing(axis: Axis) -> Sequence[str]:
-    """The key of an axis. For linked keys, the first one whose values are all different; all of
-    them if there is none.
+    """The key of an axis. For linked keys, the first one whose values are all different, or all of them.
 
     >>> representing(Axis(keys=("cell.size", "seed"), rows=((1, 1), (1, 2))))
     ('seed',)
