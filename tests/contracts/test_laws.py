@@ -36,6 +36,7 @@ from ecume.laws import (
     long_range,
     meniscus,
     moving_dish,
+    permeability,
     soft_contacts,
     soft_pair,
     special,
@@ -79,12 +80,14 @@ COMPILED = (
     wall_forces,
     carrier_flows,
     unsteady_forces,
+    permeability,
 )
 RESCALED = (
     carrier_flows, density_diffusion, brownian_motion, capillarity, friction, drag, meniscus, flotation.bodies,
     flotation.balance, flotation.equilibria, flotation.nonspherical, flotation.young_laplace, states, viscous, tension,
     time_step_limits, drops, flows, hydrostatics, long_range, moving_dish, soft_contacts, soft_pair, contact_lines,
     surfaces, interfaces, wall_forces, water_waves, dam_breaks, liquids, soft_oracles, swirls, unsteady_forces,
+    permeability,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -139,7 +142,7 @@ SAMPLES = {
     "trace": 1.7, "missing": 0.06, "completion": 1.3, "off": 1.3, "value": 0.3,
     "stretch": -0.02, "tension": 0.9, "cavitation_pressure": 3.1, "widening": -0.02, "shear": 0.03,
     "shear_squared": 9e-4,
-    "low": -0.2, "high": 0.5, "filled": 0.2, "room": 0.7,
+    "low": -0.2, "high": 0.5, "filled": 0.2, "solid_fraction": 0.6, "diameter": 0.4, "permeability": 1e-3, "room": 0.7,
     "place": (0.3, 0.2, 0.1), "stream": (0.4, 0.3, -0.2), "displaced": 0.3,
     "dim": 2, "swing": 0.2, "decay": 0.3, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip

@@ -75,6 +75,10 @@ OPTIONS = {
     "walls that move": merged(WALLS, {"walls": [{}, {"velocity": [0.05, 0.0]}]}),
     "walls that yield": merged(WALLS, {"walls": [{}, {"pressure": 2e-3, "shear_stress": 1e-3}]}),
     "walls with a modulus": merged(WALLS, {"walls": [{"modulus": 2.0}, {"modulus": 2.0}]}),
+    "permeation": merged(
+        WALLS,
+        {"walls": [{"drained": False}, {"drained": True, "pressure": 2e-3}], "permeation": {"layer_height": 2.0}},
+    ),
     "load ramp": {"protocol": [{**RUN, "load": 0.0}, {"time": 0.2, "load": 1.0}]},
     "strain": until(strain=0.01),
     "shear_rate": stage(shear_rate=0.05),

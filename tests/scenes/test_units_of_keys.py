@@ -17,7 +17,7 @@ UNITS = {
     "s": ("ms", "hour"), "kg/m^3": ("g/cm^3", "g/l"), "Pa*s": ("mPa*s", "poise"), "N/m": ("mN/m", "dyn/cm", "J/m^2"),
     "Pa": ("kPa", "bar", "atm", "N/m^2"), "N": ("uN", "dyn"), "K": ("degC", "mK"), "1/s": ("Hz", "minute^-1"),
     "kg": ("g", "lb"), "kg/m": ("g/cm",), "J": ("erg", "eV"), "N*m": ("uN*m",), "A*m^2": ("mA*m^2",), "T": ("mT",),
-    "1": ("%",), "1/m^3": ("cm^-3", "l^-1"), "1/m^2": ("cm^-2",), "m^2/s": ("cm^2/s",),
+    "1": ("%",), "1/m^3": ("cm^-3", "l^-1"), "1/m^2": ("cm^-2",), "m^2": ("mm^2",), "m^2/s": ("cm^2/s",),
 }  # fmt: skip
 """Other units of each dimension that keys have."""
 ENERGIES = {"J", "N*m"}

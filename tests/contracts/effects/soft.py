@@ -27,6 +27,10 @@ DLVO = {
 }
 PUSH = {"user_laws": [{"law": "push", "species": ["sphere-1", "sphere-2"], "constants": [1e-6]}]}
 WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}]}
+PERMEATED = {
+    "walls": [{"side": "bottom", "drained": False}, {"side": "top", "drained": True, "pressure": 1e-3}],
+    "permeation": {"law": "constant", "permeability": 1e-3, "layer_height": 2.0},
+}
 LOOSE = {"positions": None, "force": None, "count": 4}
 SCATTERED = {"particles": [LOOSE, LOOSE], "cell": {"size": [6.5, 6.5]}, **SHEAR}
 
@@ -116,6 +120,10 @@ EFFECTS = {
     "walls.velocity": of([0.05, 0.0], **WALLS),
     "walls.pressure": of(2e-3, **WALLS),
     "walls.shear_stress": of(1e-3, **WALLS),
+    "walls.drained": of(True, **PERMEATED),
+    "permeation.law": of("kozeny-carman", REFUSED, **PERMEATED),
+    "permeation.permeability": of(2e-3, **PERMEATED),
+    "permeation.layer_height": of(1.0, **PERMEATED),
     "protocol.time": of(8e-4, protocol=[{"time": 2e-4, "shear_rate": 0.05}]),
     "protocol.load": of(0.5, protocol=[{"time": 0.0, "load": 1.0}]),
     "protocol.wall_shear": of(

@@ -393,10 +393,10 @@ def unlike(scene, ours, theirs, matrix=None, order=None):
     return max(found, float(np.abs(moved - others).max()) / max(one.radius for one in scene.particles))
 
 
-def outcome(seed):
+def outcome(seed, drawing=draw):
     """How the run of a random scene ends, and what it does not keep: a word, and a table."""
     dice = np.random.default_rng(seed)
-    plain = draw(dice)
+    plain = drawing(dice)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

@@ -13,6 +13,7 @@ from ecume.laws.long_range import Remote
 from ecume.laws.soft_contacts import TangentialLaw, TensionLaw
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.contacts.user_forces import Tables
+from ecume.models.soft.medium import Medium
 from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
@@ -133,3 +134,5 @@ class Parameters(NamedTuple):
     solver: str
     user_forces: Tables | tuple[()] = ()
     """Laws of the user between surfaces; empty without any"""
+    permeation: Medium | tuple[()] = ()
+    """empty without permeation"""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ecume.laws import friction, interfaces, long_range, soft_pair, surfaces
+from ecume.laws import friction, interfaces, long_range, permeability, soft_pair, surfaces
 from ecume.laws.soft_contacts import TANGENTIAL, TENSION
 from ecume.models.actions import Access
 from ecume.models.costs import require_memory
@@ -121,6 +121,8 @@ def laws_of(scene: Any) -> list[Source]:
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += friction.FRICTIONS[films.friction].papers
     laws += [*TANGENTIAL[films.tangential_law].papers, *TENSION[tension_law_of(scene)].papers]
+    if scene.permeation is not None:
+        laws += [permeability.seepage_gradient, *permeability.PERMEABILITIES[scene.permeation.law].papers]
     row = long_range.REMOTE[scene.long_range_forces.law]
     return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.integration.integrator].paper]
 

@@ -16,6 +16,7 @@ from ecume.laws.drag import stokes_friction
 from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
+from ecume.laws.permeability import PERMEABILITIES
 from ecume.laws.soft_contacts import TANGENTIAL, TENSION
 from ecume.laws.soft_pair import PREFACTORS, Prefactors
 from ecume.laws.surfaces import SURFACES
@@ -28,10 +29,11 @@ from ecume.models.soft.contacts.tree_search import box_in, neighbors
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import balance
+from ecume.models.soft.medium import medium_of
 from ecume.models.soft.parameters import CONTACT_LISTS, Contacts, Laws, Parameters, Planes
 from ecume.models.soft.protocol import LOAD, SCALE, Drive, Protocol, Rules, drive_at, protocol_of, rules_at
 from ecume.models.soft.report.balance_report import floppy, remedies, unbalanced, unborne, unmet_wall, unresisted
-from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
+from ecume.models.soft.state import LENGTH, State, drained, make_state, store, workspace
 from ecume.models.step_counts import last_step
 from ecume.scenes.sizes import radii_of
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, dimensions_of, sides_of, tension_law_of
@@ -279,6 +281,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         scheme=scene.integration.integrator,
         tolerance=scene.integration.tolerance,
         solver=scene.integration.solver,
+        permeation=medium_of(scene, radius),
     )
     require_moderate_forces(parameters)
     require_room(parameters)
@@ -329,7 +332,7 @@ def first_length(scene: SoftScene, parameters: Parameters, state: State) -> floa
 def balance_first(parameters: Parameters, state: State) -> None:
     """Balance the initial state. Raises SceneError with the reason if that is impossible."""
     drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
-    at, scratch = (drive, drive, rules), workspace(parameters, state, 1.0)
+    at, scratch = (drive, drive, rules), drained(workspace(parameters, state, 1.0))
     path = "protocol" if any(rules) else "particles"
     if cause := (
         unborne(parameters, state, rules)
@@ -368,10 +371,10 @@ def _without_balance(
     """
     if parameters.solver != "auto":
         usual = parameters._replace(solver="auto")
-        if balance(usual, workspace(usual, state, 1.0), at, state.effort.copy()):
+        if balance(usual, drained(workspace(usual, state, 1.0)), at, state.effort.copy()):
             cause = f"{parameters.solver} found no balance of forces where auto finds one"
             return "integration.solver", f'{cause}; expected "auto"'
-    return path, unbalanced(parameters, workspace(parameters, state, 1.0), at[1:])
+    return path, unbalanced(parameters, drained(workspace(parameters, state, 1.0)), at[1:])
 
 
 def _planes(scene: SoftScene) -> Planes:
@@ -482,13 +485,24 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
         "critical_load": [("films", scene.films)],
         "cavitation_pressure": [("films", scene.films)],
     }
-    return [
+    return _missing_permeability(scene) + [
         Fault(f"{path}.{name}", said)
         for needs in (laws.surface.needs, laws.friction.needs, laws.tension.needs)
         for name, said in needs.items()
         for path, given in holders[name]
         if getattr(given, name) is None
     ]
+
+
+def _missing_permeability(scene: SoftScene) -> list[Fault]:
+    """A permeability that its law needs and has not, or has and does not use."""
+    if scene.permeation is None:
+        return []
+    row, given = PERMEABILITIES[scene.permeation.law], scene.permeation.permeability is not None
+    if given and "permeability" not in row.needs:
+        cause = f'{scene.permeation.law} computes it; expected none, or law = "constant"'
+        return [Fault("permeation.permeability", cause)]
+    return [Fault(f"permeation.{name}", said) for name, said in row.needs.items() if not given]
 
 
 def _moduli(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
@@ -514,6 +528,7 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.tangential_law", TANGENTIAL, scene.films.tangential_law, "tangential law"),
         ("films.tension_law", TENSION, tension_law_of(scene), "tension law"),
         ("long_range_forces.law", REMOTE, scene.long_range_forces.law, "remote law"),
+        ("permeation.law", PERMEABILITIES, scene.permeation.law if scene.permeation else "constant", "permeability"),
         ("integration.integrator", SCHEMES, scene.integration.integrator, "scheme"),
         ("integration.solver", {"auto": None, **SOLVERS}, scene.integration.solver, "solver"),
     ]

@@ -14,7 +14,7 @@ from ecume.engine.linear_solvers.solvers import Kept
 from ecume.engine.walls import nearest_points
 from ecume.laws import soft_pair
 from ecume.models.soft.cell import Cell, make_cell
-from ecume.models.soft.contacts.connected_pieces import anchors
+from ecume.models.soft.contacts.connected_pieces import anchors, pieces
 from ecume.models.soft.contacts.contact import ROUNDING
 from ecume.models.soft.contacts.films import ContactResponses, Films, Pairs, make_films, make_responses
 from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
@@ -23,6 +23,7 @@ from ecume.models.soft.contacts.walls import Touches, Walls, make_walls
 from ecume.models.soft.integration.bordered_system import MOST, Borders, make_borders
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.permeation import Permeation, make_permeation
 from ecume.units import Array
 
 LENGTH, PAST_ERROR, CLOCK, FORCE_RESIDUAL = range(4)
@@ -33,6 +34,8 @@ ACCEPTED, REJECTED, FAILED = range(3)
 """Indices of `State.tally`."""
 NO_BUDGET = np.zeros(0)
 """The energy budget in runs of earlier versions: empty."""
+NO_LAYERS = np.zeros(0)
+"""The layers of scenes without permeation."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
 """The orientation at time 0, by the number of components of a spin."""
@@ -89,6 +92,10 @@ class State(NamedTuple):
     """
     budget: Array = NO_BUDGET
     """(4,) J: injected, dissipated and stored energy: see `report.energy_budget`"""
+    layer_force: Array = NO_LAYERS
+    """(L,) N: the rise of the pore pressure across each layer, times its area: see `permeation`"""
+    permeating: Array = NO_LAYERS
+    """(N,) m/s: velocities across the layers at the end of the last step"""
 
 
 class Workspace(NamedTuple):
@@ -128,7 +135,15 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         tally=np.zeros(3, np.int64),
         effort=np.zeros(3, np.int64),
         budget=np.zeros(4),
+        **_layers(parameters, count),
     )
+
+
+def _layers(parameters: Parameters, count: int) -> dict[str, Array]:
+    """The arrays of permeating liquid at rest; none without permeation."""
+    if not parameters.permeation:
+        return {}
+    return {"layer_force": np.zeros(parameters.permeation.layers), "permeating": np.zeros(count)}
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
@@ -138,7 +153,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     pairs = pairs_of(parameters, state)
     stages, width = len(SCHEMES[parameters.scheme].tableau.times), dimensions + parameters.torque.shape[1]
     pattern = block_matrix.make_pattern(count, pairs.first, pairs.second, state.order)
-    shared = make_borders(count, width, max(MOST, len(parameters.walls.free), width - dimensions))
+    unknowns = len(parameters.walls.free) + (parameters.permeation.layers + 1 if parameters.permeation else 0)
+    shared = make_borders(count, width, max(MOST, unknowns, width - dimensions))
     bodies = Bodies(
         position=state.position.copy(),
         before=state.position.copy(),
@@ -163,6 +179,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
         walls=walls_of(parameters, state, stages),
+        permeation=permeation_of(parameters, state, stages),
         matrix=block_matrix.make_matrix(pattern, width),
         cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
         borders=shared,
@@ -186,6 +203,22 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
         state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
         state.wall[:], state.wall_rate[:] = places.before, places.past
     state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
+    if step.permeation:
+        state.layer_force[:], state.permeating[:] = step.permeation.before, step.permeation.past
+
+
+def permeation_of(parameters: Parameters, state: State, stages: int) -> Permeation | tuple[()]:
+    """The layers of the permeating liquid, if any. Spheres without a connection to a wall are suspended in it."""
+    if not parameters.permeation:
+        return ()
+    piece = pieces(state.pair[: state.contacts[0]], state.touching)
+    now = state.layer_force, state.permeating
+    return make_permeation(parameters.permeation, piece[:-1] == piece[-1], now, stages)
+
+
+def drained(scratch: Workspace) -> Workspace:
+    """The same without permeating liquid: in which loads act for so long that it is at rest."""
+    return scratch._replace(step=scratch.step._replace(permeation=()))
 
 
 def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple[()]:
@@ -329,6 +362,8 @@ class Step(NamedTuple):
     spins: Spins
     walls: Walls | tuple[()]
     """empty without walls, so that their code is not compiled"""
+    permeation: Permeation | tuple[()]
+    """empty without permeation"""
     matrix: Matrix
     cell: Cell
     borders: Borders

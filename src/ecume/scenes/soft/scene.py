@@ -35,7 +35,7 @@ from ecume.scenes.soft.protocol import (
     end_of,
     protocol_faults,
 )
-from ecume.units import ROOM, Energy, Force, Number, Pressure, Rate, SurfaceTension, Unit, Viscosity, with_prefix
+from ecume.units import ROOM, Area, Energy, Force, Number, Pressure, Rate, SurfaceTension, Unit, Viscosity, with_prefix
 
 Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]
 Side = Literal["left", "right", "bottom", "top", "front", "back"]
@@ -67,6 +67,9 @@ class WallSpec:
     shear_stress: Stress | None = None
     """The shear stress that pulls the wall along x (Pa; N/m in 2D), at load 1; the wall then moves along x. Example:
     `"100 Pa"`. Effect: above the yield stress the packing flows."""
+    drained: Switch | None = None
+    """Whether liquid passes through the wall, with `[permeation]`; required at both walls across which it permeates.
+    Effect: liquid leaves and enters the packing at drained walls only."""
 
 
 def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:
@@ -115,6 +118,7 @@ ThickViscosity = Annotated[Viscosity, Field(ge=1e-12, le=1e12)]
 Load = Annotated[Force, Field(ge=-1e9, le=1e9)]
 Strength = Annotated[Force, Field(ge=0.0, le=1e9)]
 Hamaker = Annotated[Energy, Field(ge=0.0, le=1e9)]
+Permeability = Annotated[Area, Field(gt=0.0, le=1e6)]
 Tension = Annotated[SurfaceTension, Field(ge=1e-12, le=1e12)]
 ViscosityRatio = Annotated[Number, Field(ge=1e-6, le=1e6)]
 Coefficient = Annotated[Number, Field(ge=0.0, le=100.0)]
@@ -164,6 +168,21 @@ class SoftHydrodynamicsSpec:
     drag: Literal["none", "stokes"] = "none"
     """The drag of the surrounding liquid: `stokes` is 6 pi eta R per sphere, `none` leaves the films alone. Effect:
     gives spheres without contacts a finite velocity."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class PermeationSpec:
+    """The flow of the liquid through the packing, across walls with `drained`, and its pore pressure."""
+
+    law: LawName = "kozeny-carman"
+    """The permeability: `kozeny-carman`, by the solid fraction of each layer, or `constant`. Effect: dense packings
+    take in liquid more slowly with `kozeny-carman`."""
+    permeability: Permeability | None = None
+    """The permeability (m^2); required for `law = "constant"`. Example: `1e-9`. Effect: the time of consolidation is
+    inversely proportional to it."""
+    layer_height: Size | None = None
+    """The height of the layers between which the pore pressure differs (m); by default two mean diameters. Effect:
+    thinner layers resolve the pressure, and cost time."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -402,6 +421,9 @@ class SoftScene(Common):
     """The loading over time, one table per instant. Effect: drives loads, shear and compression."""
     hydrodynamics: SoftHydrodynamicsSpec = SoftHydrodynamicsSpec()
     """The drag of the surrounding liquid. Effect: balances forces on spheres without contacts."""
+    permeation: PermeationSpec | None = None
+    """The flow of the liquid through the packing between walls; by default it takes no pressure. Effect: dense packings
+    start to flow late, since they must take in liquid."""
     integration: IntegrationSpec = IntegrationSpec()
     """The time stepping: implicit, with steps chosen by the tolerance. Effect: determines the error per step and the
     cost."""
@@ -418,7 +440,7 @@ class SoftScene(Common):
         object.__setattr__(self, "particles", shared_out(self.particles, dimensions_of(self)))
         complaints = [
             *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_too_dense(self), *_cutoff(self),
-            *_preparation(self),
+            *_preparation(self), *_permeation(self),
         ]  # fmt: skip
         if complaints:
             raise Inconsistent(complaints)
@@ -554,6 +576,48 @@ def _preparation(scene: SoftScene) -> Complaints:
             cause = "cannot be reached after a preparation to a pressure; expected height_rate, normal_stress, pressure"
             found.append((("protocol", index, "scale"), cause))
     return found
+
+
+def _permeation(scene: SoftScene) -> Complaints:
+    """The faults of a permeation: without the walls that it needs, or where no flow is possible."""
+    ends = [(index, wall) for index, wall in enumerate(scene.walls) if wall.drained is not None]
+    if scene.permeation is None:
+        cause = "is that of a packing with [permeation]; add that table"
+        return [(("walls", index, "drained"), cause) for index, _ in ends]
+    if scene.cell is None:
+        return [(("permeation",), "passes through the cross-section of a [cell]; add that table")]
+    if not ends:
+        return [(("permeation",), "is across walls; expected drained = true or false at the walls across one axis")]
+    if scene.hydrodynamics.drag != "none":
+        cause = 'and permeation both are the drag of the liquid on the spheres; expected drag = "none"'
+        return [(("hydrodynamics", "drag"), cause)]
+    axis = SIDES[ends[0][1].side][0]
+    found: Complaints = []
+    for index, wall in enumerate(scene.walls):
+        across = SIDES[wall.side][0]
+        if across == axis and wall.drained is None:
+            found.append((("walls", index, "drained"), "is missing; the wall across from it has it"))
+        elif across != axis and wall.drained is not None:
+            found.append((("walls", index, "drained"), "is that of a wall across another axis; expected one axis"))
+        elif across != axis and (wall.pressure is not None or _approach(wall)):
+            cause = "changes the cross-section that the liquid permeates; expected a wall that stays"
+            found.append((("walls", index), cause))
+    return found or _closed([(index, wall) for index, wall in ends if not wall.drained])
+
+
+def _closed(undrained: Sequence[tuple[int, WallSpec]]) -> Complaints:
+    """The fault of two undrained walls that would approach each other."""
+    pressed = any(wall.pressure is not None for _, wall in undrained)
+    if len(undrained) < 2 or not (pressed or len({_approach(wall) for _, wall in undrained}) > 1):
+        return []
+    cause = "is false at both walls, and liquid and spheres keep their volume; expected one that is drained"
+    return [(("walls", undrained[1][0], "drained"), cause)]
+
+
+def _approach(wall: WallSpec) -> float:
+    """The velocity of a wall along its normal (m/s)."""
+    axis, velocity = SIDES[wall.side][0], wall.velocity or ()
+    return velocity[axis] if axis < len(velocity) else 0.0
 
 
 def _cutoff(scene: SoftScene) -> Complaints:

@@ -63,6 +63,8 @@ class Places(NamedTuple):
     """(W, 3) m/s at the end of the last step"""
     change: Array
     """(W, 3) m in Newton's step"""
+    lift: Array
+    """(W, 3) N: the force of permeating liquid"""
 
 
 class Touches(NamedTuple):
@@ -105,7 +107,7 @@ class Walls(NamedTuple):
 def no_walls() -> Walls:
     """Empty arrays for a scene without walls."""
     none, no_owners = np.zeros((0, 3)), np.zeros(0, np.int64)
-    places = Places(none, none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
+    places = Places(none, none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none, none)
     rates, line = np.zeros((0, 4)), np.zeros(0)
     return Walls(
         places,
@@ -129,7 +131,7 @@ def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
     (place, past), surfaces = now, planes.surfaces
     return Places(
         0.0 - surfaces.place, surfaces.velocity, planes.force, planes.free, place.copy(), place.copy(), place.copy(),
-        np.zeros((stages, *place.shape)), past.copy(), np.zeros_like(place),
+        np.zeros((stages, *place.shape)), past.copy(), np.zeros_like(place), np.zeros_like(place),
     )  # fmt: skip
 
 
@@ -448,10 +450,12 @@ def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensio
 
 @compiled_inside
 def target_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
-    """The prescribed force on a movable wall (N); the factor of wall shear applies to its tangential components."""
+    """The force on a movable wall (N), as prescribed and of permeating liquid, that the spheres balance; the factor of
+    wall shear applies to its tangential components.
+    """
     wall, axis = places.free[unknown]
     along = 1.0 if places.normal[wall, axis] != 0.0 else load[1]
-    return float(load[0] * along * places.force[wall, axis])
+    return float(load[0] * along * places.force[wall, axis] + places.lift[wall, axis])
 
 
 @compiled

@@ -30,6 +30,14 @@ from ecume.models.soft.contacts.walls import (
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import imbalance, newton_dense
 from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.permeation import (
+    accept_layers,
+    begin_layers,
+    end_layers,
+    first_layers,
+    layer_error,
+    permeation_response,
+)
 from ecume.models.soft.protocol import Drive
 from ecume.models.soft.report.energy_budget import add_stage
 from ecume.models.soft.state import Step, StepRequest
@@ -51,6 +59,7 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
     begin_motion(spins.start, spins.slope, spins.drag, row, time_step)
     begin_cell(step.cell, row, time_step)
     begin_walls(step.walls, scheme, stage, time_step)
+    begin_layers(step.permeation, row, time_step)
 
 
 @compiled
@@ -93,6 +102,7 @@ def end_stage(step: Step, goal: StageTarget, stage: int) -> None:
     films, bodies, spins, span = step.films, step.bodies, step.spins, goal.span
     end_cell(step.cell, goal, stage)
     end_walls(step.walls, stage, span)
+    end_layers(step.permeation, bodies.moved, stage, span)
     end_contacts(films, step.slope[stage], span)
     end_motion(bodies.slope[stage], bodies.moved, bodies.start, bodies.drag, span)
     end_motion(spins.slope[stage], spins.turn, spins.start, spins.drag, span)
@@ -125,6 +135,7 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     reset_to_start(step, drive)
     contact_response(contacts, step.pairs, step.films, step.bodies.position, 0.0, step.responses)
     wall_response(step.walls, contacts, step.bodies.position, step.spins.turn, 0.0)
+    permeation_response(step.permeation, step.walls, step.bodies.position)
     imbalance(step, drive.load, 1.0, False)
     first_slopes(step)
 
@@ -145,6 +156,7 @@ def reset_to_start(step: Step, drive: Drive) -> None:
     turn_pairs(step.pairs, spins.turn)
     first_cell(step.cell, drive)
     first_walls(step.walls)
+    first_layers(step.permeation)
     place_images(step.pairs, step.cell)
 
 
@@ -223,7 +235,8 @@ def try_step(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme
             add_stage(contacts, step, scheme, during, stage)
     of_contacts = error_of(step.slope, scheme.error, during.length)
     of_walls = float(wall_error(step.walls, scheme, during.length))
-    return max(of_contacts, cell_error(step.cell, scheme, during.length), of_walls)
+    of_layers = float(layer_error(step.permeation, scheme, during.length))
+    return max(of_contacts, cell_error(step.cell, scheme, during.length), of_walls, of_layers)
 
 
 @compiled
@@ -256,6 +269,7 @@ def accept(step: Step) -> None:
     """Copy the end of a step to the start of the next one."""
     carry(step.pairs.turn, step.films.direction)
     accept_walls(step.walls, step.spins.turn)
+    accept_layers(step.permeation)
     copy_line(step.log_gap, step.films.log_gap)
     copy_rows(step.direction, step.films.direction)
     copy_rows(step.bodies.before, step.bodies.position)

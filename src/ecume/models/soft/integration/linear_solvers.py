@@ -55,7 +55,7 @@ def solver_names(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[
 def stepper(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Stepper:
     """The function that computes a step by one of the solvers."""
     solve = partial(solvers.SOLVERS[name], kept)
-    if any(rules) or len(parameters.walls.free):
+    if any(rules) or len(parameters.walls.free) or parameters.permeation:
         return partial(dirk.step_many, partial(newton.newton_bordered, solve))
     return dirk.step_dense if name == "dense" else partial(dirk.step_many, partial(newton.newton_many, solve))
 
@@ -104,7 +104,7 @@ def begin_step(parameters: Parameters, step: Step, drive: Drive) -> None:
     few = parameters.solver == "auto" and parameters.force.size <= FEW
     start = (
         dirk.step_dense
-        if (few or parameters.solver == "dense") and not any(step.cell.rules)
+        if (few or parameters.solver == "dense") and not any(step.cell.rules) and not parameters.permeation
         else partial(dirk.step_many, newton.newton_dense)
     )
     start(parameters.contacts, step, scheme, during, dirk.BEGIN)

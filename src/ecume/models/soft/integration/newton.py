@@ -59,6 +59,15 @@ from ecume.models.soft.integration.bordered_system import (
     fill_wall_borders,
 )
 from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.permeation import (
+    add_seepage,
+    change_layers,
+    fill_layer_borders,
+    flow_residual,
+    layer_unknowns,
+    move_layers,
+    permeation_response,
+)
 from ecume.models.soft.state import Bodies, Step
 from ecume.units import Array
 
@@ -81,9 +90,10 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     given = (factor, span, 1.0 if corrected else 0.0, largest_strain(step.cell))
     largest, stiffest = sum_forces(step.pairs, step.responses, step.matrix.pattern, step.bodies, along, given)
     most, firmest = add_wall_forces(step.walls, position, right, corrected)
+    pushed = add_seepage(step.permeation, right)
     if right.shape[1] > position.shape[1]:
         add_torques(step.pairs, step.responses, position, right, corrected)
-    return largest_of(right), float(max(largest, most)), float(ROUNDING * max(stiffest, firmest))
+    return largest_of(right), float(max(largest, most, pushed)), float(ROUNDING * max(stiffest, firmest))
 
 
 @compiled
@@ -283,6 +293,8 @@ def solve_plain(solve: Solve, step: Step, goal: StageTarget, null_space_dimensio
 def solve_bordered(solve: Solve, step: Step, goal: StageTarget, null_space_dimension: int) -> bool:
     """Compute Newton's step with unknowns of the box or of walls."""
     count = fill_borders(step, goal)
+    if count == 0:
+        return solve_plain(solve, step, goal, null_space_dimension)
     found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], null_space_dimension)
     return found and solve_borders(step, goal, count)
 
@@ -295,7 +307,9 @@ def fill_borders(step: Step, goal: StageTarget) -> int:
         fill_all_borders(step.cell, network_of(step), dragged, goal, step.borders)
         return int(count)
     fill_wall_borders(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, bodies.position.shape[1])
-    return len(walls.places.free)
+    if step.permeation:
+        fill_layer_borders(step.permeation, walls.places, bodies.moved, goal.span, step.borders)
+    return len(walls.places.free) + layer_unknowns(step.permeation)
 
 
 def solve_borders(step: Step, goal: StageTarget, count: int) -> bool:
@@ -308,7 +322,10 @@ def solve_borders(step: Step, goal: StageTarget, count: int) -> bool:
     if unknowns(step.cell):
         change_box(step.cell, goal, change)
     else:
-        change_walls(all_walls(step.walls), change)
+        count = len(all_walls(step.walls).places.free)
+        change_walls(all_walls(step.walls), change[:count])
+        if step.permeation:
+            change_layers(step.permeation, change[count:])
     return True
 
 
@@ -324,7 +341,8 @@ def stress_residual(step: Step, goal: StageTarget) -> float:
     if unknowns(step.cell) > 0:
         return box_stress_residual(step.cell, network_of(step), goal)
     load = (goal.drive.load, goal.drive.wall_shear)
-    return float(wall_force_residual(step.walls, step.bodies.position, load))
+    flow = BALANCE * float(flow_residual(step.permeation, step.walls, step.bodies.moved, goal.span))
+    return max(float(wall_force_residual(step.walls, step.bodies.position, load)), flow)
 
 
 @composed
@@ -356,6 +374,7 @@ def newton_with(
     for _ in range(MOST_ITERATIONS):
         contact_response(contacts, step.pairs, step.films, bodies.position, span, step.responses)
         wall_response(step.walls, contacts, bodies.position, step.spins.turn, span)
+        permeation_response(step.permeation, step.walls, bodies.position)
         worst, largest, rounding = imbalance(step, load, span, False)
         done = worst <= CLOSE * largest + LIKELY * rounding or worst > 0.5 * before
         balanced = done and worst <= BALANCE * largest + rounding
@@ -388,7 +407,7 @@ def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget)
 
 
 def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: StageTarget) -> bool:
-    """Solve a stage with a stress-controlled box, or with walls that forces move."""
+    """Solve a stage with a stress-controlled box, with walls that forces move, or with permeating liquid."""
     return plainly(newton_with)(partial(solve_bordered, solve), stress_residual, contacts, step, goal)
 
 
@@ -443,6 +462,7 @@ def move(step: Step, goal: StageTarget) -> float:
     turn_pairs(step.pairs, step.spins.turn)
     deform(step.cell, goal, part)
     move_walls(step.walls, part)
+    move_layers(step.permeation, part)
     place_images(step.pairs, step.cell)
     move_contacts(films, responses, part)
     return float(largest)

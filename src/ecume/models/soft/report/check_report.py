@@ -21,6 +21,7 @@ from ecume.models.soft.integration.linear_solvers import FEW
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import LOAD, NORMAL, SHEAR, STRAIN, WALL_SHEAR
 from ecume.models.soft.report.observation import STRESS, widths
+from ecume.models.soft.report.permeation_report import PORE, permeation_rows
 from ecume.models.soft.setup import fillings, prefactors_of
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, dimensions_of, first_fraction, sides_of, tension_law_of
@@ -42,6 +43,7 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
         *parameters.laws.surface.check_lines(typical),
         ("tangential law", scene.films.tangential_law, parameters.laws.tangential.remark),
         ("tension law", tension_law_of(scene), parameters.laws.tension.remark),
+        *permeation_rows(scene, parameters, typical),
         *doubts(scene, parameters, typical),
         *_cost(scene, parameters, state),
     ]
@@ -233,6 +235,7 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     steps, seconds = steps_of(scene, parameters), seconds_of(parameters, contacts)
     dimensions = parameters.dimensions
     arrays = {"position": dimensions, "velocity": dimensions, **widths(parameters)}
+    arrays |= {PORE: 1} if parameters.permeation else {}
     content = Content(len(parameters.radius), arrays, NUMBERS)
     cost = frame_cost(scene, content, steps)
     sheared = "the strain depends on the stresses; " if (parameters.protocol.rules != 0).any() else ""
@@ -329,6 +332,7 @@ def seconds_of(parameters: Parameters, contacts: int) -> float:
     """The duration of a step (s) with this number of films."""
     few = parameters.force.size + parameters.torque.size <= FEW
     borders = BORDERED if parameters.protocol.rules.any() or len(parameters.walls.free) else 1.0
+    borders += parameters.permeation.layers if parameters.permeation else 0
     return (FEW_SPHERES if few else PASSES) + borders * contacts * SCHEMES[parameters.scheme].seconds
 
 

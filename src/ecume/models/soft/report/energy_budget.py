@@ -36,12 +36,15 @@ from ecume.models.soft.contacts.user_forces import user_energies
 from ecume.models.soft.contacts.walls import Walls, normal_of, wall_distance, wall_energy
 from ecume.models.soft.integration.dirk_schemes import Scheme
 from ecume.models.soft.integration.newton import CHUNK
+from ecume.models.soft.medium import OPEN
 from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.permeation import Permeation, seepage_powers
 from ecume.models.soft.state import Bodies, Step, StepRequest
 from ecume.units import Array
 
 INJECTED, FILMS, DRAG, SIZE = range(4)
-"""Indices of `State.budget` (J): injected work, dissipation by films and by drag, and work of changing contact sizes.
+"""Indices of `State.budget` (J): injected work, dissipation by films, by drag and permeation, and work of changing
+contact sizes.
 """
 TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, RESPONDING, BY_LOAD, BY_WEIGHT = range(8)
 """Columns of the row of a stage: powers (W), except SHRUNK, BY_LOAD and BY_WEIGHT (J). DRIVEN is the power of
@@ -82,6 +85,7 @@ def add_stage(contacts: Contacts, step: Step, scheme: Scheme, during: StepReques
     start_line(line, sum_pairs(contacts, pairs, step.films, (step.responses.force, step.slope[stage]), among), cell)
     at_walls = (bodies.position, spins.turn, sheared[len(pairs.first) :], line)
     add_walls(step.walls, contacts, at_walls, stage)
+    add_permeation(step.permeation, step.walls, stage, line)
     add_bodies((bodies, spins), carried(cell, stage, span), stage, line)
     if stage == len(scheme.times) - 1:
         add_step(lines, scheme, during.length, during.drives)
@@ -192,6 +196,18 @@ def add_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array, Array, A
     line[DRIVEN] += driven
     line[SHRUNK] += shrunk
     line[RESPONDING] += answered
+
+
+@where_there()
+def add_permeation(permeation: Permeation, walls: Walls, stage: int, line: Array) -> None:
+    """Add the dissipation of the permeating liquid, and the power of the undrained wall that drives it."""
+    dissipated, driven = seepage_powers(permeation, walls, stage)
+    medium, places = permeation.medium, walls.places
+    line[DRAGGED] += dissipated
+    if medium.closed != OPEN and places.velocity[medium.closed, medium.axis] != 0.0:
+        line[DRIVEN] += driven
+    else:
+        line[RESPONDING] += driven
 
 
 @compiled

@@ -34,6 +34,7 @@ from ecume.models.soft.report.energy_budget import (
     remote_energy,
     stake,
 )
+from ecume.models.soft.report.permeation_report import PORE, pressure_arrays, pressure_numbers
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, FORCE_RESIDUAL, REJECTED, State, Step, Workspace
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
@@ -281,6 +282,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "species": parameters.species.copy(),
         **contacts,
         **_spinning(state),
+        **pressure_arrays(step),
         **({"image": image_indices(state.position, box)} if parameters.box.any() else {}),
     }
     numbers = {
@@ -288,6 +290,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "smallest_gap": float(np.append(gap, exp(all_walls(step.walls).touches.log_gap)).min(initial=np.inf)),
         **_neighbors(parameters, step),
         **_wall_numbers(parameters, state, step),
+        **pressure_numbers(step.permeation, wall_names(parameters)),
         "largest_tension": float(tension.max(initial=0.0)),
         "largest_compression": float((-tension).max(initial=0.0)),
         **extremes(deflections(parameters, state)),
@@ -303,6 +306,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     if not parameters.box[: parameters.dimensions].all():
         sides = _sides(box)
         units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
+        units |= dict.fromkeys((name for name in {**arrays, **numbers} if PORE in name), STRESS[parameters.dimensions])
         return Frame(float(state.pace[CLOCK]), arrays, numbers | sides, units)
     volume = float(np.prod(box.sides))
     parts = stresses(parameters, step, gap, volume)
@@ -363,6 +367,12 @@ def _budget(parameters: Parameters, state: State, step: Step, held: float) -> di
     return remote | {name: float(value) for name, value in numbers.items()}
 
 
+def wall_names(parameters: Parameters) -> list[str]:
+    """The side of each wall."""
+    inward = parameters.walls.surfaces.place
+    return [SIDE_NAMES[int(np.flatnonzero(normal)[0]), -float(normal.sum())] for normal in inward]
+
+
 def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
     """Positions of walls, and forces of the spheres on them: `top_y`, `top_force_x` and so on.
 
@@ -372,7 +382,7 @@ def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str,
     force = np.zeros((len(walls.kind), 3))
     touches = all_walls(step.walls).touches
     np.add.at(force, touches.wall, -touches.force)
-    names = [SIDE_NAMES[int(np.flatnonzero(normal)[0]), -float(normal.sum())] for normal in walls.place]
+    names = wall_names(parameters)
     places = {f"{name}_{AXES[k]}": float(state.wall[w, k]) for w, name in enumerate(names) for k in range(dimensions)}
     return places | {
         f"{name}_force_{AXES[k]}": float(force[w, k]) for w, name in enumerate(names) for k in range(dimensions)
