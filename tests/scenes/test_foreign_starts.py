@@ -372,3 +372,16 @@ def test_the_command_line_names_the_line_of_a_start(folder: Path) -> None:
     assert f"{folder / 'scene.toml'}: line 5, column 1: start_from.file: start.data, line 19: got 'inf'" in str(
         caught.value
     )
+
+
+@pytest.mark.parametrize(("name", "hint"), [("beads.csv", "particles_from"), ("beads.abc", "")])
+def test_an_unknown_ending_is_refused_and_a_table_sent_to_its_key(tmp_path, name, hint):
+    (tmp_path / name).write_text("x,y\n0,0\n")
+    scene = (
+        'model = "floating"\nduration = 1\nframe_every = 1\n[liquid]\nviscosity = 1\n[[particles]]\nradius = 1e-3\n'
+        f'[start_from]\nfile = "{name}"\nlength_unit = "1 m"\n[dish]\nradius = 1\n'
+    )
+    (tmp_path / "scene.toml").write_text(scene)
+    with pytest.raises(SceneError, match="unknown ending") as caught:
+        ecume.load_scene(tmp_path / "scene.toml")
+    assert ("particles_from" in str(caught.value)) == bool(hint)

@@ -150,7 +150,7 @@ def test_a_histogram_is_read_from_a_table_with_units(model, tmp_path):
     scene = load_scene(tmp_path / "scene.toml")
     assert sorted(radii(scene)) == pytest.approx([1e-3] * 15 + [2e-3] * 5)
     assert from_plain(to_plain(scene)) == scene
-    for content, says in (("size\n1\n", "no such column"), ("radius,diameter\n1,2\n", "either a column radius or"),
+    for content, says in (("size\n1\n", "no such column"), ("radius,diameter\n1,2\n", "radius appears twice"),
                           ("weight\n1\n", "either a column radius or")):  # fmt: skip
         (tmp_path / "bad.csv").write_text(content)
         (tmp_path / "bad.toml").write_text(text.replace("FILE", "bad.csv"))

@@ -50,6 +50,24 @@ def test_columns_are_read_in_the_units_of_their_heads(tmp_path: Path) -> None:
     assert row.contact_angle == pytest.approx(1.5707963267948966, rel=1e-15)
 
 
+def test_diameters_decimal_commas_and_round_brackets_are_read(tmp_path: Path) -> None:
+    table = "x (mm);y (mm);diameter (um)\n1,5;-,25;400\n3;5e-1;8,0e2\n"
+    rows = read(tmp_path, table, DEFAULTS).rows
+    assert [row.x for row in rows] == pytest.approx([1.5e-3, 3e-3], rel=1e-15)
+    assert [row.y for row in rows] == pytest.approx([-0.25e-3, 0.5e-3], rel=1e-15)
+    assert [row.radius for row in rows] == pytest.approx([2e-4, 4e-4], rel=1e-15)
+
+
+def test_a_radius_and_a_diameter_are_not_both_taken(tmp_path: Path) -> None:
+    faults = faults_of(tmp_path, "x,y,radius,diameter\n0,0,1,3\n", DEFAULTS)
+    assert any("radius appears twice" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("cell", ["1,234,567", "1.234,5", "1,"])
+def test_a_number_with_other_commas_is_refused(tmp_path: Path, cell: str) -> None:
+    assert any(cell in fault for fault in faults_of(tmp_path, f"x;y;radius\n{cell};0;1\n", DEFAULTS))
+
+
 def test_the_one_entry_of_floats_fills_what_the_table_leaves_out(tmp_path: Path) -> None:
     scene = read(tmp_path, "x [mm],y [mm],radius [mm]\n0,0,1\n5,0,3\n", DEFAULTS)
     assert scene.particles == ()

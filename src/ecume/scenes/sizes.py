@@ -262,7 +262,7 @@ def _faults_of_share(index: int, count: int | None, number: int) -> Complaints:
     return []
 
 
-SIZE_COLUMNS = {"radius": "m", "diameter": "m", "weight": "1"}
+SIZE_COLUMNS = {"radius": "m", "weight": "1"}
 """The columns of a table of sizes, and their SI units."""
 
 
@@ -282,8 +282,8 @@ def _histogram(radius: dict[str, Any], name: str, folder: Folder) -> None:
     path = beside(folder, name)
     require_there(path, folder)
     lines = [line.values for line in lines_of(text_of(path, MOST_BYTES), SIZE_COLUMNS, required=())]
-    if len({"radius", "diameter"} & lines[0].keys()) != 1:
+    if "radius" not in lines[0]:
         raise TableFaults(["line 1: expected either a column radius or a column diameter"])
-    radius["radii"] = [values["radius"] if "radius" in values else 0.5 * values["diameter"] for values in lines]
+    radius["radii"] = [values["radius"] for values in lines]
     if "weight" in lines[0]:
         radius["weights"] = [values["weight"] for values in lines]

@@ -136,7 +136,9 @@ def _place_in(spec: StartSpec, folder: Folder) -> tuple[Folder, int]:
 def _frames_of(path: Folder, spec: StartSpec) -> Series:
     kind = spec.format or FORMATS.get(path.suffix.lower(), "")
     if not kind:
-        raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
+        table = "; a table is named by particles_from" if path.suffix.lower() in (".csv", ".tsv", ".txt") else ""
+        known = ", ".join(FORMATS)
+        raise ValueError(f"has an unknown ending; expected one of {known}, or format in start_from{table}")
     return series.FORMATS[kind](path, lambda each: text_of(each, MOST_BYTES))
 
 

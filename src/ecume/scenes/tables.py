@@ -95,7 +95,7 @@ def decoded(data: bytes) -> str:
 
 MOST_BYTES = 64 * 2**20
 MOST_MESSAGES = 20
-HEAD = re.compile(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*")
+HEAD = re.compile(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\[\]()]*?)\s*\]|\(\s*([^\[\]()]*?)\s*\))?\s*")
 LENGTH, SPEED, TEXT = "m", "m/s", ""
 COLUMNS = {
     "x": LENGTH,
@@ -109,6 +109,9 @@ COLUMNS = {
     "name": TEXT,
 }
 """The known columns and their SI units; `name` contains text."""
+MULTIPLES = {"diameter": ("radius", 0.5)}
+"""Columns that are another one apart from a factor."""
+DECIMAL_COMMA = re.compile(r"\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*")
 
 
 class Line(NamedTuple):
@@ -195,14 +198,15 @@ def _column(cell: str, known: Mapping[str, str]) -> Column:
     match = HEAD.fullmatch(cell[:200])
     if match is None:
         raise ValueError("expected a name, or a name with its unit as in 'radius [mm]'")
-    name, unit = match[1], match[2]
+    unit = match[2] or match[3]
+    name, scale = MULTIPLES.get(match[1], (match[1], 1.0))
     if name not in known:
-        raise ValueError(f"no such column; {suggestion(name, known)}")
+        raise ValueError(f"no such column; {suggestion(match[1], known)}")
     if not unit:
-        return Column(name, 1.0 if known[name] else 0.0)
+        return Column(name, scale if known[name] else 0.0)
     if not known[name]:
         raise ValueError("text has no unit")
-    return Column(name, factor(unit, known[name]))
+    return Column(name, scale * factor(unit, known[name]))
 
 
 def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str]) -> Line:
@@ -219,10 +223,12 @@ def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: li
 
 
 def _number(cell: str, scale: float) -> float:
-    """The number of a cell in SI. Raises ValueError for infinities, and for notations that only Python accepts."""
+    """The number of a cell in SI. Raises ValueError for infinities, and for notations that only Python accepts. A comma
+    is the decimal separator where columns are separated by something else, as spreadsheets in many languages write.
+    """
     if "_" in cell or not cell.isascii():
         raise ValueError
-    number = float(cell) * scale
+    number = float(cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell) * scale
     if not math.isfinite(number):
         raise ValueError
     return number
