@@ -19,7 +19,7 @@ LEAST_BOND_NUMBER = 1e-20
 """A radius of 1e-10 capillary lengths: less than an atom's."""
 LARGEST_BOND_NUMBER = 1e3
 SMALLEST = 5e-324
-"""The least distance that is not zero: two centers in one place have neither an energy nor a direction."""
+"""The smallest positive float: two centers at the same place have neither an energy nor a direction."""
 MOST = sys.float_info.max
 """The largest float."""
 Row = TypeVar("Row")
@@ -27,8 +27,8 @@ Given = ParamSpec("Given")
 
 
 def require_number(name: str, value: float) -> None:
-    """Raise BadInput unless the value is one real number; booleans and integers beyond the range of
-    floats are refused.
+    """Raise BadInput unless the value is a single real number; booleans, and integers beyond the range of floats, are
+    refused.
     """
     if isinstance(value, bool) or not isinstance(value, RealNumber):
         raise BadInput(f"the {name} is {value!r}; expected a number")
@@ -66,7 +66,7 @@ def require_angle(name: str, value: float) -> None:
 
 
 def require_bond_number(name: str, value: float) -> None:
-    """Refuse the Bond number of a float that no surface carries or that is smaller than an atom."""
+    """Raise BadInput for the Bond number of a float that no surface can carry or that is smaller than an atom."""
     require_positive(name, value)
     if value > LARGEST_BOND_NUMBER:
         raise BadInput(
@@ -93,7 +93,7 @@ CHECKS: dict[str, Check] = {
 
 
 def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
-    """Refuse pure numbers that describe no float."""
+    """Raise BadInput for dimensionless numbers that describe no float."""
     for argument, value in (
         ("bond_number", bond_number),
         ("density_ratio", density_ratio),
@@ -111,7 +111,7 @@ def chosen(table: Mapping[str, Row], name: str, what: str) -> Row:
 
 
 def as_distances(name: str, value: Lengths, least: float = 0.0) -> Array:
-    """Distances as an array, refused below `least`."""
+    """Distances as an array. Raises BadInput for values below `least`."""
     expected = f"{'zero or more' if least == 0.0 else 'positive numbers'}, in meters"
     try:
         distances = np.asarray(value, dtype=np.float64)
@@ -123,8 +123,8 @@ def as_distances(name: str, value: Lengths, least: float = 0.0) -> Array:
 
 
 def elementwise(law: Callable[Given, Row]) -> Callable[Given, Row]:
-    """Return a law of single numbers that also takes arrays, which are broadcast against each other, and that checks
-    pure numbers by their names (`CHECKS`). A result of several numbers becomes one of several arrays.
+    """Wrap a law of single numbers so that it also takes arrays, which are broadcast, and checks dimensionless
+    arguments by their names (`CHECKS`). A result of several numbers becomes one of several arrays.
     """
     single: Any = law
     signature = inspect.signature(law)
@@ -167,5 +167,5 @@ def _broadcast(values: list[Any]) -> list[Array]:
 
 
 def as_given(values: Array) -> Real:
-    """A float for a float, an array for an array."""
+    """The values as a float for a single number, otherwise as an array."""
     return float(values) if np.ndim(values) == 0 else values

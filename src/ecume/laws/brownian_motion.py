@@ -15,7 +15,7 @@ Diffusivity = Annotated[float, Unit("m^2/s")]
 BOLTZMANN = 1.380649e-23
 """J/K, exact by definition."""
 SMALL = 0.05
-"""Below this ratio a series replaces differences that would cancel."""
+"""The ratio below which series replace differences of almost equal terms."""
 
 Energy = Annotated[float, Unit("J")]
 
@@ -90,7 +90,7 @@ def velocity_gain(ratio: Number) -> Number:
 
 
 def displacement_gain(ratio: Number) -> Number:
-    """Displacement by the same acceleration beyond v t, over A t^2 / 2: 2 (r - 1 + e^-r)/r^2.
+    """Displacement by an initial acceleration A against linear drag, beyond v t, over A t^2 / 2: 2 (r - 1 + e^-r)/r^2.
     [uhlenbeck1930].
 
     >>> displacement_gain(0.0), round(displacement_gain(1.0), 6)

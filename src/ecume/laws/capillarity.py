@@ -1,10 +1,9 @@
-"""Forces between floaters, and between a floater and the walls, through the liquid's surface: the scalar laws that
-runs compile.
+"""Capillary forces between floats, and between a float and the walls: the scalar laws that runs
+compile.
 
-Each law is an energy E and a force, F = -dE/d(distance); positive repels. Far from a floater the surface is the sum
-of what each floater and each wall does alone, so every law is a strength (an energy, computed once for a pair)
-times a function of distance. Arguments are positional, since compiled code wants them so; the order is always
-distance, strength, lengths.
+Each law is an energy E and a force, F = -dE/d(distance); positive repels. Far from a float the deformations of the
+surface by floats and walls add up, so every law is a strength (an energy, computed once for a pair) times a function of
+distance. Arguments are positional, as compiled code requires; the order is always distance, strength, lengths.
 """
 
 from __future__ import annotations
@@ -140,11 +139,12 @@ def legacy_wall_strength(
 def one_sided_legacy_force(
     distance: Length, strength: Energy, capillary_length: Length, touching_distance: Length
 ) -> Force:
-    """The original program's force of one float on another; positive would repel, and it never does.
+    """The original program's force of one float on another; positive would repel, but it is never
+    positive.
 
     F = -(S/L) K1(l/L) with S the `pair_strength` of the *other* with itself, 2 pi gamma A_j^2, and zero once the two
-    touch. For comparison only: it breaks Newton's third law for unlike floats, draws heavy ones to light ones, and
-    lets a raft go that should hold together. Erratum of [canbraun2022, eq. 21].
+    touch. For comparison only: it violates Newton's third law for unlike floats, attracts heavy ones to light ones, and
+    lets stable rafts fall apart. Erratum of [canbraun2022, eq. 21].
 
     >>> one_sided_legacy_force(2.0, 1.0, 2.0, 1.0) < 0.0 == one_sided_legacy_force(1.0, 1.0, 2.0, 1.0)
     True
@@ -157,11 +157,11 @@ def one_sided_legacy_force(
 def two_point_legacy_energy(
     center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length
 ) -> Energy:
-    """Energy of the original project's wall: two points of the rim, on the diameter through the floater, act as
-    particles.
+    """Energy of a float at the original project's wall, which acts as two particles on the rim, on the diameter through
+    the float.
 
     E = -S [K0((a - r)/L) + K0((a + r)/L)], with S the `legacy_wall_strength`. For comparison only: the law should
-    decay as I0, it is about ten times too strong, and it draws every floater to every wall. Erratum of
+    decay as I0, it is about ten times too strong, and it attracts every floater to every wall. Erratum of
     [canbraun2022, par. 1.2 and eq. 20].
 
     >>> round(two_point_legacy_energy(0.0, 1.0, 1.0, 1.0), 9)
@@ -175,7 +175,8 @@ def two_point_legacy_energy(
 def two_point_legacy_force(
     center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length
 ) -> Force:
-    """Force of the original project's wall; positive would repel, and it never is: it points to the nearer point.
+    """Force of the original project's wall; positive would repel, but it always points to the
+    nearer point.
 
     F = -(S/L) [K1((a - r)/L) - K1((a + r)/L)], with the symbols and the erratum of `two_point_legacy_energy`.
     [canbraun2022, par. 1.2 and eq. 21].
@@ -211,7 +212,8 @@ STEP = 0.05
 
 
 def neglected_fraction(cutoff: Number, contact: Number = 0.0) -> Number:
-    """Share of the force on a float at the edge of a raft that pairs beyond the cutoff would give.
+    """The fraction of the force on a float at the edge of a raft that pairs beyond the cutoff
+    contribute.
 
     int_c^inf r K1(r) dr / int_d^inf r K1(r) dr: the raft is a half-plane, c is the cutoff and d the distance of centers
     at contact, both in capillary lengths. Floats cannot be nearer than d, where those of a few capillary lengths
@@ -226,7 +228,9 @@ def neglected_fraction(cutoff: Number, contact: Number = 0.0) -> Number:
 
 
 def _edge_force(nearest: Number) -> Number:
-    """exp(c) int_c^inf r K1(r) dr = int_0^inf exp(-c (cosh t - 1)) (c + 1/cosh t) dt, c in capillary lengths."""
+    """The integral exp(c) int_c^inf r K1(r) dr = int_0^inf exp(-c (cosh t - 1)) (c + 1/cosh t) dt, c in capillary
+    lengths.
+    """
     total = 0.5 * (nearest + 1.0)
     for k in range(1, 1000):
         cosh = math.cosh(k * STEP)
@@ -238,7 +242,7 @@ def _edge_force(nearest: Number) -> Number:
 
 
 def truncation_radius(accuracy: Number, contact: Number = 0.0) -> Number:
-    """The cutoff, in capillary lengths, beyond which pairs give less than `accuracy` of the force; see
+    """The cutoff, in capillary lengths, beyond which pairs contribute less than `accuracy` of the force; see
     `neglected_fraction`. `contact` is the largest distance of centers at contact, in capillary lengths.
 
     >>> round(truncation_radius(1e-6))

@@ -84,7 +84,8 @@ def duct_mean(width: Length, depth: Length) -> Number:
 
 
 def cellular_velocity(phase_x: Angle, phase_y: Angle, speed: Speed) -> tuple[Speed, Speed]:
-    """Velocity (along x, upward) in square cells that turn alternately, stream function (U/k) sin(kx) sin(kz).
+    """Velocity (along x, upward) in square cells with alternating rotation, stream function (U/k)
+    sin(kx) sin(kz).
 
     U sin(kx) cos(kz) and -U cos(kx) sin(kz); phases: k x and k z; U: the largest speed. No liquid crosses the sides
     of a cell, where kx or kz is a multiple of pi. [maxey1987; taylor1937].
@@ -97,7 +98,8 @@ def cellular_velocity(phase_x: Angle, phase_y: Angle, speed: Speed) -> tuple[Spe
 
 
 def double_gyre_velocity(x: Number, upright: Number, swing: Number, speed: Speed) -> tuple[Speed, Speed]:
-    """Velocity (along x, upward) of two gyres side by side whose border swings, in units of their height.
+    """Velocity (along x, upward) of two gyres side by side with an oscillating border, in units of
+    their height.
 
     -U sin(pi f) cos(pi z) and U cos(pi f) sin(pi z) df/dx with f = s x^2 + (1 - 2 s) x, 0 < x < 2, 0 < z < 1; s: the
     `swing`, e sin(w t); U: the `speed`, pi A. [shadden2005].
@@ -151,7 +153,7 @@ Place = tuple[Length, Length, Length]
 
 
 def _past_a_solid(place: Place, stream: Vector, along: Number, radial: Number, square: float) -> Vector:
-    """`along` times the stream, less `radial` times its part away from the center."""
+    """The stream times `along`, minus its component away from the center times `radial`."""
     share = radial * (place[0] * stream[0] + place[1] * stream[1] + place[2] * stream[2]) / square
     return (
         along * stream[0] - share * place[0],

@@ -30,7 +30,7 @@ Torque = Annotated[float, Unit("N*m")]
 
 
 def quadrupole_strength(surface_tension: SurfaceTension, moment_i: Volume, moment_j: Volume) -> Strength:
-    """S = 12 pi gamma (H_i a_i^2) (H_j a_j^2), symmetric in the two. [stamou2000].
+    """Strength S = 12 pi gamma (H_i a_i^2) (H_j a_j^2), symmetric in i and j. [stamou2000].
 
     >>> quadrupole_strength(0.07, 1e-15, 1e-15) > 0
     True
@@ -39,7 +39,8 @@ def quadrupole_strength(surface_tension: SurfaceTension, moment_i: Volume, momen
 
 
 def quadrupole_energy(distance: Length, both: Angle, strength: Strength) -> Energy:
-    """E = -S cos(2 (alpha_i + alpha_j)) / l^4; `both` is alpha_i + alpha_j. Negative where rises meet rises.
+    """Energy E = -S cos(2 (alpha_i + alpha_j)) / l^4; `both` is alpha_i + alpha_j. Negative where
+    rises face rises.
 
     Within 0.1 % at l = 32 a, 2 % at 8 a, 4 % at 4 a, for pinned rims much smaller than the capillary length.
     [stamou2000].
@@ -51,7 +52,8 @@ def quadrupole_energy(distance: Length, both: Angle, strength: Strength) -> Ener
 
 
 def quadrupole_force(distance: Length, both: Angle, strength: Strength) -> Force:
-    """F = -dE/dl = 4 E / l along the line of centers; positive repels. See `quadrupole_energy` [stamou2000].
+    """Force F = -dE/dl = 4 E / l along the line of centers; positive repels. See
+    `quadrupole_energy` [stamou2000].
 
     >>> quadrupole_force(1.0, 0.0, 1.0)
     -4.0
@@ -60,10 +62,11 @@ def quadrupole_force(distance: Length, both: Angle, strength: Strength) -> Force
 
 
 def quadrupole_torque(distance: Length, both: Angle, strength: Strength) -> Torque:
-    """-dE/d(alpha_i) = -2 S sin(2 (alpha_i + alpha_j)) / l^4: the same on either body, counterclockwise.
+    """Torque -dE/d(alpha_i) = -2 S sin(2 (alpha_i + alpha_j)) / l^4: the same on either body,
+    counterclockwise.
 
-    A force across the line of centers, twice this over l, keeps the balance: both bodies turn the same way, and their
-    pair turns the other way round. [stamou2000].
+    A force perpendicular to the line of centers, twice this over l, balances the torques: both bodies rotate in one
+    sense, and their pair in the opposite sense. [stamou2000].
 
     >>> quadrupole_torque(1.0, 0.1, 1.0) < 0
     True
@@ -76,12 +79,14 @@ PerVolume = Annotated[float, Unit("1/m^3")]
 
 
 def ellipsoid_undulation(along: Length, across: Length, contact_angle: Angle) -> Length:
-    """H of the contact line H cos 2 phi of a free ellipsoid, phi from its first semi-axis: H = -(a - b)/6 sin^2 cos.
+    """Amplitude H of the contact line H cos 2 phi of a free ellipsoid, phi from its first semi-axis: H = -(a - b)/6
+    sin^2 cos.
 
     Exact to first order in a - b for small ones, whatever the upright semi-axis (which bends all sides alike). For r
     = R (1 + f), Young's law at the polar angle theta says H (1 + m) = R (cos f - sin f_theta)_m in mode m. A wetted
-    ellipsoid (below 90 degrees) has dips at its tips and rises at its flanks; at 90 degrees none. The second order is
-    ignored: with a = 3 b it is a guess of the right sign. First order of [vannierop2005]; compare [lehle2008].
+    ellipsoid (below 90 degrees) has dips at its tips and rises at its flanks; at 90 degrees the line is flat. The
+    second order is ignored: with a = 3 b only the sign is reliable. First order of [vannierop2005]; compare
+    [lehle2008].
 
     >>> ellipsoid_undulation(1.2, 1.0, 1.0) < 0.0 < ellipsoid_undulation(1.2, 1.0, 2.0)
     True
@@ -104,9 +109,10 @@ def _alpha(along: Length, across: Length, upright: Length) -> PerVolume:
 
 
 def ellipsoid_friction(along: Length, across: Length, upright: Length, viscosity: Viscosity) -> Friction:
-    """Friction of an ellipsoid that glides along its first semi-axis, deep in a liquid: 16 pi eta / (chi + a^2 alpha).
+    """Friction of an ellipsoid that moves along its first semi-axis, deep in a liquid: 16 pi eta /
+    (chi + a^2 alpha).
 
-    Half of it where the liquid ends at a plane of symmetry that is free of shear. A sphere has 6 pi eta R, a disc
+    Half of it applies at a free surface in a plane of symmetry. A sphere has 6 pi eta R, a disc
     edgewise (32/3) eta a. [lamb1932, par. 339].
 
     >>> round(ellipsoid_friction(1.0, 1.0, 1.0, 1.0) / math.pi, 12)
@@ -116,7 +122,7 @@ def ellipsoid_friction(along: Length, across: Length, upright: Length, viscosity
 
 
 def ellipsoid_turning_friction(along: Length, across: Length, upright: Length, viscosity: Viscosity) -> TurningFriction:
-    """Friction of an ellipsoid that turns about its upright semi-axis, deep in a liquid.
+    """Rotational friction of an ellipsoid about its upright semi-axis, deep in a liquid.
 
     (16/3) pi eta (a^2 + b^2) / (a^2 alpha + b^2 beta). A sphere has 8 pi eta R^3, a disc (32/3) eta a^3.
     [jeffery1922].
@@ -129,32 +135,32 @@ def ellipsoid_turning_friction(along: Length, across: Length, upright: Length, v
 
 
 SLENDER = 0.5
-"""The distance of the foci from the center, over the long semi-axis, above which the charges of a line are between its
-foci.
+"""The distance of the foci from the center, over the long semi-axis, above which a contact line is represented by
+charges between its foci.
 """
 DIGITS = 7.0
-"""The relative error of the field of a touching neighbor's charges is exp(-7)."""
+"""The relative error exp(-DIGITS) of the field of the charges of a touching neighbor."""
 MOST = 48
 
 
 class Line(NamedTuple):
-    """A contact line as seen from above, flat or with one mode."""
+    """A contact line seen from above, flat or with one mode."""
 
     along: Length
     across: Length
     charge: Length
-    """as of a heavy sphere: positive"""
+    """m: the capillary charge, positive for a heavy body"""
     mode: int = 2
     rise: Length = 0.0
-    """H: how high it is at both ends of its long axis"""
+    """H: the height at both ends of its long axis"""
 
 
 def needle_charge(length: Length, slope_angle: Angle) -> Length:
     """Capillary charge A of a lying needle: the force 2 gamma sin(psi) per meter on its two contact lines, over 2 pi
     gamma.
 
-    Where it is short beside the capillary length, its load is that of a long cylinder, without end effects
-    [keller1998]. The slope angle psi is that of `flotation.HorizontalCylinder`.
+    Short needles have the load of a long cylinder, without end effects [keller1998]. The slope angle psi is that of
+    `flotation.HorizontalCylinder`.
 
     >>> needle_charge(2e-3, 0.1) > 0
     True
@@ -186,11 +192,12 @@ def spread_charges(line: Line) -> tuple[Array, Array]:
 
 
 def star_charges(line: Line, tips: Length) -> tuple[Array, Array]:
-    """The same for a star, whose arms are as many as its line rises: one charge a tip, `tips` from the middle, and one
-    in it, so that all lie under the body.
+    """Positions and charges of the points that represent the contact line of a star with as many arms as rises: one
+    charge per tip, at the distance `tips` from the center, and one at the center.
 
     Far away the line rises as H (R/r)^m cos m phi, with R its `along`: -m H (R/tips)^m / m of a charge at each of the m
-    tips, their sum taken from the middle; the weight is shared alike. Derived from the expansion of sum A ln r.
+    tips, whose sum is subtracted at the center; the weight is distributed equally. Derived from the expansion of sum A
+    ln r.
 
     >>> places, charges = star_charges(Line(1e-3, 1e-3, 0.0, 5, 1e-5), 0.8e-3)
     >>> len(charges), bool(abs(charges.sum()) < 1e-18)
@@ -207,7 +214,7 @@ def star_charges(line: Line, tips: Length) -> tuple[Array, Array]:
 
 
 def _inner_ellipse(line: Line) -> tuple[float, float]:
-    """Semi-axes of the confocal ellipse that the charges are on; slender lines have them between their foci."""
+    """Semi-axes of the confocal ellipse with the charges; for slender lines the charges are between the foci."""
     if not line.along >= line.across > 0.0:
         raise BadInput(
             f"a contact line has the semi-axes {line.along!r} and {line.across!r}; expected the longer first"
@@ -219,7 +226,7 @@ def _inner_ellipse(line: Line) -> tuple[float, float]:
 
 
 def _count(line: Line) -> int:
-    """An even number of points, so many that a line of the same kind which touches the flank feels a smooth one."""
+    """An even number of points, sufficient for a smooth field at the contact line of a touching equal body."""
     inner = _inner_ellipse(line)
     focus = math.sqrt(line.along**2 - line.across**2)
     if inner[1] > 0.0:

@@ -1,6 +1,6 @@
 """Diffusion of density between SPH particles, which removes noise from the pressure.
 
-    drho_i/dt = ... + sum_j V_j flow_ij,    with what j has in excess of i by one of these laws.
+    drho_i/dt = ... + sum_j V_j flow_ij, with the excess of j over i by one of these laws.
 
 The excess must vanish in a liquid at rest under gravity; otherwise the level drifts. Molteni's does not vanish (the
 surface rises until the tank diverges), Fourtakas's linear one nearly does, Fourtakas's with the exact column and
@@ -28,7 +28,8 @@ def strength(delta: Number, smoothing_length: Length, sound_speed: Speed) -> Dif
 
 
 def flow(excess: Number, slope: Number) -> Number:
-    """-excess F: toward the particle with less of the quantity, since F is never positive. [antuono2010].
+    """Flow -excess F: toward the particle with less of the quantity, since F is never positive.
+    [antuono2010].
 
     >>> flow(1.0, -2.0)
     2.0
@@ -40,8 +41,8 @@ def beyond_rest(here: Number, there: Number, rise: Number) -> Number:
     """Excess of the value at j over that at i, minus `rise`, its excess at rest; for any quantity.
     [antuono2010].
 
-    Of the enthalpy rise is the potential g.(x_j - x_i), whatever the exponent of Tait's liquid; times rho_0/c_0^2 it
-    is an excess of density.
+    For the enthalpy, `rise` is the potential g.(x_j - x_i) at any exponent of Tait's law; times rho_0/c_0^2 it is an
+    excess of density.
 
     >>> beyond_rest(1.0, 4.0, 3.0)
     0.0
@@ -50,7 +51,7 @@ def beyond_rest(here: Number, there: Number, rise: Number) -> Number:
 
 
 def mean_rise(rise_i: Number, rise_j: Number) -> Number:
-    """Mean difference by both gradients, (grad_i + grad_j).(x_j - x_i) / 2, from the two
+    """Mean difference from both gradients, (grad_i + grad_j).(x_j - x_i) / 2, given the two
     projections. [antuono2010].
 
     >>> mean_rise(2.0, 4.0)
@@ -60,7 +61,8 @@ def mean_rise(rise_i: Number, rise_j: Number) -> Number:
 
 
 def molteni_excess(density_i: Density, density_j: Density) -> Density:
-    """rho_j - rho_i. Not at rest: the weight of the liquid makes it flow up. [molteni2009].
+    """Density excess rho_j - rho_i. Not zero at rest under gravity, so that the liquid flows
+    upward. [molteni2009].
 
     >>> molteni_excess(1000.0, 1001.0)
     1.0
@@ -123,7 +125,7 @@ def hydrostatic_gain(head: Number, exponent: Number) -> Number:
     """
     a = exponent - 1.0
     u = head
-    # Constants are multiplied, not divided by: a division takes as long as all the rest of a term.
+    # Multiplication by inverse constants: a division takes as long as the rest of a term.
     sixth = 1.0 + (1.0 - 5.0 * a) * (1.0 / 6.0) * u * (1.0 + (1.0 - 6.0 * a) * (1.0 / 7.0) * u)
     fourth = 1.0 + (1.0 - 3.0 * a) * 0.25 * u * (1.0 + (1.0 - 4.0 * a) * 0.2 * u * sixth)
     return u * (1.0 + (1.0 - a) * 0.5 * u * (1.0 + (1.0 - 2.0 * a) * (1.0 / 3.0) * u * fourth))
@@ -135,4 +137,4 @@ EXCESSES: dict[str, Callable[..., float]] = {
     "fourtakas-linear": fourtakas_linear_excess,
     "fourtakas": fourtakas_excess,
 }
-"""The laws by name, each with its own arguments."""
+"""The laws by name; their arguments differ."""

@@ -1,4 +1,4 @@
-"""Viscous drag on floats and on spheres deep in a liquid, and friction of floats that turn about the vertical."""
+"""Viscous drag on floats and on spheres deep in a liquid, and rotational friction of floats about the vertical."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ from ecume.units import (
 TurningFriction = Annotated[float, Unit("N*m*s")]
 
 NEAREST = 1e-7
-"""Gap over R below which the drag of two spheres is that of their film alone, to 1e-6."""
+"""Gap over R below which the drag of two spheres is that of their film alone, within 1e-6."""
 DECAY = 22.0
 INERTIAL_GROWTH = 0.687
-"""The power of the Reynolds number by which drag exceeds Stokes's. [schiller1933]."""
+"""The exponent of the Reynolds number in the excess over Stokes drag. [schiller1933]."""
 
 TimePerArea = Annotated[float, Unit("s/m^2")]
 
 
 def pair_factor(separation: Numbers, roughness: Number = 0.0) -> Numbers:
-    """lambda(l/R): the drag of each of two equal spheres that approach one another, over the drag of an isolated
+    """Factor lambda(l/R): the drag of each of two equal spheres that approach one another, over the drag of an isolated
     sphere.
 
     lambda = (4/3) sinh(a) sum_n n(n+1)/[(2n-1)(2n+3)] {[4 cosh^2((n+1/2)a) + (2n+1)^2 sinh^2(a)] / [2 sinh((2n+1)a) -
     (2n+1) sinh(2a)] - 1}, cosh(a) = l/2R: both deep in the liquid [brenner1961, its free surface]. Half immersed ones
-    mirror that flow, and for other depths its product with f was found to hold. R/(2 gap) near contact, where smooth
-    spheres would never arrive: below the gap `roughness` (over R) it stays. `separation`: l/R, of the centers.
+    mirror that flow, and for other depths its product with f was found to hold. R/(2 gap) near contact, which smooth
+    spheres would never reach; constant below the gap `roughness` (over R). `separation`: l/R, of the centers.
 
     >>> round(pair_factor(3.0), 8), round(pair_factor(2.0, roughness=0.01), 3)
     (2.03865464, 53.422)
@@ -57,14 +57,14 @@ def pair_factor(separation: Numbers, roughness: Number = 0.0) -> Numbers:
 
 
 def _pair_sum(separation: float) -> float:
-    """The series for one distance, or its limit."""
+    """The value of the series, or of its limit, at one distance."""
     gap = separation - 2.0
     if gap < NEAREST:
         return 0.5 / gap
     alpha = math.acosh(0.5 * separation)
     n = np.arange(1.0, math.ceil(DECAY / alpha) + 3.0)
     odd = 2.0 * n + 1.0
-    # Over exp((2n+1) a), which would overflow.
+    # Divided by exp((2n+1) a), which would overflow.
     shrunk = np.exp(-odd * alpha)
     top = (1.0 + shrunk) ** 2 + (odd * math.sinh(alpha)) ** 2 * shrunk
     bottom = -np.expm1(-2.0 * odd * alpha) - odd * math.sinh(2.0 * alpha) * shrunk
@@ -97,10 +97,11 @@ def added_mass(radius: Length, filling_angle: Angle, density: Density, density_a
 
 
 def inertial_friction(friction: Friction, reynolds: Number) -> Friction:
-    """The friction of a floater that is not slow: Stokes's times `schiller_naumann_factor`. [schiller1933].
+    """Friction of a float at finite Reynolds number: Stokes friction times
+    `schiller_naumann_factor`. [schiller1933].
 
-    For single spheres deep in the liquid; fast, partly immersed ones of centimeters can drag more. Waves take nothing
-    below (4 g gamma/rho)^(1/4), 0.23 m/s on water.
+    For single spheres deep in the liquid; fast, partly immersed ones of centimeters can have more drag. There is no
+    wave drag below (4 g gamma/rho)^(1/4), 0.23 m/s on water.
 
     >>> inertial_friction(2.0, 0.0)
     2.0
@@ -118,7 +119,8 @@ def stokes_friction(radius: Length, viscosity: Viscosity, factor: Number) -> Fri
 
 
 def disc_friction(radius: Length, viscosity: Viscosity) -> Friction:
-    """Zeta = (16/3) eta a: a thin disc that slides along the surface of deep liquid, one side wet.
+    """Friction zeta = (16/3) eta a of a thin disc that moves along the surface of deep liquid, with
+    one side wet.
 
     Half of the edgewise friction of a disc in the bulk [lamb1932, par. 339].
 
@@ -129,9 +131,10 @@ def disc_friction(radius: Length, viscosity: Viscosity) -> Friction:
 
 
 def disc_turning_friction(radius: Length, viscosity: Viscosity) -> TurningFriction:
-    """Zeta = (16/3) eta a^3: a thin disc that turns in the surface of deep liquid, one side wet.
+    """Rotational friction zeta = (16/3) eta a^3 of a thin disc in the surface of deep liquid, with
+    one side wet.
 
-    Half of what a disc in the bulk feels when it turns about its axis, (32/3) eta a^3 [lamb1932, par. 334].
+    Half of the friction of a disc in the bulk that rotates about its axis, (32/3) eta a^3 [lamb1932, par. 334].
 
     >>> disc_turning_friction(3.0, 1.0)
     144.0
@@ -150,8 +153,8 @@ def relaxation_time(mass: Mass, friction: Friction) -> Time:
 
 
 def cunningham_factor(mean_free_path: Length, radius: Length) -> Number:
-    """Ratio of the speed of a small sphere in a gas to that by Stokes's law, by slip at its
-    surface.
+    """Ratio of the speed of a small sphere in a gas to that by Stokes's law, which slip at its
+    surface increases.
 
     C = 1 + Kn (1.257 + 0.4 exp(-1.1/Kn)) with the Knudsen number Kn, the mean free path over the radius; a fit to
     measurements for all Kn, within 2 %. [davies1945].
@@ -175,10 +178,11 @@ def particle_reynolds(speed: Speed, radius: Length, density: Density, viscosity:
 def inverse_kinematic_viscosity(
     density: Density, viscosity: Viscosity, density_above: Density = 0.0, viscosity_above: Viscosity = 0.0
 ) -> TimePerArea:
-    """rho/eta for the Reynolds number Re = 2 a v rho/eta of a float; infinite without viscosity.
+    """Ratio rho/eta for the Reynolds number Re = 2 a v rho/eta of a float; infinite without
+    viscosity.
 
-    Between two liquids the one for which `schiller_naumann_factor` is the mean of those of both liquids up to Re =
-    1000, weighted by their viscosities: as if each half of a sphere had the drag of half a sphere deep in its liquid.
+    Between two liquids, the ratio for which `schiller_naumann_factor` is the mean of those of both liquids up to Re =
+    1000, weighted by their viscosities: each half of a sphere then has the drag of half a sphere deep in its liquid.
     [schiller1933].
 
     >>> round(inverse_kinematic_viscosity(1000.0, 1e-3)), round(inverse_kinematic_viscosity(900.0, 1e-3, 900.0, 1e-3))
@@ -192,9 +196,9 @@ def inverse_kinematic_viscosity(
 
 
 def schiller_naumann_factor(reynolds: Number) -> Number:
-    """The drag of a sphere deep in a liquid over Stokes's: 1 + 0.15 Re^0.687 up to Re = 1000.
+    """The drag of a sphere deep in a liquid over Stokes drag: 1 + 0.15 Re^0.687 up to Re = 1000.
 
-    Beyond, Newton's constant coefficient 0.44, that is 0.44 Re/24; the two differ by 0.4 % where they meet. Within 5 %
+    Above, Newton's constant coefficient 0.44, that is 0.44 Re/24; the two differ by 0.4 % at Re = 1000. Within 5 %
     of measured drag up to Re = 2e5. [schiller1933].
 
     >>> schiller_naumann_factor(0.0), round(schiller_naumann_factor(100.0), 4)
@@ -217,9 +221,10 @@ def stokes_settling_speed(
 
 
 def settling_reynolds(stokes_reynolds: Number) -> Number:
-    """Reynolds number at the terminal speed under Schiller and Naumann's drag: Re f(Re) = Re_Stokes. [schiller1933].
+    """Reynolds number at the terminal speed with Schiller and Naumann's drag: Re f(Re) = Re_Stokes.
+    [schiller1933].
 
-    `stokes_reynolds` is that of the terminal speed that Stokes's drag would allow. Solved by halving: Re f(Re) rises.
+    `stokes_reynolds` is that at the terminal speed with Stokes drag. Solved by bisection, since Re f(Re) increases.
 
     >>> round(settling_reynolds(0.654) / 0.654, 4)
     0.9053
@@ -235,13 +240,13 @@ def settling_reynolds(stokes_reynolds: Number) -> Number:
 
 
 def haider_levenspiel_factor(reynolds: Number, sphericity: Number) -> Number:
-    """The drag of a particle that is not round over Stokes's for the sphere of its volume.
+    """The drag of a nonspherical particle over Stokes drag on the sphere of its volume.
 
     1 + A Re^B + (C Re/24)/(1 + D/Re) with A = exp(2.3288 - 6.4581 s + 2.4486 s^2), B = 0.0964 + 0.5565 s, C =
     exp(4.905 - 13.8944 s + 18.4222 s^2 - 10.2599 s^3), D = exp(1.4681 + 12.2584 s - 20.7322 s^2 + 15.8855 s^3). Re: the
     Reynolds number by the diameter of the sphere of the same volume; s: the sphericity, the surface of that sphere over
-    that of the particle. A fit to measurements on spheres, cubes, octahedra, tetrahedra and discs. Slow particles have
-    the drag of the sphere, which is too small for flat ones. [haider1989].
+    that of the particle. A fit to measurements on spheres, cubes, octahedra, tetrahedra and discs. At Re = 0 it is the
+    drag of the sphere, which is too small for flat particles. [haider1989].
 
     >>> round(haider_levenspiel_factor(100.0, 1.0), 3), round(haider_levenspiel_factor(100.0, 0.67), 3)
     (4.791, 7.863)
@@ -273,7 +278,8 @@ Inertia = Annotated[float, Unit("kg*m^2")]
 
 
 def sphere_turning_friction(radius: Length, viscosity: Viscosity, factor: Number) -> TurningFriction:
-    """Zeta = 8 pi eta R^3 times the factor: the torque per spin on a slow floater. [lamb1932, par. 334].
+    """Rotational friction zeta = 8 pi eta R^3 times the factor: the torque on a slow float per angular velocity.
+    [lamb1932, par. 334].
 
     >>> round(sphere_turning_friction(1.0, 1.0, 0.5) / math.pi, 12)
     4.0
@@ -282,7 +288,7 @@ def sphere_turning_friction(radius: Length, viscosity: Viscosity, factor: Number
 
 
 def sphere_inertia(mass: Mass, radius: Length) -> Inertia:
-    """I = (2/5) m R^2, of a solid sphere. [lamb1932].
+    """Moment of inertia I = (2/5) m R^2 of a solid sphere. [lamb1932].
 
     >>> sphere_inertia(5.0, 1.0)
     2.0
@@ -291,7 +297,7 @@ def sphere_inertia(mass: Mass, radius: Length) -> Inertia:
 
 
 def disc_inertia(mass: Mass, radius: Length) -> Inertia:
-    """I = m a^2/2, of a solid disc about its axis. [lamb1932].
+    """Moment of inertia I = m a^2/2 of a solid disc about its axis. [lamb1932].
 
     >>> disc_inertia(2.0, 3.0)
     9.0

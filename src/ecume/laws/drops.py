@@ -58,9 +58,8 @@ def ball_pressure(
 
 
 def drop_strain_change(strain_rate: Rate, pull_rate: Rate, width: Length, height: Length) -> Stretching:
-    """Time derivative of the strain rate of an elliptic drop, (s^2 + w^2) (b^2 - a^2)/(a^2 + b^2).
-
-    The drop flows as u = s x, v = -s y, so that da/dt = s a and db/dt = -s b; each particle is pulled to the center by
+    """Time derivative of the strain rate of an elliptic drop, (s^2 + w^2) (b^2 - a^2)/(a^2 + b^2). The drop flows as u
+    = s x, v = -s y, so that da/dt = s a and db/dt = -s b; each particle is pulled to the center by
     w^2 times its distance (not at all if w = 0). s: rate of strain; w: rate of the pull; a: width, b: height, both
     half. (s^2 + w^2) (a^2 + b^2) is conserved. [monaghan1994] with w = 0, [monaghan2013].
 
@@ -72,7 +71,8 @@ def drop_strain_change(strain_rate: Rate, pull_rate: Rate, width: Length, height
 
 
 def drop_period(tension: SpecificTension, radius: Length, mode: Number, dimensions: Number) -> Time:
-    """Period of a drop that swings a little in its mode n (2: ellipse), without viscosity and air.
+    """Period of a small oscillation of a drop in its mode n (2: ellipse), without viscosity and
+    air.
 
     omega^2 = n (n-1) (n+dim-1) sigma / (rho R^3): n (n-1) (n+2) for a ball, n (n^2-1) for a disc. [lamb1932, art. 273,
     275].
@@ -91,12 +91,12 @@ def drop_decay(
     mode: Number,
     dimensions: Number,
 ) -> Decay:
-    """Decay and frequency of a small swing of a viscous drop without air, in its mode n.
+    """Decay rate and frequency of a small oscillation of a viscous drop without air, in its mode n.
 
     The root s = -rate + i frequency of the linear Navier-Stokes equations without stress on the surface, R = 1:
     (s^2 + 2 nu n (n-1) s + omega^2) (k^2 + 2t - 2Q) = 2t (omega^2 + 2 nu n (n-1+Q) s), where k^2 = s/nu,
-    t = (n-1) (n+dim-2), and Q = k I_{m+1}(k)/I_m(k) with m = n in 2D, n + 1/2 in 3D: what a potential flow,
-    r^n, and the vorticity from the surface, I_m, do together. For thin liquids the rate is nu (n-1) (2n+dim-2)/R^2,
+    t = (n-1) (n+dim-2), and Q = k I_{m+1}(k)/I_m(k) with m = n in 2D, n + 1/2 in 3D: a potential flow, r^n, plus the
+    vorticity from the surface, I_m. For thin liquids the rate is nu (n-1) (2n+dim-2)/R^2,
     2n (n-1) nu/R^2 for a disc and (n-1) (2n+1) nu/R^2 for a ball [lamb1932, art. 355].
 
     >>> found = drop_decay(1.0, 1e-4, 1.0, 2, 3)

@@ -1,15 +1,13 @@
-"""Potentials and flows in two parts, as Ewald sums have them: one of short range, one smooth, for a grid.
+"""Ewald sums: potentials and flows in a short-range part for pairs and a smooth part for a grid.
 
-The screened potential K0 in two parts: a short one, gone within a few spacings, and a smooth one for a grid. Ewald's
-way [ewald1921] for menisci: K0(x) = S + T with S(x) = (1/2) int_0^eta exp(-t - x^2/(4 t)) dt/t, which is the leaky
-well function of [hantush1955], and the same integral from eta on, T, whose waves end as exp(-eta k^2). Lengths are in
-capillary lengths, and eta is at most about one; with w = x^2/(4 eta) the short part falls off as exp(-w).
+Menisci: the screened potential is K0(x) = S + T [ewald1921] with S(x) = (1/2) int_0^eta exp(-t - x^2/(4 t)) dt/t, the
+leaky well function of [hantush1955], and the same integral from eta on, T, whose spectrum decays as exp(-eta k^2).
+Lengths are in capillary lengths, and eta is at most about one; with w = x^2/(4 eta) the short part decays as exp(-w).
 
-The flow of a point force in two parts, as Ewald sums of Stokes flow have them: one of short range, one smooth. The
-smooth part is the flow of a force that is spread like (1 + k^2 w^2/4) exp(-k^2 w^2/4) over waves of wavenumber k
-[hasimoto1959]. The rest decays as exp(-r^2/w^2). Both parts are flows of an incompressible liquid. Two spheres of
+Flow of a point force: the smooth part is the flow of a force that is distributed like (1 + k^2 w^2/4) exp(-k^2 w^2/4)
+over wavenumbers k [hasimoto1959]. The rest decays as exp(-r^2/w^2). Both parts are incompressible flows. Two spheres of
 radii a and b have the mobility 6 pi eta M = S + (a^2 + b^2) D with D the Laplacian of S over 6:
-`pair_mobility.rotne_prager`. Distances x = r/w are over the width w.
+`pair_mobility.rotne_prager`. Distances x = r/w are in units of the width w.
 """
 
 from __future__ import annotations
@@ -26,15 +24,17 @@ DEGREE = 10
 TERMS = 40
 SHIFTS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 4.0)
 FARTHEST = 25.0
-"""Up to this w `decay` holds; S is below 1e-12 there."""
+"""The largest w for which `decay` is valid; S is below 1e-12 there."""
 ALIASES = 3
-"""Copies of the spectrum on either side that a grid's errors are summed over."""
+"""Copies of the spectrum on either side in the sum of a grid's errors."""
 WAVES = 48
-"""Wavenumbers along each axis in that sum."""
+"""Wavenumbers along each axis in this sum."""
 
 
 class SplitFit(NamedTuple):
-    """The short pull from `lower` to `upper` (capillary lengths): a polynomial in s = slope / (w + shift) - offset."""
+    """A fit of the short-range force from `lower` to `upper` (capillary lengths): a polynomial in s = slope / (w +
+    shift) - offset.
+    """
 
     lower: float
     upper: float
@@ -48,7 +48,7 @@ class SplitFit(NamedTuple):
 
 
 def short_energy(x: Numbers, eta: Number) -> Any:
-    """S(x) = (1/2) sum_n (-eta)^n/n! E_{n+1}(w), w = x^2/(4 eta): the short-range part of K0(x), summed over pairs.
+    """Short-range part of K0(x), summed over pairs: S(x) = (1/2) sum_n (-eta)^n/n! E_{n+1}(w), w = x^2/(4 eta).
     [hantush1955].
 
     >>> round(float(short_energy(0.05, 1e-2)), 12)
@@ -61,7 +61,8 @@ def short_energy(x: Numbers, eta: Number) -> Any:
 
 
 def short_pull(x: Numbers, eta: Number) -> Any:
-    """-S'(x)/x = exp(-w)/x^2 sum_n (-eta)^n/n! w e^w E_n(w), where n = 0 gives 1. [hantush1955].
+    """Short-range force over distance, -S'(x)/x = exp(-w)/x^2 sum_n (-eta)^n/n! w e^w E_n(w), where the term n = 0 is
+    1. [hantush1955].
 
     >>> round(float(short_pull(0.05, 1e-2)), 5)
     375.20199
@@ -81,7 +82,7 @@ def _rest(w: Any, eta: float) -> Any:
 
 
 def smooth_wave(wavenumber_squared: Numbers, eta: Number) -> Any:
-    """The smooth part's transform, 2 pi exp(-eta (1 + k^2)) / (1 + k^2). [ewald1921].
+    """Fourier transform of the smooth part, 2 pi exp(-eta (1 + k^2)) / (1 + k^2). [ewald1921].
 
     >>> round(float(smooth_wave(0.0, 1.0)) / math.pi, 12) == round(2.0 / math.e, 12)
     True
@@ -94,10 +95,11 @@ def smooth_wave(wavenumber_squared: Numbers, eta: Number) -> Any:
 
 
 def smooth_wave_within(wavenumber_squared: Numbers, eta: Number, reach: Number) -> Any:
-    """The same with K0 cut off at a distance `reach` before it is smoothed: the copies of a periodic grid feel nothing.
+    """Fourier transform of the smooth part of K0 truncated at a distance `reach`, so that periodic images do not
+    interact.
 
-    Times 1 - c [K1(c) J0(k c) - k K0(c) J1(k c)]; nearer than c by some sqrt(eta) the potential is as it was. What
-    [vico2016] does for other potentials.
+    This is `smooth_wave` times 1 - c [K1(c) J0(k c) - k K0(c) J1(k c)]. At distances below c by a few sqrt(eta) the
+    potential does not change. The method of [vico2016] for other potentials.
 
     >>> round(float(smooth_wave_within(4.0, 0.1, 50.0) / smooth_wave(4.0, 0.1)), 12)
     1.0
@@ -111,7 +113,7 @@ def smooth_wave_within(wavenumber_squared: Numbers, eta: Number, reach: Number) 
 
 
 def smooth_self_energy(eta: Number) -> Number:
-    """T(0) = E_1(eta)/2: the energy of a charge with its own smooth part. [ewald1921].
+    """Energy T(0) = E_1(eta)/2 of a charge in its own smooth field. [ewald1921].
 
     >>> round(smooth_self_energy(1.0), 9)
     0.109691967
@@ -122,7 +124,8 @@ def smooth_self_energy(eta: Number) -> Number:
 
 
 def short_error(w: Number) -> Number:
-    """The root of int (force)^2 d^2x that is lost beyond a cut at w: sqrt(pi E_1(2 w)), for unit charges. [kolafa1992].
+    """Root of the integral of force^2 beyond a cutoff at w: sqrt(pi E_1(2 w)), for unit charges.
+    [kolafa1992].
 
     >>> short_error(4.0) > short_error(5.0) > 1e-4
     True
@@ -133,10 +136,12 @@ def short_error(w: Number) -> Number:
 
 
 def grid_error(spacing: Number, order: int) -> Number:
-    """The root of int (error of the force)^2 d^2x for the smooth part on a grid, averaged over where the charge is.
+    """Root of the integral of the squared force error of the smooth part on a grid, averaged over positions of the
+    charge.
 
-    sum over waves of |R|^2 - (U^2/sum U^2)^2 |R|^2, [hockney1988, eq. 8-23]'s least one for forces from multiplying by
-    i k, splines of that order and R = 2 pi exp(-k^2)/k. `spacing` is over sqrt(eta), which is far below one.
+    The sum over waves of |R|^2 - (U^2/sum U^2)^2 |R|^2: the least error by [hockney1988, eq. 8-23] for forces from
+    multiplication by i k, splines of this order and R = 2 pi exp(-k^2)/k. `spacing` is in units of sqrt(eta), which is
+    far below one.
 
     >>> grid_error(1.0, 6) < grid_error(1.0, 4) < grid_error(1.5, 4)
     True
@@ -153,8 +158,8 @@ def grid_error(spacing: Number, order: int) -> Number:
 
 
 def spline_share(phase: Any, order: int) -> Any:
-    """U^2 over its sum over all copies of the spectrum, U = sinc^p: how much of a wave a grid of splines keeps.
-    [hockney1988].
+    """U^2 over its sum over all copies of the spectrum, U = sinc^p: the fraction of a wave that splines on a grid
+    represent. [hockney1988].
 
     >>> round(float(spline_share(math.pi, 4)), 3)
     0.5
@@ -184,10 +189,10 @@ def spline_correction(phase: Any, order: int) -> Any:
 
 
 def random_charge_force(touching: Number) -> Number:
-    """The root of int K1^2 d^2x beyond the touching distance x.
+    """Root of the integral of K1^2 beyond the touching distance x, the scale of force errors.
 
-    With charges of either sign at random this is the r.m.s. force on one, over 2 pi gamma A^2/L and the root of their
-    number in an area L^2: sqrt(pi x^2 [K0(x) K2(x) - K1(x)^2]). What the errors are compared with. [hockney1988].
+    For charges of random sign this is the r.m.s. force on one, over 2 pi gamma A^2/L and the root of their number in an
+    area L^2: sqrt(pi x^2 [K0(x) K2(x) - K1(x)^2]). [hockney1988].
 
     >>> random_charge_force(0.01) > random_charge_force(0.1) > random_charge_force(1.0)
     True
@@ -198,7 +203,8 @@ def random_charge_force(touching: Number) -> Number:
 
 
 def fit_short(eta: Number, lower: Number, upper: Number) -> SplitFit:
-    """Fit the short pull between two distances and measure the fit's largest relative error.
+    """Fit the short-range force between two distances and measure the largest relative error of the
+    fit.
 
     >>> fit_short(1e-3, 0.05, 0.2).error < 1e-9
     True
@@ -227,8 +233,8 @@ def _fit(eta: float, lower: float, upper: float, shift: float) -> SplitFit:
 
 
 def fitted_short_pull(x_squared: Number, fit: SplitFit) -> Number:
-    """`short_pull` from the square of x, within `fit.error` on [fit.lower, fit.upper]; below, as at fit.lower.
-    [hantush1955].
+    """Fitted `short_pull` from the square of x, within `fit.error` on [fit.lower, fit.upper]; below, the value at
+    fit.lower. [hantush1955].
 
     >>> fit = fit_short(1e-2, 0.05, 0.4)
     >>> abs(fitted_short_pull(0.04, fit) / float(short_pull(0.2, 1e-2)) - 1.0) < 1e-7
@@ -247,14 +253,13 @@ def fitted_short_pull(x_squared: Number, fit: SplitFit) -> Number:
 
 
 SLOPE = 2.0 / math.sqrt(math.pi)
-"""of erf at zero"""
+"""The slope of erf at zero."""
 NEAR = 0.1
-"""Below it the difference of two almost equal terms is a series."""
+"""The distance below which a series replaces the difference of two almost equal terms."""
 
 
 def smooth_flow(x: Number) -> tuple[float, float]:
-    """The smooth part of S times w: velocities across and along the direction to a unit force, times
-    6 pi eta.
+    """Smooth part of S times w: velocities perpendicular to and along a unit force, times 6 pi eta.
 
     Far away 3/(4 x) and 3/(2 x); at zero 3/sqrt(pi). [hasimoto1959].
 
@@ -268,7 +273,7 @@ def smooth_flow(x: Number) -> tuple[float, float]:
 
 
 def smooth_curvature(x: Number) -> tuple[float, float]:
-    """The smooth part of D times w^3: far away 1/(4 x^3) and -1/(2 x^3). [hasimoto1959].
+    """Smooth part of D times w^3: far away 1/(4 x^3) and -1/(2 x^3). [hasimoto1959].
 
     >>> across, along = smooth_curvature(8.0)
     >>> round(across * 8.0**3, 12), round(along * 8.0**3, 12)

@@ -1,6 +1,6 @@
-"""Exact flows: vortices of Taylor and Green, and channels that start to flow.
+"""Exact flows: Taylor-Green vortices, and the start-up of channel flows.
 
-The functions of Taylor and Green accept arrays, since they also start runs.
+The functions on Taylor-Green vortices accept arrays, since they also set initial states.
 """
 
 from __future__ import annotations
@@ -64,9 +64,10 @@ def taylor_green_pressure(
 def taylor_green_decay(
     wavenumber_x: Wavenumber, wavenumber_y: Wavenumber, kinematic_viscosity: KinematicViscosity
 ) -> Rate:
-    """Rate at which all velocities of the vortices fall, nu (k_x^2 + k_y^2); energy and pressure fall twice as fast.
+    """Decay rate of all velocities of the vortices, nu (k_x^2 + k_y^2); energy and pressure decay
+    twice as fast.
 
-    Exact at every Reynolds number: the flow only fades. [taylor1937].
+    Exact at every Reynolds number: the flow decays without a change of its shape. [taylor1937].
 
     >>> round(math.exp(-taylor_green_decay(2.0 * math.pi, 2.0 * math.pi, 0.01)), 6)
     0.454041
@@ -81,7 +82,8 @@ def poiseuille_start(
     kinematic_viscosity: KinematicViscosity,
     acceleration: Acceleration,
 ) -> Speed:
-    """Speed at y of a liquid between two resting plates that is pulled along them from t = 0 on.
+    """Speed at y of a liquid between two resting plates that a body force accelerates from t = 0
+    on.
 
     F y (L - y)/(2 nu) - sum over odd n of 4 F L^2/(nu pi^3 n^3) sin(n pi y/L) exp(-n^2 pi^2 nu t/L^2); in the end the
     largest speed is F L^2/(8 nu). F: acceleration; L: width; nu: kinematic viscosity. [morris1997].
@@ -111,8 +113,8 @@ def channel_speed(height: Length, width: Length, speed: Speed) -> Speed:
 
 
 def channel_pressure_drop(viscosity: Viscosity, speed: Speed, length: Length, width: Length) -> Pressure:
-    """Return the pressure drop along a channel between two parallel walls, 12 eta u L / H^2, with the mean speed u of
-    its parabola. Exact for developed flow; more at an entrance.
+    """Pressure drop along a channel between two parallel walls, 12 eta u L / H^2, with the mean speed u of a parabolic
+    profile. Exact for developed flow; more at an entrance.
 
     >>> round(channel_pressure_drop(0.05, 1.0, 3.0, 1.0), 12)
     1.8
@@ -129,9 +131,10 @@ def couette_start(
 ) -> Speed:
     """Speed at y of a liquid between a resting plate at 0 and one at L that moves from t = 0 on.
 
-    V sum over k of erfc(((2k+1) L - y)/s) - erfc(((2k+1) L + y)/s) with s = 2 sqrt(nu t): the layer that the plate
-    drags along, and its images behind both. V: speed of the plate; L: width; nu: kinematic viscosity. The series of
-    sines [morris1997] is the same, and loses all digits where nothing moves yet. [batchelor1967, sec. 4.3].
+    V sum over k of erfc(((2k+1) L - y)/s) - erfc(((2k+1) L + y)/s) with s = 2 sqrt(nu t): the boundary layer at the
+    moving plate, and its mirror images behind both plates. V: speed of the plate; L: width; nu: kinematic viscosity.
+    The series of
+    sines [morris1997] is equivalent, but loses all digits where the liquid is still at rest. [batchelor1967, sec. 4.3].
 
     >>> round(couette_start(0.5, 0.1125, 1.0, 1.0, 1.0), 6)
     0.290275

@@ -1,13 +1,12 @@
-"""Friction between rough surfaces, and collisions. Below a gap as wide as the roughness, tips touch and hold on.
+"""Contact friction between rough surfaces, and collisions.
 
-What pulls along the surface is borne by film and tips side by side. Tips bear up to a limit in proportion to what
-presses, and the film slides under the rest: it bears nothing, and does not slide, as long as the tips can hold. So
-friction never drives.
+Below a gap as wide as the roughness, asperities touch. They bear tangential forces up to a limit proportional to the
+normal force, in parallel with the film. The film bears the excess over this limit and slides; below the limit it does
+not slide. Friction therefore never drives the motion.
 
-Collisions of two bodies, by impulses or by springs and dashpots. Speeds of approach are positive as a gap closes.
-
-The contact solver (`ecume.engine.contact`) finds the impulses of all contacts at once; for two bodies alone they are
-those of `impulse`.
+Collisions of two bodies are computed by impulses or by springs and dashpots. Speeds of approach are positive as a gap
+closes. The contact solver (`ecume.engine.contact`) finds the impulses of all contacts at once; for two bodies alone
+they are those of `impulse`.
 """
 
 from __future__ import annotations
@@ -20,8 +19,8 @@ from typing import Annotated, Any, NamedTuple
 from ecume.units import Energy, Force, Friction, Length, Mass, Number, Speed, Unit
 
 SOFTLY = 0.02
-"""The range of pulls, over the limit, in which the film gradually takes up its part, so that
-sliding is differentiable.
+"""The range of tangential forces above the limit, over the limit, in which the force on the film grows smoothly, so
+that sliding is differentiable.
 """
 
 
@@ -37,7 +36,7 @@ def touching(gap: Length, roughness: Length) -> Number:
 
 
 def touching_power(gap: Length, roughness: Length) -> Number:
-    """The slope h d(touching)/dh, which is negative.
+    """Slope h d(touching)/dh, which is negative.
 
     >>> touching_power(0.75, 1.0)
     -2.25
@@ -78,7 +77,7 @@ def sliding_force(pull: Force, limit: Force) -> Force:
 
 
 def sliding_slope(pull: Force, limit: Force) -> Number:
-    """The slope of `sliding_force` over the pull: from 0 to 1.
+    """Slope of `sliding_force` over the tangential force: from 0 to 1.
 
     >>> sliding_slope(0.9, 1.0), sliding_slope(2.0, 1.0), sliding_slope(0.0, 0.0)
     (0.0, 1.0, 1.0)
@@ -90,7 +89,7 @@ def sliding_slope(pull: Force, limit: Force) -> Number:
 
 
 def limit_slope(pull: Force, limit: Force) -> Number:
-    """The slope of `sliding_force` over the limit, for a positive pull; negative.
+    """Slope of `sliding_force` over the limit, for a positive tangential force; negative.
 
     >>> limit_slope(0.9, 1.0), round(limit_slope(2.0, 1.0), 6)
     (0.0, -1.01)
@@ -107,7 +106,7 @@ class Rubbing(NamedTuple):
     """The tangential force that the film carries, and its derivatives."""
 
     held: Number
-    """over the pull; 1 without contact friction"""
+    """over the tangential force; 1 without contact friction"""
     by_pull: Number
     by_limit: Number
     """derivatives of what the film bears, with respect to the pull and to the limit of contact friction"""
@@ -117,7 +116,7 @@ class Rubbing(NamedTuple):
 
 
 def no_rubbing(gap: Length, compression: Force, pull: Force) -> Rubbing:
-    """Without contact friction, the film carries the whole tangential force.
+    """Law without contact friction: the film carries the whole tangential force.
 
     >>> no_rubbing(1e-6, 1.0, 0.5).held
     1.0
@@ -126,7 +125,7 @@ def no_rubbing(gap: Length, compression: Force, pull: Force) -> Rubbing:
 
 
 def coulomb_rubbing(gap: Length, compression: Force, pull: Force, coefficient: Number, roughness: Length) -> Rubbing:
-    """Coulomb friction of the asperities, `holding_force`, in parallel with the film.
+    """Law with Coulomb friction of the asperities, `holding_force`, in parallel with the film.
     [coulomb1785].
 
     >>> coulomb_rubbing(0.1, 2.0, 0.9, 0.5, 1.0).held
@@ -145,8 +144,8 @@ def coulomb_rubbing(gap: Length, compression: Force, pull: Force, coefficient: N
 def critical_rubbing(
     gap: Length, compression: Force, pull: Force, coefficient: Number, roughness: Length, critical_load: Force
 ) -> Rubbing:
-    """Friction above a critical load N_c: tips hold up to mu (N - N_c) w(h). Below N_c a layer on the surfaces keeps
-    them apart, and nothing is held.
+    """Law with friction above a critical load N_c: asperities hold up to mu (N - N_c) w(h). Below N_c a layer on the
+    surfaces keeps them apart, without friction.
 
     The critical load model of suspensions that thicken under shear; w is `touching`. [mari2014].
 
@@ -159,7 +158,7 @@ def critical_rubbing(
 
 
 def _roughness_doubts(gap: Length, roughness: Length, smallest_radius: Length) -> list[str]:
-    """Roughness that does not matter, or is too large."""
+    """Warnings on a roughness that has no effect or is too large."""
     found = {
         "gaps are wider than the roughness: there is no contact friction as yet": gap > roughness,
         "the roughness is a tenth of a radius or more: tips on a sphere are smaller": roughness > 0.1 * smallest_radius,
@@ -178,7 +177,7 @@ class ContactFriction:
     papers: tuple[Callable[..., Any], ...] = ()
     """functions whose docstrings name the references that `ecume cite` lists"""
     needs: Mapping[str, str] = field(default_factory=dict)
-    """options of the films that the law needs, and what to say if one is missing"""
+    """options of the films that the law needs, and the message if one is missing"""
     doubts: Callable[..., list[str]] | None = None
     """what `ecume check` warns of, by the gap, the roughness and the smallest radius"""
 
@@ -206,13 +205,14 @@ Stiffness = Annotated[float, Unit("N/m")]
 
 
 def impulse(approach_speed: Speed, mass_i: Mass, mass_j: Mass, restitution: Number) -> Impulse:
-    """Impulse along the line of centers that makes two bodies part; zero when they part already.
+    """Impulse along the line of centers that makes two bodies separate; zero if they separate
+    already.
 
-    J = (1 + e) v m_i m_j / (m_i + m_j), taken from one body and given to the other, so that momentum is kept.
+    J = (1 + e) v m_i m_j / (m_i + m_j), with opposite signs on the two bodies, so that momentum is conserved.
     A wall is the limit of an infinite mass. [moreau1988]; [canbraun2022, eq. 32 to 34] is the elastic case, e = 1.
 
-    Erratum: [canbraun2022, eq. 35 and 36], for a wall, reverse the speed without asking for its sign, and slow the
-    tangential part as well.
+    Erratum: [canbraun2022, eq. 35 and 36], for a wall, reverse the speed whatever its sign, and reduce the tangential
+    part as well.
 
     >>> impulse(2.0, 1.0, 1.0, 1.0)
     2.0
@@ -221,10 +221,10 @@ def impulse(approach_speed: Speed, mass_i: Mass, mass_j: Mass, restitution: Numb
 
 
 def legacy_restitution(coefficient: Number) -> Number:
-    """The restitution e = 2C - 1 that the original project's coefficient C amounts to.
+    """Restitution e = 2C - 1 that is equivalent to the original project's coefficient C.
 
-    It multiplies the elastic impulse by C; below C = 1/2 the bodies still approach after the collision, and sink
-    into one another. [canbraun2022, eq. 32 to 34].
+    It multiplies the elastic impulse by C; below C = 1/2 the bodies still approach after the collision, and overlap.
+    [canbraun2022, eq. 32 to 34].
 
     >>> round(legacy_restitution(0.3), 12)
     -0.4
@@ -233,7 +233,7 @@ def legacy_restitution(coefficient: Number) -> Number:
 
 
 def legacy_coefficient(restitution: Number) -> Number:
-    """C = (1 + e)/2, the inverse of `legacy_restitution`. [canbraun2022, eq. 32 to 34].
+    """Coefficient C = (1 + e)/2, the inverse of `legacy_restitution`. [canbraun2022, eq. 32 to 34].
 
     >>> legacy_coefficient(1.0)
     1.0
@@ -242,7 +242,7 @@ def legacy_coefficient(restitution: Number) -> Number:
 
 
 def spring_push(overlap: Length, approach_speed: Speed, stiffness: Stiffness, friction: Friction) -> Force:
-    """Push of a spring and a dashpot between two that overlap; positive repels, and nothing ever draws them together.
+    """Force of a spring and a dashpot between two overlapping bodies; repulsive (positive) or zero.
 
     F = max(k delta + c v, 0), delta > 0 the overlap and v its rate. [cundall1979].
 
@@ -262,9 +262,10 @@ def spring_energy(overlap: Length, stiffness: Stiffness) -> Energy:
 
 
 def dashpot_restitution(damping: Number) -> Number:
-    """Restitution of a lone collision over a spring k and a dashpot c = 2 zeta sqrt(k m), m the reduced mass.
+    """Restitution of a single collision with a spring k and a dashpot c = 2 zeta sqrt(k m), m the
+    reduced mass.
 
-    It ends when the push has come down to zero, not when the overlap has: with s = sqrt(|1 - zeta^2|)
+    The collision ends when the force vanishes, not when the overlap does: with s = sqrt(|1 - zeta^2|)
     e = exp(-(zeta/s) atan2(2 zeta s, 2 zeta^2 - 1)) below zeta = 1, exp(-2) there, and beyond it
     e = exp(-(zeta/s) ln((zeta + s)/(zeta - s))). [schwager2007].
 
@@ -281,7 +282,7 @@ def dashpot_restitution(damping: Number) -> Number:
 
 
 def restitution_itself(restitution: Number) -> Number:
-    """The restitution e as it is given: 0 sticks, 1 bounces without loss.
+    """Restitution e as given: 0 sticks, 1 bounces without loss.
 
     >>> restitution_itself(0.2)
     0.2

@@ -19,7 +19,7 @@ DENSEST = 20.0
 
 
 def air_density(temperature: Temperature) -> Density:
-    """The density of dry air at one atmosphere, p M/(R T): an ideal gas. [ussa1976].
+    """Density of dry air at one atmosphere, p M/(R T): an ideal gas. [ussa1976].
 
     >>> round(air_density(293.15), 3)
     1.204
@@ -28,7 +28,8 @@ def air_density(temperature: Temperature) -> Density:
 
 
 def air_viscosity(temperature: Temperature) -> Viscosity:
-    """The viscosity of air by Sutherland's law, 1.458e-6 T^(3/2)/(T + 110.4 K); from 100 to 1900 K. [ussa1976].
+    """Viscosity of air by Sutherland's law, 1.458e-6 T^(3/2)/(T + 110.4 K); from 100 to 1900 K.
+    [ussa1976].
 
     >>> round(air_viscosity(293.15) * 1e6, 2)
     18.13
@@ -37,7 +38,7 @@ def air_viscosity(temperature: Temperature) -> Viscosity:
 
 
 def mean_free_path(density: Density, viscosity: Viscosity, pressure: Pressure) -> Length:
-    """The mean free path of a gas, sqrt(pi/8) eta/(0.4987445 sqrt(rho p)). [jennings1988].
+    """Mean free path of a gas, sqrt(pi/8) eta/(0.4987445 sqrt(rho p)). [jennings1988].
 
     >>> round(mean_free_path(air_density(293.15), air_viscosity(293.15), ATMOSPHERE) * 1e9, 1)
     65.2

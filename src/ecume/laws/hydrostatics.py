@@ -54,8 +54,7 @@ def absolute_pressure(
     """Pressure b ((rho/rho_0)^gamma - 1) + rho g (H - y) + p_atm of a particle, as texts on reservoirs write it.
 
     rho, y: the particle's own density and height; H: surface_height; b from stiffness, or from sound_speed. Without
-    p_atm it is no absolute pressure but a gauge one. Which forces moved the particles decides whether the sum means
-    anything [batchelor1967]:
+    p_atm it is a gauge pressure. The sum is meaningful only for certain forces on the particles [batchelor1967]:
 
     1. Gravity acts, forces come from Tait's part alone (the usual scheme): at rest Tait's part is rho_0 g (H - y)
        already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Take `tait_pressure`.
@@ -76,10 +75,11 @@ def absolute_pressure(
 
 
 def hydrostatic_fault(*, added: bool, gravity_acts: bool, in_forces: bool, free_surface: bool) -> str:
-    """Why a run that adds rho_0 g (H - y) to Tait's pressure would be wrong; empty when it would be right.
+    """The reason why a run that adds rho_0 g (H - y) to Tait's pressure would be wrong; empty if it
+    would be right.
 
-    added: the term is part of the pressure reported; gravity_acts: particles feel their weight; in_forces: the term is
-    part of the pressure that pushes them; free_surface: some of the liquid's surface can move. The cases are those of
+    added: the term is part of the pressure reported; gravity_acts: particles have weight; in_forces: the term is part
+    of the pressure in the forces; free_surface: some of the liquid's surface can move. The cases are those of
     `absolute_pressure`.
 
     >>> hydrostatic_fault(added=True, gravity_acts=False, in_forces=False, free_surface=False)
@@ -143,7 +143,8 @@ def column_pressure(
     depth: Length, gravity: Acceleration, reference_density: Density, sound_speed: Speed,
     exponent: Number = WATER_EXPONENT,
 ) -> Pressure:  # fmt: skip
-    """Gauge pressure at the depth d below the top: Tait's at the `hydrostatic_density`. [monaghan1994].
+    """Gauge pressure at the depth d below the top, from Tait's law at the `hydrostatic_density`.
+    [monaghan1994].
 
     >>> column_pressure(1.0, 10.0, 1000.0, 1e4) / 10000.0 - 1.0 < 1e-6
     True
@@ -156,7 +157,7 @@ def column_height(
     load: Load, gravity: Acceleration, reference_density: Density, sound_speed: Speed,
     exponent: Number = WATER_EXPONENT,
 ) -> Length:  # fmt: skip
-    """Height of a column that has this mass on each square meter, a little less than load / rho_0.
+    """Height of a column with this mass per square meter, a little less than load / rho_0.
 
     The pressure at the bottom is exactly load times g; density there follows from Tait, height from its profile.
     [monaghan1994].

@@ -1,7 +1,7 @@
 """Drag of partly immersed floating spheres as a fraction of Stokes drag, also between two liquids.
 
-The surface is flat, and neither liquid crosses it. What counts is the sum of both viscosities, and the share of it that
-is above: 0 under a gas, 1/2 between liquids of equal viscosity. With the liquids exchanged a contact angle theta
+The surface is flat, and neither liquid crosses it. Drag depends on the sum of both viscosities, and on the share of the
+upper one: 0 under a gas, 1/2 between liquids of equal viscosity. With the liquids exchanged a contact angle theta
 becomes pi - theta.
 """
 
@@ -25,7 +25,7 @@ class Factors(NamedTuple):
 
     rows: tuple[tuple[float, ...], ...]
     slope: float
-    """of the first row at 180 degrees; all other ends are flat"""
+    """slope of the first row at 180 degrees; it is zero at all other ends"""
 
 
 DRAG = Factors(
@@ -65,10 +65,11 @@ DRAG = Factors(
     ),
     -8.0 / (9.0 * math.pi),
 )  # fmt: skip
-"""From boundary-element solutions of Stokes flow, within 2e-4. Between two liquids with the flow of a force near the
-surface between them: in the liquid of the force the mean of those at a free surface and at a wall, weighted by the
-viscosity of this liquid and of the other one [lee1979]. The slope: a cap of radius a drags as half a disc edgewise,
-(16/3) eta a U."""
+"""From boundary-element solutions of Stokes flow, within 2e-4. Between two liquids, from the flow of a force near their
+interface: the mean of those at a free surface and at a wall, weighted by the viscosities of the liquid of the force and
+of the other one [lee1979]. The slope is that of a cap of radius a, which has half of the edgewise drag of a disc,
+(16/3) eta a U.
+"""
 
 TURNING = Factors(
     (
@@ -111,11 +112,13 @@ TURNING = Factors(
 
 
 def immersion_factor(contact_angle: Angles, share_above: Number = 0.0) -> Numbers:
-    """f(theta): the drag of a floating sphere over 6 pi eta R U, Stokes's for one deep in the liquid.
+    """Factor f(theta): the drag of a floating sphere over the Stokes drag 6 pi eta R U deep in the
+    liquid.
 
-    Between two liquids eta is the sum of their viscosities, and `share_above` that of the upper one. A cubic spline of
-    the table over the angle, and four of its rows over the share. The surface is flat and free of stress other than
-    that of the liquids, the sphere does not turn. 1/2 at 90 degrees for all liquids, by symmetry; under a gas 0.7245
+    Between two liquids eta is the sum of their viscosities, and `share_above` that of the upper one. Interpolated by a
+    cubic spline over the angle, and by four rows of the table over the share. The surface is flat and has no stress
+    other than that of the liquids, the sphere does not rotate. 1/2 at 90 degrees for all liquids, by symmetry; under a
+    gas 0.7245
     for two touching spheres, at 0. Measured: 0.68 at 48.7 degrees, 0.54 at 82 [petkov1995]; series around 90 degrees
     [dorr2016]. Surfactants raise it.
 
@@ -128,7 +131,7 @@ def immersion_factor(contact_angle: Angles, share_above: Number = 0.0) -> Number
 def factor_at_filling(filling_angle: Angles, share_above: Number = 0.0) -> Numbers:
     """The factor f of a sphere whose contact line is displaced by its weight: `immersion_factor` at pi - phi_c.
 
-    What counts is how deep it sits; on a flat surface pi - phi_c is the contact angle. [dorr2016].
+    The drag depends on the immersion; at a flat surface pi - phi_c is the contact angle. [dorr2016].
 
     >>> factor_at_filling(math.pi / 2) == immersion_factor(math.pi / 2)
     True
@@ -137,12 +140,13 @@ def factor_at_filling(filling_angle: Angles, share_above: Number = 0.0) -> Numbe
 
 
 def turning_factor(contact_angle: Angles, share_above: Number = 0.0) -> Numbers:
-    """The torque on a floating sphere that turns about the vertical, over 8 pi eta R^3 W for one deep in the liquid.
+    """Factor of the torque on a floating sphere that rotates about the vertical, over 8 pi eta R^3 W deep in the
+    liquid.
 
-    Between two liquids eta is the sum of their viscosities. The flow runs in circles, and v_phi cos(phi) is harmonic
+    Between two liquids eta is the sum of their viscosities. Streamlines are circles, and v_phi cos(phi) is harmonic
     outside the wet cap and its mirror image in a flat surface that is free of shear. 1/2 at 90 degrees by symmetry, and
-    for equal viscosities at all angles, since the flow does not notice the surface; under a gas 3 zeta(3)/4 at 0, two
-    spheres that touch and turn as one [jeffery1915]; 2 sin^3(theta)/(3 pi) of a thin cap.
+    for equal viscosities at all angles, since the surface then has no effect on the flow; under a gas 3 zeta(3)/4 at 0,
+    that of two touching spheres that rotate together [jeffery1915]; 2 sin^3(theta)/(3 pi) of a thin cap.
 
     >>> round(turning_factor(math.pi / 2), 12), turning_factor(1.0, 0.5)
     (0.5, 0.5)
@@ -166,13 +170,13 @@ def _factor(table: Factors, contact_angle: Angles, share_above: Number) -> Numbe
 
 
 def _weight(row: int, rows: range, share: Number) -> Number:
-    """The weight of a row in Lagrange's polynomial through `rows`."""
+    """The Lagrange weight of a row in the interpolation through `rows`."""
     others = [SHARES[k] for k in rows if k != row]
     return math.prod((share - other) / (SHARES[row] - other) for other in others)
 
 
 def _spline(angles: Array, table: Factors, row: int) -> Array:
-    """The cubic spline of a row, from 0 to 180 degrees: from its values and slopes at the two nearest angles (rad)."""
+    """The cubic spline of a row, from its values and slopes at the two nearest angles (rad)."""
     values, end = table.rows[row], table.slope if row == 0 else 0.0
     step = math.pi / (len(values) - 1)
     place = np.minimum(angles / step, len(values) - 1.0)

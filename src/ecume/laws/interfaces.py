@@ -1,9 +1,7 @@
-"""The mobility of the two surfaces of a film, which determines its frictions under squeezing and
-shear.
+"""Laws for the mobility of the two surfaces of a film, which determines its frictions.
 
-Each law gives the film's friction against squeezing and against shear, and by which powers of contact size and gap they
-change there, which an implicit step requires. Prefactors c_n and c_t are those of rigid surfaces
-(`ecume.laws.soft_pair`).
+Each law gives the friction of the film against squeezing and shear, and the exponents of contact size and gap in them,
+which an implicit step requires. Prefactors c_n and c_t are those of rigid surfaces (`ecume.laws.soft_pair`).
 """
 
 from __future__ import annotations
@@ -31,9 +29,9 @@ PerForce = Annotated[float, Unit("1/N")]
 def extension_friction(contact_size: Length, gap: Length, viscosity: Viscosity) -> Friction:
     """Friction 3 pi eta a^2/h of squeezing a film between surfaces that slip freely: force over speed of approach.
 
-    A disc of liquid that widens as a plug; the stress across it is thrice viscosity times rate, Trouton's. For round
-    bubbles, a^2 = 2R* h, it does not grow as they come near; the exact friction has a logarithm there that the model
-    drops. [trouton1906].
+    A disc of liquid in uniform extension; its normal stress is three times viscosity times rate, Trouton's. For round
+    bubbles, a^2 = 2R* h, it is independent of the gap; the exact friction has a logarithm that the model omits.
+    [trouton1906].
 
     >>> round(extension_friction(0.1, 0.01, 1.0) / math.pi, 12)
     3.0
@@ -42,7 +40,8 @@ def extension_friction(contact_size: Length, gap: Length, viscosity: Viscosity) 
 
 
 def mobility(contact_size: Length, gap: Length, viscosity_ratio: Number) -> Number:
-    """M = (1/lambda) a/(sqrt(2) h): whether drops' surfaces are dragged along (m << 1 rigid, m >> 1 mobile).
+    """Mobility m = (1/lambda) a/(sqrt(2) h) of the surfaces of drops: rigid for m << 1, mobile for
+    m >> 1.
 
     Lambda is the drops' viscosity over the liquid's, a the contact size, h the gap; for round drops this is
     sqrt(R*/h)/lambda. [davis1989].
@@ -54,7 +53,8 @@ def mobility(contact_size: Length, gap: Length, viscosity_ratio: Number) -> Numb
 
 
 def drop_factor(mobility: Number) -> Number:
-    """F(m) = (1 + 0.38 m)/(1 + 1.69 m + 0.43 m^2): a drop's squeeze friction over a rigid sphere's. [davis1989].
+    """Factor f(m) = (1 + 0.38 m)/(1 + 1.69 m + 0.43 m^2): squeeze friction of a film between drops over that between
+    rigid spheres. [davis1989].
 
     >>> drop_factor(0.0)
     1.0
@@ -63,7 +63,7 @@ def drop_factor(mobility: Number) -> Number:
 
 
 def drop_power(mobility: Number) -> Number:
-    """The slope d ln f/d ln m of `drop_factor`: from 0 to -1. [davis1989].
+    """Slope d ln f/d ln m of `drop_factor`: from 0 to -1. [davis1989].
 
     >>> round(drop_power(1e9), 6)
     -1.0
@@ -75,8 +75,8 @@ def drop_power(mobility: Number) -> Number:
 def drop_squeeze(
     contact_size: Length, gap: Length, viscosity: Viscosity, viscosity_ratio: Number, prefactor: Number
 ) -> Friction:
-    """Squeeze friction of a film between drops: a rigid film's times f(m), and a freely slipping film's, which is all
-    that is left between bubbles. [davis1989].
+    """Squeeze friction of a film between drops: that of a rigid film times f(m), plus that of a freely slipping film,
+    which alone remains between bubbles. [davis1989].
 
     >>> rigid = squeeze_friction(0.1, 0.01, 1.0, 4.0)
     >>> round(drop_squeeze(0.1, 0.01, 1.0, 1e9, 4.0) / rigid, 2), round(drop_squeeze(0.1, 0.01, 1.0, 1e-9, 4.0), 4)
@@ -92,8 +92,8 @@ def drop_shear(
 ) -> Friction:
     """Shear friction eta a/(h/(c_t a) + 3/(8 lambda)) of a film between drops: film and drops deform in series.
 
-    A drop is sheared as by a disc of radius a that moves edgewise on it, with 16/3 lambda eta a, half of a disc's
-    friction in a liquid on both sides [happel1983].
+    The shear friction of a drop is that of a disc of radius a that moves edgewise on its surface, 16/3 lambda eta a,
+    half of that of a disc with liquid on both sides [happel1983].
 
     >>> round(drop_shear(0.1, 0.01, 1.0, 1e9, 3.0) / shear_friction(0.1, 0.01, 1.0, 3.0), 6)
     1.0
@@ -111,7 +111,7 @@ class Resistance(NamedTuple):
     shear_by_size: Number
     shear_by_gap: Number
     shear_by_force: Number
-    """the power of the tangential force by which the shear friction changes; 0 for a linear law"""
+    """exponent of the tangential force in the shear friction; 0 for a linear law"""
     shear_by_load: PerForce
     """d ln(shear friction) / d(compressive force)"""
 
@@ -123,8 +123,8 @@ def rigid_film(
     viscosity_ratio: Number,
     film_prefactors: tuple[Number, Number],
 ) -> Resistance:
-    """No slip at both surfaces: solids, or surfaces covered with surfactant. [rognon2009, eq. 10
-    and 11].
+    """Film with no slip at both surfaces: solids, or surfaces covered with surfactant. [rognon2009,
+    eq. 10 and 11].
 
     >>> rigid_film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze_by_gap
     -3.0
@@ -141,8 +141,9 @@ def half_mobile_film(
     viscosity_ratio: Number,
     film_prefactors: tuple[Number, Number],
 ) -> Resistance:
-    """No slip at one surface and free slip at the other: a bubble against a solid. The flow is half of that in a film
-    of twice the thickness, so that squeezing has a quarter of the friction and shear none. [batchelor1967].
+    """Film with no slip at one surface and free slip at the other: a bubble against a solid. The flow is half of that
+    in a film of twice the thickness, so that squeezing has a quarter of the friction, and shear has none.
+    [batchelor1967].
 
     >>> rigid, half = (film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze for film in (rigid_film, half_mobile_film))
     >>> round(half / rigid, 12)
@@ -160,7 +161,8 @@ def mobile_film(
     viscosity_ratio: Number,
     film_prefactors: tuple[Number, Number],
 ) -> Resistance:
-    """Along both surfaces the liquid slips freely: clean bubbles. `extension_friction`, none of shear. [trouton1906].
+    """Film with free slip at both surfaces, of clean bubbles: `extension_friction`, without shear friction.
+    [trouton1906].
 
     >>> round(mobile_film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze / math.pi, 12)
     3.0
@@ -177,7 +179,8 @@ def drop_film(
     viscosity_ratio: Number,
     film_prefactors: tuple[Number, Number],
 ) -> Resistance:
-    """Surfaces of clean drops are dragged along, and drag the liquid inside: `drop_squeeze`, `drop_shear`. [davis1989].
+    """Film between clean drops, whose surfaces move with the liquid inside: `drop_squeeze`,
+    `drop_shear`. [davis1989].
 
     >>> round(drop_film(0.1, 0.01, 1.0, 1e9, (1.0, 1.0)).shear_by_size, 6)
     2.0
@@ -202,11 +205,11 @@ def elastohydrodynamic_film(
     body: Body,
     gap_weight: Number,
 ) -> Resistance:
-    """Sliding lifts compressed surfaces apart: the tangential force is `entrained_force`, with a vanishing Newtonian
-    friction beside it, T = sqrt(B u) + z u. The law has no squeeze friction; `extension_friction` lets gaps relax.
+    """Film that sliding draws into compressed contacts: the tangential force is `entrained_force` plus a small
+    Newtonian friction, T = sqrt(B u) + z u. The law has no squeeze friction; `extension_friction` lets gaps relax.
 
-    The speed follows from the force T: u = T/zeta with zeta = (sqrt(B) + sqrt(B + 4 z T))^2 / (4 T). B counts the part
-    of the contact that deflection has flattened, 1 - 2 R* c_h h / a^2, so that friction begins with compression.
+    The speed follows from the force T: u = T/zeta with zeta = (sqrt(B) + sqrt(B + 4 z T))^2 / (4 T). B contains the
+    part of the contact that is flattened by deflection, 1 - 2 R* c_h h / a^2, so that friction begins with compression.
     [seth2011].
 
     >>> film = elastohydrodynamic_film(0.1, 1e-9, 1.0, (1.0, 1e-12), 2.0, 0.5, Body(2.0, 1.0, 1.0), 1.0)
@@ -242,7 +245,7 @@ INTERFACES: dict[str, Callable[..., Resistance]] = {
     "drop": drop_film,
     "elastohydrodynamic": elastohydrodynamic_film,
 }
-"""How mobile surfaces are: `films.interface` of a scene. A row is the friction of a film by contact size, gap,
-prefactors, the compressive force, the tangential force on the film and the two bodies; what it takes beside are
+"""The mobility of surfaces: `films.interface` of a scene. A row is the friction of a film as a function of contact
+size, gap, prefactors, the compressive force, the tangential force on the film and the two bodies; further arguments are
 constants of the scene, by their names in the `Contacts` of `ecume.models.soft`.
 """

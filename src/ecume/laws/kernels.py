@@ -1,23 +1,22 @@
-"""Smoothing kernels, W(r, h) = sigma / h^dim f(r/h), by name: their shapes f(q), slopes f'(q)/q, and their table.
+"""Smoothing kernels, W(r, h) = sigma / h^dim f(r/h), by name: their shapes f(q), slopes f'(q)/q,
+and their table.
 
-`kernel("wendland-c2", dim=2)` is for people and arrays. Compiled loops call the shapes through
-`ecume.models.sph.rates.sums`, by the number in `KERNEL_CODES`. A kernel is defined in this file alone, by two
-functions and a row of the table `KERNELS` at the end, which holds everything that depends on the kernel. The compiled
-loops of the sph model are made from that table.
+`kernel("wendland-c2", dim=2)` is for users and arrays. Compiled loops call the shapes through
+`ecume.models.sph.rates.sums`, by the number in `KERNEL_CODES`. A kernel is defined in this file alone, by two functions
+and a row of the table `KERNELS`, which holds everything that depends on the kernel.
 
-The same lines run on numbers, on arrays and in compiled loops, for every q >= 0: instead of branches they have
-truncated powers, `positive(a - q)` to some power, which are zero beyond a. Slopes are f'(q)/q because a gradient needs
-that, grad W = (1/r)(dW/dr) x; in this form they are finite at q = 0, where most f' are a difference of large terms, and
+The same code is valid for numbers, for arrays and in compiled loops, for every q >= 0: in place of branches there are
+truncated powers, `positive(a - q)` to some power, which are zero beyond a. Slopes are f'(q)/q since a gradient needs
+this, grad W = (1/r)(dW/dr) x; in this form they are finite at q = 0, where most f' are a difference of large terms, and
 exactly zero beyond the support.
 
 In one dimension Wendland's kernels have separate shapes (`..._line_...`): there positive definite functions of the same
 smoothness have a lower degree [wendland1995, dehnen2012].
 
-How gradients by sums over neighbors are completed where neighbors are missing, at a free surface.
-
-The matrix M_i = -sum_j V_j F x_ij x_ij, with F = (1/r) dW/dr, is the unit matrix where neighbors surround a particle on
-all sides, and its inverse B_i completes a sum in which some of them are missing: B_i sum_j V_j F x_ij (A_i - A_j) is
-the gradient of a linear field A, also at a surface.
+Gradients by sums over neighbors are completed where neighbors are missing, at a free surface. The matrix M_i = -sum_j
+V_j F x_ij x_ij, with F = (1/r) dW/dr, is the unit matrix where neighbors surround a particle on all sides, and its
+inverse B_i completes a sum in which some of them are missing: B_i sum_j V_j F x_ij (A_i - A_j) is the gradient of a
+linear field A, also at a surface.
 """
 
 from __future__ import annotations
@@ -52,10 +51,11 @@ def positive(x: Pure[Value]) -> Pure[Value]:
 
 
 def cubic_spline_value(q: Pure[Value]) -> Pure[Value]:
-    """((2-q)+^3 - 4 (1-q)+^3) / 6, the cubic B-spline M4, support 2: 2/3 - q^2 + q^3/2 below 1. [monaghan1985].
+    """Shape ((2-q)+^3 - 4 (1-q)+^3) / 6 of the cubic B-spline M4, support 2: 2/3 - q^2 + q^3/2
+    below 1. [monaghan1985].
 
-    One branch alone is no kernel: the inner one on q < 1 holds 11/14 of the mass in 2D, and used up to q = 2 it sums
-    to 16/7 and climbs back to W(0).
+    One branch alone is not a kernel: the inner one has 11/14 of the integral in 2D; extended to q = 2 its integral is
+    16/7, and it increases again to W(0).
 
     >>> cubic_spline_value(0.0) * 6.0
     4.0
@@ -76,7 +76,8 @@ def cubic_spline_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def quartic_spline_value(q: Pure[Value]) -> Pure[Value]:
-    """(5/2-q)+^4 - 5 (3/2-q)+^4 + 10 (1/2-q)+^4, the quartic B-spline M5, support 5/2. [price2012].
+    """Shape (5/2-q)+^4 - 5 (3/2-q)+^4 + 10 (1/2-q)+^4 of the quartic B-spline M5, support 5/2.
+    [price2012].
 
     >>> quartic_spline_value(0.0) * 8.0
     115.0
@@ -100,9 +101,10 @@ def quartic_spline_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def quintic_spline_value(q: Pure[Value]) -> Pure[Value]:
-    """(3-q)+^5 - 6 (2-q)+^5 + 15 (1-q)+^5, the quintic B-spline M6, support 3. [morris1997].
+    """Shape (3-q)+^5 - 6 (2-q)+^5 + 15 (1-q)+^5 of the quintic B-spline M6, support 3.
+    [morris1997].
 
-    With all three terms kept up to q = 3 the bracket is -474 at 2.75 instead of 0.001, and the kernel sums to -11.6.
+    With all three terms up to q = 3 it would be -474 at 2.75 instead of 0.001, and the integral -11.6.
 
     >>> quintic_spline_value(0.0), quintic_spline_value(2.0)
     (66.0, 1.0)
@@ -125,10 +127,11 @@ def quintic_spline_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def liu_quartic_value(q: Pure[Value]) -> Pure[Value]:
-    """2/3 - 9q^2/8 + 19q^3/24 - 5q^4/32, the quartic of Liu, Liu and Lam, support 2. [liu2003].
+    """Shape 2/3 - 9q^2/8 + 19q^3/24 - 5q^4/32, the quartic of Liu, Liu and Lam, support 2.
+    [liu2003].
 
-    Its one branch is smooth, but it is negative for 1.6957 < q < 2, and its slope positive from 1.8: particles out
-    there attract each other.
+    It is smooth, but negative for 1.6957 < q < 2, and its slope is positive from 1.8, where particles attract each
+    other.
 
     >>> liu_quartic_value(1.8) < 0.0
     True
@@ -147,7 +150,7 @@ def liu_quartic_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def lucy_value(q: Pure[Value]) -> Pure[Value]:
-    """(1+3q)(1-q)^3, the first kernel of all, support 1. [lucy1977].
+    """Shape (1+3q)(1-q)^3 of the first kernel, support 1. [lucy1977].
 
     >>> lucy_value(0.0)
     1.0
@@ -167,7 +170,8 @@ def lucy_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c2_value(q: Pure[Value]) -> Pure[Value]:
-    """(1-q/2)^4 (1+2q), in 2D and 3D, support 2. No negative wave: particles never pair. [wendland1995, dehnen2012].
+    """Shape (1-q/2)^4 (1+2q) in 2D and 3D, support 2. Its Fourier transform is positive, so that particles never pair.
+    [wendland1995, dehnen2012].
 
     >>> wendland_c2_value(1.0)
     0.1875
@@ -188,7 +192,7 @@ def wendland_c2_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c4_value(q: Pure[Value]) -> Pure[Value]:
-    """(1-q/2)^6 (1 + 3q + 35q^2/12), in 2D and 3D, support 2. [wendland1995, dehnen2012].
+    """Shape (1-q/2)^6 (1 + 3q + 35q^2/12) in 2D and 3D, support 2. [wendland1995, dehnen2012].
 
     >>> wendland_c4_value(0.0)
     1.0
@@ -208,7 +212,7 @@ def wendland_c4_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c4_bend(q: Pure[Value]) -> Pure[Value]:
-    """(1/q) d/dq (f'(q)/q) of Wendland's C4, 35 (1-q/2)^4, for second derivatives.
+    """Second derivative (1/q) d/dq (f'(q)/q) of Wendland's C4, 35 (1-q/2)^4.
 
     With s = f'/q and b this, the derivatives of W along a and b are (s delta_ab + b x_a x_b/h^2)/h^2. [wendland1995,
     dehnen2012].
@@ -222,7 +226,8 @@ def wendland_c4_bend(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c6_value(q: Pure[Value]) -> Pure[Value]:
-    """(1-q/2)^8 (1 + 4q + 25q^2/4 + 4q^3), in 2D and 3D, support 2. [wendland1995, dehnen2012].
+    """Shape (1-q/2)^8 (1 + 4q + 25q^2/4 + 4q^3) in 2D and 3D, support 2. [wendland1995,
+    dehnen2012].
 
     >>> wendland_c6_value(0.0)
     1.0
@@ -244,7 +249,7 @@ def wendland_c6_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def gaussian_value(q: Pure[Value]) -> Pure[Value]:
-    """exp(-q^2) below 3, zero from there on. [gingold1977].
+    """Shape exp(-q^2) below 3, zero above. [gingold1977].
 
     >>> float(gaussian_value(0.0)), float(gaussian_value(3.0))
     (1.0, 0.0)
@@ -263,7 +268,7 @@ def gaussian_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def gaussian_deficit(dim: int) -> Number:
-    """Integral that a Gaussian loses by the cut at 3h: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
+    """Integral that the truncation of a Gaussian at 3h omits: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
 
     >>> f"{gaussian_deficit(2):.5e}"
     '1.23410e-04'
@@ -274,7 +279,7 @@ def gaussian_deficit(dim: int) -> Number:
 
 
 def wendland_c2_line_value(q: Pure[Value]) -> Pure[Value]:
-    """(1-q/2)^3 (1+3q/2), support 2. [dehnen2012].
+    """Shape (1-q/2)^3 (1+3q/2) in 1D, support 2. [dehnen2012].
 
     >>> wendland_c2_line_value(1.0)
     0.3125
@@ -294,7 +299,7 @@ def wendland_c2_line_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c4_line_value(q: Pure[Value]) -> Pure[Value]:
-    """(1-q/2)^5 (1 + 5q/2 + 2q^2), support 2. [dehnen2012].
+    """Shape (1-q/2)^5 (1 + 5q/2 + 2q^2) in 1D, support 2. [dehnen2012].
 
     >>> wendland_c4_line_value(0.0)
     1.0
@@ -314,7 +319,7 @@ def wendland_c4_line_slope(q: Pure[Value]) -> Pure[Value]:
 
 
 def wendland_c6_line_value(q: Pure[Value]) -> Pure[Value]:
-    """(1-q/2)^7 (1 + 7q/2 + 19q^2/4 + 21q^3/8), support 2. [dehnen2012].
+    """Shape (1-q/2)^7 (1 + 7q/2 + 19q^2/4 + 21q^3/8) in 1D, support 2. [dehnen2012].
 
     >>> wendland_c6_line_value(0.0)
     1.0
@@ -340,14 +345,14 @@ def _fifth(x: Pure[Value]) -> Pure[Value]:
 
 
 class Form(NamedTuple):
-    """Everything that depends on the choice of a kernel, before its dimension is chosen."""
+    """A row of the table: a kernel before the choice of the dimension, and everything that depends on it."""
 
     value: Shape
     """f(q)"""
     slope: Shape
     """f'(q)/q"""
     support: float
-    """where the kernel ends, in smoothing lengths"""
+    """the radius of the support, in smoothing lengths"""
     normalizations: Mapping[int, float]
     """sigma by dimension"""
     smoothing: Mapping[int, float]
@@ -419,9 +424,9 @@ KERNELS: Mapping[str, Form] = MappingProxyType({
         smoothing={2: 1.3, 3: 1.2}, pairing=True,
     ),
 })  # fmt: skip
-"""By name. `gaussian` is cut at 3h and normalized to one; `gaussian-raw` is cut without a correction for the missing
-tail, as it often is. Read-only: compiled code on the disk is named by the text of this file, and would not notice a row
-that is added while the program runs.
+"""Kernels by name. `gaussian` is truncated at 3h and normalized to one; `gaussian-raw` is truncated without a
+correction for the missing tail, as is common. Read-only: compiled code on disk is keyed by the text of this file, and
+does not contain rows that are added during a run.
 """
 KERNEL_CODES: Mapping[str, int] = MappingProxyType({name: code for code, name in enumerate(KERNELS)})
 """The number of each kernel in compiled loops."""
@@ -431,17 +436,19 @@ __all__ = ["KERNELS", "KERNEL_CODES", "Form", "Kernel", "Shape", "gaussian_defic
 
 PerLength = Annotated[Real, Unit("1/m")]
 PANEL, NODES = 0.5, 20
-"""Panels whose edges hold every knot of the splines, and enough Gauss points to integrate each piece exactly."""
+"""The width of integration panels, whose edges contain every knot of the splines, and the number of Gauss points, which
+integrate each piece exactly.
+"""
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """A smoothing kernel W(r, h) in one, two or three dimensions; numbers or arrays in, the same out."""
+    """A smoothing kernel W(r, h) in one, two or three dimensions, for numbers or arrays."""
 
     name: str
     dim: int
     support: float
-    """where the kernel ends, in smoothing lengths"""
+    """the radius of the support, in smoothing lengths"""
     normalization: float
     """sigma: W = sigma / h^dim f(r/h)"""
     shape: Shape
@@ -450,12 +457,12 @@ class Kernel:
     """f'(q)/q, finite at zero"""
 
     def value(self, r: Lengths, h: Lengths) -> Real:
-        """W at the distance r, in m^-dim."""
+        """Value W at the distance r, in m^-dim."""
         length = _smoothing_length(h)
         return _real(self.normalization / length**self.dim * self.shape(_distance(r) / length))
 
     def slope(self, r: Lengths, h: Lengths) -> Real:
-        """dW/dr, in m^-(dim+1): negative where the kernel falls, and zero at r = 0."""
+        """Slope dW/dr, in m^-(dim+1): negative where the kernel decreases, and zero at r = 0."""
         length = _smoothing_length(h)
         q = _distance(r) / length
         return _real(self.normalization / length ** (self.dim + 1) * self.shape_slope(q) * q)
@@ -471,7 +478,7 @@ class Kernel:
         return found
 
     def h_derivative(self, r: Lengths, h: Lengths) -> Real:
-        """dW/dh at a fixed distance, in m^-(dim+1): -(dim W + r dW/dr)/h."""
+        """Derivative dW/dh at a fixed distance, in m^-(dim+1): -(dim W + r dW/dr)/h."""
         length = _smoothing_length(h)
         q = _distance(r) / length
         shape = self.dim * self.shape(q) + q * q * self.shape_slope(q)
@@ -479,7 +486,9 @@ class Kernel:
 
     @property
     def standard_deviation(self) -> float:
-        """sqrt(<x^2>) along one axis, in smoothing lengths: kernels with equal standard deviations smooth equally."""
+        """Standard deviation sqrt(<x^2>) along one axis, in smoothing lengths: kernels with equal
+        ones smooth equally.
+        """
         return math.sqrt(self.moment(2) / self.dim)
 
     def moment(self, order: int) -> Number:
@@ -489,7 +498,7 @@ class Kernel:
         return float(np.sum(weights * q ** (self.dim - 1 + order) * self.shape(q)) * sphere * self.normalization)
 
     def over_plane(self, q: Numbers) -> Real:
-        """W summed over a plane (in two dimensions a line) that is q smoothing lengths away, times h."""
+        """Integral of W over a plane (in 2D a line) at a distance of q smoothing lengths, times h."""
         far = np.asarray(q, dtype=np.float64)[..., np.newaxis]
         nodes, weights = np.polynomial.legendre.leggauss(2 * NODES)
         half = 0.5 * np.sqrt(np.maximum(self.support**2 - far**2, 0.0))
@@ -502,7 +511,7 @@ class Kernel:
 
     @property
     def overlap(self) -> float:
-        """The integral over q > 0 of the square of `over_plane`: the resistance of the liquid to an
+        """Integral over q > 0 of the square of `over_plane`, which determines the resistance of the liquid to an
         approaching plane.
         """
         q, weights = _quadrature(self.support)
@@ -555,15 +564,17 @@ def _quadrature(support: float) -> tuple[Array, Array]:
 
 
 DISORDER, ROW = 0.02, 0.1
-"""Parts of the neighbors: what settled disorder varies by, and less than what the second row at a surface lacks."""
+"""Fractions of missing neighbors: the variation by disorder, and a fraction below that in the
+second row at a surface.
+"""
 WHOLE, SPRAY = 2.5, 5.0
-"""Largest factors of completed gradients: 2.0 at a flat surface, 4.8 at the corner of a square lattice, and 5 to 30 in
-drops of a few particles.
+"""Factors of completed gradients up to which they are used fully, and from which they are not used: 2.0 occurs at a
+flat surface, 4.8 at the corner of a square lattice, and 5 to 30 in drops of a few particles.
 """
 
 
 def missing_neighbors(trace: Number, dimensions: Number) -> Number:
-    """The part 1 - tr M / d of the neighbors that a particle lacks. [bonet1999].
+    """Fraction 1 - tr M / d of the neighbors that a particle lacks. [bonet1999].
 
     trace: of M. In a square lattice with h of two spacings it is 0.41, 0.19, 0.03 and 0.001 in the rows below a flat
     surface.
@@ -575,13 +586,14 @@ def missing_neighbors(trace: Number, dimensions: Number) -> Number:
 
 
 def correction_share(missing: Number, factor: Number) -> Number:
-    """The share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a surface, zero in spray.
+    """Share s of the correction, 1 + s (B - 1): zero in the interior, one in both rows at a
+    surface, zero in spray.
 
     missing: see `missing_neighbors`; factor: see `completion_factor`. Smooth steps between `DISORDER` and `ROW`, and
-    between `SPRAY` and `WHOLE`. With s = 1 everywhere, as in [bonet1999], the sums would not notice where particles are
-    too close, and disorder would last longer; and the stiffness of a drop of four particles, which grows with the
-    square of B, would be 25 times that of a lattice, beyond what the time step resolves. Like this, [schulze2025]
-    corrects near the surface only, with other weights.
+    between `SPRAY` and `WHOLE`. With s = 1 everywhere, as in [bonet1999], the sums would be insensitive to particles
+    that are too close, and disorder would last longer; the stiffness of a drop of four particles, which grows with the
+    square of B, would be 25 times that of a lattice, beyond what the time step resolves. [schulze2025], too, corrects
+    only near the surface, with other weights.
 
     >>> correction_share(0.01, 1.0), round(correction_share(0.06, 2.0), 12), correction_share(0.4, 2.0)
     (0.0, 0.5, 1.0)
@@ -592,7 +604,8 @@ def correction_share(missing: Number, factor: Number) -> Number:
 
 
 def smooth_step(value: Number, low: Number, high: Number) -> Number:
-    """Zero below one number, one above another, and a cubic of zero slope at both ends between them.
+    """Smooth step: zero below `low`, one above `high`, and between them a cubic with zero slope at
+    both ends.
 
     >>> smooth_step(0.0, 1.0, 2.0), smooth_step(1.5, 1.0, 2.0), smooth_step(3.0, 1.0, 2.0)
     (0.0, 0.5, 1.0)
@@ -602,7 +615,7 @@ def smooth_step(value: Number, low: Number, high: Number) -> Number:
 
 
 def completion_factor(off: Number) -> Number:
-    """1 + |B - 1|, at least the largest eigenvalue of the matrix B by which gradients are completed.
+    """Factor 1 + |B - 1|, at least the largest eigenvalue of the matrix B that completes gradients.
 
     off: the sum of the squares of all elements of B - 1 (the Frobenius norm squared). The stiffness of a particle, and
     its damping, grow with the square of this factor. Derived here.

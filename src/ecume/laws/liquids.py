@@ -23,7 +23,8 @@ WATER_CRITICAL = 647.096
 def water_density(temperature: Temperature) -> Density:
     """Density of water, 0 to 100 degrees Celsius, within 4e-6 to 40 degrees. [kell1975].
 
-    Its temperatures are on the scale of 1968, which at 100 degrees is 0.026 K and 2e-5 off today's.
+    Temperatures are on the scale of 1968, which differs from the present one by 0.026 K at 100 degrees (2e-5 in
+    density).
 
     >>> round(water_density(298.15), 3)
     997.045
@@ -162,7 +163,7 @@ def glycerol_density(temperature: Temperature) -> Density:
 def glycerol_viscosity(temperature: Temperature) -> Viscosity:
     """Viscosity of glycerol without any water, 0 to 100 degrees Celsius, within some percent. [cheng2008].
 
-    One percent of water makes it a fifth thinner.
+    One percent of water reduces it by a fifth.
 
     >>> round(glycerol_viscosity(293.15), 3)
     1.414
@@ -227,11 +228,12 @@ def mercury_sound_speed(temperature: Temperature) -> Speed:
 
 
 ROOM_CELSIUS = 293.15
-"""The temperature (K) of tabulated properties of kitchen liquids."""
+"""The temperature (K) for tabulated properties of kitchen liquids."""
 
 
 def line(source: str, at_room: float, slope: float) -> Callable[[float], float]:
-    """A property that changes linearly around 20 degrees Celsius, with its source.
+    """A property that changes linearly around 20 degrees Celsius, as a function of temperature with
+    its source.
 
     >>> round(line("walstra2006", 1029.0, -0.3)(303.15), 1)
     1026.0
@@ -245,7 +247,8 @@ def line(source: str, at_room: float, slope: float) -> Callable[[float], float]:
 
 
 def andrade(source: str, at_room: float, activation: float) -> Callable[[float], float]:
-    """A viscosity as exp(A/T) around 20 degrees Celsius, with its source.
+    """A viscosity as exp(A/T) around 20 degrees Celsius, as a function of temperature with its
+    source.
 
     >>> round(andrade("white1975", 12.6, 10400.0)(298.15), 1)
     7.0
@@ -284,7 +287,7 @@ class LiquidProperties:
     surface_tension: SurfaceTension
     """of a clean surface against air"""
     sound_speed: Speed
-    """the real one; SPH takes one far slower"""
+    """the real one; SPH uses a much smaller one"""
 
     @property
     def kinematic_viscosity(self) -> KinematicViscosity:
@@ -375,7 +378,7 @@ LIQUIDS: dict[str, Correlations] = {
         293.15, 323.15,
         mercury_density, mercury_viscosity, mercury_surface_tension, mercury_sound_speed,
     ),
-    # Of kitchens: typical values; a given bottle differs by 5 % in density and tension, and by more in viscosity.
+    # Kitchen liquids: typical values; products differ by 5 % in density and tension, and by more in viscosity.
     "milk": Correlations(
         278.15, 313.15,
         line("walstra2006", 1029.0, -0.37), andrade("walstra2006", 2.1e-3, 2060.0),

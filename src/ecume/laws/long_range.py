@@ -1,6 +1,6 @@
-"""Forces between surfaces that do not touch, across the gap: steric repulsion, and DLVO. A positive force repels.
+"""Long-range forces between surfaces: steric repulsion, and DLVO. A positive force repels.
 
-Each comes as energy, force, and the force's slope over the gap, which an implicit step requires.
+Each law has an energy, a force, and the slope of the force over the gap, which an implicit step requires.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ ForceSlope = Annotated[float, Unit("N/m")]
 
 
 def no_remote_energy(gap: Length) -> Energy:
-    """No long-range force: U = 0.
+    """Energy without a long-range force: zero.
 
     >>> no_remote_energy(1e-9)
     0.0
@@ -25,7 +25,7 @@ def no_remote_energy(gap: Length) -> Energy:
 
 
 def no_remote_force(gap: Length) -> Force:
-    """No long-range force: F = 0.
+    """Force without a long-range force: zero.
 
     >>> no_remote_force(1e-9)
     0.0
@@ -34,7 +34,7 @@ def no_remote_force(gap: Length) -> Force:
 
 
 def no_remote_slope(gap: Length) -> ForceSlope:
-    """No long-range force: dF/dh = 0.
+    """Slope without a long-range force: zero.
 
     >>> no_remote_slope(1e-9)
     0.0
@@ -43,7 +43,8 @@ def no_remote_slope(gap: Length) -> ForceSlope:
 
 
 def steric_energy(gap: Length, strength: Force, steric_length: Length) -> Energy:
-    """U = K (s^2/h - h - 2 s ln(s/h)) below the steric length s, zero beyond: the integral of `steric_force`.
+    """Energy U = K (s^2/h - h - 2 s ln(s/h)) below the steric length s, zero beyond: the integral
+    of `steric_force`.
 
     K is the strength, h the gap. A stand-in for the sharp repulsion of [rognon2010], which names no formula.
 
@@ -56,7 +57,8 @@ def steric_energy(gap: Length, strength: Force, steric_length: Length) -> Energy
 
 
 def steric_force(gap: Length, strength: Force, steric_length: Length) -> Force:
-    """F = K (s/h - 1)^2 below the steric length s, zero beyond; smooth at s, without bound at contact; repels.
+    """Force F = K (s/h - 1)^2 below the steric length s, zero beyond; smooth at s, unbounded at
+    contact; repels.
 
     K is the strength, h the gap. A stand-in for the sharp repulsion of [rognon2010], which names no formula.
 
@@ -67,7 +69,7 @@ def steric_force(gap: Length, strength: Force, steric_length: Length) -> Force:
 
 
 def steric_slope(gap: Length, strength: Force, steric_length: Length) -> ForceSlope:
-    """dF/dh of `steric_force`; negative. [rognon2010].
+    """Slope dF/dh of `steric_force`; negative. [rognon2010].
 
     >>> steric_slope(0.5, 3.0, 1.0)
     -24.0
@@ -83,7 +85,8 @@ def dlvo_energy(
     debye_length: Length,
     smallest_separation: Length,
 ) -> Energy:
-    """U = R* Z exp(-h/l) - A R* / (6 h) (1 - (D/h)^6 / 7): the electric double layer repels, van der Waals attracts.
+    """Energy U = R* Z exp(-h/l) - A R* / (6 h) (1 - (D/h)^6 / 7): the electric double layer repels, van der Waals
+    forces attract.
 
     h is the gap, much smaller than the reduced radius R*; A Hamaker's constant, Z the strength of the double layer
     (energy over length), l the Debye length, D the smallest separation, at which the short repulsion of atoms, that of
@@ -104,7 +107,7 @@ def dlvo_force(
     debye_length: Length,
     smallest_separation: Length,
 ) -> Force:
-    """F = R* Z exp(-h/l) / l - A R* / (6 h^2) (1 - (D/h)^6); positive repels. [israelachvili2011, eq. 13.11a and
+    """Force F = R* Z exp(-h/l) / l - A R* / (6 h^2) (1 - (D/h)^6); positive repels. [israelachvili2011, eq. 13.11a and
     14.52].
 
     >>> dlvo_force(1.0, 1.0, 6.0, 0.0, 1.0, 0.0)
@@ -124,7 +127,7 @@ def dlvo_slope(
     debye_length: Length,
     smallest_separation: Length,
 ) -> ForceSlope:
-    """dF/dh of `dlvo_force`. [israelachvili2011, eq. 13.11a and 14.52].
+    """Slope dF/dh of `dlvo_force`. [israelachvili2011, eq. 13.11a and 14.52].
 
     >>> dlvo_slope(1.0, 1.0, 6.0, 0.0, 1.0, 0.0)
     2.0
@@ -134,17 +137,17 @@ def dlvo_slope(
 
 
 def _steric_doubts(constants: Any, smallest_radius: Length) -> list[str]:
-    """Layers that are not thin."""
+    """Warnings on steric layers that are not thin."""
     said = "the steric length is a tenth of a radius or more: spheres bear each other at a distance"
     return [said] if constants.steric_length > 0.1 * smallest_radius else []
 
 
 SAMPLES = 200
-"""Gaps at which a barrier is looked for."""
+"""The number of gaps at which a barrier is searched for."""
 
 
 def _dlvo_doubts(constants: Any, smallest_radius: Length) -> list[str]:
-    """Attraction that no double layer holds off."""
+    """Warnings on an attraction that no double layer balances."""
     least, most = constants.smallest_separation, min(10.0 * constants.debye_length, smallest_radius)
     if not (constants.hamaker > 0.0 and 0.0 < least < most):
         return []
@@ -159,19 +162,19 @@ def _dlvo_doubts(constants: Any, smallest_radius: Length) -> list[str]:
 class Remote:
     """A row of the table: a law and everything that depends on it.
 
-    What its formulas take beside the gap and the reduced radius are constants of the scene, by their names in the
-    `Contacts` of `ecume.models.soft`.
+    Arguments of its formulas other than the gap and the reduced radius are constants of the scene, by their names in
+    the `Contacts` of `ecume.models.soft`.
     """
 
     energy: Callable[..., Any]
     force: Callable[..., Any]
-    """positive when it repels"""
+    """positive if it repels"""
     slope: Callable[..., Any]
     """dF/dh"""
     acts: bool = True
     """whether the force can differ from zero"""
     doubts: Callable[..., list[str]] | None = None
-    """what `ecume check` warns of, by `Contacts` and the smallest radius"""
+    """warnings of `ecume check`, from `Contacts` and the smallest radius"""
 
 
 REMOTE = {
@@ -179,4 +182,4 @@ REMOTE = {
     "steric": Remote(steric_energy, steric_force, steric_slope, doubts=_steric_doubts),
     "dlvo": Remote(dlvo_energy, dlvo_force, dlvo_slope, doubts=_dlvo_doubts),
 }
-"""Forces across the gap: `long_range_forces.law` of a scene."""
+"""Long-range forces: `long_range_forces.law` of a scene."""

@@ -1,13 +1,13 @@
 """Menisci at plane, round and rectangular walls, and the image forces on floats near them.
 
-What a floater's own meniscus does to it when a wall mirrors it: forces of images, for point charges. A wall on which
-the liquid keeps its contact angle mirrors a meniscus as it is, and attracts; a wall that pins the contact line
-mirrors it upside down, and repels: for either sign of the charge. Exact in linear theory.
+Image forces: a wall at which the liquid keeps its contact angle mirrors the meniscus of a float with equal sign and
+attracts it; a wall that pins the contact line mirrors it with opposite sign and repels it, whatever the sign of the
+charge. Exact in linear theory.
 
-The liquid's surface at walls: a plane wall, a round dish, a rectangular dish. Heights are measured from the
-undisturbed surface. The contact angle is that of the wall, through the liquid: below 90 degrees the liquid rises at
-the wall. A brim that is overfull, or that pins the contact line, is just another angle. A fixed volume of liquid
-moves the undisturbed surface and pulls at nothing.
+Surfaces at walls: a plane wall, a round dish, a rectangular dish. Heights are measured from the undisturbed surface.
+The contact angle is that of the wall, through the liquid: below 90 degrees the liquid rises at the wall. An overfull
+brim, or one that pins the contact line, corresponds to another angle. A fixed volume of liquid shifts the undisturbed
+surface, without forces.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ecume.laws.special import bessel_k1, scaled_bessel_i0, scaled_bessel_k0, sc
 from ecume.units import Angle, Array, Force, Forces, Length, Lengths, Number, Numbers
 
 WALLS = {"fixed-angle": 1.0, "pinned": -1.0}
-"""The sign of an image: of a wall that keeps the contact angle, and of one that pins the contact line."""
+"""The sign of an image: for a wall that keeps the contact angle, and for one that pins the contact line."""
 MOST_TERMS = 100_000
 DIGITS = 20.0
 """Terms smaller than exp(-2 DIGITS) of the sum are ignored."""
@@ -60,7 +60,8 @@ def image_force(charge: Length, r: Lengths, dish_radius: Length, liquid: Liquid,
 
 
 def plane_image_force(charge: Length, distance: Lengths, liquid: Liquid, wall: str = "fixed-angle") -> Forces:
-    """Force of a plane wall's image on a floater, positive to the wall: (2 pi gamma/L) A^2 K1(2 d/L), or minus that.
+    """Force of a plane wall's image on a float, positive toward the wall: (2 pi gamma/L) A^2 K1(2
+    d/L), or minus that.
 
     [nicolson1949]'s pair law between a floater and its mirror image.
 
@@ -85,8 +86,8 @@ def rectangle_image_force(
 ) -> tuple[Force, Force]:
     """Force (x, y) of a rectangular dish's images on a floater; `position` from its middle, `size` full widths.
 
-    Reflections on four walls make a lattice of images: at x + 2 k W, and at -x + (2 k + 1) W with the sign of the wall;
-    each pulls as [nicolson1949]'s pair law says.
+    Reflections at four walls give a lattice of images: at x + 2 k W, and at -x + (2 k + 1) W with the sign of the wall;
+    the force of each is [nicolson1949]'s pair law.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> x, y = rectangle_image_force(1e-5, (0.009, 0.0), (0.02, 0.03), water)
@@ -112,8 +113,8 @@ def rectangle_image_force(
 
 
 def _line(x: float, width: float, sign: float) -> list[tuple[float, float]]:
-    """The distances and signs of the images of a coordinate, in pairs from the nearest outward, after the coordinate
-    itself.
+    """The distances and signs of the images of a coordinate, in pairs from the nearest on, after
+    the coordinate itself.
     """
     images = [(0.0, 1.0)]
     for k in range(1, math.ceil(FAR / width) + 2):
@@ -124,7 +125,7 @@ def _line(x: float, width: float, sign: float) -> list[tuple[float, float]]:
 
 
 class Sums(NamedTuple):
-    """Over the orders m of a dish's images, at each r: of c_m I_m(r)^2 and of c_m I_m(r) I_m'(r)."""
+    """Sums over the orders m of a dish's images, at each r: of c_m I_m(r)^2 and of c_m I_m(r) I_m'(r)."""
 
     height: Array
     slope: Array
@@ -156,12 +157,14 @@ def dish_sums(r: Numbers, dish_radius: Number, sign: Number) -> Sums:
 
 
 def _running(ratios: Array) -> Array:
-    """Logarithms of the products of the ratios before each."""
+    """The logarithms of cumulative products of the ratios."""
     return np.concatenate([np.zeros((1, ratios.shape[1])), np.cumsum(np.log(ratios[:-1]), axis=0)])
 
 
 def _i_ratios(x: Array, terms: int) -> Array:
-    """I_{m+1}(x)/I_m(x), downwards from a guess that is forgotten on the way: orders and arguments never overflow."""
+    """The ratios I_{m+1}(x)/I_m(x), by downward recurrence from a guess whose effect vanishes; orders and arguments
+    never overflow.
+    """
     ratios, ratio = np.empty((terms, len(x))), np.zeros_like(x)
     for m in range(terms + 30 + int(x.max()), 0, -1):
         ratio = 1.0 / (ratio + 2.0 * m / x)
@@ -171,7 +174,7 @@ def _i_ratios(x: Array, terms: int) -> Array:
 
 
 def _k_ratios(x: float, terms: int) -> Array:
-    """K_{m+1}(x)/K_m(x), upwards."""
+    """The ratios K_{m+1}(x)/K_m(x), by upward recurrence."""
     ratios = np.empty((terms, 1))
     ratios[0] = scaled_bessel_k1(x) / scaled_bessel_k0(x)
     for m in range(1, terms):
@@ -197,7 +200,7 @@ __all__ = [
 CORE = 1e-3
 """The radius in L at which integration starts: closer to the axis, the linear surface is accurate to 1e-12."""
 SHALLOW = 25.0
-"""Farther than this from the wall (in L) slopes are below 1e-10, and the surface is the linear one."""
+"""The distance from the wall (in L) beyond which slopes are below 1e-10, and the surface is the linear one."""
 TOLERANCE = 1e-12
 KEPT = 256
 TURNS = 60
@@ -205,7 +208,7 @@ TURNS = 60
 
 @elementwise
 def wall_height(contact_angle: Angle, liquid: Liquid) -> Length:
-    """Height of the liquid at a plane wall, exact: L sqrt(2 (1 - sin theta)), negative where it is pressed down.
+    """Height of the liquid at a plane wall, exact: L sqrt(2 (1 - sin theta)), negative where it is depressed.
     [landau1987, par. 61].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
@@ -217,10 +220,12 @@ def wall_height(contact_angle: Angle, liquid: Liquid) -> Length:
 
 @elementwise
 def wall_amplitude(contact_angle: Angle, liquid: Liquid) -> Length:
-    """A_w: far from a plane wall the surface is A_w exp(-x/L); positive where the liquid rises, zero at 90 degrees.
+    """Amplitude A_w of the meniscus far from a plane wall, A_w exp(-x/L); positive where the liquid rises, zero at 90
+    degrees.
 
-    A_w = 4 L exp(-2 - u + 2 tanh u), with u = arccosh(2 L/h) at the wall's h: the exact profile, far away. The linear
-    theory says L cot(theta): half as much again at 45 degrees, infinite at 0. Derived from [landau1987, par. 61].
+    A_w = 4 L exp(-2 - u + 2 tanh u), with u = arccosh(2 L/h) at the height h at the wall: the far field of the exact
+    profile. The linear theory gives L cot(theta): 1.5 times as much at 45 degrees, infinite at 0. Derived from
+    [landau1987, par. 61].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> round(wall_amplitude(math.radians(45.0), water) / water.capillary_length, 9)
@@ -230,7 +235,8 @@ def wall_amplitude(contact_angle: Angle, liquid: Liquid) -> Length:
 
 
 def linear_wall_amplitude(contact_angle: Angle, liquid: Liquid) -> Length:
-    """L cot(theta): what the linear theory takes for `wall_amplitude`; too large by half at 45 degrees. [landau1987].
+    """Amplitude L cot(theta) of the linear theory for `wall_amplitude`; 1.5 times too large at 45 degrees.
+    [landau1987].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> round(linear_wall_amplitude(math.radians(45.0), water) / water.capillary_length, 12)
@@ -279,7 +285,7 @@ def plane_height(distance: Lengths, contact_angle: Angle, liquid: Liquid) -> Len
         return as_given(np.zeros_like(x))
     start = math.acosh(2.0 / abs(highest))
     u = x + start + 2.0 * (1.0 - math.tanh(start))
-    for _ in range(TURNS):  # from above, where x(u) is convex: Newton's method cannot overshoot
+    for _ in range(TURNS):  # from above: x(u) is convex, so that Newton's method cannot overshoot
         slope = 1.0 - 2.0 / np.cosh(np.minimum(u, 300.0)) ** 2
         excess = u - start + 2.0 * (math.tanh(start) - np.tanh(u)) - x
         u = np.where(slope > 0.0, u - excess / np.where(slope > 0.0, slope, 1.0), u)
@@ -292,8 +298,9 @@ def dish_height(
 ) -> Lengths:
     """Height of the surface in a round dish, at a distance r from its axis.
 
-    "amplitude": A_w I0(r/L)/I1(a/L), the linear field with the plane wall's exact far amplitude; at the middle right
-    to 1 % for dishes of 2 L and more, 5 % of L; low within 2 L of the wall. "linear": cot(theta) in the place of A_w/L.
+    "amplitude": A_w I0(r/L)/I1(a/L), the linear field with the plane wall's exact far amplitude; accurate in the middle
+    to 1 % for dishes of 2 L and more, to 5 % for L; too low within 2 L of the wall. "linear": cot(theta) instead of
+    A_w/L.
     "nonlinear": the axisymmetric Young–Laplace equation, shot from the middle. [vella2005, landau1987].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
@@ -336,7 +343,7 @@ def rectangle_height(
 
 
 def plane_wall_height(contact_angle: Angle) -> Number:
-    """`wall_height` in capillary lengths.
+    """Height `wall_height` in capillary lengths.
 
     >>> round(plane_wall_height(math.radians(30.0)), 12)
     1.0
@@ -347,7 +354,7 @@ def plane_wall_height(contact_angle: Angle) -> Number:
 
 
 def plane_amplitude(contact_angle: Angle) -> Number:
-    """`wall_amplitude` in capillary lengths.
+    """Amplitude `wall_amplitude` in capillary lengths.
 
     >>> round(plane_amplitude(0.0), 12)
     0.922317584014
@@ -367,7 +374,7 @@ def _linear_field(r: Array, dish_radius: float, contact_angle: float) -> Array:
 
 
 def _linear_shape(r: Array, dish_radius: float) -> Array:
-    """I0(r)/I1(a), lengths in L; without overflow."""
+    """The ratio I0(r)/I1(a) without overflow; lengths in L."""
     from scipy.special import i0e, i1e
 
     shape: Array = i0e(r) / i1e(dish_radius) * np.exp(r - dish_radius)
@@ -375,7 +382,7 @@ def _linear_shape(r: Array, dish_radius: float) -> Array:
 
 
 def _nonlinear_field(r: Array, dish_radius: float, contact_angle: float) -> Array:
-    """The exact surface; rising menisci only are solved, the others are their mirror images."""
+    """The exact surface. Only rising menisci are computed; the others are mirror images."""
     if abs(plane_wall_height(contact_angle)) < 1e-9:
         return _amplitude_field(r, dish_radius, contact_angle)
     core, height, shot = _dish_profile(dish_radius, min(contact_angle, math.pi - contact_angle))
@@ -385,14 +392,14 @@ def _nonlinear_field(r: Array, dish_radius: float, contact_angle: float) -> Arra
 
 
 def _height_at(r: Array, shot: Any) -> Array:
-    """z(r) along a shot: bisect for the arc length, on which r grows."""
+    """The height z(r) on a computed curve, by bisection for the arc length, with which r increases."""
     low, high = np.zeros(r.shape), np.full(r.shape, shot.t[-1])
     for _ in range(TURNS):
         middle = 0.5 * (low + high)
         short = shot.sol(middle.ravel())[0].reshape(r.shape) < r
         low, high = np.where(short, middle, low), np.where(short, high, middle)
     height: Array = shot.sol(high.ravel())[1].reshape(r.shape)
-    # At a wall that is wetted all over r stands still, and only the end itself is sharp.
+    # At a contact angle of 0 the curve is vertical at the wall: r determines the height only at its end.
     return np.where(r >= shot.y[0, -1] * (1.0 - TOLERANCE), shot.y[1, -1], height)
 
 
@@ -418,9 +425,7 @@ def _dish_profile(dish_radius: float, contact_angle: float) -> tuple[float, floa
 
 
 def _shot(core: float, height: float, contact_angle: float) -> Any:
-    """The surface from (core, height) outward until it has the slope of the wall: r, z and psi along the arc
-    length.
-    """
+    """The curve from (core, height) outward until it has the slope of the wall: r, z and psi along the arc length."""
     from scipy.integrate import solve_ivp
     from scipy.special import i0e, i1e
 

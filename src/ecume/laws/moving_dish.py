@@ -1,4 +1,4 @@
-"""A dish that moves, as floats see it from inside: its position, velocity and acceleration."""
+"""A moving dish in its own frame: its position, velocity and acceleration."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ def sway_acceleration(amplitude: Length, turning: Rate, time: Time) -> Accelerat
 def left_behind(mass: Mass, friction: Friction, acceleration: Acceleration, velocity: Speed, slip: Number) -> Force:
     """Inertial and drag force on a float in the frame of a moving dish, F = -s (m a + zeta V).
 
-    The liquid goes along with the part 1 - s of the dish's velocity V and acceleration a: what it is carried by at
-    s = 0 it does not feel, since liquid that is moved as a whole is in an even gravity, only a tilted one. At s = 1 the
-    liquid rests, and the float lags by its own inertia and by all of its drag.
+    The liquid has the part 1 - s of the dish's velocity V and acceleration a. At s = 0 it moves with the dish, and
+    there is no force: the effective gravity is uniform, but tilted. At s = 1 the liquid is at rest, and the full
+    inertial force and drag act.
 
     >>> left_behind(2.0, 0.5, 3.0, 4.0, 0.0) == 0.0, left_behind(2.0, 0.5, 3.0, 4.0, 1.0)
     (True, -8.0)

@@ -1,13 +1,13 @@
-"""The table of pair laws: the forces between two floats, one of which a scene chooses (`interaction.law`).
+"""The table of pair laws: the forces between two floats, one of which a scene chooses
+(`interaction.law`).
 
 A row of the table holds everything that depends on the choice. Its functions take and return plain numbers, so that
-they can be compiled into a simulation. `own` describes the two floats, and `law` holds the constants of the law. These
-are a NamedTuple of plain numbers, and compiled code selects the law by its type: each formula has a separate type.
-Forces are positive when they repel.
+they can be compiled into a simulation. `own` describes the two floats, and `law` holds the constants of the law, a
+NamedTuple of plain numbers. Compiled code selects the law by its type: each formula has a separate type. Forces are
+positive when they repel.
 
-Forces between magnets that stand upright in a liquid surface: they repel across millimeters, beyond menisci's reach.
-
-An electric dipole p in the gas acts as a moment c p, with c the speed of light.
+Magnets that stand upright in a liquid surface repel each other over millimeters, beyond the range of menisci. An
+electric dipole p in the gas acts as a moment c p, with c the speed of light.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ DipoleStrength = Annotated[float, Unit("J*m^3")]
 FluxDensity = Annotated[float, Unit("T")]
 
 PERMEABILITY = 1.25663706127e-6
-"""N/A^2, of the vacuum; liquids that are no magnets change it by 1e-5."""
+"""N/A^2, of the vacuum; liquids that are not magnetic change it by 1e-5."""
 
 
 def dipole_strength(moment_i: Moment, moment_j: Moment) -> DipoleStrength:
-    """mu_0 m_i m_j / (4 pi), with m the moments along the vertical: positive (repulsive) for moments of one direction.
+    """Strength mu_0 m_i m_j / (4 pi) of two moments m along the vertical: positive (repulsive) for equal directions.
     [jackson1999, par. 5.7].
 
     >>> round(dipole_strength(1.0, -1.0) * 1e7, 6)
@@ -42,9 +42,10 @@ def dipole_strength(moment_i: Moment, moment_j: Moment) -> DipoleStrength:
 
 
 def dipole_energy(distance: Length, strength: DipoleStrength) -> Energy:
-    """Energy of two moments across their plane, zero when far apart: E = C / l^3, C the `dipole_strength`.
+    """Energy of two moments perpendicular to their plane, zero when far apart: E = C / l^3, C the
+    `dipole_strength`.
 
-    For magnets much smaller than their distance, or homogeneous spheres at any. [jackson1999, par. 5.7].
+    For magnets much smaller than their distance, or homogeneous spheres at any distance. [jackson1999, par. 5.7].
 
     >>> dipole_energy(2.0, 4.0)
     0.5
@@ -53,7 +54,8 @@ def dipole_energy(distance: Length, strength: DipoleStrength) -> Energy:
 
 
 def dipole_force(distance: Length, strength: DipoleStrength) -> Force:
-    """Force between them along the line of centers; positive repels: F = 3 C / l^4. [jackson1999, par. 5.7].
+    """Force between two such moments along the line of centers; positive repels: F = 3 C / l^4. [jackson1999, par.
+    5.7].
 
     >>> dipole_force(2.0, 16.0)
     3.0
@@ -62,8 +64,8 @@ def dipole_force(distance: Length, strength: DipoleStrength) -> Force:
 
 
 def oblique_dipole_energy(distance: Length, product: DipoleStrength, along: DipoleStrength) -> Energy:
-    """Energy of two moments of any directions: E = (P - 3 A)/l^3 with P = mu_0 m_i.m_j/(4 pi) and
-    A = mu_0 (m_i.n)(m_j.n)/(4 pi), where n is the direction from one to the other. [jackson1999, par. 5.7].
+    """Energy of two moments of any directions: E = (P - 3 A)/l^3 with P = mu_0 m_i.m_j/(4 pi) and A = mu_0
+    (m_i.n)(m_j.n)/(4 pi), where n is the direction from one to the other. [jackson1999, par. 5.7].
 
     Along the line of centers two moments attract twice as strongly as they repel across it.
 
@@ -74,8 +76,8 @@ def oblique_dipole_energy(distance: Length, product: DipoleStrength, along: Dipo
 
 
 def induced_moment(radius: Length, susceptibility: Number, field: FluxDensity) -> Moment:
-    """The moment of a sphere in a field: m = V chi_e B/mu_0, chi_e = 3 chi/(3 + chi), with the demagnetizing factor 1/3
-    of a sphere; at most 3 for soft iron. [jackson1999, par. 5.11].
+    """Moment of a sphere in a field: m = V chi_e B/mu_0, chi_e = 3 chi/(3 + chi), with the demagnetizing factor 1/3 of
+    a sphere; chi_e is at most 3, for soft iron. [jackson1999, par. 5.11].
 
     >>> round(induced_moment(1e-3, 1e9, 1e-3) * 1e6, 3)
     10.0
@@ -85,9 +87,11 @@ def induced_moment(radius: Length, susceptibility: Number, field: FluxDensity) -
 
 
 def neglected_dipoles(cutoff: Number) -> Number:
-    """Share of the force on the edge of a half-plane of magnets that pairs beyond the cutoff would give: 1/c^2.
+    """Fraction of the force at the edge of a half-plane of magnets that pairs beyond the cutoff
+    contribute: 1/c^2.
 
-    The cutoff is over the touching distance: int_c^inf r^-4 r dr over the same from one on. [jackson1999, par. 5.7].
+    The cutoff is over the touching distance: int_c^inf r^-4 r dr over the integral from one on. [jackson1999, par.
+    5.7].
 
     >>> neglected_dipoles(10.0)
     0.01

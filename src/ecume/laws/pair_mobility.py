@@ -1,8 +1,8 @@
-"""Hydrodynamic interaction of floats: the velocities that forces give to all floats of a surface.
+"""Hydrodynamic interaction of floats: the velocities of all floats of a surface by forces.
 
-A float that moves carries the liquid around it along, and with it the other floats. Between half-immersed spheres at a
-flat, stress-free surface the mobilities are twice those of whole spheres in unbounded liquid, by mirror symmetry; with
-a second liquid above, those in a liquid of half the sum of the viscosities. Other depths enter through a hydrodynamic
+A moving float drags the liquid around it, and with it the other floats. Between half-immersed spheres at a flat,
+stress-free surface the mobilities are twice those of whole spheres in unbounded liquid, by mirror symmetry; with a
+second liquid above, those in a liquid of half the sum of the viscosities. Other depths enter through a hydrodynamic
 radius 2 f R with the factor f of `ecume.laws.immersion.immersion_factor`, which gives the drag of a single float
 exactly and is an approximation for pairs.
 """
@@ -19,14 +19,14 @@ from ecume.errors import BadInput
 from ecume.units import Array, Length, Lengths, Number, Viscosity
 
 MOST_SOLVED = 300
-"""Floats of the largest raft whose speed is computed: a dense system of twice as many unknowns."""
+"""Floats of the largest raft whose speed is computed, from a dense system of twice as many unknowns."""
 
 
 class PairMobility(NamedTuple):
     """Velocity per force (m/(N s)) of one sphere by a force on another."""
 
     across: Array
-    """for a force across the line of centers"""
+    """for a force perpendicular to the line of centers"""
     along: Array
     """for a force along the line of centers"""
 
@@ -52,7 +52,7 @@ def pair_mobility(separation: Lengths, radius: Lengths, other_radius: Lengths, v
 
 
 def rotne_prager(separation: Length, radius: Length, other_radius: Length) -> tuple[float, float]:
-    """6 pi eta times the velocity per force of one sphere by a force on another (1/m): for forces across the line of
+    """Velocity of one sphere per force on another, times 6 pi eta (1/m): for forces perpendicular to the line of
     centers, and along it.
 
     3/(4 r) [(1 + s/(3 r^2)) I + (1 - s/r^2) e e^T] with s = a^2 + b^2 for separate spheres [rotne1969]; the forms for
@@ -80,8 +80,8 @@ def surface_divergence(separation: Length, radius: Length, other_radius: Length)
 
     (M_across - M_along)/r, for the velocity of one sphere by forces on the other, with respect to the place of the
     other and along the direction to it. In 3D the divergence is zero, since liquid is incompressible: dM_along/dr =
-    -2 (M_along - M_across)/r. A plane lacks one of the two transverse directions. Negative: the drift kT div M drives
-    spheres apart. [rotne1969].
+    -2 (M_along - M_across)/r. In a plane one of the two transverse directions is missing. The result is negative: the
+    drift kT div M is repulsive. [rotne1969].
 
     >>> surface_divergence(2.0, 1.0, 1.0)
     -0.09375
@@ -93,9 +93,10 @@ def surface_divergence(separation: Length, radius: Length, other_radius: Length)
 
 
 def spin_by_force(separation: Length, radius: Length, other_radius: Length) -> float:
-    """6 pi eta times the spin of a sphere per force on another, across the line of centers (1/m^2).
+    """Angular velocity of a sphere per force on another, perpendicular to the line of centers,
+    times 6 pi eta (1/m^2).
 
-    3/(4 r^2) for separate spheres; `radius` is that of the sphere that turns. The velocity of the other by a torque on
+    3/(4 r^2) for separate spheres; `radius` is that of the rotating sphere. The velocity of the other by a torque on
     this one has the same coefficient. Overlapping spheres as in [zuk2014].
 
     >>> spin_by_force(2.0, 1.0, 1.0)
@@ -111,7 +112,8 @@ def spin_by_force(separation: Length, radius: Length, other_radius: Length) -> f
 
 
 def spin_by_torque(separation: Length, radius: Length, other_radius: Length) -> float:
-    """6 pi eta times the spin of a sphere per torque on another, both about an axis across the line of centers (1/m^3).
+    """Angular velocity of a sphere per torque on another, both about an axis perpendicular to the line of centers,
+    times 6 pi eta (1/m^3).
 
     -3/(8 r^3) for separate spheres; overlapping ones as in [zuk2014].
 
@@ -130,7 +132,8 @@ def spin_by_torque(separation: Length, radius: Length, other_radius: Length) -> 
 
 
 def surface_mobility(position: Array, hydrodynamic_radius: Array, viscosity: Viscosity) -> Array:
-    """The mobility matrix (2N, 2N) of floats at positions (N, 2): velocities (x, y of each float) by forces.
+    """Mobility matrix (2N, 2N) of floats at positions (N, 2): velocities (x, y of each float) by
+    forces.
 
     Twice `pair_mobility`, since the surface is a plane of mirror symmetry; 1/(3 pi eta a) on the diagonal. Symmetric
     and positive definite. The radii are 2 f R: see this module.
@@ -152,7 +155,7 @@ def compact_raft(count: int) -> Array:
     layers = math.ceil(math.sqrt(count)) + 1
     first, second = np.meshgrid(np.arange(-layers, layers + 1), np.arange(-layers, layers + 1), indexing="ij")
     sites = np.stack([2.0 * first + second, math.sqrt(3.0) * second], axis=-1).reshape(-1, 2)
-    # Hexagonal layers, so that complete ones are hexagons.
+    # Distances in the hexagonal norm, so that complete layers are hexagons.
     thirds = np.arange(6) * math.pi / 3.0 + math.pi / 6.0
     layer = np.round((sites @ np.stack([np.cos(thirds), np.sin(thirds)])).max(axis=1) / math.sqrt(3.0))
     return np.asarray(sites[np.lexsort((np.arctan2(sites[:, 1], sites[:, 0]), layer))][:count])
@@ -163,7 +166,8 @@ def raft_speed_factor(count: int) -> Number:
     """Ratio of the speed of a compact raft of touching equal floats to that of one float, each
     under the same force.
 
-    N over the resistance of the raft, in resistances of one float, when all floats have the same velocity. It grows
+    It is N over the resistance of the raft, in units of that of one float, with equal velocities of all floats. It
+    grows
     with the square root of the number of floats; rafts of more than `MOST_SOLVED` floats are extrapolated in this way.
     Without hydrodynamic interaction it is 1. Rotne and Prager's mobilities are those of separate spheres to the third
     order in a/r: for spheres that touch, the factor is larger than that of fully resolved Stokes flow, by 4.2 % for 2

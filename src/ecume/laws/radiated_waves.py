@@ -55,12 +55,14 @@ class Ripples(NamedTuple):
 
     @property
     def wavelength(self) -> float:
-        """m, of the propagating wave"""
+        """Wavelength of the propagating wave (m)."""
         return float(2.0 * math.pi / (self.wavenumber * self.roots[0].real))
 
     @property
     def decay_length(self) -> float:
-        """m: distance over which viscosity reduces the amplitude of the propagating wave by e; infinite without it"""
+        """Distance over which viscosity reduces the amplitude of the propagating wave by a factor e (m); infinite
+        without viscosity.
+        """
         slope = abs(self.roots[0].imag)
         return 1.0 / (self.wavenumber * slope) if slope > 0.0 else math.inf
 
@@ -96,7 +98,7 @@ def ripples(
         )
     polynomial = np.array([damping**2, 1.0, 2j * damping, weight, -1.0])
     roots = np.roots(polynomial).astype(np.complex128)
-    # Newton's method restores the digits that the companion matrix loses to the far root -1/eps^2.
+    # Newton's method restores digits that the companion matrix loses by its large root -1/eps^2.
     for _ in range(3):
         roots = roots - np.polyval(polynomial, roots) / np.polyval(np.polyder(polynomial), roots)
     roots = roots[np.argsort(np.abs(roots - 1.0 / (1.0 + weight) ** (1.0 / 3.0)))]
@@ -105,8 +107,8 @@ def ripples(
 
 
 def surface_per_force(distance: Lengths, waves: Ripples) -> Complexes:
-    """The complex height of the surface over the amplitude of the force of a point on the liquid, downward positive
-    (m/N): eta = -(1/4 sigma) sum_j c_j [H_0 - Y_0](-k_j k_c r) [oza2023].
+    """Complex height of the surface over the amplitude of a point force on the liquid, downward positive (m/N): eta =
+    -(1/4 sigma) sum_j c_j [H_0 - Y_0](-k_j k_c r) [oza2023].
     """
     x = waves.wavenumber * np.asarray(distance, dtype=float)
     total = sum(c * struve_minus_bessel(-k * x) for k, c in zip(waves.roots, waves.weights, strict=True))
@@ -114,8 +116,8 @@ def surface_per_force(distance: Lengths, waves: Ripples) -> Complexes:
 
 
 def slope_per_force(distance: Lengths, waves: Ripples) -> Complexes:
-    """The derivative of that height along the distance (1/N):
-    (k_c/4 sigma) sum_j c_j k_j [2/pi - H_1 + Y_1](-k_j k_c r) [oza2023].
+    """Derivative of this height by the distance (1/N): (k_c/4 sigma) sum_j c_j k_j [2/pi - H_1 + Y_1](-k_j k_c r)
+    [oza2023].
     """
     x = waves.wavenumber * np.asarray(distance, dtype=float)
     total = sum(c * k * slope_of_struve_minus_bessel(-k * x) for k, c in zip(waves.roots, waves.weights, strict=True))
@@ -123,8 +125,9 @@ def slope_per_force(distance: Lengths, waves: Ripples) -> Complexes:
 
 
 def mean_force(slope: complex, source: complex, other: complex) -> float:
-    """The mean lateral force (N) on a point that presses with Re(`other` e^(i omega t)) in the wave of a `source`,
-    along the way from the source: -(1/2) Re(conj(other) source slope), from the slope of `slope_per_force` (1/N).
+    """Mean lateral force (N) on a point source with the force Re(`other` e^(i omega t)) in the wave of another
+    `source`, along the direction from that source: -(1/2) Re(conj(other) source slope), from the slope of
+    `slope_per_force` (1/N).
 
     For forces in phase it is the same on both points. With a phase difference it is not: waves carry momentum away.
     [oza2023].
@@ -133,16 +136,16 @@ def mean_force(slope: complex, source: complex, other: complex) -> float:
 
 
 def steepness(force: float, waves: Ripples) -> Number:
-    """Wavenumber times amplitude of the wave at one wavelength from a source of this force (N): small waves have much
-    less than one. [oza2023].
+    """Wavenumber times amplitude of the wave at one wavelength from a source of this force (N): much less than one for
+    waves of small amplitude. [oza2023].
     """
     height = abs(complex(surface_per_force(np.array([waves.wavelength]), waves)[0]))
     return force * height * 2.0 * math.pi / waves.wavelength
 
 
 def struve_minus_bessel(z: Any) -> Complexes:
-    """H_0(z) - Y_0(z), Struve's function minus Bessel's of the second kind, for complex z, not on the negative real
-    axis. [abramowitz1964, 12.1.8, 9.1.35].
+    """Difference H_0(z) - Y_0(z) of Struve's function and Bessel's of the second kind, for complex z, not on the
+    negative real axis. [abramowitz1964, 12.1.8, 9.1.35].
 
     For Re z > 0 it is (2/pi) int_0^inf e^(-z t)/sqrt(1 + t^2) dt, along a ray on which the integrand decays. On the
     left, H_0(-w) = -H_0(w), and the continuation of Y_0 adds a Hankel function.
@@ -157,8 +160,8 @@ def struve_minus_bessel(z: Any) -> Complexes:
 
 
 def slope_of_struve_minus_bessel(z: Any) -> Complexes:
-    """The derivative 2/pi - H_1(z) + Y_1(z) of `struve_minus_bessel`, without cancellation at large z.
-    [abramowitz1964, 12.1.8, 12.1.11].
+    """Derivative 2/pi - H_1(z) + Y_1(z) of `struve_minus_bessel`, without cancellation at large z. [abramowitz1964,
+    12.1.8, 12.1.11].
 
     >>> round(float(slope_of_struve_minus_bessel(1.0).real), 9)
     -0.343050385
@@ -179,8 +182,8 @@ def _beyond(z: Complexes, order: int) -> Complexes:
 
 
 def _laplace(z: Complexes, power: int) -> Complexes:
-    """(2/pi) int_0^inf t^power e^(-z t)/sqrt(1 + t^2) dt for Re z > 0, with t = s e^(-i arg z / 2) and
-    s = e^(u - e^-u), by the trapezoidal rule.
+    """The integral (2/pi) int_0^inf t^power e^(-z t)/sqrt(1 + t^2) dt for Re z > 0, with t = s e^(-i arg z / 2) and s =
+    e^(u - e^-u), by the trapezoidal rule.
     """
     turn = np.exp(-0.5j * np.angle(z))[..., None]
     end = 1.0 + np.log1p(LAST / np.abs(z))[..., None]

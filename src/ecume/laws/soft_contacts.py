@@ -1,9 +1,10 @@
-"""The tables of tangential laws and of tension laws: how the parts of a deflection set the stiffness of a contact.
+"""The tables of tangential laws and of tension laws: the dependence of a contact's stiffness on its
+deflection.
 
 An elastic law (`ecume.laws.surfaces`) gives the stiffness k of a contact at one deflection. A deflection has a normal
-part delta_n, positive in tension, and a part along the surface, delta_t. The tension law says which normal deflection
-widens the contact, and what tension its film transmits. The tangential law says how the sheared part changes the
-stiffness. Forces are k_n delta_n and k_t delta_t.
+part delta_n, positive in tension, and a part along the surface, delta_t. The tension law determines which normal
+deflection widens the contact, and what tension its film transmits. The tangential law determines the effect of the
+sheared part on the stiffness. Forces are k_n delta_n and k_t delta_t.
 """
 
 from __future__ import annotations
@@ -17,13 +18,13 @@ from ecume.laws.soft_pair import Stiffness
 from ecume.units import Area, Energy, Force, Length, Number, Pressure
 
 DEFINITE = 4.9
-"""|delta_t| over |delta_n| up to which the paper's tangential law has a definite stiffness, for a film that is thin
-against the deflection: sqrt(24).
+"""The largest |delta_t| over |delta_n| at which the paper's tangential law has a definite stiffness, for a film that is
+thin compared with the deflection: sqrt(24).
 """
 DRAWN = 100.0
-"""The factor by which a film opens more easily under the excess of a tension over the largest one that it transmits."""
+"""The factor of the tension above the cavitation limit in the force that opens the film."""
 SOFTLY = 0.02
-"""The range of the onset of cavitation, over the largest tension, in which the rate is differentiable."""
+"""The range of the onset of cavitation, over the limit, in which the rate is differentiable."""
 
 
 class Widening(NamedTuple):
@@ -31,11 +32,12 @@ class Widening(NamedTuple):
 
     deflection: Length
     follows: Number
-    """its derivative with respect to delta_n: 1 or 0"""
+    """its derivative by delta_n: 1 or 0"""
 
 
 def symmetric_widening(stretch: Length) -> Widening:
-    """The deflection of either sign: a^2 = 2 R* (c_h h + c_d |delta_n|). [rognon2009, eq. 14].
+    """Widening by a deflection of either sign: a^2 = 2 R* (c_h h + c_d |delta_n|). [rognon2009, eq.
+    14].
 
     >>> symmetric_widening(0.1), symmetric_widening(-0.1)
     (Widening(deflection=0.1, follows=1.0), Widening(deflection=-0.1, follows=1.0))
@@ -44,9 +46,9 @@ def symmetric_widening(stretch: Length) -> Widening:
 
 
 def gap_widening(stretch: Length) -> Widening:
-    """Compression alone; in tension a^2 = 2 R* c_h h, as between rigid spheres.
+    """Widening by compression alone; in tension a^2 = 2 R* c_h h, as between rigid spheres.
 
-    Two spheres that are pulled apart do not flatten one another: the liquid holds them where the gap is narrow
+    Two spheres under tension do not flatten each other: the tension of the liquid acts where the gap is narrow
     [brenner1961]. Tension is k(h) delta_n, without a jump at delta_n = 0, where the slope of the force with respect to
     delta_n is the same from both sides if nothing shears the contact.
 
@@ -59,17 +61,17 @@ def gap_widening(stretch: Length) -> Widening:
 
 
 class Draw(NamedTuple):
-    """The tension that drives a film open, after cavitation."""
+    """The tension that opens a film, after cavitation."""
 
     tension: Force
     by_tension: Number
-    """its derivative with respect to the tension on the film"""
+    """its derivative by the tension on the film"""
     by_size: Force
-    """and with respect to ln(a)"""
+    """its derivative by ln(a)"""
 
 
 def whole_draw(tension: Force) -> Draw:
-    """A film that holds any tension.
+    """Law of a film that transmits any tension.
 
     >>> whole_draw(0.3)
     Draw(tension=0.3, by_tension=1.0, by_size=0.0)
@@ -90,8 +92,8 @@ def cavitation_limit(contact_size: Length, cavitation_pressure: Pressure) -> For
 
 
 def cavitated_draw(tension: Force, contact_size: Length, cavitation_pressure: Pressure) -> Draw:
-    """A film under a tension F above the limit L opens as if under F + 100 (F - L), since vapor
-    fills it at once.
+    """Law of a film with cavitation: under a tension F above the limit L it opens as under F + 100 (F - L), since vapor
+    fills it.
 
     From L to 1.02 L the transition is smooth. Below L, and in compression, it is F. [brennen1995].
 
@@ -109,7 +111,7 @@ def cavitated_draw(tension: Force, contact_size: Length, cavitation_pressure: Pr
 
 
 class Bending(NamedTuple):
-    """The deflection that sets the stiffness of a contact, and its derivatives."""
+    """The deflection at which the elastic law gives the stiffness, and its derivatives."""
 
     deflection: Length
     by_widening: Number
@@ -119,8 +121,8 @@ class Bending(NamedTuple):
 def normal_bending(widening: Length, shear: Length) -> Bending:
     """The paper's law: the stiffness depends on the normal deflection alone, F_t = alpha_t E a(h, delta_n) delta_t.
 
-    It has no potential: a contact that is sheared while it is wide, and released while it is narrow, takes energy; the
-    opposite order gives it back. Its stiffness is not definite where |delta_t| > 4.9 |delta_n|.
+    It has no potential: a contact that is sheared while it is wide, and released while it is narrow, consumes energy;
+    the opposite order yields energy. Its stiffness is not definite for |delta_t| > 4.9 |delta_n|.
     [rognon2009, eq. 12 to 14]; [elata1996].
 
     >>> normal_bending(-0.1, 0.3)
@@ -130,7 +132,8 @@ def normal_bending(widening: Length, shear: Length) -> Bending:
 
 
 def whole_bending(widening: Length, shear: Length, ratio: Number) -> Bending:
-    """The magnitude of the whole deflection, m = sqrt(delta_w^2 + r delta_t^2).
+    """Law with a potential: the magnitude of the whole deflection, m = sqrt(delta_w^2 + r
+    delta_t^2).
 
     delta_w is the normal deflection that widens the contact, r = k_t/k_n. Forces then derive from one potential,
     U(h, m) + k_n(h, 0) (delta_n^2 - delta_w^2)/2, which is convex: the stiffness is symmetric and definite, and at a
@@ -147,7 +150,8 @@ def whole_bending(widening: Length, shear: Length, ratio: Number) -> Bending:
 
 
 def sheared_energy(stiffness: Stiffness, shear_squared: Area) -> Energy:
-    """The energy k_t delta_t^2 / 2 of the paper's tangential force at its present stiffness. [rognon2009, eq. 12].
+    """Energy k_t delta_t^2 / 2 of the paper's tangential force at its present stiffness.
+    [rognon2009, eq. 12].
 
     >>> sheared_energy(2.0, 9.0)
     9.0
@@ -156,7 +160,7 @@ def sheared_energy(stiffness: Stiffness, shear_squared: Area) -> Energy:
 
 
 def no_sheared_energy(stiffness: Stiffness, shear_squared: Area) -> Energy:
-    """Zero: the energy of the whole deflection contains it.
+    """Zero: the energy of the whole deflection includes that of the shear.
 
     >>> no_sheared_energy(2.0, 9.0)
     0.0
@@ -168,7 +172,7 @@ def no_sheared_energy(stiffness: Stiffness, shear_squared: Area) -> Energy:
 class TangentialLaw:
     """A row of the table: a tangential law and everything that depends on it.
 
-    A law has no state beside the gap vector. Its formulas are compiled into the contacts.
+    A law has no state other than the gap vector. Its formulas are compiled into the contacts.
     """
 
     bending: Callable[..., Bending]
@@ -184,7 +188,7 @@ class TangentialLaw:
     remark: str
     """its line in `ecume check`"""
     doubts: Callable[[Number], list[str]]
-    """what `ecume check` warns of, by the total shear strain"""
+    """warnings of `ecume check`, from the total shear strain"""
 
 
 @dataclass(frozen=True)
@@ -192,23 +196,23 @@ class TensionLaw:
     """A row of the table: a tension law and everything that depends on it. It has no state."""
 
     widening: Callable[..., Widening]
-    """the deflection that widens the contact, by the normal one"""
+    """the deflection that widens the contact, from the normal one"""
     draw: Callable[..., Draw]
-    """the tension that opens the film; beside `tension` and `contact_size` it takes constants of the scene, by their
-    names in the `Contacts` of `ecume.models.soft`
+    """the tension that opens the film; arguments other than `tension` and `contact_size` are constants of the scene, by
+    their names in the `Contacts` of `ecume.models.soft`
     """
     papers: tuple[Callable[..., Any], ...]
     remark: str
     doubts: Callable[[Number, Number], list[str]]
-    """what `ecume check` warns of, by the total shear strain, and the cavitation pressure over the modulus"""
+    """warnings of `ecume check`, from the total shear strain, and the cavitation pressure over the modulus"""
     needs: Mapping[str, str] = field(default_factory=dict)
-    """options of the films that the law needs, and what to say if one is missing"""
+    """options of the films that the law needs, and the message if one is missing"""
 
 
 LITTLE_STRAIN = 0.3
 """The shear strain up to which neighbors remain neighbors."""
 STRONG = 0.1
-"""The cavitation pressure over the modulus above which it does not limit tension in time."""
+"""The cavitation pressure over the modulus above which the limit of tension comes too late."""
 
 
 def _indefinite(strain: Number) -> list[str]:

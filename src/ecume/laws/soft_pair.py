@@ -21,7 +21,7 @@ from ecume.laws.arguments import require_positive
 from ecume.units import Energy, Force, Friction, Length, Number, Pressure, Speed, Time, Unit, Viscosity
 
 DISC_SQUEEZE, DISC_SHEAR = 1.5 * math.pi, math.pi
-"""The prefactors of two parallel discs: Stefan's squeeze, Couette's shear."""
+"""The prefactors of two parallel discs: Stefan's for squeezing, Couette's for shear."""
 
 
 def squeeze_friction(
@@ -52,14 +52,14 @@ def shear_friction(contact_size: Length, gap: Length, viscosity: Viscosity, pref
 
 
 ENTRAINMENT = 0.75
-"""The prefactor of `entrained_force` for which it is the published law."""
+"""The prefactor of `entrained_force` in the published law."""
 
 
 def entrained_force(speed: Speed, compression: Force, contact_size: Length, viscosity: Viscosity) -> Force:
     """Elastohydrodynamic force T = sqrt(3/4 eta u N a) between soft surfaces in relative sliding.
 
-    u is the sliding speed, N the compressive force, a the contact size. Sliding draws liquid into the contact until
-    the pressure that it builds up there balances that of the surfaces: eta u a/h^2 ~ N/a^2. With this film thickness h,
+    u is the sliding speed, N the compressive force, a the contact size. Sliding draws liquid into the contact until its
+    pressure balances that of the surfaces: eta u a/h^2 ~ N/a^2. With this film thickness h,
     `shear_friction` gives T ~ eta u a^2/h, the square root. The prefactor is that of soft particle glasses, T =
     sqrt(eta u C E* R*^3) eps^((2n + 1)/4) for an elastic force N = 4/3 C E* R*^2 eps^n at the overlap eps R*, with
     a^2 = R*^2 eps; for Hertz's contact n = 3/2 and C = 1. [seth2011]; restated from the literature, without the text
@@ -135,7 +135,8 @@ def contact_size(
 
 
 def surface_stiffness(contact_size: Length, modulus: Pressure, prefactor: Number) -> Stiffness:
-    """K = alpha E a: force over deflection of the two surfaces, along the normal or along the surface.
+    """Stiffness k = alpha E a: force over deflection of the two surfaces, along the normal or along
+    the surface.
 
     For incompressible spheres both alphas are 8/9: Hertz's F = 4/3 E* a delta, and Mindlin's k_t = 8 G* a.
     [rognon2009, eq. 12 and 13]; [johnson1985, eq. 4.22 and 7.42].
@@ -151,7 +152,7 @@ def surface_force(
 ) -> Force:
     """Normal force F = alpha_n E a delta of a contact; positive repels, and so does a positive compression delta.
 
-    At a gap that is held. [rognon2009, eq. 12 to 14].
+    At a constant gap. [rognon2009, eq. 12 to 14].
 
     >>> surface_force(0.03, gap=0.01, reduced_radius=0.5, modulus=1.0, prefactors=Prefactors())
     0.006
@@ -163,7 +164,8 @@ def surface_force(
 def surface_energy(
     compression: Length, *, gap: Length, reduced_radius: Length, modulus: Pressure, prefactors: Prefactors
 ) -> Energy:
-    """Energy of the deflection, the integral of `surface_force` at a gap that is held; zero without deflection.
+    """Energy of the deflection, the integral of `surface_force` at a constant gap; zero without
+    deflection.
 
     U = 2/15 alpha_n E sqrt(2 R* c_h h) delta^2 (3 s^3 + 6 s^2 + 4 s + 2) / (s + 1)^2, where
     s^2 = 1 + c_d |delta| / (c_h h). F delta/2 for a wide gap, Hertz's 2/5 F delta for a narrow one.
@@ -181,9 +183,10 @@ def surface_energy(
 
 
 def bent_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Energy:
-    """U = 2/15 k delta^2 (3 s^3 + 6 s^2 + 4 s + 2) / (s + 1)^2 with s^2 = 1 + ratio: a surface that stiffens.
+    """Energy U = 2/15 k delta^2 (3 s^3 + 6 s^2 + 4 s + 2) / (s + 1)^2 with s^2 = 1 + ratio, of a
+    surface that stiffens.
 
-    k is its stiffness undeflected; at delta it is k sqrt(1 + ratio), with a ratio that grows in proportion to |delta|.
+    k is the stiffness without deflection; at delta it is k sqrt(1 + ratio), with a ratio proportional to |delta|.
     From [rognon2009, eq. 12 to 14].
 
     >>> bent_energy(2.0, 3.0, 0.0)
@@ -195,10 +198,12 @@ def bent_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Ener
 
 
 def gap_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Energy:
-    """The slope h dU/dh of `bent_energy` over the gap, at a deflection that is held: k delta^2 (s + 2) / (3 (s + 1)^2).
+    """Slope h dU/dh of `bent_energy` over the gap, at a constant deflection: k delta^2 (s + 2) / (3
+    (s + 1)^2).
 
-    A wider film has a wider contact, which is stiffer. The film feels nothing of that: force and gap have no potential
-    in common, and this is what surfaces take or give beside the work that is done on them. From [rognon2009, eq. 12 to
+    A wider film has a wider contact, which is stiffer, without a force on the film: force and gap have no common
+    potential, and this is the energy that surfaces gain or lose in addition to the work on them. From [rognon2009, eq.
+    12 to
     14].
 
     >>> gap_energy(2.0, 3.0, 0.0)
@@ -213,14 +218,15 @@ class SoftPair:
     """Two soft spheres and the liquid between them."""
 
     radius: Length
-    """Of equal spheres; twice the reduced radius of others."""
+    """of equal spheres; twice the reduced radius of others"""
     modulus: Pressure
     viscosity: Viscosity
     prefactors: Prefactors = PREFACTORS["paper"]
 
 
 def reduced_force(pair: SoftPair, force: Force) -> Number:
-    """K = c_d |F| / (alpha_n E R^2); the paper's kappa where the prefactors are 1. [rognon2009, eq. 28].
+    """Reduced force K = c_d |F| / (alpha_n E R^2); the paper's kappa if the prefactors are 1.
+    [rognon2009, eq. 28].
 
     >>> reduced_force(SoftPair(1.0, 1000.0, 1.0), 1.0)
     0.001
@@ -229,7 +235,8 @@ def reduced_force(pair: SoftPair, force: Force) -> Number:
 
 
 def crossover_gap(pair: SoftPair, force: Force) -> Length:
-    """The gap R K^(2/3) / c_h, like the deflection: above it Poiseuille, below it Hertz. [rognon2009, eq. 30].
+    """Gap R K^(2/3) / c_h, similar to the deflection: above it is Poiseuille's regime, below it Hertz's. [rognon2009,
+    eq. 30].
 
     >>> round(crossover_gap(SoftPair(1.0, 1000.0, 1.0), 1.0), 12)
     0.01
@@ -238,7 +245,8 @@ def crossover_gap(pair: SoftPair, force: Force) -> Length:
 
 
 def steepness(pair: SoftPair, gap: Length, force: Force) -> Number:
-    """P of this gap under this force: the root of c_h h = R K^(2/3) p / (1 + p)^(1/3), which rises. [rognon2009].
+    """Parameter p of this gap under this force: the root of c_h h = R K^(2/3) p / (1 + p)^(1/3), whose right side
+    increases. [rognon2009].
 
     >>> p = steepness(SoftPair(1.0, 1000.0, 1.0), 0.01, 1.0)
     >>> round(p / (1 + p) ** (1 / 3), 12)
@@ -256,7 +264,8 @@ def steepness(pair: SoftPair, gap: Length, force: Force) -> Number:
 
 
 def size_under_force(pair: SoftPair, gap: Length, force: Force) -> Length:
-    """The contact size a: the root of a^3 - R c_h h a - K R^3 = 0. [rognon2009, eq. 12 and 14].
+    """Contact size a under a force: the root of a^3 - R c_h h a - K R^3 = 0. [rognon2009, eq. 12
+    and 14].
 
     >>> round(size_under_force(SoftPair(1.0, 1000.0, 1.0), 0.01, 1.0), 6)
     0.132472
@@ -265,7 +274,8 @@ def size_under_force(pair: SoftPair, gap: Length, force: Force) -> Length:
 
 
 def viscous_time(pair: SoftPair, force: Force) -> Time:
-    """t_P = c_n c_h^2 eta R^2 / |F|: in Poiseuille's regime a gap grows or shrinks by e in it. [rognon2009, eq. 31].
+    """Time t_P = c_n c_h^2 eta R^2 / |F| in which a gap grows or shrinks by a factor e in Poiseuille's regime.
+    [rognon2009, eq. 31].
 
     >>> viscous_time(SoftPair(1.0, 1000.0, 1.0), 1.0) == 1.5 * math.pi
     True
@@ -278,7 +288,7 @@ def passage_time(pair: SoftPair, force: Force, gap_from: Length, gap_to: Length)
     """Time between two gaps under a constant force, with its deflection present from the start.
 
     t = t_P/3 |2 ln(p1/p0) + 5 (1/p0 - 1/p1) + 3/2 (1/p0^2 - 1/p1^2)|. The exact law behind [rognon2009, eq. 31 to 34]:
-    t_P ln(h1/h0) for p >> 1, and (t_P/2) K^(4/3) (R/h0)^2 for p << 1, where pulling harder is slower.
+    t_P ln(h1/h0) for p >> 1, and (t_P/2) K^(4/3) (R/h0)^2 for p << 1, where a larger force takes longer.
 
     >>> round(passage_time(SoftPair(1.0, 1000.0, 1.0), 1.0, 0.01, 0.1), 8)
     17.04001231
@@ -291,8 +301,8 @@ def passage_time(pair: SoftPair, force: Force, gap_from: Length, gap_to: Length)
 
 
 def optimal_force(pair: SoftPair, gap: Length) -> Force:
-    """The force that changes this gap fastest: F = 2 sqrt(3) (alpha_n/c_d) E R^2 (c_h h/R)^(3/2). Its deflection is
-    2 c_h/c_d gaps, and a^2 = 3 R c_h h. From [rognon2009, eq. 10, 12 and 14].
+    """Force that changes this gap fastest: F = 2 sqrt(3) (alpha_n/c_d) E R^2 (c_h h/R)^(3/2). Its deflection is 2
+    c_h/c_d gaps, and a^2 = 3 R c_h h. From [rognon2009, eq. 10, 12 and 14].
 
     >>> round(optimal_force(SoftPair(1.0, 1000.0, 1.0), 0.01), 5)
     3.4641

@@ -16,9 +16,9 @@ from ecume.units import Number
 
 EULER = 0.5772156649015329
 SERIES = 2.0
-"""Up to here K is its power series."""
+"""The largest argument at which K is computed from its power series."""
 WIDE_SERIES = 8.0
-"""Up to here I is its power series."""
+"""The largest argument at which I is computed from its power series."""
 
 
 def _harmonic(k: int) -> float:
@@ -72,7 +72,7 @@ I1_TAIL = (
 
 
 def polynomial(coefficients: tuple[float, ...], x: Number) -> Number:
-    """c_0 + c_1 x + c_2 x^2 + ...
+    """Polynomial c_0 + c_1 x + c_2 x^2 + ...
 
     >>> polynomial((1.0, 2.0, 3.0), 2.0)
     17.0
@@ -84,7 +84,7 @@ def polynomial(coefficients: tuple[float, ...], x: Number) -> Number:
 
 
 def chebyshev(coefficients: tuple[float, ...], x: Number) -> Number:
-    """c_0 + c_1 T_1(x) + c_2 T_2(x) + ..., by Clenshaw's recurrence.
+    """Chebyshev series c_0 + c_1 T_1(x) + c_2 T_2(x) + ..., by Clenshaw's recurrence.
 
     >>> chebyshev((1.0, 2.0, 3.0), 0.5)
     0.5
@@ -119,7 +119,7 @@ def bessel_i1(x: Number) -> Number:
 
 
 def scaled_bessel_i0(x: Number) -> Number:
-    """exp(-x) I0(x), which never overflows.
+    """Function exp(-x) I0(x), which never overflows.
 
     >>> round(scaled_bessel_i0(1e4), 12)
     0.003989472675
@@ -130,7 +130,7 @@ def scaled_bessel_i0(x: Number) -> Number:
 
 
 def scaled_bessel_i1(x: Number) -> Number:
-    """exp(-x) I1(x), which never overflows.
+    """Function exp(-x) I1(x), which never overflows.
 
     >>> round(scaled_bessel_i1(1e4), 12)
     0.003989273196
@@ -163,7 +163,7 @@ def bessel_k1(x: Number) -> Number:
 
 
 def scaled_bessel_k0(x: Number) -> Number:
-    """exp(x) K0(x), which never underflows.
+    """Function exp(x) K0(x), which never underflows.
 
     >>> round(scaled_bessel_k0(1e4), 12)
     0.012532984718
@@ -174,7 +174,7 @@ def scaled_bessel_k0(x: Number) -> Number:
 
 
 def scaled_bessel_k1(x: Number) -> Number:
-    """exp(x) K1(x), which never underflows.
+    """Function exp(x) K1(x), which never underflows.
 
     >>> round(scaled_bessel_k1(1e4), 12)
     0.012533611351
@@ -228,15 +228,18 @@ FARTHEST = 25.0
 """The argument up to which `decay` is accurate."""
 SHIFTS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0)
 ENOUGH = 1e-12
-"""Errors that are as good as none: `decay` has as much. Below, rounding, which depends on the processor, would choose
-among fits whose constants are far apart."""
+"""Errors below this are not distinguished: `decay` has as large a one. Rounding, which depends on the processor, would
+otherwise choose among fits with very different constants.
+"""
 HALVINGS = 32.0
 HALF_PI = 0.5 * math.pi
-"""A name, since a loop in single precision takes only names and literals of this module in single precision."""
+"""A constant, since loops in single precision convert only names and literals of this module."""
 
 
 class ScreenedFit(NamedTuple):
-    """K1 on [lower, upper]: a polynomial of degree 16 in s = slope / (x + shift) - offset, which runs from -1 to 1."""
+    """Fit of K1 on [lower, upper]: a polynomial of degree 16 in s = slope / (x + shift) - offset, which runs from -1 to
+    1.
+    """
 
     lower: float
     upper: float
@@ -244,7 +247,7 @@ class ScreenedFit(NamedTuple):
     slope: float
     offset: float
     origin: float
-    """where the exponential is 1: the weights contain exp(-origin)"""
+    """the argument of the exponential whose factor is 1: the weights contain exp(-origin)"""
     weights: tuple[float, ...]
     error: float
 
@@ -254,7 +257,7 @@ def fit_k1(lower: float, upper: float) -> ScreenedFit:
 
     K1(x) = exp(-x) sqrt(1 + pi x / 2) / x * Q(s), where Q stays between 0.8 and 1.1: 1/x is K1's pole, and the root its
     tail. Q is a polynomial in s, a shifted and scaled 1/(x + c); the best c depends on how close pairs come. The error
-    is at most 2e-7, however close they come, and 1e-12 where they stay a capillary length apart. If `upper` is above
+    is at most 2e-7 at any distance, and 1e-12 for pairs that are a capillary length apart. If `upper` is above
     25, `decay` adds its error at the distance from the middle of the interval: 1e-5 at the ends for upper = 100.
 
     >>> fit_k1(0.2, 10.0).error < 1e-9
@@ -287,8 +290,8 @@ def _fit(lower: float, upper: float, shift: float) -> ScreenedFit:
 
 
 def decay(x: Number) -> Number:
-    """exp(-x) for |x| <= 25: the 32nd power of a short series. Its relative error is below 1e-12 up to |x| = 12, and
-    grows to 1e-8 at 25 and 6e-5 at 50.
+    """Exponential exp(-x) for |x| <= 25: the 32nd power of a short series. Its relative error is below 1e-12 up to |x|
+    = 12, and grows to 1e-8 at 25 and 6e-5 at 50.
 
     >>> abs(decay(12.0) / math.exp(-12.0) - 1) < 1e-12 < abs(decay(25.0) / math.exp(-25.0) - 1) < 1e-8
     True
@@ -306,10 +309,11 @@ def decay(x: Number) -> Number:
 
 
 def k1_over_x(x_squared: Number, fit: ScreenedFit) -> Number:
-    """K1(x) / x from the square of x, within `fit.error` on [fit.lower, fit.upper]; below, as at fit.lower.
+    """Ratio K1(x) / x from the square of x, within `fit.error` on [fit.lower, fit.upper]; below, the value at
+    fit.lower.
 
-    That is what a pair force needs: F times the direction is proportional to K1(x)/x times the displacement. One
-    division and two roots; the bound keeps an overlapping pair from a force without limit.
+    The pair force is proportional to K1(x)/x times the displacement. One division and two roots; the constant value
+    below fit.lower bounds the force on overlapping pairs.
     """
     x_squared = max(x_squared, fit.lower * fit.lower)
     x = math.sqrt(x_squared)

@@ -1,12 +1,12 @@
 """Equations of state of weakly compressible liquids: pressure, density and enthalpy.
 
 `tait_pressure` and `tait_density` are Tait's law and its inverse. Pressures are gauge pressures, zero at the reference
-density. The hydrostatic part is rho_0 g (H - y); an equation of state in a liquid that feels its weight contains that
-part already, and adding it again would count it twice: see `absolute_pressure`.
+density. The hydrostatic part is rho_0 g (H - y); in a liquid with weight the equation of state includes that part
+already, and adding it would count it twice: see `absolute_pressure`.
 
-The enthalpy h is the integral of dp/rho. At rest it balances the potential of gravity exactly, grad h = g: in this
-quantity a compressible column is a straight line, whatever Tait's exponent. Density diffusion that acts on the
-difference of h less g . x leaves a liquid at rest alone.
+The enthalpy h is the integral of dp/rho. At rest it balances the potential of gravity exactly, grad h = g: in a
+compressible column it is linear in the height, for any exponent of Tait's law. Density diffusion of h - g . x does not
+change a liquid at rest.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ Pure = Annotated[Value, Unit("1")]
 
 
 def power(ratio: Pure[Value], exponent: Number) -> Pure[Value]:
-    """x^a, by products for the exponents that Tait's law for water has, 7, and its enthalpy, 6: ten times as fast.
+    """Power x^a, by products for the exponents of water in Tait's law, 7, and in the enthalpy, 6:
+    ten times as fast.
 
     Within three units in the last place of the general one. [monaghan1994].
 
@@ -46,8 +47,8 @@ def tait_pressure(
     """Gauge pressure p = b ((rho/rho_0)^gamma - 1), b = rho_0 c_0^2 / gamma; positive when compressed.
 
     rho_0: reference_density; c_0: sound_speed at rho_0; gamma: exponent, 7 for water, 1 for the linear law.
-    [monaghan1994], after [cole1948]. Texts that print (rho/rho_0) gamma - 1 have lost the exponent's place:
-    that has pressure b (gamma - 1) at rest. Some call it absolute: it is zero at rho_0, and so gauge.
+    [monaghan1994], after [cole1948]. Texts that print (rho/rho_0) gamma - 1 have a misprint: its pressure at rest is b
+    (gamma - 1). Some call it absolute: it is zero at rho_0, and therefore a gauge pressure.
 
     >>> round(tait_pressure(1010.0, 1000.0, 10.0, 7.0), 6)
     1030.50503
@@ -59,9 +60,9 @@ def tait_pressure(
 def tait_density(
     pressure: Pressures[Value], reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT
 ) -> Densities[Value]:
-    """The density rho = rho_0 (1 + p/b)^(1/gamma) that has a gauge pressure; the inverse of `tait_pressure`.
+    """Density rho = rho_0 (1 + p/b)^(1/gamma) at a gauge pressure; the inverse of `tait_pressure`.
 
-    For p > -b: the liquid cannot be pulled harder. [monaghan1994].
+    For p > -b, the limit of tension. [monaghan1994].
 
     >>> round(tait_density(tait_pressure(1010.0, 1000.0, 10.0), 1000.0, 10.0), 9)
     1010.0
@@ -72,7 +73,7 @@ def tait_density(
 
 
 def stiffness(reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT) -> Pressure:
-    """Tait's b = rho_0 c_0^2 / gamma. [monaghan1994].
+    """Stiffness b = rho_0 c_0^2 / gamma of Tait's law. [monaghan1994].
 
     >>> stiffness(1000.0, 14.0, 7.0)
     28000.0
@@ -107,8 +108,8 @@ RealDensities = Annotated[Real, Unit("kg/m^3")]
 
 
 def tait_enthalpy(density: Density, reference_density: Density, sound_speed: Speed, exponent: Number) -> SpecificEnergy:
-    """H = c0^2/(gamma-1) [(rho/rho0)^(gamma-1) - 1], positive where the liquid is compressed; c0^2 ln(rho/rho0) for
-    gamma = 1. The integral of dp/rho over Tait's pressure [cole1948].
+    """Enthalpy h = c0^2/(gamma-1) [(rho/rho0)^(gamma-1) - 1], positive where the liquid is compressed; c0^2
+    ln(rho/rho0) for gamma = 1. The integral of dp/rho over Tait's pressure [cole1948].
 
     >>> round(tait_enthalpy(1010.0, 1000.0, 10.0, 1.0), 6)
     0.995033
@@ -123,8 +124,8 @@ def tait_enthalpy(density: Density, reference_density: Density, sound_speed: Spe
 def density_at_enthalpy(
     enthalpy: SpecificEnergy, reference_density: Density, sound_speed: Speed, exponent: Number
 ) -> Density:
-    """Rho = rho0 [1 + (gamma-1) h/c0^2]^(1/(gamma-1)), the inverse of `tait_enthalpy`; rho0 exp(h/c0^2) for gamma = 1.
-    Below h = -c0^2/(gamma-1) there is no liquid, and the density is zero.
+    """Density rho = rho0 [1 + (gamma-1) h/c0^2]^(1/(gamma-1)), the inverse of `tait_enthalpy`; rho0 exp(h/c0^2) for
+    gamma = 1. Below h = -c0^2/(gamma-1) there is no liquid, and the density is zero.
 
     >>> round(density_at_enthalpy(tait_enthalpy(1010.0, 1e3, 10.0, 7.0), 1e3, 10.0, 7.0), 9)
     1010.0

@@ -6,10 +6,10 @@ compiled into the contacts. Their arguments are the contact (`body`), its `gap`,
 positive in tension), the `prefactors`, and constants of the scene, by their names in the `Contacts` of
 `ecume.models.soft`. The formulas of Hertz's row are in `soft_pair`, those of bubbles and drops are here.
 
-Surface tension holds bubbles round, and a contact flattens them. Between two that are pressed together lies a flat
-facet. The liquid in it is at the mean of the pressures inside them, gamma (1/R_i + 1/R_j) above that outside, so that
-its area grows with the force. Around a facet of radius a the deformation is a logarithm of R/a: bubbles are softer the
-less they are pressed, and no power law describes them. Contacts are independent: the effects of other contacts of the
+Surface tension keeps bubbles round, and a contact flattens them. Between two bubbles under compression is a flat facet.
+The liquid in it is at the mean of the pressures inside them, gamma (1/R_i + 1/R_j) above that outside, so that its area
+grows with the force. Around a facet of radius a the deformation is a logarithm of R/a: bubbles are softer at smaller
+forces, without a power law. Contacts are independent: the effects of other contacts of the
 same bubble and of its constant volume are ignored. A wall is a flat, rigid partner; it has the sum of radii and the
 reduced radius of the sphere.
 """
@@ -28,7 +28,7 @@ from ecume.units import Area, Energy, Force, Length, Number, Pressure, SurfaceTe
 SquaredArea = Annotated[float, Unit("m^4")]
 
 EDGE = 4.0 * math.exp(-5.0 / 6.0)
-"""The factor of R^2 in the logarithm: a bubble's facet recedes by 2 ln(2R/a) - 5/6."""
+"""The factor of R^2 in the logarithm: the deflection of a bubble contains 2 ln(2R/a) - 5/6."""
 CLOSE = 1e-15
 MOST_ITERATIONS = 60
 
@@ -45,10 +45,11 @@ def flattening_length(radius_sum: Length, reduced_radius: Length) -> Length:
 
 
 def softness(area: Area, radius_sum: Length, reduced_radius: Length) -> Number:
-    """L = sum over the bubbles of ln(1 + 4 exp(-5/6) R^2/a^2): deflection times 4 pi gamma over force.
+    """Function L = sum over the bubbles of ln(1 + 4 exp(-5/6) R^2/a^2): deflection times 4 pi gamma
+    over force.
 
-    The area is a^2. For a << R this is the sum of 2 ln(2R/a) - 5/6, the theory's; the 1 keeps it positive beyond, where
-    nothing is known but that bubbles get stiff. [morse1993].
+    The area is a^2. For a << R this is the sum of 2 ln(2R/a) - 5/6 of the theory; the 1 keeps it positive for larger a,
+    where it is only known that bubbles become stiff. [morse1993].
 
     >>> round(softness(1e-4, 2.0, 0.5) / 2 - (2 * math.log(2 / 0.01) - 5 / 6), 4)
     0.0001
@@ -60,7 +61,7 @@ def softness(area: Area, radius_sum: Length, reduced_radius: Length) -> Number:
 
 
 def stiffening(area: Area, radius_sum: Length, reduced_radius: Length) -> Number:
-    """-dL/d ln(a^2) of `softness`: 1 a bubble where contacts are small. [morse1993].
+    """Derivative -dL/d ln(a^2) of `softness`: 1 per bubble for small contacts. [morse1993].
 
     >>> round(stiffening(1e-6, 2.0, 0.5), 4)
     2.0
@@ -72,10 +73,11 @@ def stiffening(area: Area, radius_sum: Length, reduced_radius: Length) -> Number
 
 
 def flattened(deflection: Length, film_area: Area, radius_sum: Length, reduced_radius: Length) -> Area:
-    """The a^2 that a deflection of either sign adds to that of the film: the root p of delta = p L(a_h^2 + p)/l.
+    """Increase p of a^2 beyond that of the film by a deflection of either sign: the root of delta =
+    p L(a_h^2 + p)/l.
 
-    a_h^2 is the film's own at no deflection, l the `flattening_length`. Infinite where bubbles would be deflected by
-    more than their size, l L p -> 4 exp(-5/6) (R_i^2 + R_j^2)/l, which no force does. [morse1993].
+    a_h^2 is that of the film without deflection, l the `flattening_length`. Infinite at deflections above the size of
+    the bubbles, l L p -> 4 exp(-5/6) (R_i^2 + R_j^2)/l, which no force reaches. [morse1993].
 
     >>> p = flattened(0.1, 0.01, 2.0, 0.5)
     >>> round(p * softness(0.01 + p, 2.0, 0.5) / 2.0, 12)
@@ -86,7 +88,7 @@ def flattened(deflection: Length, film_area: Area, radius_sum: Length, reduced_r
     found = 0.0 * film_area
     if target >= EDGE * radius_sum * (radius_sum - partner):
         return math.inf * film_area
-    # The left side is concave: from below, Newton's method comes up to the root and never beyond.
+    # The left side is concave: from below, Newton's method converges without overshoot.
     for _ in range(MOST_ITERATIONS):
         area = film_area + found
         soft = softness(area, radius_sum, reduced_radius)
@@ -101,7 +103,7 @@ def flattened(deflection: Length, film_area: Area, radius_sum: Length, reduced_r
 def bubble_stiffness(
     area: Area, radius_sum: Length, reduced_radius: Length, surface_tension: SurfaceTension
 ) -> Stiffness:
-    """K = 4 pi gamma / L(a^2): force over deflection of both surfaces. [morse1993].
+    """Stiffness k = 4 pi gamma / L(a^2): force over deflection of both surfaces. [morse1993].
 
     Two equal bubbles without a film: delta = F/(2 pi gamma) (ln(8 pi gamma R/F) - 5/6).
 
@@ -118,7 +120,7 @@ def bubble_force(
 ) -> Force:
     """Normal force of two bubbles, or of one at a wall; positive repels, and so does a positive compression.
 
-    At a gap that is held, where the film has a^2 = a_h^2 without a force. It is the pressure gamma/R* on the area
+    At a constant gap, at which the film has a^2 = a_h^2 without a force. It is the pressure gamma/R* on the area
     pi (a^2 - a_h^2). [morse1993].
 
     >>> force = bubble_force(0.1, film_area=0.01, radius_sum=2.0, reduced_radius=0.5, surface_tension=1.0)
@@ -132,7 +134,8 @@ def bubble_force(
 def bubble_energy(
     compression: Length, film_area: Area, radius_sum: Length, reduced_radius: Length, surface_tension: SurfaceTension
 ) -> Energy:
-    """Energy of the deflection, the integral of `bubble_force` at a gap that is held: F^2 ln(1/F) for small forces.
+    """Energy of the deflection, the integral of `bubble_force` at a constant gap: F^2 ln(1/F) for
+    small forces.
 
     U = 4 pi gamma/l^2 (p^2 L - sum over the bubbles of [K(a_h^2) - K(a_h^2 + c)])/2 with p the facet's area over pi,
     c = 4 exp(-5/6) R^2, and K of `excess_moment`.
@@ -155,7 +158,8 @@ def bubble_energy(
 
 
 def excess_moment(facet_area: Area, rest: Area) -> SquaredArea:
-    """The K(b) = p^2/2 - b p + b^2 ln(1 + p/b), the integral of p^2/(b + p) over p up to the facet's area over pi.
+    """Function K(b) = p^2/2 - b p + b^2 ln(1 + p/b), the integral of p^2/(b + p) over p up to the
+    facet's area over pi.
 
     >>> round(excess_moment(1e-4, 1.0) / (1e-12 / 3), 4), round(excess_moment(1.0, 1.0), 6)
     (0.9999, 0.193147)
@@ -169,10 +173,11 @@ def excess_moment(facet_area: Area, rest: Area) -> SquaredArea:
 def bubble_gap_energy(
     compression: Length, film_area: Area, radius_sum: Length, reduced_radius: Length, surface_tension: SurfaceTension
 ) -> Energy:
-    """The slope a_h^2 dU/d(a_h^2) of `bubble_energy`, at a deflection that is held; that over the gap, h dU/dh.
+    """Slope a_h^2 dU/d(a_h^2) of `bubble_energy`, at a constant deflection; it equals that over the
+    gap, h dU/dh.
 
     4 pi gamma/l^2 a_h^2 times the sum over the bubbles of J(a_h^2) - J(a_h^2 + c), J of `spread_moment`: minus the
-    slope of the complementary energy at a force that is held. [morse1993].
+    slope of the complementary energy at a constant force. [morse1993].
 
     >>> body = {"radius_sum": 2.0, "reduced_radius": 0.5, "surface_tension": 1.0}
     >>> step = bubble_energy(0.1, 0.01001, **body) - bubble_energy(0.1, 0.00999, **body)
@@ -191,7 +196,8 @@ def bubble_gap_energy(
 
 
 def spread_moment(facet_area: Area, rest: Area) -> Area:
-    """The J(b) = p - b ln(1 + p/b), the integral of p/(b + p) over p up to the facet's area over pi.
+    """Function J(b) = p - b ln(1 + p/b), the integral of p/(b + p) over p up to the facet's area
+    over pi.
 
     >>> round(spread_moment(1e-4, 1.0) / (1e-8 / 2), 4), round(spread_moment(1.0, 1.0), 6)
     (0.9999, 0.306853)
@@ -203,7 +209,7 @@ def spread_moment(facet_area: Area, rest: Area) -> Area:
 
 
 LARGE, FAINT = 0.1, 1e-7
-"""Deflection over radius above which Hertz's law means little; reduced force that is lost in rounding."""
+"""Deflection over radius above which Hertz's law is inaccurate; reduced force that is lost in rounding."""
 
 
 class Body(NamedTuple):
@@ -229,17 +235,17 @@ class Surface(NamedTuple):
     stiffening: Number
     """d ln(stiffness) / d ln(a)"""
     size_by_gap: Number
-    """d ln(a) / d ln(gap) at a deflection that is held"""
+    """d ln(a) / d ln(gap) at a constant deflection"""
     size_by_stretch: float
     """d ln(a) / d(stretch) (1/m)"""
 
 
 class Expected(NamedTuple):
-    """The largest force that is expected between two typical spheres, for `ecume check`."""
+    """The largest expected force between two typical spheres, for `ecume check`."""
 
     pair: SoftPair
     force: Force
-    """zero where none can be foreseen"""
+    """zero if none can be predicted"""
     source: str
     gap: Length
     surface_tension: SurfaceTension
@@ -252,22 +258,24 @@ class SurfaceLaw:
     surface: Callable[..., Surface]
     """stiffness and contact size at a gap and a deflection"""
     energy: Callable[..., float]
-    """of a normal deflection at a gap that is held (J); its derivative is the normal force"""
+    """of a normal deflection at a constant gap (J); its derivative is the normal force"""
     gap_energy: Callable[..., float]
-    """the derivative of that energy with respect to ln(gap), at a deflection that is held (J)"""
+    """the derivative of that energy by ln(gap), at a constant deflection (J)"""
     papers: tuple[Callable[..., Any], ...]
     """functions whose docstrings name the references that `ecume cite` lists"""
     check_lines: Callable[[Expected], list[tuple[str, str, str]]]
     """lines of `ecume check`: name, value with unit, remark"""
     needs: Mapping[str, str]
-    """`surface_tension` of the liquid or `modulus` of each species, if the law needs it, and what to say if missing"""
+    """`surface_tension` of the liquid or `modulus` of each species, if the law needs it, and the message if it is
+    missing
+    """
     doubts: Callable[[Expected], list[str]] | None = None
-    """what `ecume check` warns of"""
+    """warnings of `ecume check`"""
 
 
 def hertz_surface(body: Body, gap: Length, stretch: Length, prefactors: Prefactors, rounding: Length) -> Surface:
     """Elastic spheres: a^2 = R* (c_h h + c_d |delta|), stiffness alpha E a. [rognon2009, eq. 5 to 9]."""
-    # The kink of |delta| at zero is rounded off: a step across it would not converge.
+    # |delta| is smoothed at zero: a step across its kink would not converge.
     magnitude = math.sqrt(stretch * stretch + rounding * rounding)
     gap_weight, deflection_weight = prefactors.gap_weight, prefactors.deflection_weight
     size = soft_pair.contact_size(body.reduced_radius, gap, magnitude, gap_weight, deflection_weight)
@@ -283,13 +291,13 @@ def hertz_surface(body: Body, gap: Length, stretch: Length, prefactors: Prefacto
 
 
 def hertz_energy(body: Body, gap: Length, stretch: Length, prefactors: Prefactors) -> Energy:
-    """The energy of `hertz_surface`'s normal force. [rognon2009]."""
+    """Energy of the normal force of `hertz_surface`. [rognon2009]."""
     stiffness, ratio = _rest_stiffness(body, gap, stretch, prefactors)
     return soft_pair.bent_energy(stretch, stiffness, ratio)
 
 
 def hertz_gap_energy(body: Body, gap: Length, stretch: Length, prefactors: Prefactors) -> Energy:
-    """The derivative of `hertz_energy` with respect to ln(gap). [rognon2009]."""
+    """Derivative of `hertz_energy` by ln(gap). [rognon2009]."""
     stiffness, ratio = _rest_stiffness(body, gap, stretch, prefactors)
     return soft_pair.gap_energy(stretch, stiffness, ratio)
 
@@ -327,7 +335,7 @@ def bubble_surface(
 def bubble_stored_energy(
     body: Body, gap: Length, stretch: Length, prefactors: Prefactors, surface_tension: SurfaceTension
 ) -> Energy:
-    """The energy of `bubble_surface`'s normal force. [morse1993]."""
+    """Energy of the normal force of `bubble_surface`. [morse1993]."""
     rest = 2.0 * body.reduced_radius * prefactors.gap_weight * gap
     return bubble_energy(stretch, rest, body.radius_sum, body.reduced_radius, surface_tension)
 
@@ -335,13 +343,13 @@ def bubble_stored_energy(
 def bubble_stored_gap_energy(
     body: Body, gap: Length, stretch: Length, prefactors: Prefactors, surface_tension: SurfaceTension
 ) -> Energy:
-    """The derivative of `bubble_stored_energy` with respect to ln(gap). [morse1993]."""
+    """Derivative of `bubble_stored_energy` by ln(gap). [morse1993]."""
     rest = 2.0 * body.reduced_radius * prefactors.gap_weight * gap
     return bubble_gap_energy(stretch, rest, body.radius_sum, body.reduced_radius, surface_tension)
 
 
 def hertz_check_lines(expected: Expected) -> list[tuple[str, str, str]]:
-    """Deflections, times and the regime of the expected force."""
+    """Lines on deflections, times and the regime of the expected force."""
     pair, force, source, gap, _ = expected
     surface = ("relaxation time", with_prefix(pair.viscosity / pair.modulus, "s", 3), "viscosity over modulus")
     if not force > 0.0:
@@ -370,7 +378,7 @@ def hertz_check_lines(expected: Expected) -> list[tuple[str, str, str]]:
 
 
 def hertz_doubts(expected: Expected) -> list[str]:
-    """Forces for which the law, or the arithmetic, means little."""
+    """Warnings on forces for which the law or the arithmetic is inaccurate."""
     kappa = expected.force / (expected.pair.modulus * expected.pair.radius**2)
     found = {
         "the force is so small that it is lost in rounding, and time steps become short": 0.0 < kappa < FAINT,
@@ -379,7 +387,7 @@ def hertz_doubts(expected: Expected) -> list[str]:
 
 
 def bubble_check_lines(expected: Expected) -> list[tuple[str, str, str]]:
-    """The expected force over the surface tension."""
+    """The line on the expected force over the surface tension."""
     if not expected.force > 0.0:
         return []
     reduced = expected.force / (expected.surface_tension * expected.pair.radius)
@@ -400,4 +408,4 @@ SURFACES = {
         bubble_check_lines, {"surface_tension": "bubbles have one; got none"},
     ),
 }  # fmt: skip
-"""`hertz`: elastic spheres; `bubble`: bubbles and drops. Another law is another row."""
+"""`hertz`: elastic spheres; `bubble`: bubbles and drops."""

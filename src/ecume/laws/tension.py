@@ -17,11 +17,12 @@ RELIABLE = 0.2
 
 
 def cohesion_kernel(distance: Length, support: Length) -> PerVolume:
-    """Akinci's C(r), positive attracts: neighbors beyond half the support are pulled in, the nearest are pushed off.
+    """Akinci's cohesion C(r), positive attracts: neighbors beyond half the support are attracted, the nearest are
+    repelled.
 
     32/(pi s^9) (s-r)^3 r^3 for s/2 < r < s, and 2 (s-r)^3 r^3 - s^6/64 in place of the product below; s: support, the
-    kernel's whole reach. The force on i is -gamma m_i m_j C(r) (x_i - x_j)/r, where gamma is a strength to be tuned (in
-    m^3/(kg s^2)) and no N/m. [akinci2013].
+    kernel's whole support radius. The force on i is -gamma m_i m_j C(r) (x_i - x_j)/r, where gamma is an adjustable
+    strength (in m^3/(kg s^2)), not a tension in N/m. [akinci2013].
 
     >>> cohesion_kernel(0.75, 1.0) > 0.0 > cohesion_kernel(0.05, 1.0), cohesion_kernel(1.5, 1.0)
     (True, 0.0)
@@ -51,10 +52,10 @@ def cohesion_energy(distance: Length, support: Length) -> PerArea:
 def cohesion_strength_in_plane(
     surface_tension: SurfaceTension, density: Density, support: Length
 ) -> PlaneStrength:  # fmt: skip
-    """The strength gamma with which Akinci's cohesion alone would make the tension sigma, in two dimensions.
+    """Strength gamma of Akinci's cohesion that alone would give the surface tension sigma, in 2D.
 
-    sigma = (rho^2 gamma / 3) int C r^3 dr, the integral being 33 s/(896 pi): what pair forces do across a sharp surface
-    of evenly spread liquid. The pressure that the cohesion calls up takes some of it away. [kirkwood1949, akinci2013].
+    sigma = (rho^2 gamma / 3) int C r^3 dr, the integral being 33 s/(896 pi): the tension by pair forces at a sharp
+    surface of uniform liquid. The pressure in response to the cohesion reduces it. [kirkwood1949, akinci2013].
 
     >>> round(cohesion_strength_in_plane(33.0, 1.0, 0.1) * 0.1 / (3.0 * 896.0 * math.pi), 12)
     1.0
@@ -65,7 +66,8 @@ def cohesion_strength_in_plane(
 def cohesion_strength_in_space(
     surface_tension: SurfaceTension, density: Density, support: Length
 ) -> SpaceStrength:  # fmt: skip
-    """The same in three dimensions: sigma = (pi/8) rho^2 gamma int C r^4 dr, the integral being 21 s^2/(880 pi).
+    """Strength gamma of Akinci's cohesion in 3D: sigma = (pi/8) rho^2 gamma int C r^4 dr, the integral being 21
+    s^2/(880 pi).
 
     [kirkwood1949, akinci2013].
 
@@ -76,17 +78,18 @@ def cohesion_strength_in_space(
 
 
 def surface_weight(color: Number) -> Number:
-    """Weight psi(c) = 12 c (1-c)^2 for 0 < c < 1, otherwise 0, of a color's contour as a part of the surface; its
-    integral is 1.
+    """Weight psi(c) = 12 c (1-c)^2 for 0 < c < 1, otherwise 0, of the contour of value c in the area of the surface;
+    its integral is 1.
 
     The surface's energy is E = sigma int psi(c) |grad c| dV, c the smoothed color, 1 inside and 0 outside. By the
-    coarea formula that is sigma times the area of the contours of c, each counted psi: the area itself, however wide
-    the layer is through which the color falls, for any psi whose integral over c is one. [brackbill1992].
+    coarea formula this is sigma times the area of the contours of c, each with the weight psi: the area of the surface
+    at any width of the layer, for any psi whose integral over c is one. [brackbill1992].
 
-    Why this psi. Flat at c = 1: the inside, where disorder makes the color uneven, costs nothing. Zero at c = 0: nor
-    does the far end of the kernel. And more below 1/2 than above: in a drop at rest the layer bears the pressure
-    sigma kappa (int_0^c psi - c psi), which here is negative only where c < 0.54, outside of nearly all particles; with
-    a psi that is even about 1/2 the outermost particles are under tension, and are drawn off little by little.
+    The choice of psi: its slope is zero at c = 1, so that color variations by disorder in the interior have no energy;
+    it is zero at c = 0, so that the edge of the kernel has none. Its weight is larger below 1/2 than above: in a drop
+    at rest the layer has the pressure sigma kappa (int_0^c psi - c psi), which is negative only where c < 0.54, outside
+    of nearly all particles. With a psi that is symmetric about 1/2 the outermost particles are under tension, and
+    slowly detach.
 
     >>> surface_weight(0.5), surface_weight(1.1)
     (1.5, 0.0)
@@ -96,7 +99,7 @@ def surface_weight(color: Number) -> Number:
 
 
 def surface_weight_slope(color: Number) -> Number:
-    """psi'(c) = 12 (1-c) (1-3c) for 0 < c < 1, else 0. [brackbill1992].
+    """Slope psi'(c) = 12 (1-c) (1-3c) for 0 < c < 1, else 0. [brackbill1992].
 
     >>> surface_weight_slope(0.0), surface_weight_slope(1.0)
     (0.0, 0.0)
@@ -105,7 +108,8 @@ def surface_weight_slope(color: Number) -> Number:
 
 
 def wetted_share(color: Number) -> Number:
-    """The part chi(c) = int_0^c psi = 6 c^2 - 8 c^3 + 3 c^4 of the contours that have values below a color; 1 above 1.
+    """Part chi(c) = int_0^c psi = 6 c^2 - 8 c^3 + 3 c^4 of the contours with values below a color;
+    1 above 1.
 
     On a wall, contours of the color end in lines, and the contour of value c encloses the part of the wall whose color
     is above c. With the energy -sigma cos(theta) int chi(c) dA of the wall each contour pays Young's difference

@@ -1,18 +1,18 @@
-"""Walls and particles of a liquid: repulsion close to a wall, the braking of impacts, the wet part of a sensor.
+"""Forces at walls on liquid particles: short-range repulsion and braking of impacts; and the wet
+part of a sensor.
 
-`standoff_push` is a spring over the last part of a spacing. A particle that touches a mirror coincides with its image,
-and lies in one plane with all others that touch it: pairs push along that plane or not at all, and nothing lifts any of
-them, however large the pressure. Gaps are measured from the wall into the liquid, and pushes are positive away from the
-wall.
+`standoff_push` is a spring over the last part of a spacing. A particle at a mirror plane coincides with its image, and
+all such particles are in one plane, so that pair forces cannot move them away from it at any pressure. Gaps are
+measured from the wall into the liquid, and forces are positive away from the wall.
 
 `impact_braking` is the dissipative pressure of the Riemann problem at a wall, summed over the half-space behind it. A
 sum over images has one image for each particle that arrives: too little for the tip of a jet of one or two particles,
 which would stop elastically in a water hammer of rho c u.
 
-A reading of pressure is a force per area: dry parts of a sensor have none. Each particle is smeared over a Gaussian of
+A reading of pressure is a force per area: dry parts of a sensor have none. Each particle is smoothed to a Gaussian of
 variance dx^2/2. The sum over particles is 1 in the liquid, 1/2 at its surface, half a spacing beyond the last row, and
-0 in the air; a sheet as thick as one spacing reaches 0.52. Where a wall or a solid takes up a part of the surroundings,
-the sum is compared with what is left.
+0 in the air; a sheet as thick as one spacing reaches 0.52. Near walls and solids the sum is divided by the free part of
+the surroundings.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def standoff_push(gap: Length, reach: Length, speed: Speed) -> Acceleration:
     """Acceleration (v/z)^2 (z - d) at a gap d below the range z, otherwise 0: particles with the speed v just reach the
     wall.
 
-    The plainest of the repulsions that walls are made of elsewhere [monaghan1994]; here it is a stand-in for what sums
-    do not resolve, and zero for all liquid that keeps its distance. Weight w presses it in by w z^2/v^2.
+    The simplest of the common wall repulsions [monaghan1994]; here it replaces forces that sums do not resolve, and is
+    zero for liquid beyond z. A weight w compresses it by w z^2/v^2.
 
     >>> round(standoff_push(0.05, 0.1, 2.0), 12), standoff_push(0.2, 0.1, 2.0)
     (20.0, 0.0)
@@ -62,8 +62,8 @@ def impact_braking(
 
     Riemann problem of the liquid and its mirror image, p* = p + rho min(eta U, c) U / 2 with the difference U of their
     velocities and eta = 3, limiter [zhang2017, eqs. 10 and 11], summed over the half-space behind the wall as in eq. 9:
-    w, plane_weight, is the kernel summed over a plane at the particle's distance. Liquid at rest or in motion along
-    the wall feels nothing; for small u the braking is of second order.
+    w, plane_weight, is the kernel summed over a plane at the particle's distance. It is zero for liquid at rest or in
+    motion along the wall, and of second order for small u.
 
     >>> impact_braking(0.5, 2.0, 10.0), impact_braking(10.0, 2.0, 10.0), impact_braking(-1.0, 2.0, 10.0)
     (6.0, 400.0, 0.0)
@@ -73,11 +73,12 @@ def impact_braking(
 
 
 SPREAD = math.sqrt(0.5)
-"""Standard deviation of a particle's Gaussian, in spacings. The sum over a square lattice ripples by 2 exp(-pi^2)."""
+"""Standard deviation of a particle's Gaussian, in spacings. The sum over a square lattice varies by 2 exp(-pi^2)."""
 
 
 def smeared(q: Number, dim: Number) -> Number:
-    """exp(-q^2) / pi^(d/2), the Gaussian of a particle at q spacings, times its volume in units of spacing^d.
+    """Gaussian exp(-q^2) / pi^(d/2) of a particle at q spacings, times its volume in units of
+    spacing^d.
 
     Its integral is 1, as that of every smoothing kernel [liu2003].
 
@@ -88,9 +89,9 @@ def smeared(q: Number, dim: Number) -> Number:
 
 
 def between_planes(low: Length, high: Length, spacing: Length) -> Number:
-    """(erf(b/dx) - erf(a/dx)) / 2, the part of a Gaussian between two planes at a and b from its center.
+    """Part (erf(b/dx) - erf(a/dx)) / 2 of a Gaussian between two planes at a and b from its center.
 
-    The room that walls leave: kernels that they cut off are divided by it [bonet1999].
+    This is the part of a kernel inside of walls; truncated kernels are divided by it [bonet1999].
 
     >>> between_planes(0.0, math.inf, 0.1), between_planes(-math.inf, math.inf, 0.1)
     (0.5, 1.0)
@@ -99,9 +100,10 @@ def between_planes(low: Length, high: Length, spacing: Length) -> Number:
 
 
 def covered_part(filled: Number, room: Number) -> Number:
-    """min(1, 2 filled/room): 1 in the liquid up to its surface, where half of the room is filled, and less outside.
+    """Wet part min(1, 2 filled/room): 1 in the liquid up to its surface, where half of the room is filled, and less
+    outside.
 
-    Elsewhere sums over less than half of a kernel are not normalized, or count as dry [dominguez2022]; this is the
+    In other codes sums over less than half of a kernel are not normalized, or count as dry [dominguez2022]; this is a
     continuous form.
 
     >>> covered_part(0.5, 1.0), covered_part(0.1, 1.0), covered_part(0.25, 0.5), covered_part(0.0, 0.0)

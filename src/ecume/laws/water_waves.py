@@ -28,7 +28,7 @@ Wavenumber = Annotated[float, Unit("1/m")]
 
 
 class Decay(NamedTuple):
-    """A wave that dies away as exp(-rate t) cos(frequency t)."""
+    """A wave that decays as exp(-rate t) cos(frequency t)."""
 
     rate: Rate
     frequency: Rate
@@ -37,7 +37,8 @@ class Decay(NamedTuple):
 def wave_frequency(
     wavenumber: Wavenumber, depth: Length, gravity: Acceleration, tension: SpecificTension = 0.0
 ) -> Rate:  # fmt: skip
-    """Angular frequency, omega^2 = (g k + (sigma/rho) k^3) tanh(k H), of small waves without viscosity.
+    """Angular frequency of small waves without viscosity, omega^2 = (g k + (sigma/rho) k^3) tanh(k
+    H).
 
     k: wavenumber, n pi / L for the n-th standing wave in a tank of the length L; H: depth; sigma/rho: tension.
     [lamb1932, art. 228, 267].
@@ -50,7 +51,8 @@ def wave_frequency(
 
 
 def group_velocity(wavenumber: Wavenumber, depth: Length, gravity: Acceleration) -> Speed:
-    """Velocity c_g = (omega/2k) (1 + 2 k H/sinh(2 k H)) at which small waves carry their energy.
+    """Group velocity c_g = (omega/2k) (1 + 2 k H/sinh(2 k H)), at which small waves transport
+    energy.
 
     k, H, omega: wavenumber, depth, and `wave_frequency` without tension. Half of the phase velocity in deep water,
     all of it in shallow water. [lamb1932, art. 236].
@@ -75,9 +77,9 @@ def viscous_decay(
     """Decay and frequency of a small wave in a viscous liquid that slips freely on its bottom.
 
     The root s = -rate + i frequency of (s + 2 nu k^2)^2 + omega_0^2 = 4 nu^2 k^3 m tanh(k H)/tanh(m H), where
-    m^2 = k^2 + s/nu: the linear Navier-Stokes equations with no stress on the surface, at every Reynolds number as long
-    as the wave swings. In deep water it is [lamb1932, art. 349]. The common 2 nu k^2 is its limit for thin liquids,
-    and a third too fast at Re = sqrt(g H) H/nu = 50.
+    m^2 = k^2 + s/nu: the linear Navier-Stokes equations with no stress on the surface, at every Reynolds number at
+    which the wave oscillates. In deep water it is [lamb1932, art. 349]. The common 2 nu k^2 is its limit for low
+    viscosity, and a third too high at Re = sqrt(g H) H/nu = 50.
 
     >>> found = viscous_decay(math.pi, 1.0, 1.0, 0.02)
     >>> round(found.rate, 7), round(found.frequency, 7)
@@ -115,7 +117,7 @@ def standing_wave_velocity(
     require_positive("wavenumber", wavenumber)
     require_positive("depth", depth)
     k, below, above = wavenumber, -2.0 * wavenumber * depth, -2.0 * wavenumber * height
-    # sinh and cosh as e^(k y - k H) times factors near one: in deep water they overflow.
+    # sinh and cosh, which overflow in deep water, as e^(k y - k H) times factors near one.
     scale = speed * math.exp(k * height - k * depth) / math.expm1(below)
     along = scale * math.sin(k * x) * (1.0 + math.exp(above))
     return along, scale * math.cos(k * x) * math.expm1(above)
@@ -131,12 +133,12 @@ def _newton_step(s: complex, k: float, depth: float, nu: float, swing: float) ->
 
 
 SLOSHING_MODES = 39
-"""The last of the odd ones that are summed: the n-th weighs 1/n^2 or less."""
+"""The last of the odd modes in the sum; mode n has a weight of 1/n^2 or less."""
 
 
 @dataclass(frozen=True)
 class Tank:
-    """A rectangle full of liquid to a depth, with walls that do not hold it."""
+    """A rectangular tank filled to a depth, with free slip at its walls."""
 
     length: Length
     depth: Length
@@ -146,7 +148,7 @@ class Tank:
 
 @dataclass(frozen=True)
 class BaseExcitation:
-    """The inertial acceleration along the tank, A sin(Omega t + phi) from rest: minus the tank's acceleration."""
+    """Inertial acceleration along the tank, A sin(Omega t + phi) from rest: minus the tank's acceleration."""
 
     amplitude: Acceleration
     turning: Rate
@@ -156,8 +158,8 @@ class BaseExcitation:
 def sloshing_height(x: Length, time: Time, tank: Tank, excitation: BaseExcitation) -> Length:
     """Height of the surface above its level at x: the sum of b_n(t) cos(n pi x / L) over odd n.
 
-    x: from the left wall; b_n: `sloshing_mode`. Even modes are not stirred by a tank that stays level. For heights far
-    below depth and length, off resonance. [ibrahim2005, faltinsen2009].
+    x: from the left wall; b_n: `sloshing_mode`. Horizontal motion does not excite even modes. For heights far below
+    depth and length, off resonance. [ibrahim2005, faltinsen2009].
 
     >>> still = BaseExcitation(amplitude=0.02, turning=1e-6, phase=math.pi / 2)
     >>> level = sloshing_height(0.0, 1e4, Tank(2.0, 1.0, 9.81, 1e-3), still)
@@ -169,10 +171,12 @@ def sloshing_height(x: Length, time: Time, tank: Tank, excitation: BaseExcitatio
 
 
 def sloshing_mode(time: Time, mode: Number, tank: Tank, excitation: BaseExcitation) -> Length:
-    """The b of b'' + 2 c b' + omega^2 b = -4 tanh(k H)/(n pi) A sin(Omega t + phi), from rest; n odd, k = n pi / L.
+    """Amplitude b of a mode, b'' + 2 c b' + omega^2 b = -4 tanh(k H)/(n pi) A sin(Omega t + phi), from rest; n odd, k =
+    n pi / L.
 
-    The pull's potential, -A x, is 4 A L/(n pi)^2 cos(k x) along the surface, and rises it by k tanh(k H) times that.
-    omega: `ecume.laws.water_waves.wave_frequency`; c = 2 nu k^2, the decay in a liquid thin enough for c << omega.
+    The potential of the excitation, -A x, contains 4 A L/(n pi)^2 cos(k x), which accelerates the surface by k tanh(k
+    H) times that.
+    omega: `ecume.laws.water_waves.wave_frequency`; c = 2 nu k^2, the decay rate at a low viscosity, c << omega.
     [ibrahim2005, faltinsen2009].
 
     >>> round(sloshing_mode(1.3, 1.0, Tank(2.0, 1.0, 1.0), BaseExcitation(0.01, 0.9)), 9)
@@ -185,7 +189,7 @@ def sloshing_mode(time: Time, mode: Number, tank: Tank, excitation: BaseExcitati
     follows = push / complex(swing**2 - excitation.turning**2, 2.0 * decay * excitation.turning)
     turned = follows * cmath.exp(1j * excitation.phase)
     start, rate = turned.imag, (1j * excitation.turning * turned).imag
-    # Two decays that swing, or two that creep where friction is too strong; their sum is real all the same.
+    # Two oscillating decays, or two monotonic ones with strong damping; in both cases the sum is real.
     apart = cmath.sqrt(decay**2 - swing**2)
     one, other = -decay + apart, -decay - apart
     free = (rate - other * start) * cmath.exp(one * time) - (rate - one * start) * cmath.exp(other * time)

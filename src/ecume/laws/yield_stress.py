@@ -15,7 +15,7 @@ from ecume.units import Length, Number, Pressure, Speed, Unit, Viscosity
 Rate = Annotated[float, Unit("1/s")]
 PressureGradient = Annotated[float, Unit("Pa/m")]
 SLOWEST = 1e-30
-"""1/s: keeps a liquid at rest from a division by zero."""
+"""1/s: prevents a division by zero for a liquid at rest"""
 BISECTIONS = 64
 """The number of bisections, which resolve 60 decades to full precision."""
 
@@ -23,7 +23,8 @@ BISECTIONS = 64
 def apparent_viscosity(
     strain_rate: Rate, consistency: Number, exponent: Number, yield_stress: Pressure, largest: Viscosity
 ) -> Viscosity:
-    """The stress over the rate of strain, K g^(n - 1) + tau_y/g, at most the largest [herschel1926].
+    """Apparent viscosity, stress over rate of strain, K g^(n - 1) + tau_y/g, at most the largest
+    [herschel1926].
 
     consistency: K in Pa s^n; exponent: n, 1 for Bingham's liquid; yield_stress: tau_y, 0 for a power law.
 
@@ -37,10 +38,10 @@ def apparent_viscosity(
 
 
 def creep_rate(consistency: Number, exponent: Number, yield_stress: Pressure, largest: Viscosity) -> Rate:
-    """The rate of strain below which the viscosity is the largest: K g^n + tau_y = largest g.
+    """Rate of strain below which the viscosity is the largest: K g^n + tau_y = largest g.
 
-    The stress there exceeds the yield stress by K g^n. A liquid whose viscosity never reaches the largest has 0. A
-    yield stress with n > 1 has the smallest viscosity at a rate beyond which the liquid only thickens.
+    The stress there exceeds the yield stress by K g^n. The rate is 0 if the viscosity never reaches the largest. With a
+    yield stress and n > 1, the viscosity has a minimum, beyond which the liquid thickens.
 
     >>> round(creep_rate(3.0, 1.0, 8.0, 103.0), 12)
     0.08

@@ -1,10 +1,9 @@
 """The force balance of a floating body, and the equilibrium of a sphere in several theories.
 
-In pure numbers: lengths over the capillary length L. The closure of the original project, a contact angle computed
-from the weight, is kept by name to reproduce its figures.
-
-Lengths are in L, weights in gamma L (per length of a lying cylinder: in gamma). A body's weight on a flat surface is
-that of the liquid it displaces; whatever it weighs more the surface must carry, by its slope at the contact line.
+Lengths are in capillary lengths L, weights in gamma L (for a lying cylinder per length: in gamma). A body's weight on a
+flat surface is that of the liquid it displaces; any further weight is carried by the slope of the surface at the
+contact line. The closure of the original project, a contact angle computed from the weight, is kept to reproduce its
+figures.
 """
 
 from __future__ import annotations
@@ -23,15 +22,15 @@ from ecume.units import Angle, Number
 
 TURNS = 80
 EXACT = 1e-12
-"""A root is found when Newton's next step is this share of the slope angle."""
+"""Newton's method has converged if the next step is below this fraction of the slope angle."""
 STALLED = 1e-9
-"""Steps this small that no longer shrink are rounding."""
+"""Steps below this size that no longer decrease are rounding errors."""
 ROUNDING = 1e-14
 """Rounding error of a weight, over its unit: it limits the accuracy of a nearly neutral body."""
 NARROW = 1e-6
-"""The load is quadratic around its maximum: known to the square of this."""
+"""The accuracy of the slope of greatest load; the load, which is quadratic there, is accurate to the square of it."""
 SCAN = 12
-"""Slopes that are tried for the maximum of the load."""
+"""The number of slopes in the search for the greatest load."""
 
 
 class Contact(NamedTuple):
@@ -42,14 +41,14 @@ class Contact(NamedTuple):
     radius: float
     radius_change: float
     volume: float
-    """of the body below the contact line"""
+    """volume of the body below the contact line"""
     volume_change: float
     height: float
-    """of the contact line over the body's center"""
+    """height of the contact line above the body's center"""
 
 
 class Load(NamedTuple):
-    """The load that a slope angle at the contact line carries, in the unit of the weight of the body, and its
+    """The load that the surface carries at a slope angle of the contact line, in the unit of weight, and its
     derivative.
     """
 
@@ -71,7 +70,8 @@ class Floating(NamedTuple):
 
 
 def round_load(contact: Contact, slope_angle: float, unit: float) -> Load:
-    """Surface tension's vertical part and the generalized buoyancy, 2 pi r sin(psi) + V - pi r^2 z, over `unit`.
+    """Load of a round contact line: vertical surface tension and generalized buoyancy, 2 pi r sin(psi) + V - pi r^2 z,
+    over `unit`.
 
     V is the body's volume below the contact line, -pi r^2 z that of the dip above it. [keller1998].
     """
@@ -87,9 +87,10 @@ def round_load(contact: Contact, slope_angle: float, unit: float) -> Load:
 def stable_load(
     load: Callable[[float], Load], target: float, neutral: float, limit: float, guess: float
 ) -> Load | None:
-    """The root between the flat surface, which carries `neutral`, and the steepest slope that still carries more.
+    """The equilibrium between the flat surface, which carries `neutral`, and the slope of the
+    greatest load.
 
-    Newton's method inside a bracket that ends at the slope angle `limit`; None where nothing carries what is `target`.
+    Newton's method inside a bracket that ends at the slope angle `limit`; None if no slope carries `target`.
     """
     excess = target - neutral
     inner, outer = 0.0, max(-STEEPEST, min(STEEPEST, limit))
@@ -114,13 +115,13 @@ def stable_load(
 
 
 def greatest_load(load: Callable[[float], Load], limit: float) -> Load:
-    """The load at its first maximum between the flat surface and the slope angle `limit`, or at the limit."""
+    """The load at its first maximum between the flat surface and the slope angle `limit`, or at `limit`."""
     end = min(limit, STEEPEST)
     below = end / SCAN
     for k in range(1, SCAN + 1):
         above = k * end / SCAN
         if load(above).change < 0.0:
-            # The load rises at the flat surface, where the first slope that is tried may be too far already.
+            # The load rises at the flat surface, but the first slope of the scan may be beyond the maximum.
             start = below if below < above else 1e-3 * above
             return load(slope_of_greatest(load, start, above))
         below = above
@@ -128,10 +129,11 @@ def greatest_load(load: Callable[[float], Load], limit: float) -> Load:
 
 
 def slope_of_greatest(load: Callable[[float], Load], rising: float, falling: float) -> float:
-    """The slope angle of the greatest load between one at which it rises and one at which it falls.
+    """The slope angle of the greatest load, between one at which the load rises and one at which it
+    falls.
 
     The zero of its derivative by false position, in the Illinois variant, to 1e-7 rad: at a maximum the error of the
-    load is of second order. (The import of SciPy's root finders takes longer than all of it.)
+    load is of second order. (Importing SciPy's root finders would take longer than the solution.)
     """
     low, high = load(rising).change, load(falling).change
     psi, side = rising, 0
@@ -148,7 +150,7 @@ def slope_of_greatest(load: Callable[[float], Load], rising: float, falling: flo
 
 
 KEPT = 4096
-"""Solutions remembered: a bowl of equal spheres costs one."""
+"""The number of cached solutions; a bowl of equal spheres needs one."""
 
 
 class Balance(NamedTuple):
@@ -162,7 +164,7 @@ class Balance(NamedTuple):
 
 @elementwise
 def linear_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
-    """A/R = B Sigma: the charge of a small sphere.
+    """Charge of a small sphere over its radius, A/R = B Sigma.
 
     Too large by 0.25 % at B = 0.01, 2 % at 0.1, 6 to 9 % at 0.5, 8 to 18 % at 1. [vella2005]; [nicolson1949].
 
@@ -174,8 +176,8 @@ def linear_charge(bond_number: Number, density_ratio: Number, contact_angle: Ang
 
 @elementwise
 def closed_form_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
-    """A/R = B Sigma / [a K1(a) (1 + a^2/2) + a^2 K0(a)/2], a = sqrt(B) sin(theta): heave and filling kept, slopes
-    linear.
+    """Charge over the radius, A/R = B Sigma / [a K1(a) (1 + a^2/2) + a^2 K0(a)/2], a = sqrt(B) sin(theta), with linear
+    slopes, but with heave and filling.
 
     Within 0.1 % of the nonlinear charge at B = 0.1, 1.1 % at 0.5, 6 % at 1, for spheres well above sinking.
     Derived by linearizing the force balance of [vella2005] with the depth of the contact line kept.
@@ -190,7 +192,8 @@ def closed_form_charge(bond_number: Number, density_ratio: Number, contact_angle
 
 @elementwise
 def nonlinear_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
-    """A/R, the far amplitude of the full Young–Laplace meniscus. See `nonlinear_balance`.
+    """Charge over the radius, A/R: the far amplitude of the full Young–Laplace meniscus. See
+    `nonlinear_balance`.
 
     >>> round(nonlinear_charge(0.1, 1.5, math.pi / 2), 8)
     0.0652334
@@ -200,9 +203,10 @@ def nonlinear_charge(bond_number: Number, density_ratio: Number, contact_angle: 
 
 @elementwise
 def linear_balance(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Balance:
-    """Small slopes and a small sphere: z' = B Sigma / sin(theta) at the contact line.
+    """Balance of a small sphere with small slopes: z' = B Sigma / sin(theta) at the contact line.
 
-    As a slope 10 to 12 % too large at B = 0.1, 1.7 % at 0.01 (theta = 90 degrees). [vella2005]; [canbraun2022, eq. 4].
+    The slope is 10 to 12 % too large at B = 0.1, 1.7 % at 0.01 (theta = 90 degrees). [vella2005]; [canbraun2022, eq.
+    4].
 
     >>> round(math.degrees(linear_balance(0.01, 1.5, math.pi / 2).slope_angle), 3)
     0.382
@@ -221,10 +225,11 @@ def linear_balance(bond_number: Number, density_ratio: Number, contact_angle: An
 
 @elementwise
 def closed_form_balance(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Balance:
-    """Linear meniscus, but depth and filling kept: r_c sin(psi)/R = B Sigma / [1 + (a^2/2)(1 + K0(a)/(a K1(a)))].
+    """Balance with a linear meniscus, but with heave and filling: r_c sin(psi)/R = B Sigma / [1 + (a^2/2)(1 + K0(a)/(a
+    K1(a)))].
 
-    The angles then follow from sin(phi_c) sin(psi) = that, phi_c = pi - theta + psi, exactly. It has no root when
-    the sphere is too heavy for a small one. Derived as `closed_form_charge` is, from [vella2005].
+    The angles follow exactly from sin(phi_c) sin(psi) equal to this, phi_c = pi - theta + psi. There is no root if the
+    sphere is too heavy for its size. Derived as `closed_form_charge` is, from [vella2005].
 
     >>> round(math.degrees(closed_form_balance(0.1, 1.5, math.pi / 2).slope_angle), 2)
     3.41
@@ -247,7 +252,7 @@ def closed_form_balance(bond_number: Number, density_ratio: Number, contact_angl
 @elementwise
 @lru_cache(maxsize=KEPT)
 def nonlinear_balance(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Balance:
-    """Full Young–Laplace meniscus and full force balance; raises FloaterSinks above the sinking limit.
+    """Balance with the full Young–Laplace meniscus; raises FloaterSinks above the sinking limit.
 
     (2/3) D B = sin(phi_c) sin(psi) + (B/2) [-(z_c/R) sin(phi_c)^2 + 2/3 - cos(phi_c) + cos(phi_c)^3/3], phi_c = pi -
     theta + psi: weight = surface tension's vertical part + Archimedes' generalized buoyancy [keller1998, vella2005].
@@ -265,8 +270,8 @@ def nonlinear_balance(bond_number: Number, density_ratio: Number, contact_angle:
 
 
 def sphere_contact(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Contact:
-    """The contact line of a sphere at phi_c = pi - theta + psi; lengths in L."""
-    # Without the rounding of pi.
+    """Contact line of a sphere at phi_c = pi - theta + psi; lengths in L."""
+    # sin and cos of phi_c, without the rounding error of pi.
     sine, cosine = math.sin(contact_angle - slope_angle), -math.cos(contact_angle - slope_angle)
     cap = math.pi * radius**3
     volume = cap * (2.0 / 3.0 - cosine + cosine**3 / 3.0)
@@ -274,8 +279,8 @@ def sphere_contact(radius: Number, contact_angle: Angle, slope_angle: Angle) -> 
 
 
 def load(bond_number: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
-    """The density ratio that floats with this slope angle (not zero) at its contact line: the balance read from
-    right to left.
+    """Density ratio of a sphere that floats with this slope angle (not zero) at its contact line: the inverse of the
+    balance.
     """
     radius = math.sqrt(bond_number)
     contact = sphere_contact(radius, contact_angle, slope_angle)
@@ -284,7 +289,7 @@ def load(bond_number: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
 
 @elementwise
 def neutral_density_ratio(contact_angle: Angle) -> Number:
-    """The density ratio for which the surface is flat, Sigma = 0.
+    """Density ratio for which the surface is flat, Sigma = 0.
 
     >>> round(neutral_density_ratio(math.pi / 2), 12)
     0.5
@@ -296,7 +301,8 @@ def neutral_density_ratio(contact_angle: Angle) -> Number:
 @elementwise
 @lru_cache(maxsize=KEPT)
 def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
-    """D_max, the largest density ratio that floats: the maximum of the carried load over the filling angle.
+    """Largest density ratio D_max that floats: the maximum of the carried load over the filling
+    angle.
 
     For small B about (3/2B) sin(theta/2)^2; 1 for a wetted sphere. [vella2015].
 
@@ -318,7 +324,7 @@ def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
 
 
 def _stable_load(bond_number: float, density_ratio: float, contact_angle: float) -> Load:
-    """The root between the flat surface and the steepest slope that still carries more."""
+    """The slope angle of equilibrium between the flat surface and the slope of the greatest load."""
     neutral = neutral_density_ratio(contact_angle)
     limit = contact_angle if density_ratio > neutral else contact_angle - math.pi
     guess = _guess(bond_number, density_ratio, contact_angle, max(-STEEPEST, min(STEEPEST, limit)))
@@ -329,20 +335,20 @@ def _stable_load(bond_number: float, density_ratio: float, contact_angle: float)
 
 
 def _closed_form_pull(bond_number: float, density_ratio: float, contact_angle: float) -> float:
-    """r_c sin(psi) / R."""
+    """The ratio r_c sin(psi) / R of the closed form."""
     a = math.sqrt(bond_number) * math.sin(contact_angle)
     filling = a * a / 2.0 + a * _depth(a) / (2.0 * _edge(a))
     return linear_charge(bond_number, density_ratio, contact_angle) / (1.0 + filling)
 
 
 def _closed_form_slope(pull: float, contact_angle: float) -> float:
-    """The slope angle where sin(theta - psi) sin(psi) is the pull; NaN where no slope pulls that much."""
+    """The slope angle for which sin(theta - psi) sin(psi) has this value; NaN if it is too large."""
     cosine = -math.cos(contact_angle) - 2.0 * pull
     return 0.5 * (math.acos(cosine) - (math.pi - contact_angle)) if abs(cosine) <= 1.0 else math.nan
 
 
 def _guess(bond_number: float, density_ratio: float, contact_angle: float, limit: float) -> float:
-    """A first slope angle, from the closed form where it has one."""
+    """A first slope angle, from the closed form if it has one."""
     psi = _closed_form_slope(_closed_form_pull(bond_number, density_ratio, contact_angle), contact_angle)
     if math.isnan(psi):
         return 0.5 * limit
@@ -361,12 +367,12 @@ def _sinks(bond_number: float, density_ratio: float, contact_angle: float) -> Fl
 
 
 def _edge(a: float) -> float:
-    """Product a K1(a), which is 1 at a = 0."""
+    """The product a K1(a), which is 1 at a = 0."""
     return a * bessel_k1(a) if a > 1e-100 else 1.0
 
 
 def _depth(a: float) -> float:
-    """Product a K0(a), which is 0 at a = 0."""
+    """The product a K0(a), which is 0 at a = 0."""
     return a * bessel_k0(a) if a > 1e-100 else 0.0
 
 
@@ -384,7 +390,7 @@ BALANCES: dict[str, Callable[[float, float, float], Balance]] = {
 
 @elementwise
 def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
-    """The contact angle that the original project derives from B and D. Raises BadInput without a
+    """Contact angle that the original project derives from B and D. Raises BadInput without a
     solution.
 
     phi_c = arcsin(pi B/2) = pi - theta + arctan(z'_c) put into its (13): (pi/2) tan(theta + phi_c) = Sigma(D,

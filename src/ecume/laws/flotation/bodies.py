@@ -40,17 +40,17 @@ class Liquid:
 
     @property
     def density_difference(self) -> Density:
-        """Density of the liquid less that of the gas above it; the one that gravity works on."""
+        """Density of the liquid minus that of the gas above it, on which gravity acts."""
         return self.density - self.gas_density
 
     @property
     def viscosity_of_both(self) -> Viscosity:
-        """The sum of the viscosities below and above the surface, by which drag on floats is measured."""
+        """Sum of the viscosities below and above the surface, the reference of drag on floats."""
         return self.viscosity + self.gas_viscosity
 
     @property
     def share_above(self) -> Number:
-        """The part of that sum that is above."""
+        """Fraction of that sum by the viscosity above."""
         return self.gas_viscosity / self.viscosity_of_both if self.gas_viscosity > 0.0 else 0.0
 
     @property
@@ -102,7 +102,7 @@ class Disc:
 
 
 def bond_number(sphere: Sphere, liquid: Liquid) -> Number:
-    """B = (R/L)^2: gravity against surface tension. [vella2005]; [canbraun2022, eq. 5], where it stands as an
+    """Bond number B = (R/L)^2: gravity over surface tension. [vella2005]; [canbraun2022, eq. 5] gives it as an
     approximation.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
@@ -113,7 +113,8 @@ def bond_number(sphere: Sphere, liquid: Liquid) -> Number:
 
 
 def density_ratio(sphere: Sphere, liquid: Liquid) -> Number:
-    """D = (rho_s - rho_a) / (rho_l - rho_a), with s the sphere, l the liquid, a the gas.
+    """Density ratio D = (rho_s - rho_a) / (rho_l - rho_a), with s the sphere, l the liquid, a the
+    gas.
 
     Erratum: [canbraun2022, eq. 3] has rho_s on one side and rho_l - rho_a on the other; the gas buoys up the dry
     part as well.
@@ -127,7 +128,8 @@ def density_ratio(sphere: Sphere, liquid: Liquid) -> Number:
 
 @elementwise
 def weight_number(density_ratio: Number, contact_angle: Angle) -> Number:
-    """Sigma = (2D - 1)/3 - cos(theta)/2 + cos(theta)^3/6: weight less the buoyancy of a flat surface.
+    """Dimensionless weight Sigma = (2D - 1)/3 - cos(theta)/2 + cos(theta)^3/6: weight minus the buoyancy at a flat
+    surface.
 
     2 pi gamma R B Sigma is the force that the surface has to carry. [vella2005]; [canbraun2022, eq. 4].
 
@@ -139,7 +141,8 @@ def weight_number(density_ratio: Number, contact_angle: Angle) -> Number:
 
 
 def dimensionless_weight(sphere: Sphere, liquid: Liquid) -> Number:
-    """Sigma of a sphere on a liquid: positive presses the surface down, negative lifts it. See `weight_number`.
+    """Dimensionless weight Sigma of a sphere on a liquid: positive if it depresses the surface. See
+    `weight_number`.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> round(dimensionless_weight(Sphere(1e-3, 1500.0, math.pi / 2), water), 12)
@@ -171,7 +174,8 @@ def young_contact_angle(
 
 @dataclass(frozen=True)
 class Bubble:
-    """A gas bubble under the surface, of the gas above it; the radius is that of a sphere of its volume.
+    """A gas bubble below the surface, of the gas above it; the radius is that of a sphere of its
+    volume.
 
     >>> Bubble(radius=5e-4).radius
     0.0005
@@ -185,9 +189,9 @@ class Bubble:
 
 @dataclass(frozen=True)
 class VerticalCylinder:
-    """An upright cylinder: its contact line slides on the side and is pinned at a rim.
+    """An upright cylinder: its contact line slides on its side and is pinned at a rim.
 
-    Whether it would rather lie down is not asked.
+    The stability of the upright orientation is not checked.
 
     >>> VerticalCylinder(radius=1e-3, height=4e-3, density=500.0, contact_angle=1.2).height
     0.004
@@ -206,7 +210,8 @@ class VerticalCylinder:
 
 @dataclass(frozen=True)
 class HorizontalCylinder:
-    """A long cylinder that lies in the surface; everything about it is for a piece in its middle, in two dimensions.
+    """A long cylinder that lies in the surface; all quantities are for a slice in its middle, in
+    2D.
 
     >>> HorizontalCylinder(radius=1e-3, density=1200.0, contact_angle=1.5).density
     1200.0
@@ -249,7 +254,8 @@ class Ellipsoid:
 
 
 def disc_of_cylinder(cylinder: VerticalCylinder, liquid: Liquid, rim: str = "top") -> Disc:
-    """A flat-bottomed cylinder as a disc that is pinned at one of its rims, "top" or "bottom".
+    """The disc that represents a flat-bottomed cylinder pinned at one of its rims, "top" or
+    "bottom".
 
     Load and stability follow from its weight, and from the volume below that rim. [keller1998].
 

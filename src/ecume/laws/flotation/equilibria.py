@@ -69,7 +69,7 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
     """The equilibrium of a body by the theory "nonlinear", "closed-form" or "linear". Raises
     FloaterSinks without one.
 
-    The formulas stand with the bodies: `nonlinear_balance` and its fellows for spheres, `disc_floating`,
+    The formulas are in `nonlinear_balance` and other balances for spheres, `disc_floating`,
     `cylinder_floating`, `lying_floating`, `ellipsoid_floating`, `bubble_floating`. [vella2005, keller1998].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
@@ -84,7 +84,7 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
         raise BadInput(f"got {body!r}; expected a floating body: {', '.join(kind.__name__ for kind in FLOATING)}")
     found, length = FLOATING[type(body)](body, liquid, theory), liquid.capillary_length
     if not 0.0 <= found.filling_angle <= math.pi:
-        # Only nonlinear slopes know that they end; what the others take for one may lie where there is no body.
+        # The linear theories do not limit slopes, so that the contact line may be beyond the body.
         beyond, outcome, cure = ("top", "sinks", "lighter") if found.slope_angle > 0.0 else LEAVES
         raise FloaterSinks(
             f"by the {theory} theory the contact line would lie beyond the {beyond} of this {type(body).__name__}: it "
@@ -101,7 +101,8 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
 
 
 def capillary_charge(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Length:
-    """A: the surface far from the body is -A K0(r/L); positive for a heavy one, negative for a light one.
+    """Capillary charge A: the surface far from the body is -A K0(r/L); positive for a heavy one, negative for a light
+    one.
 
     Like charges attract, unlike repel. Theories: "nonlinear", "closed-form" (spheres: within 0.1 % at B = 0.1),
     "linear" (R B Sigma). Raises FloaterSinks. [vella2005].
@@ -112,13 +113,13 @@ def capillary_charge(body: Body, liquid: Liquid, theory: str = "nonlinear") -> L
     """
     if isinstance(body, Sphere):
         charge = chosen(CHARGES, theory, "theory of flotation")
-        equilibrium(body, liquid)  # raises FloaterSinks, which linear theories do not know
+        equilibrium(body, liquid)  # raises FloaterSinks, which linear theories never do
         return body.radius * charge(*sphere_numbers(body, liquid))
     return equilibrium(body, liquid, theory).charge
 
 
 def sphere_numbers(sphere: Sphere, liquid: Liquid) -> tuple[float, float, float]:
-    """Bond number, density ratio and contact angle; refused where they describe no floater."""
+    """Bond number, density ratio and contact angle. Raises BadInput for bodies that cannot float."""
     numbers = bond_number(sphere, liquid), density_ratio(sphere, liquid), sphere.contact_angle
     require_numbers(*numbers)
     return numbers
@@ -147,14 +148,14 @@ FLOATING: dict[type, Callable[[Any, Liquid, str], Floating]] = {
 
 
 POINT = 0.01
-"""Share of the radius that a contact line has at least in the linear theories, where K0 would have no bound."""
+"""The least radius of a contact line in the linear theories, over the body's radius: K0 diverges at zero."""
 
 
 def pair_energy(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "nonlinear") -> Energies:
     """Energy of two floating bodies whose centers are `distance` apart, zero when far; negative for like charges.
 
-    E = -2 pi gamma A_a A_b K0(l/L); the law that runs compile is `capillarity.pair_energy`, where its validity
-    stands. [nicolson1949].
+    E = -2 pi gamma A_a A_b K0(l/L); the compiled law is `capillarity.pair_energy`, which states the validity.
+    [nicolson1949].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> ball = Sphere(1e-3, 1300.0, 1.5708)
@@ -171,7 +172,7 @@ def pair_energy(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theor
 def pair_force(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "nonlinear") -> Forces:
     """Force between two floating bodies; positive repels, so that like charges give a negative one.
 
-    F = -(2 pi gamma/L) A_a A_b K1(l/L); the law that runs compile is `capillarity.pair_force`. [nicolson1949].
+    F = -(2 pi gamma/L) A_a A_b K1(l/L); the compiled law is `capillarity.pair_force`. [nicolson1949].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> heavy, light = Sphere(1e-3, 1300.0, 1.5708), Sphere(1e-3, 100.0, 1.5708)
@@ -187,12 +188,13 @@ def pair_force(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory
 
 
 def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: str = "nonlinear") -> Lengths:
-    """Height of the surface around one floating sphere, at a distance from its axis; negative around a heavy one.
+    """Height of the surface around a single floating sphere, at a distance from its axis; negative
+    around a heavy one.
 
     "closed-form" and "linear": h = -A K0(r/L), the contact line at R sin(theta) (R/100 at least). "nonlinear": the
-    Young–Laplace profile, interpolated to 1e-7 of the charge (1e-2 at an upright neck). Inside the contact line
-    there is no surface: the height of the contact line stands for it (where the meniscus overhangs, that of its
-    neck), so that a picture has no hole. [vella2005].
+    Young–Laplace profile, interpolated to 1e-7 of the charge (1e-2 at an upright neck). Inside the contact line, where
+    there is no surface, it is the height of the contact line (for an overhanging meniscus, that of its neck), so that a
+    picture has no hole. [vella2005].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> surface_height(Sphere(1e-3, 1300.0, 1.5708), 3e-3, water) < 0
@@ -211,7 +213,9 @@ def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: st
 
 
 def _profile(r: Array, bond: float, ratio: float, angle: float) -> Array:
-    """The nonlinear surface in capillary lengths, z = -b(r) K0(r), with b from the nodes and the charge beyond them."""
+    """The nonlinear surface in capillary lengths, z = -b(r) K0(r), with b interpolated from nodes; b is the charge
+    beyond them.
+    """
     from scipy.interpolate import CubicSpline
     from scipy.special import k0
 
@@ -243,17 +247,20 @@ def _strength(a: Upright, b: Upright, liquid: Liquid, theory: str) -> float:
 
 
 MODES = 80
-"""Good to 3e-3 for spheres of 90 degrees that touch, whose contact lines do, and far better otherwise."""
+"""The number of modes: accurate to 3e-3 for touching spheres of 90 degrees, whose contact lines touch, and much better
+otherwise.
+"""
 WIDEST = 100.0
 
 
 @elementwise
 @lru_cache(maxsize=1024)
 def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
-    """Force over `capillarity.pair_force` less one, of two equal spheres much smaller than L; `gap` over a diameter.
+    """Relative excess of the force over `capillarity.pair_force` for two equal spheres much smaller than L; `gap` over
+    a diameter.
 
-    Each contact line slides in the other's curved meniscus and answers its n-th mode with (n-1)/(n+1) of it. The two
-    answers are solved for together, with h = Re(A ln z + sum_n a_n z^-n) about each; the force is the residue of
+    Each contact line slides in the other's curved meniscus and responds to its n-th mode with (n-1)/(n+1) of it. Both
+    responses are solved together, with h = Re(A ln z + sum_n a_n z^-n) about each; the force is the residue of
     Blasius's integral, A c_1 - sum_n n (n+1) a_n c_(n+1), with c_n the regular coefficients there. At B = 0.1 the
     excess is a third larger, at B = 1 about three times as large. Derived; the limit of small bodies of
     [vassileva2005].
@@ -277,7 +284,8 @@ def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
 
 @elementwise
 def superposition_reach(contact_angle: Angle, excess: Number) -> Number:
-    """The gap, over a diameter, beyond which `superposition_excess` is below `excess`; zero if it always is.
+    """Gap, over a diameter, beyond which `superposition_excess` is below `excess`; zero if it
+    always is.
 
     [vassileva2005].
 

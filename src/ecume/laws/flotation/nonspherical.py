@@ -1,13 +1,13 @@
 """Equilibria of floating bodies that are not spheres: discs, cylinders, ellipsoids and bubbles.
 
-Lengths are in L, and weights in gamma L: of pinned discs and standing cylinders, which have upright sides and sharp
-rims, and of ellipsoids with one axis upright, by their mean contact line. Long cylinders that lie in the surface are
-two-dimensional, where everything is exact; their weights are in gamma.
+Lengths are in L, and weights in gamma L. Discs are pinned and standing cylinders have upright sides and sharp rims;
+ellipsoids have one axis upright and a mean contact line. Long cylinders that lie in the surface are two-dimensional,
+where everything is exact; their weights are in gamma.
 
-A gas bubble that floats under the surface, with its own shape: a film on top, a drop of gas below. Lengths in L. The
-film, thin and with two surfaces, is a spherical cap of radius 4/P under the bubble's pressure P. Below its rim the
-gas meets the liquid: d(phi)/ds = P + z - sin(phi)/r from the lowest point up. Outside the surface leaves the rim. All
-three meet in one direction, since the film pulls with twice the tension of each of the others [princen1963].
+A gas bubble below the surface has a thin film with two surfaces on top: a spherical cap of radius 4/P at the bubble's
+pressure P. Below its rim the gas meets the liquid: d(phi)/ds = P + z - sin(phi)/r from the lowest point up. The outer
+surface begins at the rim. All three meet in one direction, since the film pulls with twice the tension of each of the
+others [princen1963].
 """
 
 from __future__ import annotations
@@ -36,11 +36,12 @@ from ecume.units import Angle, Array, Force, Length, Lengths, Number, Real, Unit
 WIDEST = 600.0
 """The largest radius of a rim in capillary lengths; K0 and K1, which fall as exp(-r), underflow beyond."""
 UPRIGHT = 0.5 * math.pi
-"""The filling angle of a line at a rim or on an upright side."""
+"""The filling angle of a contact line at a rim or on an upright side."""
 
 
 def disc_charge(radius: Number, load: Number) -> Number:
-    """A = W/(2 pi a K1(a) + pi a^2 K0(a)): the charge of a pinned disc, small slopes; lengths in L, loads in gamma L.
+    """Charge of a pinned disc for small slopes, A = W/(2 pi a K1(a) + pi a^2 K0(a)); lengths in L,
+    loads in gamma L.
 
     Derived: the balance of [keller1998] on the linear meniscus -A K0(r).
 
@@ -51,7 +52,8 @@ def disc_charge(radius: Number, load: Number) -> Number:
 
 
 def disc_floating(disc: Disc, liquid: Liquid, theory: str) -> Floating:
-    """A pinned disc: W = 2 pi gamma r sin(psi) + rho g pi r^2 |z_c|. Its linear theory is closed, with its heave.
+    """Equilibrium of a pinned disc: W = 2 pi gamma r sin(psi) + rho g pi r^2 |z_c|. The linear theory includes the
+    heave and has a closed form.
 
     [keller1998].
     """
@@ -64,8 +66,8 @@ def disc_floating(disc: Disc, liquid: Liquid, theory: str) -> Floating:
 
 
 def cylinder_floating(cylinder: VerticalCylinder, liquid: Liquid, theory: str) -> Floating:
-    """A standing cylinder: psi = theta - 90 degrees on its side; pinned at the upper rim up to psi = theta, at the
-    lower one down to psi = theta - 180 degrees, as Gibbs says of edges. [keller1998].
+    """Equilibrium of a standing cylinder: psi = theta - 90 degrees on its side; pinned at the upper rim up to psi =
+    theta, at the lower one down to psi = theta - 180 degrees, by Gibbs's condition at edges. [keller1998].
     """
     length, angle = liquid.capillary_length, cylinder.contact_angle
     radius, height = cylinder.radius / length, cylinder.height / length
@@ -73,7 +75,7 @@ def cylinder_floating(cylinder: VerticalCylinder, liquid: Liquid, theory: str) -
     weight = base * height * (cylinder.density - liquid.gas_density) / liquid.density_difference
     line, charge = _side_surface(radius, side, theory)
     sine = math.sin(side) if theory == "nonlinear" else side
-    # Where the bottom lies when the line is on the side: what tension does not carry is buoyancy.
+    # The height of the bottom with the contact line on the side: buoyancy carries the rest of the weight.
     bottom = (2.0 * math.pi * radius * sine - weight) / base
     if line - height <= bottom <= line:
         return Floating(side, UPRIGHT, radius, line, bottom + 0.5 * height, charge)
@@ -125,7 +127,7 @@ def _side_surface(radius: float, slope: float, theory: str) -> tuple[float, floa
 
 
 def greatest_rim_load(radius: Length, liquid: Liquid, steepest: Angle = STEEPEST) -> Force:
-    """The greatest load that a pinned round rim carries with slopes up to `steepest`. [keller1998].
+    """Greatest load that a pinned round rim carries at slopes up to `steepest`. [keller1998].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> 2.0 * math.pi * 0.072 * 1e-3 < greatest_rim_load(1e-3, water) < 8e-4
@@ -173,8 +175,8 @@ class Spheroid(NamedTuple):
 
 
 def spheroid_contact(radius: Number, height: Number, contact_angle: Angle, slope_angle: Angle) -> Contact:
-    """The contact line of a spheroid with semi-axes a (horizontal) and c (upright), where its slope is alpha = pi -
-    theta + psi.
+    """Contact line of a spheroid with semi-axes a (horizontal) and c (upright), where its slope is alpha = pi - theta +
+    psi.
 
     r = a sin(t), z = -c cos(t), tan(alpha) = (c/a) tan(t). Lengths in L.
     """
@@ -193,7 +195,7 @@ def spheroid_contact(radius: Number, height: Number, contact_angle: Angle, slope
 
 
 def ellipsoid_floating(ellipsoid: Ellipsoid, liquid: Liquid, theory: str) -> Floating:
-    """An ellipsoid, in the three theories of spheres. [vella2005]."""
+    """Equilibrium of an ellipsoid, in the three theories of spheres. [vella2005]."""
     length = liquid.capillary_length
     along, across, upright = (axis / length for axis in ellipsoid.semi_axes)
     ratio = (ellipsoid.density - liquid.gas_density) / liquid.density_difference
@@ -202,7 +204,9 @@ def ellipsoid_floating(ellipsoid: Ellipsoid, liquid: Liquid, theory: str) -> Flo
 
 
 def linear_spheroid(spheroid: Spheroid) -> Floating:
-    """Small slopes, a small body: A = (W - V)/2 pi, and A/r is the slope at the contact line. [vella2005]."""
+    """Equilibrium of a small spheroid with small slopes: A = (W - V)/2 pi, and A/r is the slope at the contact line.
+    [vella2005].
+    """
     contact = _at(spheroid, 0.0)
     charge = _free_charge(spheroid, contact)
     slope = charge / contact.radius
@@ -211,8 +215,8 @@ def linear_spheroid(spheroid: Spheroid) -> Floating:
 
 
 def closed_form_spheroid(spheroid: Spheroid) -> Floating:
-    """Small slopes, heave and filling kept: r z' [1 + V'/(2 pi r) + r K0/(2 K1)] = (W - V)/2 pi. See
-    `closed_form_charge`. [vella2005].
+    """Equilibrium with small slopes, but with heave and filling: r z' [1 + V'/(2 pi r) + r K0/(2 K1)] = (W - V)/2 pi.
+    See `closed_form_charge`. [vella2005].
     """
     contact = _at(spheroid, 0.0)
     radius, k0, k1 = contact.radius, bessel_k0(contact.radius), bessel_k1(contact.radius)
@@ -222,7 +226,7 @@ def closed_form_spheroid(spheroid: Spheroid) -> Floating:
 
 
 def nonlinear_spheroid(spheroid: Spheroid) -> Floating:
-    """The equilibrium with the full meniscus and the full balance. Raises FloaterSinks without one. [keller1998]."""
+    """Equilibrium with the full meniscus and the full balance. Raises FloaterSinks without one. [keller1998]."""
     neutral = _at(spheroid, 0.0).volume / spheroid.volume
     if spheroid.density_ratio == neutral:
         return _floating(spheroid, 0.0, 0.0, 0.0)
@@ -236,7 +240,7 @@ def nonlinear_spheroid(spheroid: Spheroid) -> Floating:
 
 
 def _load(spheroid: Spheroid) -> Callable[[float], Load]:
-    """Slope angle to the density ratio that it carries."""
+    """The density ratio carried at a slope angle, as a function."""
     return lambda psi: round_load(_at(spheroid, psi), psi, spheroid.volume)
 
 
@@ -251,7 +255,7 @@ def _guess(spheroid: Spheroid, limit: float) -> float:
 
 
 def _free_charge(spheroid: Spheroid, contact: Contact) -> float:
-    """The load that a flat surface leaves unbalanced, over 2 pi."""
+    """The load that is unbalanced at a flat surface, over 2 pi."""
     if contact.radius < 1e-12:
         raise BadInput(
             "the linear theories have no slope at a contact angle of 0 or 180 degrees; use the nonlinear theory"
@@ -288,7 +292,7 @@ LineForces = Annotated[Real, Unit("N/m")]
 
 
 def lying_load(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
-    """The density ratio that floats with this slope angle, for a cylinder of radius R in L.
+    """Density ratio of a lying cylinder that floats with this slope angle, for a radius R in L.
 
     pi B D = 2 sin(psi) + B [phi - sin(phi) cos(phi) - 2 (z_c/R) sin(phi)], phi = pi - theta + psi, z_c = -2 sin(psi/2).
     [keller1998, vella2005].
@@ -300,7 +304,7 @@ def lying_load(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Load
     change = 2.0 * math.cos(slope_angle) + 2.0 * (radius * sine) ** 2
     change += 2.0 * radius * (sine * deepening - cosine * height)
     unit = math.pi * radius**2
-    # From the axis: what a neighbor far away sees.
+    # The amplitude relative to the axis, which determines the force on distant neighbors.
     amplitude = -sloping_amplitude(slope_angle) * math.exp(radius * sine)
     surface = OuterMeniscus(height, amplitude, -deepening, np.empty(0), np.empty(0))
     return Load(slope_angle, carried / unit, change / unit, surface)
@@ -309,8 +313,8 @@ def lying_load(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Load
 def lying_floating(lying: HorizontalCylinder, liquid: Liquid, theory: str) -> Floating:
     """The equilibrium of a lying cylinder.
 
-    "linear": psi = (B/2) (pi D - pi + theta - sin(2 theta)/2); "closed-form" keeps its heave and filling, which count
-    as sqrt(B). [vella2005].
+    "linear": psi = (B/2) (pi D - pi + theta - sin(2 theta)/2); "closed-form" includes heave and filling, corrections of
+    order sqrt(B). [vella2005].
     """
     radius = lying.radius / liquid.capillary_length
     ratio = (lying.density - liquid.gas_density) / liquid.density_difference
@@ -322,13 +326,17 @@ def lying_floating(lying: HorizontalCylinder, liquid: Liquid, theory: str) -> Fl
 
 
 def linear_lying(radius: Number, density_ratio: Number, contact_angle: Angle) -> Load:
-    """Small slopes, a thin cylinder: psi = (B/2) (pi D - pi + theta - sin(2 theta)/2), A = psi. [vella2005]."""
+    """Equilibrium of a thin lying cylinder with small slopes: psi = (B/2) (pi D - pi + theta - sin(2 theta)/2), A =
+    psi. [vella2005].
+    """
     psi = _free_slope(radius, density_ratio, contact_angle)
     return Load(psi, density_ratio, 1.0, OuterMeniscus(-psi, psi, -1.0, np.empty(0), np.empty(0)))
 
 
 def closed_form_lying(radius: Number, density_ratio: Number, contact_angle: Angle) -> Load:
-    """`linear_lying` over 1 + sqrt(B) sin(theta) + B sin(theta)^2: heave and filling kept. [vella2005]."""
+    """Equilibrium with small slopes, but with heave and filling: `linear_lying` over 1 + sqrt(B) sin(theta) + B
+    sin(theta)^2. [vella2005].
+    """
     a = radius * math.sin(contact_angle)
     psi = _free_slope(radius, density_ratio, contact_angle) / (1.0 + a + a * a)
     amplitude = psi * math.exp(a)
@@ -336,7 +344,7 @@ def closed_form_lying(radius: Number, density_ratio: Number, contact_angle: Angl
 
 
 def nonlinear_lying(radius: Number, density_ratio: Number, contact_angle: Angle) -> Load:
-    """The exact plane surface and the full balance; raises FloaterSinks. [keller1998]."""
+    """Equilibrium with the exact plane surface and the full balance; raises FloaterSinks. [keller1998]."""
     neutral = 1.0 - (contact_angle - 0.5 * math.sin(2.0 * contact_angle)) / math.pi
     heavy = density_ratio > neutral
     limit = contact_angle if heavy else contact_angle - math.pi
@@ -394,40 +402,42 @@ LYING: dict[str, Callable[[float, float, float], Load]] = {
 
 
 LARGEST = 2.0
-"""The largest radius of a bubble in L for which shooting is tried; larger ones are domes with unstable films."""
+"""The largest radius of a bubble in L for the shooting method; larger ones are domes with unstable films."""
 SMALLEST_SHOT = 0.01
 """The radius of a bubble in L below which the limit of small bubbles is accurate to 1e-8, while shooting is not."""
 CORE = 1e-4
-"""The lowest part of the bubble, over its radius, that is a sphere's."""
+"""The lowest part of the bubble, over its radius, that is approximated by a sphere."""
 TOLERANCE = 1e-12
 GROWTH = 1.5
 
 
 class Shape(NamedTuple):
-    """The shape of a bubble: the rim of its film, and the surfaces below and above."""
+    """The shape of a bubble: the rim of its film, and the surfaces below and above it."""
 
     rim_angle: float
     rim_radius: float
     rim_height: float
     volume: float
-    """all of it"""
+    """the whole volume"""
     moment: float
     """volume times the height of its centroid"""
     lifted: float
-    """the volume below the level of the rim"""
+    """volume below the level of the rim"""
 
 
 def bubble_floating(bubble: Bubble, liquid: Liquid, theory: str) -> Floating:
-    """A bubble. "linear" and "closed-form": a small one, A = -(2/3) R B, whose film has the radius (2/sqrt 3) R^2/L.
+    """Equilibrium of a bubble. "linear" and "closed-form": a small sphere, A = -(2/3) R B, whose film has the radius
+    (2/sqrt 3) R^2/L.
 
-    "nonlinear": its own shape and the full meniscus. [nicolson1949, princen1963].
+    "nonlinear": the deformed bubble and the full meniscus. [nicolson1949, princen1963].
     """
     radius = bubble.radius / liquid.capillary_length
     return nonlinear_bubble(radius) if theory == "nonlinear" else linear_bubble(radius)
 
 
 def linear_bubble(radius: Number) -> Floating:
-    """A small sphere of gas: lift (4/3) pi R^3 = 2 pi r_f sin(beta), sin(beta) = r_f/2R; radius in L. [nicolson1949].
+    """Equilibrium of a small spherical bubble: lift (4/3) pi R^3 = 2 pi r_f sin(beta), sin(beta) = r_f/2R; radius in L.
+    [nicolson1949].
 
     >>> round(linear_bubble(0.1).charge, 9)
     -0.000666667
@@ -440,7 +450,8 @@ def linear_bubble(radius: Number) -> Floating:
 
 @lru_cache(maxsize=256)
 def nonlinear_bubble(radius: Number) -> Floating:
-    """The bubble of a given volume, (4/3) pi R^3, R in L: shot from its lowest point. [princen1963].
+    """Equilibrium of a bubble with the volume (4/3) pi R^3, R in L, by shooting from its lowest
+    point. [princen1963].
 
     >>> round(nonlinear_bubble(1.0).charge / linear_bubble(1.0).charge, 3)
     1.067
@@ -459,7 +470,7 @@ def nonlinear_bubble(radius: Number) -> Floating:
 
 @lru_cache(maxsize=256)
 def _found(radius: float) -> tuple[float, float]:
-    """Pressure and depth of the lowest point; larger bubbles from smaller ones."""
+    """Pressure and depth of the lowest point, by continuation from smaller bubbles."""
     from scipy.optimize import root
 
     guess = (2.0 / radius + radius, 2.0 * radius) if radius < 0.15 else _carried_on(radius)
@@ -478,7 +489,7 @@ def _found(radius: float) -> tuple[float, float]:
 
 
 def _carried_on(radius: float) -> tuple[float, float]:
-    """A guess from a smaller bubble, with the same depth over radius and curvature of the lowest point times radius."""
+    """A guess from a smaller bubble: equal depth over radius, and equal curvature of the lowest point times radius."""
     smaller = radius / GROWTH
     pressure, depth = _found(smaller)
     deeper = depth * GROWTH
@@ -492,12 +503,12 @@ def _shape(pressure: float, depth: float) -> Shape:
     film, beta = 4.0 / pressure, math.pi - phi
     rise = film * (1.0 - math.cos(beta))
     cap = math.pi * rise**2 * (film - rise / 3.0)
-    over = math.pi * rise**3 * (film / 3.0 - rise / 12.0)  # the cap's moment, from its base
+    over = math.pi * rise**3 * (film / 3.0 - rise / 12.0)  # the moment of the cap about its base
     return Shape(beta, r, z, volume + cap, moment + cap * z + over, volume)
 
 
 def _shot(pressure: float, depth: float) -> Any:
-    """r, z, phi, volume and its moment along the arc."""
+    """The curve r, z, phi, and the volume with its moment, along the arc."""
     from scipy.integrate import solve_ivp
 
     curvature = 0.5 * (pressure - depth)

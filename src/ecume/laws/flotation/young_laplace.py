@@ -4,8 +4,8 @@ body.
 Lengths are in L. The surface beside a straight line is two-dimensional, and exact.
 
 In lengths of L, with s the arc length, psi the surface's slope angle, z its height: dr/ds = cos psi, dz/ds = sin psi,
-dpsi/ds = z - sin(psi)/r [vella2005]. Two changes of variables make the problem gentle. With psi = a K1(r) and z = -b
-K0(r) a shallow meniscus has constant a = b, so only what is nonlinear is left to resolve; far away both are the
+dpsi/ds = z - sin(psi)/r [vella2005]. Two changes of variables make the problem smooth. With psi = a K1(r) and z = -b
+K0(r) a shallow meniscus has constant a = b, so only the nonlinear part has to be resolved; far away both are the
 capillary charge. And q = r + ln r grows as cos psi along tau, where ds = r/(1+r) dtau, so one unit of tau is a factor
 e in r near the body and one L far away. Chebyshev collocation in tau then gives ten digits with 40 nodes, and
 Newton's method converges from the linear solution, past the vertical too.
@@ -34,9 +34,11 @@ def sloping_height(slope_angle: Angle) -> Number:
 
 
 def sloping_amplitude(slope_angle: Angle) -> Number:
-    """The amplitude of exp(-x) far from a straight contact line, with x from that line; signed as the height is.
+    """Amplitude of exp(-x) far from a straight contact line, with x from that line and the sign of
+    the height.
 
-    4 exp(-2 - u + 2 tanh u) with u = arccosh(2/|z|); holds past the vertical, where x at first falls. Derived from
+    4 exp(-2 - u + 2 tanh u) with u = arccosh(2/|z|); valid also beyond the vertical, where x first decreases. Derived
+    from
     [landau1987, par. 61].
 
     >>> round(sloping_amplitude(-math.pi / 2), 12)
@@ -55,7 +57,7 @@ REACH = 13.0
 below 1e-12.
 """
 ROOM = 1.0
-"""Further length in tau, for the part that a steep meniscus spends climbing."""
+"""Additional length in tau, for the climb of a steep meniscus."""
 NUDGE = 1e-7
 CLOSE = 1e-7
 """The last correction of Newton's method at convergence; since errors are squared, the remaining
@@ -63,7 +65,7 @@ error is negligible.
 """
 TURNS = 25
 STEEPEST = 2.8
-"""The largest slope angle (160 degrees) for which Newton's method converges; floaters sink before."""
+"""The largest slope angle (160 degrees) for which Newton's method converges; floats sink at smaller ones."""
 
 
 class OuterMeniscus(NamedTuple):
@@ -89,7 +91,7 @@ def _collocation(nodes: int) -> tuple[Array, Array]:
 
 
 def _growth(unknowns: Array, scale: float) -> Array:
-    """d(a, b, q)/dtau, with a and b in units of `scale`."""
+    """The derivative d(a, b, q)/dtau, with a and b in units of `scale`."""
     from scipy.special import k0e, k1e, wrightomega
 
     a, b, q = unknowns
@@ -107,8 +109,8 @@ def _growth(unknowns: Array, scale: float) -> Array:
 
 
 def _linearized(unknowns: Array, scale: float, half: float) -> tuple[Array, Array]:
-    """The collocated equations' residual, and their Jacobian; `_growth` acts point by point, so three nudges are
-    enough.
+    """The residual of the collocated equations, and their Jacobian. `_growth` acts point by point, so that three finite
+    differences suffice.
     """
     n = unknowns.shape[1]
     at = np.arange(n)
@@ -124,7 +126,7 @@ def _linearized(unknowns: Array, scale: float, half: float) -> tuple[Array, Arra
         jacobian[j, :, j, :] = derivative
         for i in range(3):
             jacobian[i, at, j, at] -= half * change[i]
-    # The ends: a and q as given at the contact line, a = b in the tail.
+    # Boundary conditions: a and q at the contact line, a = b in the tail.
     residual[0, 0] = residual[2, 0] = 0.0
     residual[1, -1] = unknowns[0, -1] - unknowns[1, -1]
     jacobian[0, 0] = jacobian[1, -1] = jacobian[2, 0] = 0.0
@@ -150,7 +152,7 @@ def _solved(jacobian: Array, right: Array) -> Array:
 
 
 def _newton(unknowns: Array, change: Array, scale: float, half: float) -> tuple[Array, Array]:
-    """The solution whose ends are those of `unknowns`, and its response to a `change` of the ends."""
+    """The solution with the end values of `unknowns`, and its response to a `change` of these values."""
     shape = unknowns.shape
     for _ in range(TURNS):
         residual, jacobian = _linearized(unknowns, scale, half)
@@ -162,8 +164,8 @@ def _newton(unknowns: Array, change: Array, scale: float, half: float) -> tuple[
 
 
 def refined(surface: OuterMeniscus, points: int = 401) -> tuple[Array, Array]:
-    """Radii and amplitudes of a meniscus at more points than it was solved at, as exact: both are polynomials in
-    tau.
+    """Radii and amplitudes of a meniscus at more points than nodes, with equal accuracy: both are
+    polynomials in tau.
     """
     from numpy.polynomial import chebyshev
     from scipy.special import wrightomega
@@ -176,7 +178,7 @@ def refined(surface: OuterMeniscus, points: int = 401) -> tuple[Array, Array]:
 
 
 def outer_meniscus(radius: Number, slope_angle: Angle, radius_change: Number = 0.0) -> OuterMeniscus:
-    """The surface outside a contact line of this radius that it leaves with this slope angle (not zero); positive
+    """Surface outside a contact line with this radius and slope angle (not zero); positive if it
     rises outward.
 
     `radius_change` is d(radius)/d(slope_angle), for the derivative of the height. Slope angles up to `STEEPEST`.
@@ -193,7 +195,7 @@ def outer_meniscus(radius: Number, slope_angle: Angle, radius_change: Number = 0
     half = 0.5 * (math.log(radius + REACH) + REACH + radius - start + ROOM)
     first = slope_angle / (radius * k1_here)
     flat = np.array([np.full_like(x, first), np.full_like(x, first), start + half * (1.0 + x)])
-    # Along the path both conditions at the contact line move: a K1(r) = psi, and q.
+    # Along the path both conditions at the contact line change: a K1(r) = psi, and q.
     change = np.zeros_like(flat)
     change[0, 0] = first * (1.0 / slope_angle + radius_change * (k0_here / k1_here + 1.0 / radius))
     change[2, 0] = radius_change * (1.0 + 1.0 / radius)

@@ -1,5 +1,4 @@
-"""Interaction of floating bodies by menisci beyond superposition: many bodies on the linearized
-surface.
+"""Capillary interaction of many floating bodies beyond superposition, on the linearized surface.
 
 `solve` gives forces, heights, tilts and energy of any number of pinned discs and spheres, in SI.
 """

@@ -2,15 +2,15 @@
 permanent ones.
 
 On the linearized surface every contact line is a circle as seen from above. Around it the height is the sum over m of
-A_m K_m(r) exp(i m phi), which goes out from the body, and C_m I_m(r) exp(i m phi), which comes from all others. With
-the ring's own values alpha_m = A_m K_m(a) and c_m = C_m I_m(a) a round body answers mode by mode, alpha_m = S_m + T_m
-c_m: S is what it does to a flat surface (its source), T its response. Lengths are in capillary lengths, forces in
+the outgoing field of the body, A_m K_m(r) exp(i m phi), and the incoming field of all others, C_m I_m(r) exp(i m phi).
+In terms of the values at the contact line, alpha_m = A_m K_m(a) and c_m = C_m I_m(a), a round body responds mode by
+mode, alpha_m = S_m + T_m c_m: S is its source, the amplitude at a flat surface, and T its response. Lengths are in
+capillary lengths, forces in
 gamma L, energies in gamma L^2. Derived for this package from the balance of each body, as in [vassileva2005].
 
 Bessel functions of all orders at once are scaled so that none overflows, whatever the order. K_m(x) grows like (m-1)!/2
-(2/x)^m and I_m(x) falls like (x/2)^m/m!. With a reference length s the ladders hold k_m = exp(x) K_m(x) (s/2)^m / m!
-and i_m = exp(-x) I_m(x) (2/s)^m m!, which are of order one where x is near s. Plain loops: compiled code calls them as
-they stand. [watson1944].
+(2/x)^m and I_m(x) decays like (x/2)^m/m!. With a reference length s the ladders contain k_m = exp(x) K_m(x) (s/2)^m /
+m! and i_m = exp(-x) I_m(x) (2/s)^m m!, which are of order one for x near s. [watson1944].
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def regular_ladder(x: Number, reference: Number, values: Array) -> None:
     """
     last = len(values) - 1
     highest = math.exp(-x) * (x / reference) ** last
-    # Where the last is no longer a number of full precision there is nothing to go down from.
+    # Downward recurrence needs a highest value that is not subnormal.
     from_top = highest > TINY and last > 1
     for m in range(last - 1 if from_top else 0, last + 1):
         term, total = 1.0, 1.0
@@ -97,7 +97,7 @@ def log_slopes(x: Number, order: int) -> tuple[Array, Array]:
 
 
 class Closure(NamedTuple):
-    """A body as its neighbors feel it."""
+    """The response of a body to the fields of others."""
 
     radius: float
     """of the contact line, in L"""
@@ -110,8 +110,8 @@ class Closure(NamedTuple):
 
 
 def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
-    """Closure of a pinned rim: the ring stays flat, and moves vertically (and tilts) until forces (and torques)
-    balance.
+    """Closure of a disc with a pinned rim: the contact line stays plane, and rises (and tilts) until forces (and
+    torques) balance.
 
     2 pi a s_0 - pi a^2 z = W;   2 pi a^2 s_1 - pi a^3 t_1/2 + 2 kappa t_1/a = 0 (t_1 = 0 when it stays level);
     alpha_m + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and lean, W: load, kappa: stability.
@@ -140,10 +140,11 @@ def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
 
 
 def sphere_closure(sphere: Sphere, liquid: Liquid, order: int) -> Closure:
-    """A contact line that slides at a constant contact angle: s_m = (alpha + c)_m / a, and no torque.
+    """Closure of a sphere, whose contact line slides at a constant contact angle: s_m = (alpha + c)_m / a, without
+    torque.
 
-    a s_0 (1 + a^2/2) - (a^2/2) (alpha_0 + c_0) = R B Sigma, with a = R sin(theta): heave and filling kept. Slopes are
-    linear, so the charge is the closed form's.
+    a s_0 (1 + a^2/2) - (a^2/2) (alpha_0 + c_0) = R B Sigma, with a = R sin(theta), with heave and filling. Slopes are
+    linear, so that the charge is that of the closed form.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> bool(abs(sphere_closure(Sphere(1e-4, 1500.0, math.pi / 2), water, 1).response[1]) < 1e-2)
@@ -169,9 +170,10 @@ def sphere_closure(sphere: Sphere, liquid: Liquid, order: int) -> Closure:
 
 
 def cylinder_closure(cylinder: VerticalCylinder, liquid: Liquid, order: int) -> Closure:
-    """An upright cylinder on whose side the contact line slides: s_0 = sin(theta - 90 degrees), s_m = 0.
+    """Closure of an upright cylinder with a contact line that slides on its side: s_0 = sin(theta - 90 degrees), s_m =
+    0.
 
-    The cylinder is held upright. It answers every wave as a wall does.
+    The cylinder is held upright. It responds to every mode as a wall does.
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> rod = VerticalCylinder(radius=1e-3, height=9e-3, density=500.0, contact_angle=1.2)
@@ -188,7 +190,7 @@ def cylinder_closure(cylinder: VerticalCylinder, liquid: Liquid, order: int) -> 
 
 @dataclass(frozen=True)
 class Undulated:
-    """A disc whose rim rises and falls around it: the height of mode m >= 2 is H cos m (phi - alpha).
+    """A disc with an undulated rim: the height of mode m >= 2 is H cos m (phi - alpha).
 
     modes: (m, H, alpha) of each; a quadrupole is m = 2, a hexapole m = 3.
 
@@ -208,7 +210,7 @@ class Undulated:
 
 
 def undulated_closure(body: Undulated, liquid: Liquid, order: int) -> Closure:
-    """A pinned rim that is not flat: alpha_m + c_m = (H/2) exp(-i m angle). Far away, two quadrupoles follow
+    """Closure of a pinned, undulated rim: alpha_m + c_m = (H/2) exp(-i m angle). Far away, two quadrupoles follow
     `contact_lines.quadrupole_energy`. Derived as in [stamou2000].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)

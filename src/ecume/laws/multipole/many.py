@@ -82,7 +82,7 @@ def echoes_of(walls: Walls, liquid: Liquid, rims: Rims, at: Array) -> Echoes:
 
 
 def _room(walls: Walls, liquid: Liquid, at: Array) -> Array:
-    """Each place's distance from the nearest wall."""
+    """The distance of each place from the nearest wall."""
     length = liquid.capillary_length
     if walls is None:
         return np.full(len(at), np.inf)
@@ -113,7 +113,7 @@ def images(walls: Walls, liquid: Liquid) -> Array:
 
 
 def outer_waves(walls: Walls, liquid: Liquid, at: Array, radius: Array, orders: int) -> NDArray[np.complex128]:
-    """The walls' own menisci around each body, as amplitudes of I_m.
+    """The menisci of the walls around each body, as amplitudes of I_m.
 
     exp(n.x) = sum of I_m(r) exp(i m (phi - phi_n)), n towards a plane wall; and I_0 around the middle of a dish is
     the sum of I_m(r_0) exp(-i m phi_0) I_m(r) exp(i m phi).
@@ -134,7 +134,7 @@ def outer_waves(walls: Walls, liquid: Liquid, at: Array, radius: Array, orders: 
 
 
 def outer_height(walls: Walls, liquid: Liquid, x: Array, y: Array) -> Array:
-    """The height (in L) that the walls alone give the surface."""
+    """The height (in L) of the menisci of the walls alone."""
     length = liquid.capillary_length
     total = np.zeros(np.shape(x))
     if isinstance(walls, Dish) and not walls.pinned:
@@ -173,13 +173,13 @@ class Solution:
     torques: Array
     """(N,) N m, about the vertical"""
     heights: Array
-    """(N,) m, of the contact line's middle over the undisturbed surface"""
+    """(N,) m, of the center of the contact line above the undisturbed surface"""
     tilts: Array
     """(N, 2) slope of the contact line's plane along x and y"""
     energy: float
-    """J; zero when there are no bodies; falls when bodies that attract come closer"""
+    """J; zero without bodies; it decreases when bodies that attract approach"""
     iterations: int
-    """0 when solved by elimination"""
+    """0 for elimination"""
     amplitudes: NDArray[np.complex128] = field(repr=False)
     """(N, order + 1) A_m K_m(a) at each contact line, in capillary lengths; a start for the next solution"""
     setting: tuple[Any, Any, Array, Liquid] = field(repr=False)
@@ -197,11 +197,12 @@ def solve(
     start: NDArray[np.complex128] | None = None,
     tolerance: float = TOLERANCE,
 ) -> Solution:
-    """Forces, torques, heights, tilts and energy of bodies on one surface, with all mutual
+    """Compute forces, torques, heights, tilts and energy of bodies on one surface, with all mutual
     interactions.
 
-    Exact on the linearized surface as the order grows: errors fall as (a/(a + gap))^order, so that order 8 is good to
-    1e-3 at a gap of 2 % of a diameter; smooth pinned rims gain faster. Slopes must stay small, also the sum of many.
+    Exact on the linearized surface in the limit of high order: errors decrease as (a/(a + gap))^order, so that order 8
+    is accurate to 1e-3 at a gap of 2 % of a diameter; flat pinned rims converge faster. Slopes must be small, including
+    the sum of many.
     `method`: "dense", "iterative" or "auto". The forces are the derivatives of the energy at any order. Bodies: `Disc`,
     `Sphere` and `VerticalCylinder` of `ecume.laws.flotation`, and `Undulated`. [vassileva2005, watson1944].
     """
@@ -240,7 +241,7 @@ class _Raft(NamedTuple):
 
 
 def _amplitudes(raft: _Raft, right: Waves, start: Waves | None, tolerance: float | None) -> tuple[Waves, int]:
-    """The amplitudes and the iterations they took; by elimination, without a tolerance. Raises BadInput."""
+    """The amplitudes and the number of iterations; by elimination, without a tolerance. Raises BadInput."""
     from ecume.laws.multipole import solving
 
     if tolerance is None:
@@ -283,7 +284,7 @@ def excess_over_superposition(body: Any, charge: float, liquid: Liquid, gap: flo
     """Excess of the attraction of two equal bodies over superposition, as a fraction of the latter.
 
     `charge` is the capillary charge (m) that superposition uses, `gap` the distance of the bodies over their diameter.
-    The surface is linearized, as in `solve`: take the charge of the closed-form theory, since nonlinear charges differ
+    The surface is linearized, as in `solve`; use the charge of the closed-form theory, since nonlinear charges differ
     also for a single body. Raises BadInput for a body without charge.
 
     >>> from ecume.laws.flotation import Liquid, Sphere, capillary_charge
@@ -302,7 +303,7 @@ def excess_over_superposition(body: Any, charge: float, liquid: Liquid, gap: flo
 
 
 def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
-    """Height of the surface (m) at points; inside a contact line, of the plane through it."""
+    """Height of the surface (m) at points; inside a contact line, that of the plane through it."""
     from ecume.laws.multipole.solving import echo_heights
 
     rims, walls, at, liquid = solution.setting
@@ -336,7 +337,7 @@ def _waves_of(amplitudes: Waves, radius: float, dx: Array, dy: Array) -> Array:
 
 
 def chosen_method(method: str, unknowns: int) -> bool:
-    """Whether to eliminate."""
+    """Whether the system is solved by elimination."""
     if method not in ("auto", "dense", "iterative"):
         raise BadInput(f"got method {method!r}; expected auto, dense or iterative")
     return method == "dense" or (method == "auto" and unknowns <= DENSE)
@@ -363,7 +364,7 @@ def _whole(order: int) -> int:
 
 
 def _require_apart(at: Array, radius: Array, length: float) -> None:
-    """Bodies may touch, and no more."""
+    """Raise BadInput if bodies overlap; they may touch."""
     for i in range(len(at) - 1):
         gaps = np.hypot(*(at[i + 1 :] - at[i]).T) - radius[i] - radius[i + 1 :]
         worst = int(np.argmin(gaps))

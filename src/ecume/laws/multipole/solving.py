@@ -1,20 +1,20 @@
 """The coupled equations of the multipole amplitudes of bodies and walls, and their solution.
 
-What bodies send to one another: multipoles of one, seen around another, by Graf's addition theorem [watson1944].
-K_m(r_j) exp(i m phi_j) = sum over n of (-1)^n K_{m-n}(d) exp(i (m-n) beta) I_n(r_i) exp(i n phi_i), with (d, beta)
-the place of i as seen from j. In the frame of the pair real and imaginary parts part, and all is real. Amplitudes are
-rings' values, alpha_m = A_m K_m(a) and c_m = C_m I_m(a), m >= 0 (-m has the conjugate): matrices are then of one
-size, and the exponentials of the scaled functions combine to exp(-gap). Mirror images in plane walls are further
-sources. Positions are in capillary lengths. Compiled.
+Fields of bodies: the multipoles of one body are expanded around another by Graf's addition theorem [watson1944].
+K_m(r_j) exp(i m phi_j) = sum over n of (-1)^n K_{m-n}(d) exp(i (m-n) beta) I_n(r_i) exp(i n phi_i), with (d, beta) the
+position of i relative to j. In the frame of the pair real and imaginary parts separate, and the coefficients are real.
+Amplitudes are values at the contact lines, alpha_m = A_m K_m(a) and c_m = C_m I_m(a), m >= 0 (-m has the conjugate):
+coefficients are then of equal magnitude, and the exponentials of the scaled functions combine to exp(-gap). Mirror
+images in plane walls are further sources. Positions are in capillary lengths.
 
-What walls send back: mirror images in plane walls, and a round dish's answer to every wave from its middle. What
-bodies send out is seen from the middle of a round dish as waves K_p exp(i p theta); the wall answers with I_p, by
--K_p'/I_p' where it keeps the contact angle and -K_p/I_p where it holds the surface [watson1944]. Compiled.
+Fields of walls: mirror images in plane walls, and the reflection by a round dish. The field of the bodies, expanded
+around the center of the dish as K_p exp(i p theta), is reflected as I_p, with the factor -K_p'/I_p' if the wall keeps
+the contact angle and -K_p/I_p if it pins the contact line [watson1944].
 
-Amplitudes that answer one another: alpha = S + T c(alpha), by elimination for few bodies, by GMRES for many. A body's
-answer to itself is in T already, so that the system is 1 - (what comes from others): GMRES [saad1986] needs few turns
-unless rims nearly touch, and fewer from the solution of the step before. It ends on the true residual, so that a
-solution that is solved again is left as it is, to the bit.
+The amplitudes, alpha = S + T c(alpha), are solved for by elimination for few bodies, by GMRES for many. The response of
+a body to itself is in T, so that the matrix is 1 minus the coupling to others: GMRES [saad1986] needs few iterations
+unless rims nearly touch, and fewer from the solution of the previous step. Its criterion is the true residual, so that
+a converged solution does not change, to the bit.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ _jit.admit(special, closures)
 Waves = NDArray[np.complex128]
 """(N, order + 1) amplitudes."""
 NEGLIGIBLE = math.log(1e-17)
-"""Pairs of orders whose product is below this fraction are ignored, the same for both of a pair of bodies."""
+"""Pairs of orders whose product is below this fraction (as a logarithm) are ignored, equally for
+both bodies of a pair.
+"""
 
 
 class Rims(NamedTuple):
@@ -49,9 +51,9 @@ class Rims(NamedTuple):
     """(N, order + 1)"""
     source: Waves
     regular: Array
-    """(N, order + 2) ladder of I at the ring"""
+    """(N, order + 2) ladder of I at the contact line"""
     inverse: Array
-    """(N, order + 1) one over the ladder of K at the ring"""
+    """(N, order + 1) one over the ladder of K at the contact line"""
     straight: Array
     """(order + 2, order + 1) (n + m)!/(n! m!)"""
     crossed: Array
@@ -59,11 +61,13 @@ class Rims(NamedTuple):
     reference: float
     """s"""
     range: float
-    """gaps farther than this are not felt"""
+    """gaps above which interactions are ignored"""
 
 
 def make_rims(closures: list[Closure], reach: float, number: NDArray[np.int64] | None = None) -> Rims:
-    """Stack the closures of all bodies, all of one order; `number`: that of each body, when many have the same."""
+    """Stack the closures of all bodies, all of one order; `number` is the closure of each body, if several have the
+    same.
+    """
     radius = np.array([closure.radius for closure in closures])
     chosen = np.arange(len(radius)) if number is None else np.asarray(number)
     order = len(closures[0].response) - 1
@@ -94,7 +98,7 @@ def make_rims(closures: list[Closure], reach: float, number: NDArray[np.int64] |
 def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scratch: Array, waves: Waves) -> None:
     """Add to `waves` (of body i) the field of the body j at place = (x_i - x_j, y_i - y_j).
 
-    `turned` are the amplitudes of j (scratch: they are turned into the frame of the pair).
+    `turned` are the amplitudes of j; they are overwritten by those in the frame of the pair.
     """
     i, j = pair
     x, y = place[0], place[1]
@@ -103,7 +107,7 @@ def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scra
     if gap > rims.range:
         return
     orders, received = len(turned), len(waves)
-    # Zero, too, where the gap is that of rounding: then no order is negligible.
+    # Zero also for a gap within rounding: then no order is negligible.
     falls = math.log((rims.radius[i] + rims.radius[j]) / distance)
     most = int(NEGLIGIBLE / falls) if falls < 0.0 else 2 * orders
     most = max(4, min(most, 2 * orders))
@@ -139,7 +143,7 @@ def sent(amplitudes: Waves, mirror: Array, turned: Waves) -> None:
 
 @compiled
 def receive_all(rims: Rims, mirrors: Array, position: Array, amplitudes: Waves, waves: Waves) -> None:
-    """Fill waves (N, order + 1 or order + 2) with the field at each body of all others and of all images."""
+    """Fill waves (N, order + 1 or order + 2) with the field of all other bodies and of all images at each body."""
     count, orders = amplitudes.shape
     turned, scratch, place = np.zeros(orders, np.complex128), np.zeros(2 * orders + 3), np.zeros(2)
     waves[:] = 0.0
@@ -157,8 +161,8 @@ def receive_all(rims: Rims, mirrors: Array, position: Array, amplitudes: Waves, 
 
 @compiled
 def forces(rims: Rims, amplitudes: Waves, waves: Waves, force: Array) -> None:
-    """F_x + i F_y = 2 pi sum over m of A_m C_{-m-1}, m from -order to order, in gamma L: exact, from the contour
-    integral of the surface's stress around a body. `waves` has order + 2 columns.
+    """Set the forces F_x + i F_y = 2 pi sum over m of A_m C_{-m-1}, m from -order to order, in gamma L: exact, from the
+    contour integral of the stress of the surface around a body. `waves` has order + 2 columns.
     """
     orders = amplitudes.shape[1]
     inverse, regular = rims.inverse, rims.regular
@@ -171,13 +175,15 @@ def forces(rims: Rims, amplitudes: Waves, waves: Waves, force: Array) -> None:
         for m in range(1, orders):
             share = inverse[i, m] / regular[i, m - 1] * 0.5 * rims.reference / m
             total += share * amplitudes[i, m].conjugate() * waves[i, m - 1]
-        # The ladders hold exp(a) K and exp(-a) I: their product is as it stands.
+        # The factors exp(a) of K and exp(-a) of I in the ladders cancel in their product.
         force[i, 0], force[i, 1] = 2.0 * math.pi * total.real, 2.0 * math.pi * total.imag
 
 
 @compiled
 def torques(rims: Rims, amplitudes: Waves, waves: Waves, torque: Array) -> None:
-    """About the vertical axis, in gamma L^2: 4 pi sum over m of m Im(A_m C_m*); none on a round body without source."""
+    """Set the torques about the vertical axis, in gamma L^2: 4 pi sum over m of m Im(A_m C_m*); zero for round bodies
+    without a source.
+    """
     for i in range(len(torque)):
         total = 0.0
         for m in range(1, amplitudes.shape[1]):
@@ -188,8 +194,7 @@ def torques(rims: Rims, amplitudes: Waves, waves: Waves, torque: Array) -> None:
 
 @compiled
 def energy(rims: Rims, amplitudes: Waves, waves: Waves, outer: Waves) -> float:
-    """-pi sum over i and m of Re(S_m* C_m + A_m* C_m^outer): the energy of interaction of the
-    bodies.
+    """Energy of interaction of the bodies, -pi sum over i and m of Re(S_m* C_m + A_m* C_m^outer).
 
     m from -order to order. `outer` is the part of the waves that comes from the walls' own menisci.
     """
@@ -203,18 +208,18 @@ def energy(rims: Rims, amplitudes: Waves, waves: Waves, outer: Waves) -> float:
 
 
 FAINT = math.log(1e-16)
-"""Orders whose part is smaller are not felt."""
+"""Orders whose contribution is below this fraction (as a logarithm) are ignored."""
 
 
 class Echoes(NamedTuple):
     """Plane walls as mirrors, and a round wall; in capillary lengths."""
 
     mirrors: Array
-    """(T, 5): x' = m_0 x + m_1, y' = m_2 y + m_3, height times m_4; the first is no mirror"""
+    """(T, 5): x' = m_0 x + m_1, y' = m_2 y + m_3, height times m_4; the first is the identity"""
     brim: float
-    """the round wall's radius"""
+    """the radius of the round wall"""
     answer: Array
-    """(P + 1,) of the round wall, over p!^2 (2/brim)^(2p) exp(-2 brim); empty without one"""
+    """(P + 1,) reflection coefficients of the round wall, over p!^2 (2/brim)^(2p) exp(-2 brim); empty without one"""
     near: Array
     """(P + 1, order + 2) p!/(|p - m|! m!) (brim/2)^(|p - m| - p) (s/2)^m"""
     far: Array
@@ -225,13 +230,13 @@ NO_MIRROR = ((1.0, 0.0, 1.0, 0.0, 1.0),)
 
 
 def make_echoes(mirrors: Array, orders: int, reference: float) -> Echoes:
-    """Mirrors alone."""
+    """The reflections by plane walls."""
     none = np.zeros((0, orders + 1))
     return Echoes(mirrors, 1.0, np.zeros(0), none, none)
 
 
 def make_round_echoes(brim: float, waves: int, orders: int, reference: float, pinned: bool) -> Echoes:
-    """A round wall with its answers to `waves` orders."""
+    """The reflections by a round wall, up to `waves` orders."""
     k, i = np.zeros(waves + 2), np.zeros(waves + 2)
     outgoing_ladder(brim, brim, k)
     regular_ladder(brim, brim, i)
@@ -255,8 +260,8 @@ def make_round_echoes(brim: float, waves: int, orders: int, reference: float, pi
 
 @compiled
 def waves_needed(echoes: Echoes, out: float, radius: float, orders: int) -> int:
-    """The number of orders of the round wall that matter at this distance from the center: few,
-    except near the wall.
+    """The number of orders of the round wall that contribute at this distance from the center; few, except near the
+    wall.
     """
     ratio = (out + radius) / echoes.brim
     if ratio >= 1.0:
@@ -309,7 +314,7 @@ def from_the_middle(rims: Rims, echoes: Echoes, i: int, place: Array, middle: Wa
 
 @compiled
 def incoming(rims: Rims, echoes: Echoes, position: Array, amplitudes: Waves, waves: Waves) -> None:
-    """Fill waves (N, order + 1 or order + 2) with the field at each body of all others and of the walls."""
+    """Fill waves (N, order + 1 or order + 2) with the field of all other bodies and of the walls at each body."""
     receive_all(rims, echoes.mirrors, position, amplitudes, waves)
     if len(echoes.answer) == 0:
         return
@@ -322,7 +327,7 @@ def incoming(rims: Rims, echoes: Echoes, position: Array, amplitudes: Waves, wav
 
 @compiled
 def echo_heights(rims: Rims, echoes: Echoes, position: Array, amplitudes: Waves, points: Array) -> Array:
-    """The height (in L) that the round wall's answer adds at each point (P, 2)."""
+    """Add the height (in L) of the field reflected by the round wall at each point (P, 2)."""
     heights, ladder = np.zeros(len(points)), np.zeros(len(echoes.answer))
     middle = np.zeros((1, len(echoes.answer)), np.complex128)
     for j in range(len(position)):
@@ -341,12 +346,12 @@ def echo_heights(rims: Rims, echoes: Echoes, position: Array, amplitudes: Waves,
 
 
 TURNS = 40
-"""Directions that GMRES keeps before it starts again."""
+"""The number of directions that GMRES stores before a restart."""
 MOST_ROUNDS = 25
 
 
 class Krylov(NamedTuple):
-    """Scratch of the iterative solution."""
+    """Scratch arrays of GMRES."""
 
     basis: Waves
     """(TURNS + 1, N, order + 1)"""
@@ -361,7 +366,7 @@ class Krylov(NamedTuple):
 
 
 def make_krylov(count: int, orders: int) -> Krylov:
-    """Room for that many bodies with that many amplitudes each."""
+    """Scratch arrays for this number of bodies and of amplitudes each."""
     return Krylov(
         np.zeros((TURNS + 1, count, orders), np.complex128),
         np.zeros((count, orders), np.complex128),
@@ -373,7 +378,7 @@ def make_krylov(count: int, orders: int) -> Krylov:
 
 @compiled
 def product(a: Waves, b: Waves) -> float:
-    """The sum of products of real and imaginary parts."""
+    """The scalar product of amplitudes, over real and imaginary parts."""
     total = 0.0
     for i in range(a.shape[0]):
         for m in range(a.shape[1]):
@@ -393,7 +398,7 @@ def add(target: Waves, factor: float, other: Waves) -> None:
 def residual(
     rims: Rims, echoes: Echoes, position: Array, right: Waves, amplitudes: Waves, result: tuple[Waves, Waves]
 ) -> float:
-    """Fill the first of `result` with right - (alpha - T c(alpha)), and return its length."""
+    """Fill the first of `result` with right - (alpha - T c(alpha)), and return its norm."""
     left, waves = result
     incoming(rims, echoes, position, amplitudes, waves)
     for i in range(left.shape[0]):
@@ -404,7 +409,7 @@ def residual(
 
 @compiled
 def rotate(krylov: Krylov, k: int) -> None:
-    """Make column k of the small matrix triangular by a rotation, also applied to the right side."""
+    """Make column k of the small matrix triangular by a Givens rotation, also applied to the right-hand side."""
     matrix, rotations, right = krylov.matrix, krylov.rotations, krylov.right
     for row in range(k):
         upper, lower = matrix[row, k], matrix[row + 1, k]
@@ -419,7 +424,7 @@ def rotate(krylov: Krylov, k: int) -> None:
 
 @compiled
 def combine(krylov: Krylov, used: int, amplitudes: Waves) -> None:
-    """Add the best combination of the directions to the amplitudes."""
+    """Add the least-squares combination of the directions to the amplitudes."""
     matrix, right = krylov.matrix, krylov.right
     for row in range(used - 1, -1, -1):
         for column in range(row + 1, used):
@@ -432,7 +437,7 @@ def combine(krylov: Krylov, used: int, amplitudes: Waves) -> None:
 @compiled
 def expand(rims: Rims, echoes: Echoes, position: Array, krylov: Krylov, k: int) -> float:
     """Add a direction to the Krylov space: the product of the matrix with the last one, orthogonalized. Returns its
-    length.
+    norm.
     """
     basis, matrix = krylov.basis, krylov.matrix
     incoming(rims, echoes, position, basis[k], krylov.waves)
@@ -452,8 +457,8 @@ def expand(rims: Rims, echoes: Echoes, position: Array, krylov: Krylov, k: int) 
 def iterate(
     rims: Rims, echoes: Echoes, position: Array, right: Waves, amplitudes: Waves, krylov: Krylov, tolerance: float
 ) -> int:
-    """Improve `amplitudes` until the residual is below `tolerance` of the right side. How many directions that took;
-    -1 if they did not lead there.
+    """Improve `amplitudes` until the residual is below `tolerance` of the right-hand side. Returns the number of
+    directions used, or -1 without convergence.
     """
     bound = tolerance * math.sqrt(product(right, right))
     taken, basis = 0, krylov.basis
@@ -478,7 +483,7 @@ def iterate(
 
 @compiled
 def fill_matrix(rims: Rims, echoes: Echoes, position: Array, matrix: Array) -> None:
-    """1 - T G over real unknowns: alpha_0, then real and imaginary parts, body by body."""
+    """Fill the matrix 1 - T G over real unknowns: alpha_0, then real and imaginary parts, body by body."""
     count, orders = rims.response.shape
     unknowns = 2 * orders - 1
     turned, unit = np.zeros(orders, np.complex128), np.zeros(orders, np.complex128)
@@ -513,7 +518,7 @@ def fill_matrix(rims: Rims, echoes: Echoes, position: Array, matrix: Array) -> N
 
 
 def eliminate(rims: Rims, echoes: Echoes, position: Array, right: Waves) -> Waves:
-    """The amplitudes, by LAPACK."""
+    """Compute the amplitudes by LAPACK."""
     count, orders = right.shape
     unknowns = 2 * orders - 1
     matrix = np.zeros((count * unknowns, count * unknowns))
