@@ -100,17 +100,17 @@ class BorrowingLower(Lower):  # type: ignore[misc]  # Numba's types are skipped:
             self.context.enable_nrt = counting
 
     def incref(self, typ: Any, val: Any) -> None:
-        """Count a reference."""
+        """Generate code that increments a reference count, for values with references."""
         if self.holds_references(typ):
             super().incref(typ, val)
 
     def decref(self, typ: Any, val: Any) -> None:
-        """Count a reference off."""
+        """Generate code that decrements a reference count, for values with references."""
         if self.holds_references(typ):
             super().decref(typ, val)
 
     def holds_references(self, kind: Any) -> bool:
-        """Values of this type hold arrays. Numba looks through all fields of a tuple of numbers each time."""
+        """Whether values of this type contain arrays; cached, since Numba searches all fields of a tuple each time."""
         if kind not in self.counted:
             self.counted[kind] = self.context.data_model_manager[kind].contains_nrt_meminfo()
         return self.counted[kind]
@@ -118,7 +118,7 @@ class BorrowingLower(Lower):  # type: ignore[misc]  # Numba's types are skipped:
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class BorrowingLowering(BaseNativeLowering):  # type: ignore[misc]
-    """The step of a compilation that does it."""
+    """The compiler pass that uses this lowering."""
 
     _name = "borrowing_lowering"
 

@@ -55,7 +55,9 @@ def require_own_threads() -> None:
 
 
 class Threaded(Dispatcher):
-    """A loop over threads. Compiled code that calls it is called from Python where `require_threads` was."""
+    """A threaded loop. Compiled code that calls it must be called from Python code that has called
+    `require_threads`.
+    """
 
     def __init__(self, function: Any) -> None:
         super().__init__(function, {"parallel": True}, cache=True)
@@ -150,7 +152,7 @@ def packing(function: Any, kinds: list[tuple[str, int]], enter: Any) -> Any:
     numbers = [f"a{k}.{what}" for k, (_, axes) in enumerate(kinds) for what in ("ctypes.data", *_sizes(axes))]
     text = [f"def packed({', '.join(f'a{k}' for k in range(len(kinds)))}):"]
     text += [f"given = empty({len(numbers)}, int64)", *(f"given[{k}] = {one}" for k, one in enumerate(numbers))]
-    # Read once more, so that it lives until then.
+    # The later use keeps the array alive until the call returns.
     text += ["done = enter(given.ctypes.data)", "return done != 0 and given[0] == a0.ctypes.data"]
     names = {"__name__": function.__module__, "empty": np.empty, "int64": np.int64, "enter": enter}
     exec(compile("\n    ".join(text), __file__, "exec"), names)  # noqa: S102  # of numbers and the names above

@@ -101,7 +101,7 @@ def moments(
     integration = Integration(model, parameters, state, patience)
     schedule = Schedule(actions, scene, integration)
     per_frame = parameters.steps_per_frame
-    # Adaptive steps before the end need a place of their own on the clock.
+    # Adaptive steps before the end need at least one tick before that of the end.
     total = last_step(scene, per_frame, least=2 if model.adaptive else 1)
     if not 0 <= (begun := int(state.step[0])) <= total:
         raise BadInput(f"the state of the checkpoint is at step {begun}; expected 0 to {total}")

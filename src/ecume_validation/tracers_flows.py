@@ -20,7 +20,7 @@ RADIUS = 0.5e-6
 """The radius of diffusing particles, m."""
 THERMAL = brownian_motion.thermal_energy(293.15)
 SPREAD = brownian_motion.diffusivity(THERMAL, drag.stokes_friction(RADIUS, 1e-3, 1.0))
-"""Its diffusion coefficient, m^2/s."""
+"""Diffusion coefficient of these particles, m^2/s."""
 MANY = 100_000
 """The number of particles of a pulse."""
 OVERDAMPED = {"integrator": "overdamped"}

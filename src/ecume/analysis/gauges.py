@@ -54,7 +54,8 @@ def linear_values_at(frame: Frame, name: str, points: Array, reach: Length) -> A
 def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
     """The reading of a pressure sensor in a wall (Pa): the mean over its face, `sensor` being points on it (n, d).
 
-    Zero where the face is dry; a liquid that has not come pushes nothing. A frame does not contain the walls, so that
+    Zero where the face is dry; liquid that has not arrived exerts no pressure. A frame does not contain the walls, so
+    that
     points near few particles count as covered; gauges of a scene know which part of a point is covered.
     """
     found = _near(frame, np.atleast_2d(sensor), reach)

@@ -23,8 +23,8 @@ from ecume.units import Array, Length, Number
 
 Complexes = NDArray[np.complex128]
 FIRST_SHELL = 1.4
-"""Centers nearer than so many touching distances are neighbors: between the first shell of a lattice, 1, and the next,
-sqrt(3).
+"""The largest distance of neighbors over the touching distance: between the first shell of a lattice, 1, and the
+second, sqrt(3).
 """
 
 

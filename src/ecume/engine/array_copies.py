@@ -1,4 +1,4 @@
-"""Copies of arrays in compiled code, as loops: each assignment to a slice would compile its own error message."""
+"""Copies of arrays in compiled code, as loops: assignments to slices would compile their error messages each time."""
 
 from __future__ import annotations
 

@@ -225,7 +225,8 @@ def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array
                 distance[n] += apart * apart
 
 
-# Inside a prange Numba writes to a copy of an array in a tuple; so it gets plain arrays. Slots are signed in both, so
+# Inside a prange Numba writes to a copy of an array in a tuple, so that arrays are passed separately. Slots are signed
+# in both, so
 # that one compilation serves both.
 
 

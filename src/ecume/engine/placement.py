@@ -64,10 +64,9 @@ class _Grid(NamedTuple):
 
 def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
     """The centers of discs that overlap neither each other, nor the walls, nor existing discs (`taken`: centers,
-    radii).
-
-    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with what
-    would fit when that fails: random placement jams when a little more than half of the surface is covered.
+    radii). The largest are placed first, each at uniformly random points of the region until it fits. If that fails,
+    raises BadInput with the number that would fit: random placement jams when a little more than half of the surface is
+    covered.
     """
     centers = np.concatenate([taken[0].reshape(-1, 2), np.zeros((len(radius), 2))])
     radii = np.concatenate([taken[1], np.sort(radius)[::-1]])

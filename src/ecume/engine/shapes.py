@@ -624,7 +624,7 @@ def _common_bounds(one: Part, other: Part) -> tuple[Array, Array]:
 
 
 def _sampled_volume(part: Part, other: Part, earlier: Sequence[Part]) -> float:
-    """The volume of the points in both and in none of the earlier regions, by sampling on a lattice."""
+    """The volume of the points that are in both regions but not in earlier ones, by sampling on a lattice."""
     low, high = _common_bounds(part, other)
     if not (low < high).all():
         return 0.0

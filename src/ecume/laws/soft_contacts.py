@@ -212,7 +212,9 @@ class TensionLaw:
 LITTLE_STRAIN = 0.3
 """The shear strain up to which neighbors remain neighbors."""
 STRONG = 0.1
-"""The cavitation pressure over the modulus above which the limit of tension comes too late."""
+"""The cavitation pressure over the modulus above which surfaces deform beyond the range of the laws before a film
+cavitates.
+"""
 
 
 def _indefinite(strain: Number) -> list[str]:

@@ -155,7 +155,9 @@ def _with(tree: Any, stored: Stored, path: str) -> Any:
 
 
 def _laid_out_as(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
-    """The values in an array of the model's memory layout: compiled code distinguishes layouts as it does types."""
+    """The values as an array in the memory layout of the model's: compiled code distinguishes
+    layouts as it does types.
+    """
     if model.flags.c_contiguous or model.flags.f_contiguous:
         made = np.array(values, order="C" if model.flags.c_contiguous else "F")
     else:
@@ -166,7 +168,7 @@ def _laid_out_as(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _drift(stored: Stored, derived: Stored) -> str:
-    """The difference between constants derived here and those of the run, in words; empty without a difference."""
+    """A phrase on the difference between constants derived here and those of the run; empty without a difference."""
     differing = [path for path in stored if stored[path].tobytes() != derived[path].tobytes()]
     if not differing:
         return ""

@@ -55,7 +55,7 @@ class RunDirectory:
 
     @property
     def trajectory(self) -> Path:
-        """The frames."""
+        """The folder of the frames."""
         return self.path / "traj"
 
     @property
@@ -156,7 +156,7 @@ def _is_locked_once(home: RunDirectory) -> bool:
     """
     try:
         return content_of(home.lock, MOST_BYTES, home.path)[:6] in (b"", b'{"pid"')
-    except PermissionError:  # Windows, while it is held
+    except PermissionError:  # on Windows, while another process has the file open
         return True
     except OSError:
         return False
@@ -177,7 +177,7 @@ def refuse_existing(home: RunDirectory, *, force: bool) -> None:
 
 
 def _is_vacant(home: RunDirectory) -> bool:
-    """Whether the directory is missing, or empty but for a lock of ecume."""
+    """Whether the directory does not exist, or is empty except for a lock of ecume."""
     found = {entry.name for entry in home.path.iterdir()} if home.path.is_dir() else {"a file"}
     return not found or (found == {home.lock.name} and _is_locked_once(home))
 

@@ -132,14 +132,14 @@ def reader_of(scene: Scene, name: str, series: Series) -> Callable[[Model], Mode
 
 
 class Alike:
-    """What all frames of a file have in common: box, type of each particle, and time since the frame before."""
+    """The properties that all frames of a file share: box, type of each particle, and interval of times."""
 
     def __init__(self, name: str, first: Particles) -> None:
         self.name, self.kinds = name, np.array(first.names)[first.kind]
         self.first = self.last = first.instant
 
     def require(self, found: Particles, sides: Array, frame: int) -> None:
-        """Raise BadInput for a frame that differs; frames come one after the other. `sides`: of the scene (m)."""
+        """Raise BadInput for a frame that differs; frames are passed in order. `sides` is that of the scene (m)."""
         if found.sides is not None and sides.any():
             self._require_box(found, sides, frame)
         kinds = np.array(found.names)[found.kind]

@@ -77,7 +77,7 @@ def read_owner(home: RunDirectory) -> dict[str, Any] | None:
 
 
 def require_free(home: RunDirectory) -> None:
-    """Raise RunExists while a process writes the run; write nothing."""
+    """Raise RunExists while a process writes the run, without writing anything."""
     if not home.lock.exists():
         return
     with storing(home.lock), opened(home.lock, "r", home.path) as file:
@@ -88,8 +88,8 @@ def require_free(home: RunDirectory) -> None:
 
 
 def put_in_place(complete: RunDirectory, home: RunDirectory, *, force: bool) -> None:
-    """Move a complete run from a neighboring directory into its own, replacing a former run with `force`; its manifest
-    last.
+    """Move a complete run from a neighboring directory to its final place, the manifest last; `force` replaces a former
+    run.
     """
     with storing(home.path):
         home.path.mkdir(parents=True, exist_ok=True)
@@ -206,7 +206,7 @@ def handled(handler: Handler, signals: Sequence[signal.Signals] = SIGNALS) -> It
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    # None stands for a handler that was not installed from Python, as by faulthandler: it could not be put back.
+    # None means a handler that was not installed from Python, such as that of faulthandler, and cannot be restored.
     before = {number: signal.signal(number, handler) for number in signals if signal.getsignal(number) is not None}
     try:
         yield

@@ -117,7 +117,8 @@ class Recording:
             raise StorageError(
                 f"{where} in {found} ({'; '.join(changes)}): resume it where it was begun, or without --strict"
             )
-        # Recorded before the frames are removed: frames left by a process that is killed in between are replaced next
+        # Recorded before the frames are removed: if the process is killed in between, the remaining frames are replaced
+        # next
         # time.
         replacement = {"frame": self.frames, "time": frame.time, "difference": str(found), "changed": changes}
         record(self._home, replaced=replacement)

@@ -225,7 +225,7 @@ class QuantityDifference(NamedTuple):
     rounding: bool = False
     """whether it is explained by rounding: below `ROUNDING` of the largest quantity of the same unit"""
     shapes: str = ""
-    """what keeps the values from being subtracted, as in `60 and 40 particles`"""
+    """why values cannot be subtracted, for example `60 and 40 particles`"""
 
 
 ROUNDING = 1e-13

@@ -91,7 +91,7 @@ class SampleFile:
         self._size = int(kept["bytes"][0]) if kept else 0
         self._names: list[str] = []
         self._pending: list[str] = []
-        self._sums = SumFile(path.with_name(SUMS), self._size, run) if run else None  # before what it protects
+        self._sums = SumFile(path.with_name(SUMS), self._size, run) if run else None  # before the samples
         with storing(path):
             self._file = opened(path, "a+", path.parent)
             self._file.truncate(self._size)
@@ -169,7 +169,7 @@ class SumFile:
         with storing(path):
             self._file = opened(path, "a+", path.parent)
             content, place = read_at(self._file, 0, os.fstat(self._file.fileno()).st_size), 0
-            with contextlib.suppress(ValueError):  # what follows a damaged line is written again
+            with contextlib.suppress(ValueError):  # lines after a damaged one are written again
                 for line in content.splitlines(keepends=True):
                     entry = line_of(line, SUM, checked=True, owner=self._owner)
                     if entry["bytes"] > size:

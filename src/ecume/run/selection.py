@@ -27,7 +27,7 @@ class Selection(NamedTuple):
     single: bool = False
 
     def of(self, frame: Frame) -> Frame:
-        """The frame as it will be read from disk."""
+        """The frame with the arrays and the precision of files."""
         arrays, units = frame.arrays, frame.units
         if self.names is not None:
             omitted = [name for name in arrays if name not in self.names]

@@ -83,7 +83,7 @@ def actions_from(words: Sequence[str]) -> list[Action]:
 
 
 def _found(option: str, word: str, accepts: Callable[[ModuleType, object], bool], missing: str) -> list[Any]:
-    """The public objects of one kind in a user's file, or the one that is named."""
+    """The public objects of one kind in a user's file, or only the named one."""
     file, _, name = word.partition(".py:")
     path = Path(f"{file}.py" if name else word)
     if path.suffix != ".py":
@@ -197,7 +197,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _content(value: Any, path: str, names: Sequence[str], seen: set[int]) -> Contents:
-    """The content of a value, and of what is in it."""
+    """The content of a value, including that of nested values."""
     function = _plain_function(value)
     if isinstance(value, PLAIN):
         yield path, repr(value)

@@ -70,7 +70,7 @@ def repaired(home: RunDirectory) -> Repaired:
 
 
 def _resolved(home: RunDirectory) -> Iterator[str]:
-    """Restore `resolved.json` from the scene file; yields what was done."""
+    """Restore `resolved.json` from the scene file. Yields a description of each repair."""
     manifest = manifest_of(home)
     try:
         resolved_at(home.path, manifest)
@@ -84,7 +84,7 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
 
 
 def _scene_file(home: RunDirectory) -> Iterator[str]:
-    """Write a damaged scene file again from the resolved scene; yields what was done."""
+    """Write a damaged scene file again from the resolved scene. Yields a description of each repair."""
     from ecume.scenes.schema import from_plain
     from ecume.scenes.writing import to_toml
 
@@ -105,7 +105,7 @@ def _scene_file(home: RunDirectory) -> Iterator[str]:
 
 
 def _constants_file(home: RunDirectory) -> Iterator[str]:
-    """Set aside a damaged `constants.npz`, which is derived again on resume; yields what was done."""
+    """Rename a damaged `constants.npz`, which is derived again on resume. Yields a description of each repair."""
     if is_sound(home):
         return
     if home.constants.exists():
@@ -127,7 +127,7 @@ def _from_the_scene(home: RunDirectory) -> bytes:
 
 
 def _repeated_files(home: RunDirectory) -> Iterator[str]:
-    """Set aside damaged files that the run writes again when it is resumed; yields what was done."""
+    """Rename damaged files that a resumed run writes again. Yields a description of each repair."""
     for path, check in ((home.status, STATUS), (home.watch, WATCH), (home.done, DONE), (home.failed, FAILED)):
         try:
             if path.exists():
@@ -152,7 +152,7 @@ class Verification(NamedTuple):
 
     @property
     def sound(self) -> bool:
-        """Whether nothing is damaged."""
+        """Whether no file is damaged."""
         return not self.faults
 
 
@@ -194,7 +194,7 @@ IMPORTED = "imported"
 
 
 ENGINE = "engine"
-"""The entry of the manifest with the name of the engine that computes a run; none for that of the model."""
+"""The entry of the manifest with the name of the engine of a run; absent for that of the model."""
 
 
 def engine_of(home: RunDirectory) -> str:
@@ -210,7 +210,7 @@ def require_engine(home: RunDirectory, engine: Engine | None) -> None:
 
 
 def require_computed(home: RunDirectory) -> None:
-    """Raise BadInput where the frames of a run were not computed, so that none can be computed again."""
+    """Raise BadInput for a run with imported frames, which cannot be computed again."""
     if name := manifest_of(home).get(IMPORTED):
         raise BadInput(
             f"{home.path}: its frames were imported from {name}, not computed; import the file again with "
@@ -288,7 +288,7 @@ def lock_of(home: RunDirectory) -> None:
 
 
 def _samples(home: RunDirectory) -> None:
-    """Raise StorageError where the samples are not as they were written."""
+    """Raise StorageError for samples that differ from what was written."""
     if home.samples.exists() or home.sums.exists():
         rows_of(home.samples, identity_of(home))
 
@@ -304,7 +304,7 @@ def unchecked(home: RunDirectory) -> int:
 def _crate(home: RunDirectory) -> None:
     """Raise StorageError where the metadata of the run as a research object are damaged."""
     if home.crate.exists():
-        # One of an earlier version has no checksum, and no other key than these.
+        # A crate of an earlier version has no checksum, and only these keys.
         record_at(home.crate, table({"@context": anything, "@graph": anything}, rest=_nothing), home.path, checked=None,
                   owner=owner_of(home, home.crate))  # fmt: skip
 

@@ -154,7 +154,9 @@ class Given(NamedTuple):
 
 
 def _largest(value: Any, unit: str) -> Given | None:
-    """The number of a key, of a list the largest one; plain ones come before those with units. None without any."""
+    """The number of a key, or the largest one of a list; plain numbers precede those with units.
+    None without a number.
+    """
     if isinstance(value, (list, tuple)):
         found = [one for item in value if (one := _largest(item, unit)) is not None]
         return max(found, key=lambda one: (not one.stated, abs(one.value)), default=None)

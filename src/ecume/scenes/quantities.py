@@ -188,7 +188,7 @@ class ByDimension:
                 raise ValueError(f"{error}; {self.plane} in 2D") from None
 
     def fault(self, value: float | None, dimensions: int) -> str:
-        """The fault of a number whose text has the unit of another dimension; empty for a fitting one."""
+        """The fault of a number whose unit has another dimension; empty for a fitting unit."""
         wrong, unit = (InSpace, self.plane) if dimensions == 2 else (InPlane, self.space)
         return (
             f"has the unit of another dimension; expected {unit} in {dimensions}D" if isinstance(value, wrong) else ""

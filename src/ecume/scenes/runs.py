@@ -43,5 +43,5 @@ def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
 
 
 def _numbered(frames: int) -> str:
-    """The range of frames, in words."""
+    """A phrase on the range of frames."""
     return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"

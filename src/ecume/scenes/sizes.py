@@ -92,7 +92,7 @@ class Sized(Protocol):
 
 
 def quantiles(sizes: SizeSpec, count: int) -> Array:
-    """The radii of so many particles, ascending (m): the quantiles (k + 1/2)/count.
+    """The radii of `count` particles, ascending (m): the quantiles (k + 1/2)/count.
 
     >>> quantiles(SizeSpec(distribution="uniform", mean=1.0, spread=0.1), 2).round(4).tolist()
     [0.9134, 1.0866]

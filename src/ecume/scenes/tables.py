@@ -55,12 +55,12 @@ def require_there(path: pathlib.Path, folder: pathlib.Path) -> None:
 
 
 def text_of(path: pathlib.Path, most_bytes: int) -> str:
-    """The text of a plain file in UTF-8, at most so many bytes. Raises ValueError."""
+    """The text of a plain file in UTF-8, up to a largest size. Raises ValueError."""
     return decoded(bytes_of(path, most_bytes))
 
 
 def bytes_of(path: pathlib.Path, most_bytes: int) -> bytes:
-    """The content of a plain file, at most so many bytes. Raises ValueError."""
+    """The content of a plain file, up to a largest size. Raises ValueError."""
     try:
         if path.is_dir():
             raise ValueError("is a folder; expected a file")

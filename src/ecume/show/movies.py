@@ -130,7 +130,7 @@ def _feed(process: subprocess.Popen[bytes], pictures: Iterator[Pixels]) -> str:
         for picture in pictures:
             entrance.write(np.ascontiguousarray(picture).data)
     except BrokenPipeError:
-        pass  # ffmpeg has ended early, and says why
+        pass  # ffmpeg has ended early, with an error that is reported
     except BaseException:
         process.kill()
         raise
@@ -326,7 +326,7 @@ def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, targ
 
 
 def pace_text(shown: Sequence[Frame], fps: int) -> str:
-    """The speed of a movie over real time, as it is shown beside the time; empty for a single frame."""
+    """The text of the speed of a movie over real time, which is drawn beside the time; empty for a single frame."""
     span = shown[-1].time - shown[0].time if len(shown) > 1 else 0.0
     return f"   {span / (len(shown) - 1) * fps:.2g} × real time" if span > 0.0 else ""
 

@@ -137,7 +137,7 @@ class Picture:
     bars: list[Artist]
     layers: Layers
     pace: str = ""
-    """what follows the time: the speed of a movie over real time"""
+    """text after the time: the speed of a movie over real time"""
 
     def show(self, frame: Frame) -> None:
         """Draw a frame."""
@@ -346,7 +346,7 @@ class Eye(NamedTuple):
     """The viewpoint of a picture in 3D."""
 
     azimuth: float = 28.0
-    """degrees by which it goes around the vertical, to its right"""
+    """degrees of its rotation about the vertical, to the right"""
     elevation: float = 20.0
     """degrees by which it looks from above"""
 
@@ -365,7 +365,7 @@ LEG = 26.0
 
 
 def axis_arrows(axes: Axes, camera: Array) -> list[Artist]:
-    """Arrows along x, y and z as a camera sees them, in the lower right corner."""
+    """Arrows along x, y and z in the projection of a camera, in the lower right corner."""
     figure: Any = axes.figure
     leg, inches, corner = LEG / 72.0, figure.dpi_scale_trans, cast(Affine2DBase, axes.transAxes)
     place = inches + ScaledTranslation(-1.6 * leg, 0.9 * leg, inches) + ScaledTranslation(1.0, 0.0, corner)
@@ -382,7 +382,7 @@ def axis_arrows(axes: Axes, camera: Array) -> list[Artist]:
 
 
 class Wires(NamedTuple):
-    """Edges of a box, as they are seen: (2, 2) m each."""
+    """The edges of a box in projection: (2, 2) m each."""
 
     front: list[Array]
     behind: list[Array]

@@ -242,7 +242,7 @@ def _panels(drawn: Figure, across: str, up: str) -> Iterator[tuple[Axes, float, 
             continue
         labels = axes.get_xlabel(), axes.get_ylabel()
         if [bool(_unit_of(head)) for head in (across, up)] != [bool(_unit_of(label)) for label in labels]:
-            continue  # the prefixes of the figure are its own: a number without a unit may be in another one
+            continue  # only this figure has the prefixes: a number without a unit may be in another one
         try:
             yield axes, _ratio(across, labels[0], ""), _ratio(up, labels[1], "")
         except BadInput:

@@ -73,7 +73,7 @@ class Setting(NamedTuple):
     kinds: Sequence[Species] = ()
     """for particles colored by species"""
     inside: str = LIQUID
-    """the color of what the tank holds"""
+    """the color of the tank's interior"""
     walls: Sequence[Array] | None = None
     """(2, 2), both ends of each, before the particles; by default all of the outline is a wall, behind them"""
     dotted: Sequence[Array] = ()
@@ -85,7 +85,7 @@ class Setting(NamedTuple):
     camera: Array | None = None
     """(3, 3) its right, up, and towards it; by default it looks along the second axis"""
     radius: float | None = None
-    """of all particles (m), where frames say none"""
+    """of all particles (m), if frames do not contain radii"""
     room: tuple[Array, Array] | None = None
     """corners beyond which no particle is drawn (m): those of walls, infinite elsewhere"""
     apart: int | None = None

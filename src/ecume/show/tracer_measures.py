@@ -188,7 +188,7 @@ def deposition(frames: Frames, scene: TracersScene) -> Figure:
             counted = (found.density / scale.factor, found.error / scale.factor)
             bars(axes, scale.factor * found.edges, counted, color, f"along {name}")
             densities.append(counted[0][counted[0] > 0.0])
-        # What lies on a floor is one column, far above those of obstacles.
+        # All deposits on a floor are in one column, far above those on obstacles.
         axes.set_yscale("log")
         axes.set_ylim(bottom=0.5 * float(np.concatenate(densities).min()))
         axes.set_ylabel(f"particles per {scale.unit}")

@@ -201,7 +201,7 @@ def existing_sweep(directory: Path) -> Sweeping:
     with storing(directory):
         require_plain(directory)
     found = json_at(path, (dict, list))
-    rows: Any = found.get("points") if isinstance(found, dict) else found  # of earlier versions: a list
+    rows: Any = found.get("points") if isinstance(found, dict) else found  # earlier versions wrote a list
     try:
         POINTS(rows, "points")
     except ValueError as error:

@@ -2,7 +2,7 @@
 
     export("runs/bowl", "csv", "bowl.csv")
 
-The file is written under another name and takes its own when it is complete, so that no half of one is ever left.
+The file is written under a temporary name and renamed when it is complete, so that no incomplete file remains.
 
 Trajectories for ParaView: one VTKHDF file, or a VTK file for each frame and a list of them with their times.
 

@@ -1,4 +1,4 @@
-"""Numbers that were sampled between frames: the table `samples.csv` of a run, as it is read."""
+"""Numbers that were sampled between frames: reading the table `samples.csv` of a run."""
 
 from __future__ import annotations
 

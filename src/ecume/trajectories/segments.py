@@ -285,13 +285,13 @@ class GrowingSegment:
                 while left:
                     left = left[self._file.write(left) :]
             except OSError:
-                with contextlib.suppress(OSError):  # the refusal is what matters
+                with contextlib.suppress(OSError):  # a failure is reported in any case
                     self._file.truncate(self.size)
                 raise
 
 
 def create(path: Path, chunks: Chunks) -> None:
-    """Create a file with its first frame, complete or not at all."""
+    """Create a file with its first frame, completely or not at all."""
     names = tuple(chunks)
     names_after = listed(names)
     entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
@@ -302,7 +302,7 @@ def create(path: Path, chunks: Chunks) -> None:
 
 
 def listed(names: Sequence[str]) -> bytes:
-    """The list of names as it is in a file."""
+    """The list of names in the format of a file."""
     content = b"".join(name.encode() + b"\0" for name in names) + b"\0"
     return content + b"\0" * (-len(content) % NAME_UNIT)
 

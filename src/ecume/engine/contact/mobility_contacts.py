@@ -201,7 +201,7 @@ def square(system: CoupledContacts, some: Integers) -> float:
 
 @compiled
 def islands(system: CoupledContacts, motion: Array) -> Islands:
-    """All contacts as one island."""
+    """The islands of contacts: all of them form one."""
     total = len(system.rows.bound)
     return Islands(np.arange(total), np.array([0, total]))
 

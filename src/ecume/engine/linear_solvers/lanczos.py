@@ -124,7 +124,7 @@ def root_by_products(product: Callable[[Array], Array], scale: Array, vector: Ar
 def _extend(matrix: Array, scale: Array, basis: Array, used: int) -> float:
     """Write the next basis vector, not yet normalized. Returns the diagonal entry of the last."""
     last, following, size = basis[used], basis[used + 1], len(scale)
-    # Row by row, which is the same for a symmetric matrix: sums along a row do not vectorize.
+    # The matrix is symmetric, so that rows replace columns: this loop vectorizes, a sum along a row does not.
     for row in range(size):
         share = last[row] / scale[row]
         for column in range(size):

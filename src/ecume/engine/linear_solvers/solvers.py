@@ -28,7 +28,7 @@ NEWTON = 1e-4
 DENSER = 0.3
 """The time of an operation in a factorization over that in a sweep, which waits for memory."""
 FEW = 10
-"""The number of iterations below which no factorization is tried, since none is cheaper."""
+"""The number of iterations below which no factorization is tried, since none would be faster."""
 MOST_WORK = 2e12
 """The largest number of operations of a factorization that replaces the iterative solver."""
 

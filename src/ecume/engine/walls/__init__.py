@@ -1,7 +1,8 @@
-"""Walls: surfaces that turn particles back within a step (`reflect`), and what encloses a floating raft (`Walls`).
+"""Walls: surfaces that reflect particles within a step (`reflect`), and the walls around floating
+rafts (`Walls`).
 
-Start in `surfaces`, the one family of shapes, planes and spheres, which all models use. Its second part reads a flat
-one as floats need it; soft spheres move its planes (`through`).
+Start in `surfaces`, the common shapes of all models: planes and spheres. Its second part describes plane walls as
+floats need them; soft spheres move its planes (`through`).
 """
 
 from __future__ import annotations

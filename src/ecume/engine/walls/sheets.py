@@ -74,8 +74,8 @@ def store(array: Array, i: int, vector: Vector) -> None:
 
 @compiled_inside
 def projected_on_cone(vector: Vector, first: Vector, second: Vector, third: Vector) -> Vector:
-    """The nearest vector that leads into none of three supports; an absent support has the normal
-    0.
+    """The nearest vector that does not point into any of three supports; an absent support has the
+    normal 0.
 
     This is the projection on the cone w.n >= 0: the vector itself, its projection on a face or an edge, or zero,
     whichever is the first that is allowed.
@@ -103,7 +103,7 @@ def projected_on_cone(vector: Vector, first: Vector, second: Vector, third: Vect
 
 @compiled_inside
 def allowed(vector: Vector, normals: tuple[Vector, Vector, Vector], least: float) -> bool:
-    """Whether a vector leads into none of the supports."""
+    """Whether a vector does not point into any of the supports."""
     return dot(vector, normals[0]) >= least and dot(vector, normals[1]) >= least and dot(vector, normals[2]) >= least
 
 

@@ -201,7 +201,7 @@ def nearest_points(walls: Surfaces) -> Array:
 
 
 def described(walls: Surfaces, number: int) -> str:
-    """The description of a surface in words."""
+    """A phrase that describes a surface, for messages."""
     if number < 0:
         return "no surface"
     place = ", ".join(f"{value:.6g}" for value in walls.place[number, : walls.dimension])

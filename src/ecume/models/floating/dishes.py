@@ -179,7 +179,7 @@ def _round_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> 
 
 
 def _round_tabled_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: str) -> list[float]:
-    _round_amplitudes(dish, liquid, theory)  # refuses angles that the theory does not know
+    _round_amplitudes(dish, liquid, theory)  # refuses angles outside of the range of the theory
     return [liquid.capillary_length]
 
 

@@ -29,7 +29,7 @@ SHOWN = 10
 
 
 def first_contact(parameters: Parameters, state: State, longest: float) -> float:
-    """The time of the first contact (s); infinite where none is near within the longest time."""
+    """The time of the first contact (s); infinite if no contact is expected within the longest time."""
     floats, row = parameters.floats, row_of(parameters)
     count = len(floats.radius)
     if count < 2 or not row.has_force or np.any(parameters.periods) or parameters.drift.thermal > 0.0:
@@ -74,7 +74,7 @@ def _meeting_time(parameters: Parameters, state: State, pair: tuple[int, int], l
         if step <= 0.0:
             return math.inf
         if parameters.scheme.inertia:
-            # Drag is exact for a constant pull, and may be none.
+            # Exact for a constant force; drag may be zero.
             faster = [
                 schiller_naumann_factor(2.0 * radius[k] * abs(speed[k]) * parameters.drift.thickness) for k in (0, 1)
             ]

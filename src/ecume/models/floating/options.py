@@ -69,7 +69,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "multipoles": ("wall", "a wall whose meniscus is that of the surface"),
     "open": ("boundary", "a dish or an infinite surface"),
 }
-"""The slot that has a capability, and the capability in words."""
+"""For each capability, the slot of the option that has it, and a phrase for messages."""
 
 
 def faults_of(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> list[Fault]:

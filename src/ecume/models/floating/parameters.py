@@ -103,7 +103,7 @@ class Drift(NamedTuple):
 
 
 class VaryingDrift(NamedTuple):
-    """The same with velocities of a file: a separate type, so that other scenes compile none of their functions."""
+    """A drift with velocities from a file: a separate type, so that other scenes compile none of its functions."""
 
     flow: Array
     nodes: Array
@@ -224,7 +224,7 @@ def distinct_rows(*columns: Array) -> Array:
 
 def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, own: Any) -> Array:
     """The constants of pairs as one array: those that do not depend on the pair law, then the constants of the law."""
-    # The inverse square of the length stands here since a literal in the loop would be in double precision.
+    # The inverse square of the length is precomputed, since a literal in the loop would be in double precision.
     return np.array([strength, capillary_length, cutoff, surface_tension, capillary_length**-2, *own])
 
 

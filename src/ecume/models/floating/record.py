@@ -81,7 +81,7 @@ def _who_and_what(parameters: Parameters, state: State) -> tuple[str, float]:
     if broken is not None:
         return f"float {broken.particle} has a {broken.term} that is not finite", 0.0
     if state.tally[DEEPEST] > DEEP * parameters.floats.radius.min():
-        # Contacts have separated them by more than any float moves in a step.
+        # Contacts have moved them apart by more than the largest displacement in a step.
         one, other = np.argsort(-np.linalg.norm(state.position - state.reference, axis=1))[:2]
         depth = with_prefix(state.tally[DEEPEST], "m", 3)
         return f"floats {one} and {other} were separated from an overlap of {depth}", 0.0
@@ -93,7 +93,9 @@ def _who_and_what(parameters: Parameters, state: State) -> tuple[str, float]:
 
 
 def _speeds(parameters: Parameters, state: State) -> Array:
-    """The highest speed of each float in the next step (m/s): its own, if drag does not stop it, and that of a kick."""
+    """The highest speed of each float in the next step (m/s): its present speed, unless drag stops it, plus that of a
+    kick.
+    """
     here = state._replace(reference=state.position.copy(), step=state.step.copy(), skin=np.zeros(1))
     force, kick = forces_at(parameters, state.position, workspace(parameters, here, 1.0)), parameters.kick
     with np.errstate(over="ignore"):

@@ -68,7 +68,7 @@ class Need(NamedTuple):
     path: str
     capability: str
     given: Callable[[SphScene], list[str]]
-    """the option as it is set in the scene; empty if it has its default"""
+    """the option's value in the scene; empty if it is the default"""
     reason: str
 
 

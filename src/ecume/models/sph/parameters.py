@@ -241,7 +241,7 @@ class PressureReference(NamedTuple):
     density: float
     """kg/m^3"""
     gravity: Array
-    """(d,) m/s^2: what pressure balances at rest"""
+    """(d,) m/s^2: the acceleration that pressure balances at rest"""
     level: float
     """m: the height of the liquid at the start, against gravity, without drops above it"""
     atmospheric: float
@@ -331,7 +331,7 @@ class Parameters(NamedTuple):
     color_reach: float
     """m, the range of the color function of the continuum surface force; zero without it"""
     passive_tracers: PassiveTracers
-    """what the liquid carries along"""
+    """particles that the liquid carries without reaction"""
     turbulence: bool
     """whether eddies smaller than particles add to the viscosity"""
     rheology: Rheology | None

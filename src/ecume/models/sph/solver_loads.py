@@ -40,7 +40,7 @@ def add_loads(now: Parameters, state: State, workspace: Workspace, system: Syste
 
 
 def pressure_on_dummies(now: Parameters, state: State, workspace: Workspace, system: System) -> Array:
-    """(3, n) N on each dummy, with what its images in mirrors bear along these."""
+    """The pressure force on each dummy (3, n) (N), including the components of its images in mirrors along these."""
     d, count, real = now.dimension, state.position.shape[1], len(workspace.lists.counts)
     found = np.zeros((3, real - count))
     if real == count:

@@ -91,7 +91,7 @@ def _require_even(axis: str, places: Sequence[float]) -> None:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class NodesSpec:
-    """Velocities at the nodes of a grid of equal steps, straight between them; beyond it as at its edge.
+    """Velocities at the nodes of a regular grid, with linear interpolation; beyond the grid those at its edge.
 
     A file says `velocity_from = "table.csv"` instead, with the columns x, y, vx and vy.
     """
@@ -122,7 +122,7 @@ class FlowSpec:
     """
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
-    """The velocity of the surface at the origin (m/s). Effect: moves all floats alike."""
+    """The velocity of the surface at the origin (m/s). Effect: moves all floats with this velocity."""
     shear_rate: TurningRate = 0.0
     """The gradient of the x velocity along y (1/s). Effect: separates floats at different y; adds noise-independent
     drift."""

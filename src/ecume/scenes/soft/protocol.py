@@ -96,8 +96,8 @@ EXCLUSIVE = (
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class StageSpec:
-    """A moment of the protocol. Load, wall shear, strain and scale are reached at it, evenly from the moment before;
-    rates and stresses apply from it on. Omitted quantities stay as they were. A repeated time is a jump.
+    """A moment of the protocol. Load, wall shear, strain and scale change linearly from the previous moment to this
+    one; rates and stresses apply from it on. Omitted quantities do not change. A repeated time is a jump.
     """
 
     time: Instant
@@ -128,7 +128,8 @@ class StageSpec:
     """The normal stress at top and bottom from this time on (Pa; N/m in 2D), positive in compression; the height
     follows. Example: `"100 Pa"`. Effect: higher stresses compress the packing along y."""
     pressure: Stress | None = None
-    """The mean normal stress from this time on (Pa; N/m in 2D), positive in compression; all sides follow alike.
+    """The mean normal stress from this time on (Pa; N/m in 2D), positive in compression; all sides change in
+    proportion.
     Example: `"100 Pa"`. Effect: higher pressures compress the packing."""
 
     @model_validator(mode="after")

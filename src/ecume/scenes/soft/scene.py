@@ -349,7 +349,7 @@ class CellSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class PreparationSpec:
-    """How a random packing is made before time 0: compressed alike along all axes, and left alone until its forces are
+    """The preparation of a random packing before time 0: isotropic compression, then relaxation until its forces are
     nearly constant. Loads, torques and gravity act from time 0 on.
     """
 

@@ -67,8 +67,8 @@ class BaseExcitationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class BodyMotionSpec:
-    """The path of a body: uniform, a sine, or a table of times with straight lines between. It shifts the body and
-    turns it about a pivot that goes along.
+    """The path of a body: uniform, a sine, or a table of times with straight lines between. The body is translated, and
+    rotated about a pivot that moves with it.
     """
 
     velocity: Motion | None = None

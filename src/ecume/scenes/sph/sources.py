@@ -1,6 +1,7 @@
 """Liquid and solids from other sources than the scene itself: a table, a drawing, a frame of another run.
 
-Reading a scene's file turns these keys into particles, vertices or triangles, so that the scene alone says everything.
+Reading a scene's file converts these keys to particles, vertices or triangles, so that the scene is complete without
+other files.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from ecume.scenes.tables import MOST_BYTES, beside, bytes_of, followed, lines_of
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ParticlesSpec:
-    """Particles by their places; of the rest, all or none."""
+    """Particles at given positions. Each other quantity is given for all particles or for none."""
 
     positions: tuple[Place, ...]
     """The position of each particle (m). Effect: determines where there is liquid."""
@@ -126,7 +127,7 @@ def _tank_from(raw: dict[str, Any], folder: Folder) -> Complaints:
 
 
 DRAWN_TABLES = ("fluid", "obstacles", "bodies")
-"""The tables whose shapes may come from a drawing."""
+"""The tables whose shapes may be read from a drawing."""
 
 
 def outline_followed(piece: dict[str, Any], path: Path, folder: Folder) -> Complaints:

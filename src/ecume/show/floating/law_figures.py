@@ -173,7 +173,7 @@ ROUNDING = 1e-14
 
 
 class Orbit(NamedTuple):
-    """The circular orbit that the spheres nearly go through."""
+    """The circle that approximates the orbit of the spheres."""
 
     period: float
     speed: float

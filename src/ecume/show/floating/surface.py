@@ -27,7 +27,7 @@ from ecume.units import Array
 
 
 class Shapes(NamedTuple):
-    """All floats of a scene, each in its own frame."""
+    """The shapes of all floats of a scene, each in the frame of its body."""
 
     outlines: list[Array]
     """of each float (points, 2)"""
@@ -223,7 +223,7 @@ def _menisci(closest: float, reach: float, length: float) -> Heights:
 
 
 def unit_meniscus(on: Sheet, distance: Array) -> Heights:
-    """The height around a charge of one (m/m), read from the table: to 0.1 % of what it is at the closest distance."""
+    """The height around a unit charge (m/m), from the table: accurate to 0.1 % of its value at the closest distance."""
     per_meter = (NODES - 1) / (on.reach - on.closest)
     index = ((distance - on.closest) * per_meter + 0.5).astype(np.int32)
     return on.menisci[np.clip(index, 0, NODES)]

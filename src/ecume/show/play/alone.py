@@ -27,7 +27,7 @@ GALLERY = ("cereal-bowl", "bubbles-and-beads", "wall-climbing", "original-2022")
 
 
 def refusal(scene: Any) -> str:
-    """Why a page cannot simulate a scene by itself; empty if it can."""
+    """The reason why a page cannot simulate a scene; empty if it can."""
     if scene.model != "floating" or scene.dish is None:
         return "a page simulates floats in a dish"
     if any(one.disc or one.shape or one.surface_energies or one.magnetic_moment or isinstance(one.contact_angle, str)
@@ -57,7 +57,7 @@ def _color(scene: FloatingScene, spec: FloatSpec) -> str:
 
 
 def chapters(scene: FloatingScene) -> list[Chapter]:
-    """The scene with all that the page offers, and those of the gallery as they are."""
+    """The scene with all options of the page, and those of the gallery without options."""
     others = [chapter(one, str(one.title), _color, whole=False) for one in gallery(scene)]
     return [chapter(scene, scene.title or "A bowl", _color), *others]
 
@@ -93,7 +93,9 @@ def _packed(content: bytes) -> str:
 
 
 def save_alone(scene: Any, target: Path, max_size: float) -> int:
-    """Write the page of a bowl to a file; its size in bytes. Raises BadInput if that is above so many MB."""
+    """Write the page of a bowl to a file. Returns its size in bytes. Raises BadInput if that is above the largest size
+    in MB.
+    """
     content = alone(scene).encode()
     if len(content) > 1e6 * max_size:
         raise BadInput(f"the page has {len(content) / 1e6:.2f} MB; expected --max-size of that or more")

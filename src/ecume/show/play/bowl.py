@@ -338,18 +338,18 @@ def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene
 
 
 def _hurried(scene: FloatingScene) -> FloatingScene:
-    """The scene as its time step must see it: any float may be thrown."""
+    """The scene for the choice of the time step: a user may throw any float."""
     launched = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.particles]
     integration = dataclasses.replace(scene.integration, time_step=None)
     return dataclasses.replace(scene, particles=tuple(launched), integration=integration)
 
 
 SINKS = re.compile(r"an? (\w+) of [^;]*? sinks: [^;]*; take ")
-"""What `FloaterSinks` says in numbers without dimensions, up to the remedy."""
+"""The part of `FloaterSinks`'s message with dimensionless numbers, up to the remedy."""
 
 
 def _said(fault: Exception) -> str:
-    """The warnings of a scene's check, in one line, and in words that need no textbook."""
+    """The warnings of a scene's check, in one line and in plain words."""
     if isinstance(fault, SceneError):
         messages = dict.fromkeys(one.message for one in fault.faults)
         return SINKS.sub(r"this \1 would sink; take ", "; ".join(messages))

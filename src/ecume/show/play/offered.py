@@ -51,7 +51,7 @@ class Grid(NamedTuple):
 
     @property
     def usual(self) -> tuple[int, int, int]:
-        """The places at which a species is as it is."""
+        """The indices at which a species is that of the scene."""
         return self.size.index(1.0), self.density.index(1.0), self.angle.index(0.0)
 
 
@@ -85,7 +85,7 @@ def offered(kinds: list[FloatSpec], grid: Grid = FINE) -> list[Offered]:
 
 
 def species_of(scene: FloatingScene, *, shelf: bool = True) -> list[FloatSpec]:
-    """One float of each species of a scene, and of what lies on the shelf."""
+    """One float of each species of a scene, and of each kind on the shelf."""
     known = {species.name for species in scene.particles}
     more = [FloatSpec(name=name, **values) for name, values in SHELF.items() if shelf and name not in known]
     bare: dict[str, Any] = {
@@ -180,8 +180,8 @@ def parameters_in(scene: FloatingScene, made: Filled) -> Parameters:
 
 
 def steps_in(scenes: Iterable[tuple[FloatingScene, Parameters]], made: Filled) -> list[float | None]:
-    """The time step (s) in all these dishes for each group of kinds, none for an empty group. Any float may be
-    thrown.
+    """The time step (s) in all of these dishes for each group of kinds; none for an empty group. A user may throw any
+    float.
     """
     places, found = list(scenes), list[float | None]()
     for group in map(floats_of, made.groups):
@@ -260,7 +260,7 @@ def layout(parameters: Parameters) -> list[list[Any]]:
 
 
 def _blank(parameters: Parameters, count: int) -> dict[str, Any]:
-    """The arguments with so many equal floats."""
+    """Arguments with a number of equal floats."""
     first: Any = (np.repeat(values[:1], count) for values in parameters.floats)
     one = Floats(*first)
     walls = wall_count(parameters.walls)

@@ -191,7 +191,7 @@ PAINT = 0.1
 
 
 class Written:
-    """A page that needs nothing of the program but to be given out."""
+    """A page that only has to be served."""
 
     def __init__(self, page: str, parts: Parts) -> None:
         self.token, self.policy = secrets.token_urlsafe(24), policy_of(parts, live=False)
@@ -207,7 +207,7 @@ class Written:
 
 
 class BowlPage:
-    """A bowl as its page sees it."""
+    """The interface of a bowl to its page."""
 
     def __init__(self, bowl: Bowl) -> None:
         self.moving, self.parts = bowl, PLAY
@@ -369,7 +369,7 @@ def _coded(values: Any) -> str:
 
 
 def _solid(spec: Any, tank: Any) -> list[list[float]]:
-    """Corners; of a disc so many that it is round."""
+    """The corners of a solid; a disc is a polygon with many corners."""
     shape = outline(spec, tank)
     if isinstance(shape, Round):
         angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)

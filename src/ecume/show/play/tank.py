@@ -85,8 +85,8 @@ def require_playable(scene: SphScene) -> None:
 
 
 def fixed(scene: SphScene) -> SphScene:
-    """The scene with its speed of sound and its artificial damping written down: they must not follow from what is
-    poured or pushed later.
+    """The scene with explicit speed of sound and artificial damping, so that poured liquid and pushes do not change
+    them.
     """
     material = material_of(scene)
     liquid = dataclasses.replace(scene.liquid, sound_speed=material.sound_speed, maximum_speed=material.fastest)
@@ -179,7 +179,7 @@ def pushed_aside(scene: SphScene, liquid: Liquid, pushed: float, rest: float) ->
 
 
 def regions_of(scene: SphScene, liquid: Liquid) -> tuple[RegionSpec, ...]:
-    """The liquid as tables of particles, one for each region that has some left."""
+    """The liquid as tables of particles, one for each region that still has particles."""
     colors = dict(enumerate(region.color for region in scene.fluid))
     numbers = np.unique(liquid.region).tolist()
     return tuple(_region(those(liquid, liquid.region == number), colors.get(number)) for number in numbers)
@@ -319,7 +319,7 @@ class Tank:
         return dataclasses.replace(scene, fluid=regions_of(self.scene, self.liquid()))
 
     def liquid(self) -> Liquid:
-        """The particles as they are now, in the order of their numbers."""
+        """The particles at present, in the order of their numbers."""
         state = self.integration.state
         order = np.argsort(state.identity)
         return Liquid(*(np.ascontiguousarray(getattr(state, name)[..., order]) for name in Liquid._fields))
@@ -337,7 +337,7 @@ class Tank:
         return 2.0 * math.pi / max(wave_frequency(math.pi / self.width, depth, pull), 1e-9)
 
     def _begin(self, scene: SphScene, push: Push, liquid: Liquid | None) -> None:
-        """Go on with another scene; without a liquid with its own."""
+        """Continue with another scene; by default with its initial liquid."""
         model = MODELS["sph"]
         parameters = model.parameters(with_hands(scene, push.at(0.0), (0.0, 0.0)))
         state = model.start(scene, parameters) if liquid is None else make_state(parameters, liquid)

@@ -297,7 +297,7 @@ def single_readings(frames: Frames, scene: SphScene, kind: str, names: Sequence[
 
 
 def _over_time(frames: Frames, shown: Sequence[Frame], names: Sequence[str]) -> tuple[Array, list[Array]]:
-    """Instants, and the numbers then: those sampled between frames where all of them were, otherwise of frames."""
+    """Times and numbers: those sampled between frames if all numbers were sampled, otherwise those of frames."""
     sampled = samples_of(frames)
     if sampled is not None and set(names) <= set(sampled.names):
         return sampled.times, [sampled.mean(name) for name in names]

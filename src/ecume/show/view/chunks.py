@@ -65,7 +65,9 @@ class _Packing:
         self.size += len(plain)
 
     def quantized(self, name: str, values: Numbers) -> None:
-        """Numbers as steps from the least to the largest; as they are where that would lose or invent something."""
+        """Pack numbers as integer steps from the least to the largest; unchanged where this would lose or create
+        values.
+        """
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
         if not np.isfinite([low, high]).all() or (low > 0.0 and high > WIDE * low):
             finite = values[np.isfinite(values)]
@@ -175,7 +177,7 @@ def _quantities(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> lis
 
 
 def _colored(frame: Frame, stage: Stage) -> Numbers:
-    """Whose values decide the range of colors: of all but those that keep their own."""
+    """The values that determine the range of colors: all except those of particles with separate colors."""
     if stage.apart is None:
         return np.ones(len(frame.arrays["position"]), bool)
     return frame.arrays["species"] < stage.apart

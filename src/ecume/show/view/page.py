@@ -130,7 +130,7 @@ class Page(NamedTuple):
     """bytes"""
     frames: int
     every: int
-    """each so many-th frame of the run is shown"""
+    """interval of the shown frames"""
 
 
 def save_page(

@@ -104,17 +104,17 @@ class Stage(NamedTuple):
     """The scenery around the particles of a run."""
 
     low: Array
-    """(d,) m: what is to be seen at first"""
+    """(d,) m: the lower corner of the initial view"""
     high: Array
     kinds: Sequence[Any]
     """species, with names and colors"""
     usual: str = "species"
-    """what colors mean at first"""
+    """the initial meaning of colors"""
     radius: float = 0.0
-    """of particles whose frames say none (m)"""
+    """of particles if frames do not contain radii (m)"""
     lines: Sequence[Line] = ()
     movers: Callable[[Frame], list[Array]] | None = None
-    """outlines of what moves, as many points in every frame"""
+    """outlines of moving solids, with the same number of points in every frame"""
     mover_colors: Sequence[str | None] = ()
     """of each; None or missing, as walls are"""
     inner: Array | None = None

@@ -84,7 +84,7 @@ def _tilt(box: list[float]) -> float:
 
 
 def _step(file: FileIO, index: Index, frame: int) -> float | None:
-    """The number of steps of a frame that states its own, or of the first."""
+    """The number of steps of a frame, or that of the first frame if it has none."""
     own = frame == 0 or _entry(index, frame, "configuration/step") is not None
     found = _chunk(file, index, frame, "configuration/step") if own else None
     return float(found.flat[0]) if found is not None and found.size else None

@@ -36,7 +36,7 @@ class Particles(NamedTuple):
     positions
     """
     instant: float | None = None
-    """The time or the number of steps, in a unit that only the file knows; differences tell intervals."""
+    """The time or the number of steps, in the unit of the file; only differences are used."""
 
 
 class FileFault(ValueError):

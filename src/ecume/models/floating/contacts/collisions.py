@@ -287,7 +287,7 @@ def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts 
         comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
         among_floats = second[row] < len(parameters.floats.radius)
         if overlapping and among_floats:
-            # As in the original, which acts on what overlaps already.
+            # As in the original program, which acts on overlapping floats.
             comes = speed[row] < 0.0 and gap[row] <= 0.0
         elif restitution_of(restitutions, second[row]) == 0.0:
             comes = comes and gap[row] < parameters.slop
@@ -495,7 +495,7 @@ def split_velocities(parameters: Parameters, state: State, workspace: Workspace)
         state.velocity,
     )
     for i in range(len(velocity)):
-        # Only the velocity that remains after drag can rebound: in syrup nothing does.
+        # Only the velocity that remains after drag rebounds; in a very viscous liquid that is nearly zero.
         before[i, 0] *= decay[i]
         before[i, 1] *= decay[i]
         # The difference between the velocity and the midstep velocity is kept; changes of the latter are added to it.

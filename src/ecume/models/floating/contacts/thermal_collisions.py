@@ -297,8 +297,8 @@ def carry(
     force: tuple[float, float],
     others: Integers,
 ) -> None:
-    """Change the velocities of other floats by the flow that the force of a collision drives: it acts on the second
-    float, its opposite on the first.
+    """Change the velocities of other floats by the flow of the force of a collision, which acts on the second float,
+    and with opposite sign on the first.
     """
     for k in others:
         advance_path(paths, k, when)

@@ -127,7 +127,9 @@ def coupled_memory(part: CoupledKicks) -> float:
 
 
 def coupled_pairs(part: CoupledKicks) -> float:
-    """The work of a time step, in pairs: to fill the matrix and to multiply by it, for thermal noise many times."""
+    """The work of a time step, in units of a pair force: filling the matrix, and multiplying by it, repeatedly for
+    thermal noise.
+    """
     return (20.0 if part.thermal > 0.0 else 2.0) * len(part.radius) ** 2
 
 

@@ -123,7 +123,7 @@ class Interaction(Option):
     add_work: Callable[..., None] | None = None
     """add_work(part, scratch, parameters, state, workspace): the work in a step of forces that have no energy"""
     state: Callable[[Any, State], State] = lambda part, state: state
-    """state(part, state): the state with what the part needs"""
+    """state(part, state): the state with the data of the part"""
     inertia: Callable[[Any], Array | None] = lambda part: None
     """inertia(part): of floats that the part turns (kg m^2), (N,)"""
     arrays: Callable[[Any], Mapping[str, tuple[Array, str]]] = lambda part: {}

@@ -110,7 +110,7 @@ def row_of_law(law: Any) -> PairLaw:
 
 
 def in_double(law: Any, parameters: Parameters) -> Any:
-    """The constants in double precision: those of the scene's law as they were derived."""
+    """The constants of the scene's law in double precision, as they were derived."""
     return type(law)(*law_of(parameters)) if parameters.single else law
 
 

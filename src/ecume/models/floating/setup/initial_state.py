@@ -162,8 +162,8 @@ contacts of other programs leave such overlaps; rafts of another run overlap les
 
 
 def separated(position: Array, radius: Array, periods: Array) -> Array:
-    """Floats that overlap slightly, moved apart along their lines of centers until they touch; other floats are
-    unchanged. The overlaps had no energy, which would otherwise appear from nothing.
+    """Floats with small overlaps, separated along their lines of centers until they touch; other floats are unchanged.
+    The overlaps had no energy, which contacts would otherwise create.
     """
     if len(radius) < 2:
         return position

@@ -272,7 +272,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     hydrodynamics, touching = hydrodynamics_of(scene), _contacts_of(scene)
     films = [hydrodynamics.resistance("films")] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[touching]
-    # Floats that pass through one another still touch the walls of a dish.
+    # Without contacts between floats, those with the walls of a dish remain.
     solved = "impulse" if touching == "none" and scene.dish is not None else touching
     plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
     return Chosen(

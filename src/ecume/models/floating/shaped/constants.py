@@ -35,7 +35,9 @@ TURN = 0.2
 """rad: the time step is a twentieth of the time for this rotation, since contacts predict tips along straight lines."""
 
 MOST_SHAPES = 100_000
-"""Floats have some ten to a hundred charges each, so that a step of so many already sums over some 1e9 pairs."""
+"""The largest number of floats with a shape. Each has ten to a hundred charges, so that a step sums over about 1e9
+pairs.
+"""
 
 DIFFERENCE = 1e-4
 """Step of finite differences, over the radius or in rad."""

@@ -149,8 +149,8 @@ def step(parts: Parts, scratches: Scratch, parameters: Parameters, state: State,
 def integrate(
     parts: Parts, scratches: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
 ) -> int:
-    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` have no parts,
-    so that code which does not depend on them is compiled once.
+    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` do not contain
+    the parts, so that code that is independent of them is compiled once.
     """
     begin(parts.integrator, scratches.integrator, parameters, state)
     set_clock(scratches, state.step[0] * parameters.time_step)

@@ -329,7 +329,7 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
         crossed = _crossed(boundary.image_owner, chain)
         for axis in range(3):
             side = _bearer(boundary.image_owner, chain, axis)
-            # The force of the image of a dummy along a mirror is the dummy's own.
+            # Along a mirror, the force on the image of a dummy equals that on the dummy.
             if side >= 0 and (axis in crossed or not solid):
                 found[side][axis] += (BODY_AND_LIQUID if solid == BODY else 1.0) * force[g, axis]
     return found, _places(parameters, workspace, mine)

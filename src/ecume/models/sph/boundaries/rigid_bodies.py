@@ -107,7 +107,7 @@ def accelerations_of(bodies: Bodies, pose: Array, motion: Array, load: tuple[Arr
 
 
 def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> float:
-    """Kinetic energy of translation and rotation, and potential energy in gravity and in the central pull (J); none of
+    """Kinetic energy of translation and rotation, and potential energy in gravity and in the central pull (J), without
     bodies with a prescribed motion.
     """
     bodies, place = parameters.bodies, pose[: parameters.dimension]

@@ -43,7 +43,7 @@ admit(kernels)
 SEALED = 1e-6
 """The distance to a wall, in spacings, below which a panel of an obstacle is dry."""
 PROBE = 0.01
-"""The step along the normal, in spacings, by which it is decided whether a panel faces what is near to it."""
+"""The step along the normal, in spacings, of the test whether a panel faces a nearby surface."""
 FAR = 1.5
 """The distance, in supports, within which liquid contributes to the pressure at a panel."""
 TRUST = 4
@@ -98,8 +98,8 @@ def gaps_of(now: Parameters, solids: list[Solid], mine: Solid, points: Array) ->
 
 
 def _faces(now: Parameters, solids: list[Solid], mine: Solid, panels: tuple[Array, Array], gap: Array) -> Flags:
-    """Whether what is near to panels, points with normals, is in front of them, within 60 degrees: the side of a block,
-    dry above the floor beside it, is no narrow gap.
+    """Whether the nearby surface is in front of each panel, a point with a normal, within 60 degrees. For example, the
+    side of a block that is dry above the floor does not form a narrow gap with the floor.
     """
     step = PROBE * now.spacing
     ahead = gaps_of(now, solids, mine, panels[0] + step * panels[1])
@@ -290,7 +290,7 @@ def _shared(now: Parameters, mine: Solid, least: dict[int, float], more: Load) -
 
 
 def _share(now: Parameters, gap: float) -> float:
-    """How much of the integral counts at this least gap: all of it up to half a support, nothing from a whole one."""
+    """The weight of the integral at this least gap: one up to half a support, zero from a whole one."""
     return min(1.0, max(0.0, 2.0 - 2.0 * gap / now.support))
 
 

@@ -101,8 +101,8 @@ def reflect_particles(guard: Guard, position: Array, velocity: Array, transport:
 
 
 def impulses(guard: Guard, met: Reflected) -> list[Repelled]:
-    """The changes of velocity by each wall or obstacle, as accelerations over one second. For a particle in a corner of
-    the tank, each side has the component along its own normal.
+    """The velocity changes by each wall or obstacle, as accelerations over one second. In a corner of the tank each
+    side gets the component along its normal.
     """
     kind, number, d = guard.sheet.kind, guard.sheet.number, len(met.outside)
     deep = np.zeros((3, len(met.who)))

@@ -291,7 +291,7 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
 
 
 def moving_dummies(parameters: Parameters) -> Integers:
-    """The dummies of sides that move along themselves."""
+    """The dummies of walls that move parallel to themselves."""
     dummies = parameters.boundary.dummies
     return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
 

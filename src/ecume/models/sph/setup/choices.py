@@ -222,7 +222,7 @@ def acting_friction(scene: SphScene) -> Friction | None:
 
 
 def is_viscous(scene: SphScene) -> bool:
-    """Whether the liquid has any viscosity: its own, or that of eddies."""
+    """Whether the liquid has a viscosity, molecular or by eddies."""
     return bool(filled(scene.liquid).viscosity) or scene.liquid.rheology is not None or turbulent(scene)
 
 
@@ -324,7 +324,7 @@ def contact_cosine(scene: SphScene, spec: SideSpec | ObstacleSpec | BodySpec) ->
 
 
 def require_wetting(scene: SphScene) -> None:
-    """Raise SceneError for contact angles that nothing reads: without surface tension, or with another model of it."""
+    """Raise SceneError for contact angles that have no effect: without surface tension, or with another model of it."""
     named = {"liquid": scene.liquid, **{f"tank.{name}": getattr(scene.tank, name) for name in scene.sides}}
     named |= {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
     named |= {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}

@@ -72,7 +72,7 @@ def part_of(region: RegionSpec, spacing: float) -> Part:
 
 
 def solids_of(scene: SphScene) -> list[Shape]:
-    """Obstacles, then bodies as they start."""
+    """Obstacles, then bodies in their initial positions."""
     return [*obstacles_of(scene), *(shape_of(spec) for spec in scene.bodies)]
 
 

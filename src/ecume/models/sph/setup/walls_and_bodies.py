@@ -324,7 +324,7 @@ def side_of(scene: SphScene, number: int) -> Any:
 
 
 def _walled(scene: SphScene, axis: int) -> bool:
-    """Whether the low end has a wall."""
+    """Whether there is a wall at the low end of an axis."""
     return bool(side_of(scene, 2 * axis).kind == "wall")
 
 
@@ -349,7 +349,7 @@ PANEL = {2: 0.25, 3: 0.5}
 
 
 def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
-    """The bodies of a scene, as they start."""
+    """The bodies of a scene in their initial positions."""
     _require_possible(scene)
     shapes, obstacles = [shape_of(spec) for spec in scene.bodies], obstacles_of(scene)
     own = [in_own_axes(shape) for shape in shapes]
