@@ -89,9 +89,11 @@ def _magnetic_field(scene: FloatingScene) -> str:
 
 
 def _tabulated_flow(scene: FloatingScene) -> str:
-    return _whether(
-        scene.flow is not None and (scene.flow.nodes is not None or scene.flow.field is not None), "a table"
-    )
+    return _whether(scene.flow is not None and scene.flow.nodes is not None, "a table")
+
+
+def _flow_of_a_file(scene: FloatingScene) -> str:
+    return _whether(scene.flow is not None and scene.flow.field is not None, "a file")
 
 
 def _motion(scene: FloatingScene) -> str:
@@ -143,6 +145,8 @@ FLOATS = (
     Expressible("waves", _waves, NONE, "none", "LAMMPS has no such forces"),
     Expressible("activity", _active, NONE, "none", "LAMMPS has no such forces with persistence"),
     Expressible("flow.nodes", _tabulated_flow, NONE, "a uniform or linear flow",
+                "a formula of LAMMPS has no table over two coordinates", external=True),
+    Expressible("flow.field", _flow_of_a_file, NONE, "a uniform or linear flow",
                 "a formula of LAMMPS has no table over two coordinates", external=True),
     Expressible("dish.law", _of_dish("law", "none"), _names("meniscus", "linear", "none"),
                 "meniscus, linear or none", "the deck contains formulas of far fields only", external=True),

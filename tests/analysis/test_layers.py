@@ -65,3 +65,11 @@ def test_a_cell_between_left_and_right_is_refused():
     frame = cell()
     with pytest.raises(BadInput, match="periodic along x"):
         layers([frame._replace(numbers={"box_height": 5.0})])
+
+
+def test_a_layer_without_spheres_has_no_velocity_and_no_warning(recwarn):
+    frames = [cell(seed, count=3, bottom_y=0.0, top_y=400.0) for seed in range(4)]
+    found = layers(frames, 12)
+    assert math.isnan(found.velocity[-1].value)
+    assert found.fraction[-1].value == 0.0
+    assert not recwarn.list

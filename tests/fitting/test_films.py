@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from ecume.cli.sweeps import track
 from ecume.engine.ffmpeg import pictures_of
 from ecume.errors import BadInput, StorageError
 from ecume.fitting import Camera, fit, read_tracks
@@ -132,3 +133,11 @@ def test_a_film_of_a_known_surface_tension_gives_it_back(tmp_path):
     assert len(changed) == len(frames)
     _, columns = np.nonzero(changed[0])
     assert columns.min() == pytest.approx(found.position[0, :, 0].min() - 1e-3 / pixel, abs=4.0)
+
+
+def test_tracking_does_not_replace_a_table(tmp_path):
+    there = tmp_path / "film.csv"
+    there.write_text("t,x,y,id\n")
+    with pytest.raises(BadInput, match="exists already; choose another name with -o, or replace it with --force"):
+        track(tmp_path / "film.mp4", "12 px", out=there)
+    assert there.read_text() == "t,x,y,id\n"

@@ -1,5 +1,6 @@
 """Decks for LAMMPS: their numbers are those of our laws, and what LAMMPS cannot express is refused."""
 
+import dataclasses
 import math
 import re
 from pathlib import Path
@@ -14,7 +15,8 @@ from ecume.laws import capillarity
 from ecume.laws.friction import dashpot_restitution
 from ecume.models.floating.contacts.springs import damping_of
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF
-from ecume.scenes.floating import FloatingScene
+from ecume.scenes.fields import FieldSpec
+from ecume.scenes.floating import FloatingScene, FlowSpec
 from ecume.scenes.load import load_scene
 from ecume.trajectories.foreign import lammps
 from ecume_lammps import numbers, pair_tables, walls
@@ -208,8 +210,8 @@ REFUSED = {
     "dish.restitution": {"more": DISH + "restitution = 0.1"},
     "contacts.friction": {"more": "[contacts]\nfriction = 0.3\n[hydrodynamics]\nadded_mass = true"},
 }
-COUNTED = {"particles", "integration.integrator"}
-"""Refused by their number: a test of their own."""
+COUNTED = {"particles", "integration.integrator", "flow.field"}
+"""Refused by their number, or with a file: a test of their own."""
 EXTENSIBLE = {"dish.shape"}
 """All rows of today's table can be expressed."""
 
@@ -258,3 +260,8 @@ def test_other_models_have_no_decks(tmp_path: Path) -> None:
     packing = load_scene(Path(ecume.__file__).parent / "templates" / "t1.toml")
     with pytest.raises(BadInput, match="got a scene of the model soft; expected one of: floating, sph"):
         write_deck(packing, tmp_path / "deck")
+
+
+def test_a_flow_from_a_file_is_refused_by_its_own_name() -> None:
+    flow = FlowSpec(field=FieldSpec(file="gyre.npz"))
+    assert [fault.path for fault in faults_of(dataclasses.replace(scene_of(DISH), flow=flow))] == ["flow.field"]

@@ -385,3 +385,26 @@ def test_an_unknown_ending_is_refused_and_a_table_sent_to_its_key(tmp_path, name
     with pytest.raises(SceneError, match="unknown ending") as caught:
         ecume.load_scene(tmp_path / "scene.toml")
     assert ("particles_from" in str(caught.value)) == bool(hint)
+
+
+def test_a_density_that_the_scene_omits_follows_from_the_masses(folder: Path) -> None:
+    """Of spheres: 2.5 mg in a diameter of 2 mm."""
+    bare = FLOATS.replace("density = 600\n", "")
+    scene = loaded(folder, bare.format(file="start.gsd", more='mass_unit = "1 mg"'))
+    assert isinstance(scene, ecume.FloatingScene)
+    expected = 2.5e-6 / (4.0 / 3.0 * np.pi * 1e-9)
+    assert [row.density for row in scene.rows] == pytest.approx([expected, 700.0, expected])
+    assert "particles[0].density: is missing" in faults(folder, bare.format(file="start.gsd", more=""))[0]
+    settling = TRACERS.replace(", density = 1000", "").replace('time_unit = "1 s"', 'mass_unit = "1 mg"')
+    tracers = loaded(folder, settling.format(file="start.gsd", height=""))
+    assert [one.density for one in tracers.particles] == pytest.approx([expected, 1100.0])
+
+
+def test_a_file_of_hoomd_with_diameters_of_1_says_what_it_omits(folder: Path) -> None:
+    with gsd.hoomd.open(folder / "ones.gsd", "w") as file:
+        frame = gsd.hoomd.Frame()
+        frame.configuration.box = [20, 10, 1, 0, 0, 0]
+        frame.particles.N, frame.particles.types, frame.particles.typeid = 2, ["A", "B"], [0, 1]
+        frame.particles.position, frame.particles.diameter = [[1, 2, 0], [5, 2, 0]], [1, 1]
+        file.append(frame)
+    assert "GSD omits diameters that are all 1" in faults(folder, FLOATS.format(file="ones.gsd", more=""))[0]

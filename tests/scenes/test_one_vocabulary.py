@@ -66,6 +66,8 @@ def test_a_tank_begins_at_the_origin(plain):
         (FLOATING, {"floats": []}, "floats: no such key; did you mean particles?"),
         (FLOATING, {"liquid": {"gravity": 1.0}}, "liquid.gravity: no such key; did you mean gravity, at the top"),
         (FLOATING, {"interaction": {"sum": "grid"}}, "did you mean summation?"),
+        (FLOATING, {"brownian": True}, "brownian: no such key; did you mean hydrodynamics.brownian?"),
+        (TANK, {"obstacles": [{"length_unit": "1 mm"}]}, "did you mean outline_unit?"),
         (SOFT, {"spheres": []}, "spheres: no such key; did you mean particles?"),
         (SOFT, {"box": {}}, "box: no such key; did you mean cell?"),
         (SOFT, {"liquid": {"viscosity": 1.0, "drag": True}}, "did you mean hydrodynamics.drag?"),

@@ -298,3 +298,10 @@ def test_names_of_figures_are_known_without_what_draws_them():
     with pytest.raises(BadInput, match="no such figure as 'nonsense'"):
         require_figure("sph", "nonsense")
     require_figure("a model of its own", "nonsense")
+
+
+def test_names_of_other_programs_lead_to_a_figure():
+    with pytest.raises(BadInput, match=r"did you mean displacement\?"):
+        require_figure("floating", "MSD")
+    with pytest.raises(BadInput, match=r"did you mean pair-distribution\?"):
+        require_figure("floating", "g(r)")

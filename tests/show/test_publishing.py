@@ -95,3 +95,11 @@ def test_the_numbers_of_a_figure_are_its_curves_to_the_last_digit(tmp_path):
     assert [float(row["y"]) for row in rows[:5]] == (TIME**2).tolist()
     with pytest.raises(BadInput, match="picture without curves"):
         written_data(figure(), tmp_path / "none.csv")
+
+
+def test_points_of_an_experiment_below_all_curves_are_not_at_the_edge(tmp_path):
+    (tmp_path / "lab.csv").write_text("time [s],pressure [kPa]\n0,-2\n1,9\n")
+    axes = with_measured(drawn(), read_measured(tmp_path / "lab.csv")).axes[0]
+    low, high = axes.get_ylim()
+    assert low < -2.2
+    assert high > 9.2

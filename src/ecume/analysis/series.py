@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
@@ -140,7 +141,11 @@ def steady_mean(values: Array, blocks: int = BLOCKS) -> Mean:
 
     >>> steady_mean(np.array([1.0, 3.0] * 8), blocks=4)
     Mean(value=2.0, error=0.0)
+    >>> steady_mean(np.array([]))
+    Mean(value=nan, error=nan)
     """
+    if not len(values):
+        return Mean(math.nan, math.nan)
     parts = [part.mean() for part in np.array_split(values, min(blocks, max(len(values) // 2, 1)))]
     error = np.std(parts, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.nan
     return Mean(float(np.mean(values)), float(error))

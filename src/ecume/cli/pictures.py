@@ -275,7 +275,8 @@ def movie(
         wrote(made, quiet=quiet)
     if not quiet:
         with contextlib.suppress(BadInput):
-            say(f"{fps * every * frame_interval(directory):.3g} × real time; --speed sets it")
+            pace_text = f"{fps * every * frame_interval(directory):.3g} × real time"
+            say(pace_text if speed is not None else f"{pace_text}; --speed sets it")
     if made.suffix != (out or Path("movie.mp4")).suffix and not quiet:
         say(f"no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or {install('movie')}")
 

@@ -260,6 +260,7 @@ def track(
     box: Box = None,
     rate: Rate = None,
     out: TrackTable = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing table.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """Track round objects in a film, for `ecume fit`.
@@ -272,8 +273,10 @@ def track(
     from ecume.fitting.films import Search, film_tracks, table_of_tracks
     from ecume.trajectories.records import write_whole
 
-    found = film_tracks(film, Search(_pixels(diameter), count, dark, box), rate)
     there = out or Path(f"{film.stem}.csv")
+    if there.exists() and not force:
+        raise BadInput(f"{there}: exists already; choose another name with -o, or replace it with --force")
+    found = film_tracks(film, Search(_pixels(diameter), count, dark, box), rate)
     write_whole(there, table_of_tracks(found))
     if not quiet:
         echo(f"{found.position.shape[1]} objects in {len(found.times)} pictures; wrote {there}")

@@ -215,8 +215,8 @@ def _columns(
     missing += ["t or frame"] if places["time"] is None and places["frame"] is None else []
     if missing:
         raise ValueError(
-            f"missing column {', '.join(missing)}; expected x, y, t and id, or a table of trackpy, TrackMate, MTrackJ "
-            "or Tracker"
+            f"missing column {', '.join(missing)} among {', '.join(map(echo, rows[0][1][:12]))}; expected x, y, t and "
+            "id, or a table of trackpy, TrackMate, MTrackJ or Tracker"
         )
     body = rows[1:]
     units = [(match[2] or "") if match else "" for match in heads]

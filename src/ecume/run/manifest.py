@@ -57,9 +57,23 @@ def first_manifest(scene: Scene, source: bytes, plain: str) -> dict[str, Any]:
         "seed": getattr(scene, "seed", None),
         "source_sha256": hashlib.sha256(source).hexdigest(),
         "scene_sha256": hashlib.sha256(plain.encode()).hexdigest(),
+        **flow_file(scene),
         "cores": os.cpu_count(),
         "sessions": [],
     }
+
+
+def flow_file(scene: Scene) -> dict[str, str]:
+    """The digest of the file with the velocities of the liquid, if the scene names one; of a run that of its end."""
+    field = getattr(getattr(scene, "flow", None), "field", None)
+    if field is None:
+        return {}
+    path = Path(field.file)
+    with storing(path), (path / "DONE.json" if path.is_dir() else path).open("rb") as file:
+        return {FLOW_FILE: hashlib.file_digest(file, "sha256").hexdigest()}
+
+
+FLOW_FILE = "flow_sha256"
 
 
 def changed(former: Mapping[str, Any]) -> list[str]:

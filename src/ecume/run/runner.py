@@ -39,7 +39,7 @@ from ecume.run.recording import Recording
 from ecume.run.samples import NOTHING, Kept, SampleFile
 from ecume.run.selection import require_known, require_numbers, selection_of
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same, warn_of_uncovered
-from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_source
+from ecume.run.verification import ENGINE, IMPORTED, require_computed, require_engine, require_flow_file, require_source
 from ecume.trajectories.records import DONE, as_json, clean, identity, scene_at, storing, write_whole
 from ecume.trajectories.segments import good_frames, repair, set_foreign_aside
 
@@ -184,6 +184,7 @@ def resume(
         for remark in set_foreign_aside(home.trajectory, identity_of(home)):
             note(home, "segment set aside", why=remark)
         scene = from_plain(scene_at(home.path, manifest_of(home)))
+        require_flow_file(home, scene)
         constants.require_sound_constants(home)
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):

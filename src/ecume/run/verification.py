@@ -30,7 +30,7 @@ from ecume.run.directory import (
     read,
     write,
 )
-from ecume.run.manifest import changed, digest, digests
+from ecume.run.manifest import FLOW_FILE, changed, digest, digests, flow_file
 from ecume.run.scalars import lines_of, split
 from ecume.run.selection import selection_of
 from ecume.run.user_code import Law, UserCode, require_same
@@ -274,6 +274,16 @@ def require_source(home: RunDirectory) -> None:
         raise StorageError(
             f"{home.scene}: damaged: it is not what the run began with; put it back from a copy, or `ecume repair "
             f"{home.path}` writes it again from resolved.json"
+        )
+
+
+def require_flow_file(home: RunDirectory, scene: Any) -> None:
+    """Raise BadInput where the file with the velocities of the liquid is not the one that the run began with."""
+    expected = manifest_of(home).get(FLOW_FILE)
+    if expected is not None and flow_file(scene).get(FLOW_FILE) != expected:
+        raise BadInput(
+            f"{home.path}: {scene.flow.field.file} has changed since the run was started; restore it, or run the "
+            "scene again"
         )
 
 

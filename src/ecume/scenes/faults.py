@@ -200,6 +200,7 @@ ELSEWHERE = {
     "method.integrator": "integration.integrator",
     "method.courant": "integration.courant_number",
     "tank.size": "tank.low and tank.high",
+    **{f"{table}.length_unit": "outline_unit" for table in ("fluid", "obstacles", "bodies", "tank")},
 }
 """Keys that users expect in a table, and where they are instead."""
 
@@ -253,7 +254,12 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     if detail["type"] == "unexpected_keyword_argument":
         if (place := ELSEWHERE.get(written(tuple(part for part in path if isinstance(part, str))))) is not None:
             return [(path, f"no such key; did you mean {place}?")]
-        return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
+        known = _keys(kind, path[:-1], also)
+        other = len(path) > 1 or set(SYNONYMS.get(str(path[0]), ())) & set(known)
+        below = [] if other else _paths_to(kind, str(path[0]))
+        if len(below) == 1:
+            return [(path, f"no such key; did you mean {below[0]}?")]
+        return [(path, f"no such key; {suggestion(str(path[-1]), known)}")]
     if detail["type"] == "missing" and isinstance(path[-1], int):
         pair = value_at(raw, path[:-1], detail["input"])
         return [(path[:-1], f"got {echo(pair)}; expected a list of {len(_items(_kind_at(kind, path[:-1])))}")]
@@ -345,6 +351,12 @@ def _keys(kind: type, path: Path, also: Sequence[str]) -> list[str]:
     piece = _kind_at(kind, path)
     known = [field.name for field in dataclasses.fields(piece)] if dataclasses.is_dataclass(piece) else []
     return known + list(also) * (not path)
+
+
+def _paths_to(kind: type, word: str) -> list[str]:
+    """The keys of this name in the tables of a scene, such as `hydrodynamics.brownian`."""
+    tables = [(key, _kind_at(kind, (key,))) for key in _keys(kind, (), ())]
+    return [f"{key}.{word}" for key, table in tables if word in _keys(table, (), ())]
 
 
 def _hint(kind: type, path: Path) -> str:

@@ -11,6 +11,7 @@ states, its radius for example, takes precedence over what the file contains.
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path as Folder
@@ -405,6 +406,10 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     species, faults = [], []
     for one in matched(start, tables_of(raw)):
         particles = start.particles
+        if raw["model"] == "tracers":
+            _take_density(one, particles)
+        if isinstance(one.keys.get("density"), list):
+            faults += _take_one_density(one)
         if "radius" not in one.keys:
             faults += _take_radius(one, start)
         moving = raw["model"] == "tracers" and particles.velocity is not None
@@ -415,11 +420,39 @@ def filled(raw: dict[str, Any], start: Start) -> None:
     raw["particles"] = species
 
 
+def _take_density(one: Species, particles: Particles) -> None:
+    """Set the densities of a species without one, a list, from the densities or the masses of the file."""
+    radius = 0.5 * particles.diameter[one.which] if particles.diameter is not None else None
+    if "radius" in one.keys:
+        radius = np.full(len(one.which), _length(one.keys["radius"]) or math.nan)
+    if "density" in one.keys or (particles.density is None and (particles.mass is None or radius is None)):
+        return
+    if particles.density is not None:
+        one.keys["density"] = particles.density[one.which].tolist()
+    elif particles.mass is not None and radius is not None and np.isfinite(radius).all():
+        one.keys["density"] = (particles.mass[one.which] / (4.0 / 3.0 * math.pi * radius**3)).tolist()
+
+
+def _take_one_density(one: Species) -> Complaints:
+    """Replace the list of densities of a species by the one that all of its particles have."""
+    found = np.array(one.keys.pop("density"))
+    if np.ptp(found) > ALIKE * found.max():
+        path: Path = ("particles", one.place or 0, "density")
+        return [(path, f"is missing; those of the file reach from {found.min():.4g} to {found.max():.4g} kg/m^3")]
+    one.keys["density"] = float(found[0])
+    return []
+
+
+def _no_radius(start: Start) -> str:
+    usual = "; GSD omits diameters that are all 1: write radius as half of length_unit if they are meant"
+    return f"is missing; {start.name} has no diameters{usual if start.name.endswith('.gsd') else ''}"
+
+
 def _take_radius(one: Species, start: Start) -> Complaints:
     """Set the radius of a species from the diameters of the file: one, or a list if they differ."""
     path: Path = ("particles", one.place or 0, "radius")
     if start.particles.diameter is None:
-        return [(path, f"is missing; {start.name} has no diameters")]
+        return [(path, _no_radius(start))]
     mine = start.particles.diameter[one.which]
     alike = np.ptp(mine) <= ALIKE * mine.max()
     one.keys["radius"] = 0.5 * float(mine[0]) if alike else (0.5 * mine).tolist()
@@ -433,8 +466,9 @@ def float_rows(raw: dict[str, Any], start: Start) -> tuple[list[dict[str, Any]],
     found = matched(start, tables_of(raw))
     faults: Complaints = []
     for one in found:
+        _take_density(one, start.particles)
         if "radius" not in one.keys and start.particles.diameter is None:
-            faults.append((("particles", one.place or 0, "radius"), f"is missing; {start.name} has no diameters"))
+            faults.append((("particles", one.place or 0, "radius"), _no_radius(start)))
         else:
             faults += _faults_of_species(one, start.particles)
     if faults:
@@ -461,6 +495,8 @@ def _faults_of_species(one: Species, particles: Particles) -> Complaints:
 
 def _row(one: Species, particles: Particles, index: int) -> dict[str, Any]:
     keys = {key: value for key, value in one.keys.items() if key not in ("name", "velocity")}
+    if isinstance(keys.get("density"), list):
+        keys["density"] = keys["density"][int(np.searchsorted(one.which, index))]
     if "radius" not in keys and particles.diameter is not None:
         keys["radius"] = 0.5 * float(particles.diameter[index])
     x, y = particles.position[index, :2].tolist()

@@ -36,6 +36,7 @@ FIGURE_NAMES = {
         "velocity",
         "surface",
         "gauges",
+        "forces",
         "samples",
     ),
     "tracers": (
@@ -84,8 +85,14 @@ NUMBER = "number:"
 """The prefix of the figure of a number over time, followed by the name of the number."""
 
 
+ELSEWHERE_CALLED = {"msd": "displacement", "g(r)": "pair-distribution", "rdf": "pair-distribution", "gap": "distance"}
+"""Names that figures have in other programs."""
+
+
 def require_figure(model: str, name: str) -> None:
     """Raise BadInput if a model of the table has no figure of this name."""
     known = FIGURE_NAMES.get(model, ())
     if known and name not in known and not name.startswith(NUMBER):
-        raise BadInput(f"no such figure as {name!r}; {suggestion(name, known)}")
+        usual = ELSEWHERE_CALLED.get(name.lower())
+        advice = f"did you mean {usual}?" if usual in known else suggestion(name, known)
+        raise BadInput(f"no such figure as {name!r}; {advice}")

@@ -157,6 +157,10 @@ def _ratio(label: str, other: str, name: str) -> float:
         raise BadInput(f"{name}: is in {units[0]}; expected {units[1]} or a multiple, as the figure is") from None
 
 
+ROOM = 0.04
+"""Part of the height of a panel above and below curves that it was not drawn for."""
+
+
 def _rescaled(axes: Axes) -> None:
     """Set limits around all curves, and draw a legend."""
     points = np.concatenate([points_of(curve.line) for curve in curves_of(axes)])
@@ -167,7 +171,9 @@ def _rescaled(axes: Axes) -> None:
         low, high = get()
         seen = values[np.isfinite(values) & (values > 0.0 if getattr(axes, f"get_{axis}scale")() == "log" else True)]
         if len(seen):
-            limits(min(low, float(seen.min())), max(high, float(seen.max())))
+            least, most = float(seen.min()), float(seen.max())
+            room = ROOM * (max(high, most) - min(low, least)) if axis == "y" and axes.get_yscale() == "linear" else 0.0
+            limits(least - room if least < low else low, most + room if most > high else high)
     if (legend := axes.get_legend()) is not None:
         legend.remove()
     legend_outside(axes)
@@ -229,6 +235,7 @@ def with_measured(drawn: Figure, measured: Measured) -> Figure:
                 "color": INK,
                 "markersize": 4,
                 "markerfacecolor": "none",
+                "clip_on": False,
             }
             axes.plot(x * measured.columns[0], y * column, label=label, **look)  # type: ignore[arg-type]  # a look
             _rescaled(axes)

@@ -23,7 +23,7 @@ from ecume.show.publishing import Finish, finished, written_data
 from ecume.show.style import PALETTE, Scale, figure, legend_outside, plain, save, scale_for, style
 from ecume.sweep.fits import Points, draw_fits, points_of, write_fits
 from ecume.sweep.results import Row, Sweep, open_sweep
-from ecume.units import Array
+from ecume.units import Array, factor
 
 KINDS = ("curves", "map", "scatter", "fit")
 WIDE = 30.0
@@ -39,6 +39,8 @@ class Column(NamedTuple):
     values: Array
     words: tuple[str, ...] = ()
     unit: str = ""
+    written: bool = False
+    """whether the unit is that of the sweep's file"""
 
     @property
     def label(self) -> str:
@@ -51,6 +53,8 @@ class Column(NamedTuple):
             return plain(self.words[int(value)])
         if self.unit == "°":
             return f"{value:.4g}°"
+        if self.written:
+            return f"{value:.4g} {self.unit}"
         scale = scale_for(value, self.unit) if self.unit else Scale(1.0, "")
         return f"{scale.factor * value:.4g} {scale.unit}".strip()
 
@@ -96,11 +100,24 @@ def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None)
     if kind == "curves" and sweep.drawn:
         raise BadInput(f"{sweep.directory}: its points were drawn, and lie on no curves; --what scatter draws them")
     axes, shown = _columns(sweep, measure)
+    if kind != "fit":  # whose table is in SI units
+        axes = [_as_written(column, sweep.written_units.get(column.name, "")) for column in axes]
     with style():
         drawn = figure()
         on = drawn.add_subplot(title=plain(sweep.title))
         DRAWN[kind](on, axes, shown)
     return drawn
+
+
+def _as_written(column: Column, unit: str) -> Column:
+    """A column in the unit that the sweep's file uses."""
+    if not unit or not column.unit or column.unit == "°":
+        return column
+    try:
+        ratio = factor(unit, column.unit)
+    except ValueError:  # degrees Celsius have another zero
+        return column
+    return column._replace(values=column.values / ratio, unit=unit, written=True)
 
 
 def _columns(sweep: Sweep, measure: str | None) -> tuple[list[Column], Column]:

@@ -11,6 +11,7 @@ import inspect
 import io
 import math
 import os
+import re
 import signal
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -98,6 +99,20 @@ class Sweep:
         return {column: known[column] for column in columns if known.get(column, "1") != "1"}
 
     @property
+    def written_units(self) -> dict[str, str]:
+        """The units in which the sweep's file gives the varied keys, of those with one unit."""
+        spec = self._sweeping.spec
+        values: dict[str, Sequence[object]] = {axis.key: axis.values for axis in spec.axes if axis.key is not None}
+        for axis in spec.axes:
+            values |= dict(zip(axis.keys, zip(*axis.rows, strict=True), strict=True))
+        sampled = spec.sampling.axes if spec.sampling is not None else ()
+        spans = {axis.key: axis.span.unit for axis in spec.axes if axis.key is not None and axis.span is not None}
+        spans |= {axis.key: axis.span.unit for axis in sampled}
+        found = {key: {_unit_in(value) for value in given} for key, given in values.items() if given}
+        units = spans | {key: next(iter(each)) for key, each in found.items() if len(each) == 1}
+        return {spec.named(key): unit for key, unit in units.items() if unit}
+
+    @property
     def runs(self) -> list[Path]:
         """The run directory of each point, in the order of the table."""
         return [job.run for job in self._sweeping.jobs]
@@ -144,6 +159,15 @@ class Sweep:
             result: Row = json_at(job.result, dict)
             return row | {name: value for name, value in result.items() if name not in row}
         return row | measured(job, measures)
+
+
+def _unit_in(value: object) -> str:
+    """The unit of a text such as `2 mm`, or nothing."""
+    match = NUMBER_WITH_UNIT.fullmatch(value) if isinstance(value, str) else None
+    return match[1] if match else ""
+
+
+NUMBER_WITH_UNIT = re.compile(r"\s*[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*([^0-9\s].*?)\s*")
 
 
 def representing(axis: Axis) -> Sequence[str]:

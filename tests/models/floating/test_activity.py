@@ -9,6 +9,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.floating.forces.activity import Activity, ActivityScratch, renew_activity
+from ecume.units import with_prefix
 from tests.models import begun
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -122,3 +123,15 @@ def test_noise_turns_the_headings_of_small_swimmers():
         parameters = FLOATING.parameters(scene_of(WATER + floats + driven + brownian))
         part = next(part for part in parameters.parts.interactions if isinstance(part, Activity))
         assert part.diffusion.tolist() == pytest.approx([wanted], rel=1e-2)
+
+
+def test_check_states_the_speed_of_swimmers_and_the_length_of_their_paths():
+    scene = scene_of(
+        '[integration]\nintegrator = "overdamped"\n[activity]\npropulsion = 1e-9\nrotational_diffusion = 0.5\n'
+        "[[particles]]\nradius = 1e-4\ndensity = 1000.0\ncontact_angle = 1.57\npositions = [[0.0, 0.0]]\n"
+    )
+    floats = FLOATING.parameters(scene).floats
+    speed = 1e-9 * floats.relaxation_time[0] / floats.mass[0]
+    (row,) = (row for row in FLOATING.summary(scene) if row[0] == "speed of free swimmers")
+    assert row[1] == with_prefix(speed, "m/s", 3)
+    assert row[2].startswith(f"persistence length {with_prefix(2.0 * speed, 'm', 3)}, {2.0 * speed / 1e-4:.3g} radii")

@@ -207,3 +207,15 @@ def test_a_uniform_flow_carries_floats_through_the_borders():
     time = steps * parameters.time_step
     expected = np.mod([0.059 + 0.3 * time, 0.079 + 0.2 * time], SIDES)
     assert FLOATING.observe(parameters, state, workspace).arrays["position"][0] == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_cell_for_floats_without_attraction_may_be_small():
+    small = "[cell]\nsize = [0.01, 0.01]\n"
+    with pytest.raises(SceneError, match=r'interaction.law = "none" leaves the attraction out'):
+        FLOATING.parameters(scene_of(WATER + floats_at([[2e-3, 2e-3], [6e-3, 6e-3]]) + small))
+    scene = scene_of(WATER + floats_at([[2e-3, 2e-3], [6e-3, 6e-3]]) + small + '[interaction]\nlaw = "none"\n')
+    rows = {name: (value, remark) for name, value, remark in FLOATING.summary(scene)}
+    assert rows["cell"][1].startswith("periodic, floats cover")
+    assert "cutoff" not in rows
+    parameters = FLOATING.parameters(scene)
+    assert parameters.cutoff == pytest.approx(2.0 * parameters.floats.radius.max())

@@ -221,3 +221,20 @@ def test_a_law_that_is_none_is_refused_in_a_line(law, says):
     with pytest.raises(BadInput, match=says) as caught:
         MODELS["floating"].extended(bind(two_floats(6e-3), [law]))
     assert "\n" not in str(caught.value)
+
+
+def test_the_range_of_a_law_alone_is_its_own():
+    """Without menisci a short law acts in a cell far smaller than they reach."""
+    bead = {"radius": 1e-6, "density": 1050.0, "contact_angle": 1.4, "positions": [[1e-5, 1e-5], [2e-5, 2e-5]]}
+    plain = {
+        "model": "floating", "duration": 0.1, "frame_every": 0.1, "cell": {"size": [4e-5, 4e-5]},
+        "interaction": {"law": "none"}, "integration": {"integrator": "overdamped"}, "particles": [bead],
+    }  # fmt: skip
+    scene = from_plain(plain)
+    short = MODELS["floating"].extended(bind(scene, [screened]))
+    (part,) = [part for part in short.parameters(scene).parts.interactions if hasattr(part, "cutoff")]
+    assert 9e-6 < part.cutoff < 1.3e-5  # where exp(-r / 1 um) has fallen to 1e-4 of its value at contact
+
+
+def screened(distance: float, parameters: PairParameters) -> float:
+    return 1e-12 * math.exp(-distance / 1e-6)

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from ecume.errors import SceneError
+from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
 from ecume.models.floating.forces.flow_and_noise import current_at
+from ecume.run import resume, run
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER
@@ -174,3 +175,15 @@ def test_faults_of_a_file_are_named_with_their_key(tmp_path):
     nodes = "nodes = { low = [0, 0], high = [1, 1], vx = [[0, 0], [0, 0]], vy = [[0, 0], [0, 0]] }"
     with pytest.raises(SceneError, match="expected one of velocity_from and field"):
         scene_in(tmp_path, f"{field('there')}\n{nodes}", body)
+
+
+def test_a_run_is_not_resumed_with_another_flow(tmp_path):
+    write_flow(tmp_path, "steady", [0.0], lambda x, y, t: (0.01 + 0.0 * x, 0.0 * y))
+    body = f"{ALONE}[[particles]]\n{BEAD}positions = [[0.0, 0.0]]\n[integration]\ntime_step = 1e-3\n"
+    run(scene_in(tmp_path, field("steady"), body, duration=0.004, frame_every=0.002), tmp_path / "run")
+    (tmp_path / "run" / "DONE.json").unlink()
+    resume(tmp_path / "run")
+    (tmp_path / "run" / "DONE.json").unlink()
+    write_flow(tmp_path, "steady", [0.0], lambda x, y, t: (0.02 + 0.0 * x, 0.0 * y))
+    with pytest.raises(BadInput, match=r"steady.npz has changed since the run was started"):
+        resume(tmp_path / "run")

@@ -140,3 +140,11 @@ def test_waves_of_floats_are_drawn():
     waves = ripples(100.0, given.density, given.surface_tension, given.viscosity, scene.gravity)
     exact = -1.2e-4 * surface_per_force(np.hypot(on.x[30], on.y[20]), waves).real
     assert found[20, 30] == pytest.approx(exact, rel=0.02, abs=1e-8)
+
+
+def test_floats_without_menisci_leave_the_surface_level_and_need_no_images(scene, frames, monkeypatch):
+    """A cell of 40 um would have a million images within the range of menisci."""
+    bare = dataclasses.replace(scene, dish=None, interaction=dataclasses.replace(scene.interaction, law="none"))
+    grid = sheet(bare, VIEW, cells=60, closest=CLOSEST)
+    monkeypatch.setattr("ecume.show.floating.surface.with_images", None)
+    assert not surface(frames[0], grid).any()

@@ -14,6 +14,7 @@ from ecume.laws.pair_laws import PAIR_LAWS, described
 from ecume.models.costs import Content, frame_cost
 from ecume.models.floating.coupled.many_floats import MATRIX_UP_TO
 from ecume.models.floating.first_contact import contact_row
+from ecume.models.floating.forces.activity import Activity
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.flow_and_noise import fastest_at_nodes
 from ecume.models.floating.forces.interactions import interactions_of
@@ -74,6 +75,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters, scene),
         *_summary_of_noise(parameters),
+        *_summary_of_propulsion(parameters),
         *_summary_of_raft_speeds(parameters, scene),
         *_summary_of_drag(parameters, scene),
         *_summary_of_added_mass(parameters, scene),
@@ -103,16 +105,19 @@ def _summary_of_cell(parameters: Parameters) -> list[Row]:
     """The sides of a periodic cell in comparison with the range of the forces."""
     if not np.any(parameters.periods):
         return []
+    forced = row_of(parameters).has_force
     sides, radius = parameters.periods[0], parameters.floats.radius
     coverage = math.pi * float((radius**2).sum()) / float(np.prod(sides))
-    images = (
-        f"periodic, {float(sides.min()) / parameters.cutoff:.3g} cutoffs wide; floats cover {100.0 * coverage:.3g} %"
-    )
+    wide = f"{float(sides.min()) / parameters.cutoff:.3g} cutoffs wide; " if forced else ""
+    images = f"periodic, {wide}floats cover {100.0 * coverage:.3g} %"
     return [("cell", " x ".join(with_prefix(float(side), "m") for side in sides), images)]
 
 
 def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     """The cutoff of the pair law, and the method of summation."""
+    lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
+    if not row_of(parameters).has_force:
+        return lines
     split = part_of(parameters, Split)
     far = split.far if split is not None else parameters.cutoff
     if row_of(parameters).menisci:
@@ -121,7 +126,6 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     else:
         ignored = f"the law is ignored beyond, where it is {force_left(parameters):.1e} of the force at contact"
     cut = f"{far / length:.3g} capillary lengths; {ignored}"
-    lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
     return [("cutoff", with_prefix(far, "m"), cut), *lines]
 
 
@@ -146,6 +150,22 @@ def _summary_of_noise(parameters: Parameters) -> list[Row]:
     ]
     weak = "below kT: noise separates them, and no rafts form" if min(bonds) < 1.0 else "of two touching floats"
     return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
+
+
+def _summary_of_propulsion(parameters: Parameters) -> list[Row]:
+    """The speed of free floats that swim, and the length of their straight paths."""
+    part, floats = part_of(parameters, Activity), parameters.floats
+    if part is None or not part.propulsion.any():
+        return []
+    swims = np.flatnonzero(part.propulsion)
+    speed = (part.propulsion * floats.relaxation_time / floats.mass)[swims]
+    with np.errstate(divide="ignore"):
+        length = speed / part.diffusion[swims]
+    kept = "their headings do not diffuse"
+    if np.isfinite(length).all():
+        radii = _numbers(np.unique(length / floats.radius[swims]).tolist(), 3)
+        kept = f"persistence length {range_with_prefix(length.tolist(), 'm', 3)}, {radii} radii"
+    return [("speed of free swimmers", range_with_prefix(speed.tolist(), "m/s", 3), kept)]
 
 
 def _summary_of_drag(parameters: Parameters, scene: FloatingScene) -> list[Row]:

@@ -236,6 +236,8 @@ def surface(frame: Frame, on: Sheet) -> Heights:
     height = on.still.copy()
     if on.waves is not None:
         height += wave_heights(frame, on).astype(np.float32)
+    if not on.menisci.any():
+        return height
     arrays = with_images(frame, on.reach).arrays
     menisci = zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True)
     if on.shapes is not None:

@@ -28,8 +28,10 @@ GALLERY = ("cereal-bowl", "bubbles-and-beads", "wall-climbing", "original-2022")
 
 def refusal(scene: Any) -> str:
     """The reason why a page cannot simulate a scene; empty if it can."""
-    if scene.model != "floating" or scene.dish is None:
-        return "a page simulates floats in a dish"
+    if scene.model != "floating":
+        return f"a page simulates floats in a dish; got the model {scene.model!r}. `ecume view RUN` plays a run of it"
+    if scene.dish is None:
+        return 'a page simulates floats in a dish; write [dish] with radius = "4 cm", or play a run: `ecume view RUN`'
     if any(one.disc or one.shape or one.surface_energies or one.magnetic_moment or isinstance(one.contact_angle, str)
            for one in (*scene.particles, *scene.rows)):  # fmt: skip
         return "a page simulates spheres with a contact angle"

@@ -313,7 +313,8 @@ def _creep_of(strains: Axes, rates: Axes, part: Sequence[Frame], color: str) -> 
         label += f", {flow.rate.value:.2g} /s" if flow.flows else ", no steady flow"
     except BadInput:
         pass
-    strains.plot(time, crept, color=color, label=label)
+    later = time > 0.0  # the axis is logarithmic
+    strains.plot(time[later], crept[later], color=color, label=label)
     rate, middle = np.diff(crept) / np.diff(time), 0.5 * (time[1:] + time[:-1])
     rates.plot(middle[rate > 0.0], rate[rate > 0.0], color=color)
 

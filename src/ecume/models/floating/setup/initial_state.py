@@ -85,6 +85,10 @@ def require_room(parameters: Parameters, scene: FloatingScene, rows: Iterable[tu
         )
 
 
+COARSEST_ACCURACY = 0.1
+"""The largest `interaction.accuracy` of a scene."""
+
+
 def _contact_range(parameters: Parameters) -> Range:
     return Range("a contact of the largest floats", 2.0 * float(parameters.floats.radius.max()), "")
 
@@ -95,10 +99,14 @@ def _pair_range(parameters: Parameters, half: float) -> list[Range]:
         return []
     length, contact = float(parameters.pair[CAPILLARY_LENGTH]), 2.0 * float(parameters.floats.radius.max())
     omitted = capillarity.neglected_fraction(half / length, contact / length)
-    if not 0.0 < omitted < 1.0:  # zero in cells far wider than any force reaches
+    if omitted <= 0.0:  # in cells far wider than any force reaches
         return [Range("the attraction", parameters.cutoff, "")]
+    needed = _rounded_up(omitted, 2)
+    if needed > COARSEST_ACCURACY:
+        hint = ' (interaction.law = "none" leaves the attraction out, where it is negligible)'
+        return [Range("the attraction", parameters.cutoff, hint)]
     hint = (
-        f" (interaction.accuracy = {_rounded_up(omitted, 2):g} would accept this cell: that fraction of the attraction "
+        f" (interaction.accuracy = {needed:g} would accept this cell: that fraction of the attraction "
         "at a raft's edge would be omitted)"
     )
     return [Range("the attraction", parameters.cutoff, hint)]

@@ -12,7 +12,7 @@ from ecume.engine.walls import surfaces, wall_count
 from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation, meniscus
 from ecume.laws.friction import legacy_restitution
-from ecume.laws.pair_laws import PAIR_LAWS, Setting
+from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, Setting
 from ecume.models.costs import require_memory, within_steps
 from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
 from ecume.models.floating.dishes import is_far_field, wall_law_of, wall_strengths, wall_table_of, walls_of
@@ -158,7 +158,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     floats, liquid = floats_of(scene), liquid_of(scene)
     length, row = liquid.capillary_length, PAIR_LAWS[str(scene.interaction.law)]
     smallest, largest = float(floats.radius.min()), float(floats.radius.max())
-    cutoff = capillarity.truncation_radius(scene.interaction.accuracy, 2.0 * largest / length) * length
+    cutoff = _reach_of_pairs(scene, row, length, largest)
     setting = Setting(length, liquid.surface_tension, 2.0 * DEEPEST_TOUCH * smallest, cutoff + largest)
     law = constants_of(scene, setting)
     strength = law.strength if row.menisci else 0.0
@@ -192,6 +192,13 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         periods=periods_in(scene),
         passing=scene.contacts.law == "none",
     )
+
+
+def _reach_of_pairs(scene: FloatingScene, row: PairLaw, length: float, largest: float) -> float:
+    """The distance (m) up to which floats act on one another: of floats without any force, that of a contact."""
+    if not row.has_force and scene.interaction.method == "superposition":
+        return 2.0 * largest
+    return capillarity.truncation_radius(scene.interaction.accuracy, 2.0 * largest / length) * length
 
 
 def _restitution(scene: FloatingScene) -> float:
