@@ -85,7 +85,7 @@ class BorrowingLower(Lower):  # type: ignore[misc]  # Numba's types are skipped:
         super().init()
         self.borrowed = borrowed_variables(self.func_ir, self.fndesc.typemap) if self.generator_info is None else ()
         self.counted: dict[Any, bool] = {}
-        _ = self.context.nrt  # made here, where it counts, since it is kept
+        _ = self.context.nrt  # created while references are counted, since it is cached
 
     def lower_inst(self, inst: Any) -> None:
         """Write the code of one statement."""

@@ -91,7 +91,7 @@ def _temporary() -> Path:
 
 
 class DamagedError(ValueError):
-    """A file that holds something else than was written."""
+    """A file whose content differs from what was written."""
 
 
 def read(name: str) -> bytes | None:
@@ -107,7 +107,7 @@ def read(name: str) -> bytes | None:
     try:
         with place.open("rb") as file:
             if writable_for_others(os.fstat(file.fileno())):
-                return None  # and replaced, since what is unpickled is run
+                return None  # such a file is replaced: unpickling runs code
             whole = file.read()
     except OSError:
         return None

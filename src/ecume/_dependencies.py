@@ -103,7 +103,7 @@ def text_digest(files: Iterable[Path]) -> str:
 
 def _lines(function: Any, classes: Iterable[type]) -> Iterator[str]:
     """Descriptions of all that a walk reaches, breadth first: the order is that of the names in the code."""
-    seen: dict[int, Any] = {}  # by identity, and kept, since choices may make functions
+    seen: dict[int, Any] = {}  # by identity, with a reference, since choices may create functions
     ahead: deque[Any] = deque([function, *classes])
     points: list[Any] = []
     kinds: list[type] = []
@@ -237,7 +237,7 @@ def _module(module: ModuleType, named: list[Any], words: frozenset[str]) -> str:
     if _of_library(module.__name__):
         return f"module {module.__name__}"
     inside = vars(module)
-    # In a module that a module names, the same words without its own, so that the recursion ends.
+    # In a module named by a module, the words without the name of the latter, so that the recursion ends.
     rest = words - {module.__name__.rpartition(".")[2]}
     found = [f"{name} {_value(inside[name], named, rest - {name})}" for name in sorted(words & inside.keys())]
     return f"module {module.__name__} {found}"
@@ -260,7 +260,7 @@ def _thing(value: Any, named: list[Any]) -> str:
     if isinstance(value, type) and issubclass(value, enum.Enum):
         return f"{name} {[_value(member, named) for member in value]}"
     if isinstance(value, type) and (issubclass(value, BaseException) or is_dataclass(value)):
-        return name  # raised, or of no use to compiled code
+        return name  # it is only raised, or compiled code cannot use it
     if is_dataclass(value) and not isinstance(value, type) and value.__dataclass_params__.frozen:  # type: ignore[attr-defined]
         return f"{name} {[_value(getattr(value, field.name), named) for field in fields(value)]}"
     raise UnknownThingError(name)

@@ -123,8 +123,8 @@ class DiskCache:
         name = self.file_name(signature, target.codegen())
         if name is None:
             return None
-        # Threads must run before code that calls them is linked. Numba sees to that where a function was compiled
-        # together with its threaded parts; one made from parts of the disk would jump to nowhere.
+        # Threads must run before code that calls them is linked. Numba starts them if a function was compiled together
+        # with its threaded parts; one linked from parts on disk would jump to an invalid address.
         numba.get_num_threads()
         try:
             data = _cache.read(name)
@@ -174,9 +174,9 @@ def _hash_of_type(options: Any) -> int:
 TargetConfig.__hash__ = _hash_of_type
 
 
-# Numba optimizes and emits every function, and again inside each of its callers, and theirs: with calls nested eight
-# deep most of a compilation was the same work done over. Here what compiled code calls is a part: typed and lowered
-# once, and optimized where it ends up, in the whole that Python calls.
+# Numba optimizes and emits every function again inside each of its direct and indirect callers: with calls nested eight
+# deep most of a compilation was repeated work. Here a called function is a part: typed and lowered once, and optimized
+# only in the function that Python calls.
 
 
 class WholeLibrary(JITCodeLibrary):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
@@ -201,8 +201,8 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
         pass
 
     def _finalize_final_module(self) -> None:
-        # No search for addresses of this process, which keep code from the disk: most are gone once a whole is
-        # optimized, and the whole looks for those that are left.
+        # Parts are not searched for addresses of this process, with which code cannot be stored: most vanish by
+        # optimization, and the optimized function is searched for the others.
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:

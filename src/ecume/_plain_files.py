@@ -196,7 +196,7 @@ def append(file: FileIO, content: bytes) -> None:
         while left:
             left = left[file.write(left) :]
     except OSError:
-        with contextlib.suppress(OSError):  # the refusal is what matters
+        with contextlib.suppress(OSError):  # the file is refused in any case
             os.ftruncate(file.fileno(), before)
         raise
 
@@ -252,7 +252,7 @@ def _group_limits() -> Iterator[int]:
             for kind in {"", "memory"} & set(controllers.split(",")):
                 root, name = GROUP_LIMITS[kind]
                 group = Path(place.lstrip("/"))
-                # In a container the group may be outside of what is mounted: the root is then its own.
+                # In a container the path of the group may not be mounted: the root is then that of the group.
                 for folder in (group, *group.parents):
                     with contextlib.suppress(OSError, ValueError):
                         yield int((root / folder / name).read_text())

@@ -133,7 +133,7 @@ class Apart(Dispatcher):
         arrays = [as_array(next(numbers), kind, tuple(islice(numbers, axes))) for kind, axes in self.kinds]
         try:
             return int(self(*arrays))
-        except KeyboardInterrupt:  # which compiled code cannot hand on
+        except KeyboardInterrupt:  # which compiled code cannot raise
             threading.Timer(0.05, _thread.interrupt_main).start()
             return 0
 

@@ -33,7 +33,7 @@ def papers_of(scene: Scene) -> list[str]:
     try:
         laws = model.laws(scene)
     except KeyError:
-        model.parameters(scene)  # says which name of the scene has no law
+        model.parameters(scene)  # raises an error for a name without a law
         raise
     found = [key for law in laws for key in cited(inspect.getdoc(law) or "")]
     return [key for key in dict.fromkeys(found) if key in bibliography()]

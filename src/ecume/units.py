@@ -34,7 +34,7 @@ Value = TypeVar("Value", float, Array)
 
 LONGEST_TEXT = 40
 QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(.*?)\s*", re.DOTALL)
-# Pint's own parser would work out `m**9**9**9`; it is given only what this grammar lets through, one digit to a power.
+# Pint's parser would evaluate `m**9**9**9`; it receives only texts of this grammar, with exponents of one digit.
 FACTOR = r"[A-Za-zµμ°%Ω_]+(?:(?:\^|\*\*)?-?[0-9])?"
 PRODUCT = rf"{FACTOR}(?:\s*[* ]\s*{FACTOR})*"
 UNIT = re.compile(rf"(?:{PRODUCT}|1(?=\s*/))(?:\s*/\s*(?:{FACTOR}|\({PRODUCT}\)))*")
@@ -350,7 +350,7 @@ def _in_base_units(unit: str, symbol: str) -> Any:
     """One `unit` in base units by Pint; radians are distinguished from plain numbers."""
     try:
         one, none = (_registry().Quantity(value, unit).to_base_units() for value in (1.0, 0.0))
-    except Exception:  # Pint leaks its tokenizer's and registry's errors; all of them mean an unknown unit.
+    except Exception:  # Pint raises errors of its tokenizer and registry; all of them mean an unknown unit.
         raise ValueError(f"no such unit as {unit!r}; write for example {example(symbol)!r}") from None
     if none.magnitude != 0.0:
         raise ValueError(f"{unit!r} has an offset; write the value in {symbol}")
@@ -436,7 +436,7 @@ NumberPerArea = Annotated[float, Unit("1/m^2")]
 NumberPerVolume = Annotated[float, Unit("1/m^3")]
 Temperature = Annotated[float, Unit("K")]
 
-# The same for functions that welcome arrays where a float is.
+# The same for functions that also accept arrays.
 Lengths = Annotated[Real, Unit("m")]
 Forces = Annotated[Real, Unit("N")]
 Energies = Annotated[Real, Unit("J")]
@@ -478,7 +478,7 @@ def range_with_prefix(values: Iterable[float], unit: str, digits: int = 4) -> st
     >>> range_with_prefix([0.002, 0.0004, 0.001], "m"), range_with_prefix([1e-6, 1e-6], "N")
     ('0.4 to 2 mm', '1 µN')
     """
-    ordered = sorted(value + 0.0 for value in values)  # no minus before a zero
+    ordered = sorted(value + 0.0 for value in values)  # converts -0.0 to 0.0
     scale, prefix = _prefix(max(abs(ordered[0]), abs(ordered[-1])), unit, digits)
     low, high = (f"{end / scale:.{digits}g}" for end in (ordered[0], ordered[-1]))
     return f"{low if low == high else f'{low} to {high}'} {prefix}{unit}"
@@ -490,7 +490,7 @@ def _prefix(size: float, unit: str, digits: int) -> tuple[float, str]:
     if not size or not math.isfinite(size) or not order:
         return 1.0, ""
     rounded = size * (1.0 + 0.5 * 10.0 ** (1 - digits))
-    least = 0.1**order if order > 1 else 1.0  # 0.43 µm^2/s, and not 430,000 nm^2/s
+    least = 0.1**order if order > 1 else 1.0  # 0.43 µm^2/s instead of 430,000 nm^2/s
     power, prefix = next((one for one in PREFIXES if rounded >= least * 10.0 ** (order * one[0])), PREFIXES[-1])
     return (1.0, "") if unit == "s" and power > 0 else (10.0 ** (order * power), prefix)
 

@@ -106,7 +106,7 @@ def residence_times(frames: Frames) -> Residence:
         entered[there] = between
         gone = ~inside(frame)
         fresh = np.flatnonzero(gone & np.isnan(left[: len(gone)]))
-        left[fresh] = between if k else -np.inf  # left before the first frame
+        left[fresh] = between if k else -np.inf  # these left before the first frame
     stayed = (left - entered)[np.isfinite(left)]
     error = float(stayed.std(ddof=1) / np.sqrt(len(stayed))) if len(stayed) > 1 else float("nan")
     mean = float(stayed.mean()) if len(stayed) else float("nan")

@@ -191,7 +191,7 @@ def neighbor_swaps(frames: Iterable[Frame], *, firm: float = FIRM, box: Box | No
     for number, frame in enumerate(frames):
         found = _found(frame, firm, box)
         if number == 0:
-            # Four that meet in a point have no defined neighbors: they make no event.
+            # Four cells that meet in a point have no defined neighbors, and cause no event.
             linked = {pair: _Seen(frame.time, w, frame.time if sure else math.nan) for pair, (w, sure) in found.items()}
             continue
         place = _place_of(frame, box)

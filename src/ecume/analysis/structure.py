@@ -89,7 +89,7 @@ class Region(NamedTuple):
         if self.radius > 0.0:
             return 2.0 * self.radius
         start, side = self._sides()
-        # From each corner to the sides that do not begin or end there.
+        # From each corner to the sides that it does not belong to.
         along = np.einsum("kjd,jd->kj", start[:, None] - start, side) / (side**2).sum(axis=1)
         foot = start + np.clip(along, 0.0, 1.0)[:, :, None] * side
         apart = np.linalg.norm(start[:, None] - foot, axis=2)
@@ -111,7 +111,7 @@ class Region(NamedTuple):
         side = self._sides()[1]
         before = np.roll(side, 1, axis=0)
         across, along = before[:, 0] * side[:, 1] - before[:, 1] * side[:, 0], (before * side).sum(axis=1)
-        # cot of the angle inside is minus that of the turn, whose size is pi less the angle.
+        # cot of the interior angle is minus that of the exterior angle, pi minus the interior one.
         corners = np.sum(1.0 - np.arctan2(across, along) * along / across)
         perimeter = np.linalg.norm(side, axis=1).sum()
         return np.asarray(self.area - perimeter / np.pi * shift + corners / (4.0 * np.pi) * shift**2)
@@ -152,7 +152,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
         position = frame.arrays["position"][inside(frame)]
         count, size = len(position), np.array(region.size)
         tree = cKDTree(np.mod(np.mod(position, size), size), boxsize=size) if region.periodic else cKDTree(position)
-        # Each particle is at distance 0 of itself, at the first edge already, and cancels in the difference.
+        # The pairs of particles with themselves, at distance 0, cancel in the differences.
         counts += np.diff(tree.count_neighbors(tree, np.asarray(edges)))
         pairs += count * (count - 1.0)
     return np.asarray(counts / (pairs * random_pairs))

@@ -123,7 +123,7 @@ def validate(
     if not names and not everything and not quick:
         from ecume.made_from import age_of, recorded
 
-        # Records come with a checkout. Whether they hold is read from the code, which takes a second.
+        # Only checkouts contain records. Comparing their digests with the code takes a second.
         known = recorded("validation")
         ages = [age_of(known.get(case.name), case.module, case.name) if known else "" for case in cases.values()]
         rows = zip(cases.values(), ages, strict=True)
@@ -171,7 +171,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
     if record is not None:
         from ecume.made_from import digest_of
 
-        # Processor time: wall time depends on what else the machine does.
+        # Processor time: wall time depends on other processes.
         seconds, made_from = time.process_time() - worked, digest_of(case.module, case.name)
         keep(record, case.name, {"made_from": made_from, "seconds": seconds, "rows": plain})
     return {"case": case.name, "met": bool(rows) and met == len(rows), "rows": plain}

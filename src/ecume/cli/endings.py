@@ -73,7 +73,7 @@ def _usage_errors_as_messages() -> Iterator[None]:
         yield
     except USAGE_ERROR as error:
         context: Any = getattr(error, "ctx", None)
-        if type(error).__name__ == "NoArgsIsHelpError":  # the help itself
+        if type(error).__name__ == "NoArgsIsHelpError":  # the message is the help
             raise
         message: Any = getattr(error, "format_message")  # noqa: B009  # an attribute of the usage errors alone
         say(f"{_in_style(message())}; see {context.command_path if context else 'ecume'} --help")

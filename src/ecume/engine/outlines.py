@@ -389,7 +389,7 @@ ON_SURFACE, ON_AXES = 1e-12, 1e-9
 moments.
 """
 OVERLAP, SAME = 1e-4, 1e-9
-"""The part of a volume from which shells count as overlapping, and the distance over the height below which two
+"""The fraction of a volume above which shells count as overlapping, and the distance over the height below which two
 crossings count as one.
 """
 

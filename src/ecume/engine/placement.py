@@ -239,7 +239,7 @@ def place_on_lattice(count: int, spacing: float, center: Sequence[float]) -> Arr
     rings = math.ceil(math.sqrt(count)) + 1
     first, second = np.meshgrid(np.arange(-rings, rings + 1), np.arange(-rings, rings + 1))
     points = np.stack([(first + 0.5 * second).ravel(), (math.sqrt(0.75) * second).ravel()], axis=1)
-    # Rounded, so that points at equal distances keep one order on every machine.
+    # Rounded, so that points at equal distances have the same order on every machine.
     distance = np.round(np.hypot(points[:, 0], points[:, 1]), 9)
     angle = np.round(np.arctan2(points[:, 1], points[:, 0]), 9)
     nearest = np.lexsort((angle, distance))[:count]

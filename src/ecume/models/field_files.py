@@ -185,7 +185,7 @@ def _of_vtk(path: Path, names: Names, unit: float) -> tuple[list[Array], Array, 
     elif not hasattr(data, "GetSpacing"):
         raise BadInput(f"{path.name}: its grid is curvilinear; expected one of equal steps", "file")
     else:
-        # Not the origin, which need not be a node.
+        # The bounds, since the origin need not be a node.
         spans = zip(data.GetBounds()[::2], data.GetSpacing(), counts, strict=True)
         every = [origin + step * np.arange(count) for origin, step, count in spans]
     points = data.GetPointData()

@@ -292,7 +292,7 @@ def _stream_nodes(
     inside = tuple(slice(SPARE, -SPARE) if axis in wrapped else slice(None) for axis in (0, 1))
     land: Flags = np.asarray(np.isnan(whole).any(axis=-1))
     u, w = (np.where(land, 0.0, whole[..., axis]) for axis in (0, 1))
-    # Fluxes through edges along z and along x, in the order in which the stream function rises.
+    # Fluxes through edges along z and along x, with the signs of the increments of the stream function.
     up, along = step[1] * _line_integrals(u, land, 1)[inside], -step[0] * _line_integrals(w, land, 0)[inside]
     mixed = 0.5 * (_slope(u, 0) * step[1] - _slope(w, 1) * step[0])
     mixed = np.where(_grown(land), 0.0, mixed)[inside]

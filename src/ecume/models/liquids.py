@@ -11,7 +11,7 @@ from ecume.models.model import Source
 from ecume.units import ROOM
 
 DENSEST_GAS = 0.1
-"""Density of the gas over that of the liquid above which it is taken for a liquid: gases at 30 bar are below it."""
+"""The ratio of densities above which the gas counts as a liquid; gases at 30 bar are below it."""
 
 
 class Material(NamedTuple):

@@ -94,7 +94,7 @@ class StatusFile:
         report = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
         try:
             write(self._home, self._home.status, report, settled=False)
-        except StorageError as error:  # Windows, while another process reads it: the next second is soon enough
+        except StorageError as error:  # on Windows, while another process reads it: it is written again within a second
             if os.name != "nt" or not isinstance(error.__cause__, PermissionError):
                 raise
 

@@ -52,7 +52,7 @@ def list_runs(folder: str | os.PathLike[str] = ".") -> list[RunSummary]:
 def _runs_below(folder: Path) -> Iterator[Path]:
     for root, folders, files in os.walk(folder):
         if "manifest.json" in files and ("resolved.json" in files or "traj" in folders):
-            folders.clear()  # runs are not nested
+            folders.clear()  # runs do not contain further runs
             yield Path(root)
         folders.sort()
 

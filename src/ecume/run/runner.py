@@ -210,7 +210,7 @@ def _completed(home: RunDirectory) -> RunResult | None:
         return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
     note(home, "damaged after it was done", files=damaged)
     warnings.warn(f"{home.path}: {', '.join(damaged)}: damaged after the run was done; computed again", stacklevel=1)
-    if home.samples.name in damaged and home.samples.exists():  # checkpoints of earlier versions do not notice
+    if home.samples.name in damaged and home.samples.exists():  # not in checkpoints of earlier versions
         checkpoints.set_aside(home, home.samples)
     with storing(home.done):
         home.done.unlink()
@@ -309,7 +309,7 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
             session.follow(moments, request)
         session.succeed()
     except BaseException as error:
-        with contextlib.suppress(StorageError):  # a full disk has no room for this either
+        with contextlib.suppress(StorageError):  # on a full disk this fails, too
             session.fail(error)
         raise
     at = session.at
@@ -361,7 +361,7 @@ class _Session:
             if not begun:
                 self._begin(moment)
                 begun = True
-                if moment.step == 0:  # particles placed again on another processor might differ in their last digits
+                if moment.step == 0:  # random positions may have other last digits on another processor
                     self._save(moment, 0)
             before = self._recording.frames
             self._take(moment)

@@ -169,7 +169,7 @@ def _further(function: FunctionType, path: str, seen: set[int], *, known: bool) 
     names = _names(function.__code__)
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     used = {name: function.__globals__[name] for name in names if name in function.__globals__}
-    with contextlib.suppress(ValueError):  # a cell that is not filled yet
+    with contextlib.suppress(ValueError):  # the variable of a closure without a value yet
         used |= {name: cell.cell_contents for name, cell in cells}
     outside = inspect.getclosurevars(function)
     found = {**outside.globals, **outside.nonlocals} if known else {}

@@ -95,7 +95,7 @@ def _scene_file(home: RunDirectory) -> Iterator[str]:
         manifest = manifest_of(home)
     try:
         content = to_toml(from_plain(scene_at(home.path, manifest))).encode()
-    except EcumeError:  # damaged, too; that is named
+    except EcumeError:  # it is damaged, too, and reported separately
         return
     if home.scene.exists():
         set_aside(home, home.scene)
@@ -361,7 +361,7 @@ def _numbers(home: RunDirectory, good: int, frames: int) -> list[str]:
         return [str(error)]
     if len(rows) > frames:
         return [f"{home.trajectory}: {len(rows) - frames} frames are missing; {home.scalars.name} has their numbers"]
-    if identity_of(home) and len(rows) < frames - (not home.done.exists()):  # a process is killed between the two
+    if identity_of(home) and len(rows) < frames - (not home.done.exists()):  # a process killed between both
         return [f"{home.scalars}: damaged: has {len(rows)} lines; expected {frames}"]
     if good < frames or not rows:
         return []

@@ -122,7 +122,9 @@ MOST_FAULTS = 500
 
 
 class Inconsistent(ValueError):
-    """Values that are right one by one and do not fit together; each with its path below the piece that complains."""
+    """Values that are valid separately but inconsistent with one another; each with its path relative to the checked
+    object.
+    """
 
     def __init__(self, complaints: Sequence[tuple[Path, str]]) -> None:
         self.complaints = tuple(complaints)

@@ -76,7 +76,7 @@ RANGES = (
         r"floating (dish|particles|rows)\..*(radius|size|spacing|positions|center|[xy])", (1e-9, 1.0), (1e-9, 50.0),
         ("cm", "mm", "um"),
     ),
-    # Fields may be of oceans.
+    # Fields may be as large as oceans.
     Range(r"tracers .*\.(low|high|center|vertices|positions|heights)", (1e-12, 1e3), (1e-12, 1e8), LENGTHS),
     Range(r"(soft|tracers) (particles|films)\..*", (1e-12, 10.0), (1e-12, 1e3), LENGTHS),
     Range(

@@ -144,7 +144,7 @@ def _items(kind: Any) -> Any:
 
 
 def _parts(kind: Any) -> Iterator[Any]:
-    """An annotation, and those that it is a choice of."""
+    """An annotation and, for a union, its members."""
     yield kind
     if typing.get_origin(kind) is not tuple:
         for part in typing.get_args(kind):

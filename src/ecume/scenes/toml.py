@@ -46,7 +46,7 @@ def require_shallow_keys(text: str) -> None:
 
 
 def _shallow(raw: dict[str, Any]) -> dict[str, Any]:
-    """The same tables. Raises RecursionError if they are nested too deeply for later readers."""
+    """The tables unchanged. Raises RecursionError if they are nested too deeply for later readers."""
     level: list[Any] = [raw]
     for _ in range(DEEPEST):
         level = [item for each in level for item in (each.values() if isinstance(each, dict) else each)]

@@ -41,7 +41,7 @@ def merged(error: SceneError, file: File, overrides: Sequence[str], examine: Cal
     """The faults of a scene, and those of its valid part, in the order of the file."""
     try:
         text, syntax = without_bad_lines(source_of(file))
-    except SceneError:  # there is no such file
+    except SceneError:  # the file does not exist
         return list(error.faults)
     faults = [*syntax] if syntax else list(error.faults)
     if syntax:

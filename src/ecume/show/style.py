@@ -54,7 +54,7 @@ STYLE: dict[str, Any] = {
     "legend.fontsize": 8.5,
     "axes.formatter.use_mathtext": True,
     "axes.formatter.limits": (-3, 4),
-    # Text stays text in vector files, and the same figure gives the same file.
+    # Vector files contain text instead of outlines, and equal figures give equal files.
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
     "svg.hashsalt": "ecume",
@@ -194,7 +194,7 @@ def save(drawn: Figure, out: Path) -> Path:
         raise BadInput(
             f"{out.name}: no such kind of picture as {out.suffix!r}; expected one of .{', .'.join(sorted(known))}"
         )
-    # A date would make two equal figures unequal files.
+    # With a date, the files of equal figures would differ.
     undated: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     kind = out.suffix[1:].lower()
     try:

@@ -212,7 +212,7 @@ class Tank(Picture):
     ) -> None:
         self.setting, self.coloring = setting, coloring
         self.view = view_of(setting, sample)
-        # Without a bar of colors or a legend there is nothing beside the tank.
+        # Space beside the tank only for a color bar or a legend.
         side = SIDE if coloring is not None or len(setting.kinds) > 1 else 0.0
         self.figure = blank(size, self.view, side)
         with style():

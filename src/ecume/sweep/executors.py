@@ -156,7 +156,7 @@ def _spread(client: Any, jobs: Sequence[Job], options: ExecutorOptions) -> Itera
     """
     import distributed
 
-    library: Any = distributed  # the library has no types
+    library: Any = distributed  # the library has no type annotations
     folders = {str(job.folder.resolve()): job for job in jobs}
     kept = {"retries": options.retries, "pure": False}
     futures = {client.submit(work, folder, options.laws, **kept): job for folder, job in folders.items()}
@@ -192,7 +192,7 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         import distributed
     except ImportError as error:
         raise BadInput(f"many workers need Dask, which is not installed: {install('sweep')}, or --workers 1") from error
-    library: Any = distributed  # the library has no types
+    library: Any = distributed  # the library has no type annotations
     for name in ("distributed", "distributed.client"):  # ecume reports failures in one line
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if options.scheduler is not None:

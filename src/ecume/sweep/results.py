@@ -207,7 +207,7 @@ def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, 
         known = run.units
     found = {}
     for text in columns:
-        with contextlib.suppress(ValueError):  # a column that is not such a measure
+        with contextlib.suppress(ValueError):  # a column that is not a measure in text form
             words = read_measure(text)
             found[text] = "s" if words.way == "first" else known.get(words.number, "1")
     return found

@@ -249,7 +249,7 @@ class Header(NamedTuple):
 
 
 FORMER_NUMBERS = {"came": "particles_entered", "left": "particles_left", "lost": "particles_lost"}
-"""The present names of numbers that files of former versions contain under others."""
+"""The present names of numbers by their names in files of former versions."""
 FORMER_BEGINNINGS = {"came_through_opening_": "entered_through_opening_"}
 """The same for the beginnings of numbered names."""
 

@@ -91,7 +91,7 @@ def replacing(path: Path, root: Path | None = None, *, settled: bool = True) -> 
         if root is None:
             remove_abandoned(place.path)
         try:
-            part.unlink()  # of a process that was killed, or a link that another user made
+            part.unlink()  # a partial file of a killed process, or a link by another user
             with BufferedRandom(part.open("w+")) as file:
                 yield file
                 file.flush()

@@ -264,7 +264,7 @@ class GrowingSegment:
         self.size = max(names_end, self._location + len(block), _data_end(entries))
         self._put(header_of(self._location, self._room, self._names), 0)
         self._put(block, self._location)
-        if (gap := self._location - max(names_end, _data_end(entries))) > 0:  # of frames that were cut away
+        if (gap := self._location - max(names_end, _data_end(entries))) > 0:  # the names of removed frames
             self._put(bytes(gap), self._location - gap)
         with storing(self.path):
             self._file.truncate(self.size)

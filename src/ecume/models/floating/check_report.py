@@ -422,7 +422,7 @@ def _slope_remark(slopes: Sequence[float]) -> str:
 
 def _numbers(values: Iterable[float], digits: int = 4) -> str:
     """The least and the greatest of some values, or the common value."""
-    ordered = sorted(value + 0.0 for value in values)  # no minus before a zero
+    ordered = sorted(value + 0.0 for value in values)  # converts -0.0 to 0.0
     return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
 
 

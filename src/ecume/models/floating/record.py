@@ -74,8 +74,8 @@ SHORTER, LONGEST = 4.0, 1e3
 
 
 def _who_and_what(parameters: Parameters, state: State) -> tuple[str, float]:
-    """The float with a position or velocity that is not finite, the separated pair, or the fastest float; and how far
-    it would move in a step (m).
+    """The cause of a failure: the float with a position or velocity that is not finite, the pair moved apart by
+    contacts, or the fastest float; and its displacement in a step (m).
     """
     broken = first_broken({"position": state.position, "velocity": state.velocity})
     if broken is not None:

@@ -232,7 +232,7 @@ def sum_gradients(
     """
     code, dimension = constants[0].kernel, INDEX(closing.shape[0])
     inverse, scale = constants[0].inverse_length, constants[0].slope_factor
-    factor = scale / (inverse * inverse)  # of the kernel
+    factor = scale / (inverse * inverse)  # the sum of the kernel
     density, time, full = numbers
     rate = pull[2 * dimension] * pull[2 * dimension]
     zero, one, lighter, deep = 0.0, 1.0, 1.0 / density, closing.shape[0] == 3

@@ -163,7 +163,7 @@ def bytes_per_particle(scene: SphScene) -> float:
     reach = 1.1 * kernel_of(scene).support * smoothing_of(scene)
     neighbors = likely_neighbors(dimension, reach / scene.spacing)
     frame = 2 * dimension + 8
-    vectors = 7 * dimension  # five of the state, one in the cells, and the last acceleration
+    vectors = 7 * dimension  # five vectors of the state, one in the cells, and the last acceleration
     return 8.0 * (FIELDS + RATES + RECORD + vectors + SCALARS + COPIES * frame) + 4.0 * neighbors
 
 

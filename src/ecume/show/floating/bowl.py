@@ -88,7 +88,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
 
 
 class Bowl(Picture):
-    """An open picture: `show` puts a frame into it, `pixels` gives what is then seen.
+    """An open picture: `show` puts a frame into it, `pixels` returns the picture.
 
     `sample` are frames of the run: from them the picture takes its extent, its colors' range and the floats' sizes.
     """

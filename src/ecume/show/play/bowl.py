@@ -47,7 +47,7 @@ class Slosh(NamedTuple):
 def slosh_frequency(scene: FloatingScene) -> float:
     """Angular, of the first mode (1/s)."""
     liquid = liquid_of(scene)
-    dish: Any = scene.dish  # one plays with floats in a dish only
+    dish: Any = scene.dish  # games require a dish
     tension = liquid.surface_tension / liquid.density
     return float(wave_frequency(sloshing_wavenumber(dish), DEPTH, liquid.gravity, tension))
 
@@ -240,7 +240,7 @@ class Bowl:
         """Continue with another scene from the present positions."""
         model = MODELS["floating"]
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # superposition's errors are reported by `ecume check`, once
+            warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
             parameters = model.parameters(_hurried(scene))
             state = model.start(_hurried(scene), parameters)
         self._flow, self._own = parameters.drift.flow.copy(), parameters.drift.flow[:2].copy()

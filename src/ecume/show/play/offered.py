@@ -174,7 +174,7 @@ def parameters_in(scene: FloatingScene, made: Filled) -> Parameters:
     """The constants of a bowl for floats of all kinds that the page offers."""
     ends = tuple(dataclasses.replace(spec, name=f"end {k}") for k, spec in enumerate(made.ends))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # superposition's errors are reported by `ecume check`
+        warnings.simplefilter("ignore")  # warnings on errors of superposition, which `ecume check` reports
         parameters: Parameters = MODELS["floating"].parameters(dataclasses.replace(scene, particles=ends, rows=()))
     return parameters._replace(drift=parameters.drift._replace(flows=True))
 

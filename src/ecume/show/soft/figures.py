@@ -142,7 +142,7 @@ def _mark_unsettled(axes: Axes, flows: Sequence[SteadyFlow], x: Sequence[float],
 
 def steady_states(frames: Frames, scene: SoftScene) -> Figure:
     """Shear stress and pressure over strain, and where each part of the protocol is stationary."""
-    frames = list(frames)  # read once: the parts of the run hold all of them
+    frames = list(frames)  # all frames are read once
     flows = _required_flows(frames, scene)
     shear, pressure = series(frames, number("shear_stress"), number("pressure"))
     scale, strain = scale_for(float(np.abs([shear, pressure]).max()), frames[0].units["shear_stress"]), sheared(frames)

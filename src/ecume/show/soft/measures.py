@@ -159,7 +159,7 @@ def _outlines(axes: Axes, frame: Frame) -> Scale:
     margin = float(radius.max())
     around = copies(position, box, margin)
     sides = np.zeros(2) if box is None else box.sides
-    # Half the line width of the outermost circles is outside of the spheres.
+    # Half of the line width of the outermost circles is outside of the spheres.
     room = 1.04 * margin
     low, high = np.where(sides > 0.0, [np.zeros(2), sides], [position.min(axis=0) - room, position.max(axis=0) + room])
     scale = scale_for(float(np.abs([low, high]).max()), "m")

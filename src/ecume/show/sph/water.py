@@ -109,7 +109,7 @@ def scenery_of(scene: SphScene, frame: Frame, values: Array) -> Scenery:
         low = np.maximum(low, liquid.position.min(axis=0) - reach)
         high = np.minimum(high, liquid.position.max(axis=0) + reach)
     solids = solids_of(scene, frame)
-    for solid in solids:  # also those that stand higher than the liquid
+    for solid in solids:  # including solids above the liquid
         ends = solid.middle + np.concatenate(edges_of(*solid.shape.bounds())) @ solid.turn.T
         low = np.minimum(low, np.maximum(ends.min(axis=0), scene.tank.low))
         high = np.maximum(high, np.minimum(ends.max(axis=0), scene.tank.high))

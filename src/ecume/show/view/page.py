@@ -323,7 +323,7 @@ def still(frame: Frame) -> str:
     """One frame as HTML, with particles and numbers but without walls, which only scenes contain."""
     stage = bare_stage(frame)
     facts = {"title": f"at {frame.time:.6g} s", "model": "", "facts": [], "papers": [], "scene": "", "live": False}
-    # One instant is no curve.
+    # Curves require more than one instant.
     header: dict[str, Any] = {**facts, "up": "y", **looks(frame, frame, stage), "shown": ()}
     return _framed(page(header, [pack([frame], stage)]))
 
@@ -418,7 +418,7 @@ class Source:
 
     def frames(self, begin: int) -> bytes:
         """The frames since the page's last one: the length of a JSON, the JSON, bytes of the frames."""
-        state = self.state()  # asked first: who has heard of the end has all that was written before
+        state = self.state()  # read before the frames: after the end of the run no frames are added
         with self._lock:
             trajectory, stage = self._opened()
             count = trajectory.refresh()
@@ -466,4 +466,4 @@ def serving(source: Source) -> Iterator[str]:
             end = time.monotonic() + FAREWELL
             while source.asked and not source.end_reported and time.monotonic() < end:
                 time.sleep(EVERY)
-            time.sleep(EVERY)  # the last answer may be on its way
+            time.sleep(EVERY)  # the last response may still be in progress

@@ -86,7 +86,7 @@ class Multipoles(NamedTuple):
     inertia: Array
     """(N,) kg m^2, of floats that turn; empty if no float turns"""
     friction: Array
-    """(N,) N m s, against their turning"""
+    """(N,) N m s, rotational friction"""
     advances_angles: bool = True
     """whether angles advance here instead of with the contacts"""
 

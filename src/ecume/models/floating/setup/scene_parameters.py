@@ -98,7 +98,7 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     )
     if split is not None:
         plain = cut_off(plain, split[1])
-    _require_memory(len(plain.floats.mass), _memory_of_lists(plain))  # before parts with constants of each float
+    _require_memory(len(plain.floats.mass), _memory_of_lists(plain))  # before large arrays of parts
     built = [row.make(plain, scene) for row in chosen.interactions if row is not INTERACTIONS["grid"]]
     if split is not None:
         short = Superposed(law_in_precision(plain, split[0].short))
@@ -289,7 +289,7 @@ def chosen_by(scene: FloatingScene) -> Chosen:
         contacts=CONTACTS["outlines"] if scene.shaped else hydrodynamics.contact_model(solved),
         requested_contacts=requested,
         hydrodynamics=hydrodynamics,
-        # With forces within a step, four sums per step are still less work in compiled code.
+        # For integrators that evaluate forces within a step, four direct sums per step are faster than a grid.
         grid_allowed=plain and "kicks at the ends" in integrator.gives,
     )
 

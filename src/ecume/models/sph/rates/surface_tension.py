@@ -190,7 +190,7 @@ def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> Non
         if sides.mirrors[side]:
             axis = sides.normal[side]
             share -= 2.0 * axis[:, None] * (axis @ share)
-        # No particle has two images behind one side.
+        # A particle has at most one image behind a side, so that indices are unique.
         force[: parameters.dimension, images.source[here]] += share
 
 
@@ -252,7 +252,7 @@ def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: Gri
             before += (low[1] + b * step - planes[side, 1]) * planes[side, 4]
             before += (low[2] + c * step - planes[side, 2]) * planes[side, 5]
             inside = min(max(0.5 + before / step, 0.0), 1.0)
-            # Of a plane between two nodes each has a share; they sum to one wherever it is.
+            # A plane between two nodes is divided between them by linear weights.
             within = planes[side, 6] / step * max(0.0, 1.0 - abs(before) / step)
             wall = wall * inside + share * within
             share *= inside

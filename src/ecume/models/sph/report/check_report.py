@@ -456,7 +456,7 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _contact_angles(scene: SphScene) -> Row:
-    """The row on the angle of the liquid at walls, obstacles and bodies, with those of which it is different."""
+    """The row on the contact angle of the liquid, and on the walls, obstacles and bodies where it differs."""
     walls = wet_walls(scene)
     obstacles = {f"obstacles[{index}]": spec for index, spec in enumerate(scene.obstacles)}
     bodies = {f"bodies[{index}]": spec for index, spec in enumerate(scene.bodies)}

@@ -111,7 +111,7 @@ def viscosity_at(spec: RheologySpec | None, strain_rate: float) -> float:
 
 
 def largest_viscosity(scene: SphScene, fastest: float) -> float:
-    """Pa s with which a liquid creeps below yield; zero for one without rheology."""
+    """The viscosity of slow flow below the yield stress (Pa s); zero for liquids without rheology."""
     spec = scene.liquid.rheology
     if spec is None:
         return 0.0
@@ -419,8 +419,8 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     limits = limits_of(scene, material, bulk_viscosity_of(scene, material))
     longest = min(limits.values())
     step = scene.integration.time_step or longest
-    # The other limits are rules of thumb with a margin. A body that is too light for its time step diverges. So does
-    # late damping, since substeps follow from the speed of sound alone.
+    # The other limits are estimates with a margin. A body that is too light for its time step diverges; late damping,
+    # too, since the number of substeps follows from the speed of sound alone.
     lenient = NEARLY if limiter(limits) == DAMPING else LENIENT
     if step > min(lenient * longest, limits[BODIES]):
         message = f"got {step:g} s; {limiter(limits)} requires {longest:.3g} s or less"

@@ -180,7 +180,7 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     points, volumes = layers_around(scene, support)
     velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
     bearer = np.full(points.T.shape, -1)
-    # A lid moves its own layers; the corners belong to the walls beside it, which are at rest.
+    # A moving side moves its layers; layers in corners belong to the adjacent walls, which are at rest.
     for number in range(2 * len(low)):
         side, axis = side_of(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
@@ -429,7 +429,7 @@ TRIED = 200
 
 def _instants(drive: Drive, duration: float) -> Array:
     """Times of a run at which a path is compared with the walls."""
-    # The first ends suffice: a sine repeats itself.
+    # The extrema of the first periods suffice for a sine.
     ends = [((k + 0.5) * math.pi - drive.phase) / drive.turning for k in range(-3, 6) if drive.turning > 0.0]
     times = np.concatenate([np.linspace(0.0, duration, TRIED), drive.times, ends])
     return np.unique(times[(times >= 0.0) & (times <= duration)])
