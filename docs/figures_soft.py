@@ -10,12 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
+from studies import permeation as permeation_study
 from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, recorded
 
+from ecume._quick import sized
 from ecume.analysis.rheology import over_seeds
 from ecume.laws.friction import sliding_force
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
+from ecume.laws.permeability import degree_of_consolidation, excess_pressure
 from ecume.laws.soft_pair import PREFACTORS, SoftPair, passage_time, surface_force
 from ecume.laws.surfaces import bubble_force
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
@@ -25,8 +28,10 @@ from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
 from ecume.simulation import simulate
+from ecume_validation.permeation import MORE, PRESSURE, STEP, consolidation
 from ecume_validation.reproduced import t1_course, t1_durations, t1_phases
 from ecume_validation.rheology import computed, fitted
+from ecume_validation.runner import case_scene
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = (
@@ -261,7 +266,45 @@ def delay_under_stress() -> Figure:
     return drawn
 
 
+def permeation() -> Figure:
+    """Consolidation of a column beside Terzaghi's series, and the start of packings by their volume fraction."""
+    drawn = figure(9.4, 3.9)
+    left, right = drawn.subplots(1, 2)
+    frames = list(simulate(case_scene("permeation", sized((), ("duration=60", "frame_every=20")), name="column")))
+    height = frames[0].numbers["top_y"]
+    coefficient, last = consolidation(height)
+    later = [frame for frame in frames if frame.time > STEP]
+    unit = height**2 / coefficient
+    times = [(frame.time - STEP) / unit for frame in later]
+    settled = [(height - frame.numbers["top_y"]) / last for frame in later]
+    pressures = [frame.numbers["pore_pressure_bottom"] / (MORE * PRESSURE) for frame in later]
+    fine = np.linspace(1e-3, max(times), 200)
+    for values, series, color, label in (
+        (settled, lambda time: degree_of_consolidation(1.0, time, 1.0), PALETTE[2], "settlement"),
+        (pressures, lambda time: excess_pressure(1.0, 1.0, time, 1.0), PALETTE[1], "pore pressure at the bottom"),
+    ):
+        left.plot(fine, [series(time) for time in fine], color=INK, linewidth=1.0)
+        left.plot(times, values, "o", markersize=4, color=color, label=label)
+    left.set(xlabel="time × k M/(η H²)", ylabel="over the last or first value", ylim=(0.0, 1.05))
+    left.legend(loc="center right")
+    rows = [row for row in permeation_study.recorded() if row["rows"] == 8.0]
+    for name, marker, color, label in (
+        ("free", "s", PALETTE[0], "without permeation"), ("permeating", "o", PALETTE[1], "with permeation"),
+    ):  # fmt: skip
+        shift = 0.001 if name == "free" else -0.001
+        for ended, filled in ((True, color), (False, "none")):
+            some = [row for row in rows if (row[name] < permeation_study.LONGEST) == ended]
+            places = [row["volume_fraction"] + shift for row in some]
+            look = {"color": color, "markerfacecolor": filled, "markersize": 5}
+            right.plot(places, [row[name] for row in some], marker, label=label if ended else None, **look)
+    right.axhline(permeation_study.LONGEST, color=INK, linewidth=0.8, linestyle=":")
+    right.set(yscale="log", xlabel="volume fraction at the start", ylabel="time to a strain of 0.3 (s)")
+    right.legend(loc="center left")
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "soft-permeation": permeation,
     "t1-phases": t1_phases,
     "t1-course": t1_course,
     "t1-durations": t1_durations,

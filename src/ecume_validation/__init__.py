@@ -132,6 +132,11 @@ CASES: dict[str, Case] = {
         _case("rheology", "A soft packing above jamming: its flow curve over three decades, in pieces", long=True),
         _case("soft-glasses", "A packing with elastohydrodynamic films: the exponent of its flow curve", long=True),
         _case("suspensions", "Nearly rigid spheres: friction, jamming and thickening, beside fits", long=True),
+        _case(
+            "permeation",
+            "Liquid that permeates packings: Terzaghi's consolidation, late and early starts under stress",
+            long=True,
+        ),
         _case("tank", "A tank at rest, out of order at the start: pressure, level, speed, creep", long=True),
         _case("tank-schemes", "The tank at rest with other walls and kernels: what holds, what fails", long=True),
         _case("random-tanks", "Still water beside discs, balls and slanted surfaces in random tanks", long=True),

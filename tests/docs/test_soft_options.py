@@ -19,6 +19,7 @@ TABLES = {
     "[cell]": soft.CellSpec,
     "[preparation]": soft.PreparationSpec,
     "[hydrodynamics]": soft.SoftHydrodynamicsSpec,
+    "[permeation]": soft.PermeationSpec,
     "[[walls]]": soft.WallSpec,
     "[[protocol]]": soft.StageSpec,
     "[protocol.oscillation]": soft.OscillationSpec,

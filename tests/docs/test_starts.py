@@ -1,0 +1,39 @@
+"""The recorded starts of packings under stress are what the page says of them."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "physics" / "soft-permeation.md"
+ROW = re.compile(r"^\| (\d+) \| (0\.\d+) \| (\d) \| ([\d.]+ s|none) \| ([\d.]+ s|none) \|$", re.MULTILINE)
+
+
+def study():
+    spec = importlib.util.spec_from_file_location("permeation_study", DOCS / "studies" / "permeation.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def said(time, longest):
+    """A time as the page has it."""
+    return "none" if time >= longest else f"{time:g} s"
+
+
+def test_the_table_of_the_page_is_what_was_recorded():
+    module = study()
+    expected = [
+        (f"{row['rows']:g}", f"{row['volume_fraction']:g}", f"{row['seed']:g}",
+         said(row["permeating"], module.LONGEST), said(row["free"], module.LONGEST))
+        for row in module.recorded()
+    ]  # fmt: skip
+    assert ROW.findall(PAGE.read_text(encoding="utf-8")) == expected
+
+
+def test_loose_packings_start_earlier_with_permeation_and_the_densest_later():
+    rows = study().recorded()
+    assert all(row["permeating"] <= row["free"] for row in rows if row["volume_fraction"] <= 0.76)
+    dense = [row for row in rows if row["volume_fraction"] == 0.79]
+    assert dense
+    assert all(row["permeating"] > 5.0 * row["free"] for row in dense)
