@@ -222,7 +222,7 @@ def drag_factor() -> Figure:
 
 @cache
 def _bowl() -> tuple[Any, list[Frame]]:
-    """The template's bowl of cereals, run once for all its figures."""
+    """The template's bowl of cereal, run once for all its figures."""
     from ecume.simulation import simulate
 
     scene = load_scene(TEMPLATES / "cereal-bowl.toml")
@@ -255,7 +255,7 @@ def integrators() -> Figure:
 
 
 def cereal_bowl() -> Figure:
-    """The bowl of cereals after two seconds, as its movie shows it."""
+    """The bowl of cereal after two seconds, as its movie shows it."""
     scene, frames = _bowl()
     picture = Bowl(scene, [frames[0], frames[-1]], Size(780, 585))
     picture.show(next(frame for frame in frames if frame.time > 1.99))

@@ -9,6 +9,7 @@ from ecume.errors import BadInput, SceneError
 from ecume.scenes.templates import sweep_templates
 from ecume.sweep.directory import begun_or_laid_out, require_laws
 from ecume.sweep.executors import write_array
+from ecume.sweep.results import _unit_in
 from ecume.sweep.spec import READER, load_sweep, points_of, varied
 
 LAWS = [{"name": "yukawa", "sha256": "1" * 64}]
@@ -183,3 +184,10 @@ def test_templates_are_sweeps(tmp_path, name):
     spec = load_sweep(path).spec
     assert len(points_of(spec)) >= 3
     assert all(spec.named(key) for key in varied(spec))
+
+
+@pytest.mark.parametrize(
+    ("value", "unit"), [("2 mm", "mm"), ("1e-3 mN/m", "mN/m"), ("0.5 1/s", "1/s"), ("3", ""), (2.0, ""), ("cells", "")]
+)
+def test_the_unit_of_a_value_is_what_follows_the_number(value, unit):
+    assert _unit_in(value) == unit

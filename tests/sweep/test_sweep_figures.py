@@ -1,6 +1,7 @@
 """Figures of a sweep show the numbers of its table."""
 
 import csv
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ class Made:
     title, directory, drawn = "Costs $5", "nowhere", False
     axes = ("gap", "force", "repeat")
     ways = ("gap", "force")
+    written_units: ClassVar[dict[str, str]] = {}
 
     def units(self, columns):
         return {"gap": "m"}
@@ -46,6 +48,16 @@ def test_curves_are_means_with_their_errors():
     assert axes.get_xscale() == "log"
     assert axes.get_xlabel() == "gap (m)"
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["force 1", "force 2"]
+
+
+def test_an_axis_is_in_the_unit_of_the_file():
+    class Written(Made):
+        written_units: ClassVar[dict[str, str]] = {"gap": "mm", "force": "mN"}
+
+    (axes, *_) = sweep_figure(Written(), "curves").axes
+    assert axes.get_xlabel() == "gap (mm)"
+    np.testing.assert_allclose(axes.containers[0].lines[0].get_xdata(), [1.0, 10.0, 100.0])
+    assert Column("gap", np.array([2.0]), unit="mm", written=True).at(2.0) == "2 mm"
 
 
 def test_a_map_has_a_field_for_each_pair():
